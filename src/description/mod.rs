@@ -1,0 +1,96 @@
+//! What the author wrote: files in, typed descriptions out. Invariant: the only input files ever
+//! opened are opened here, through [`Files`], so the content hash covers all of them.
+
+mod files;
+pub mod gltf;
+pub mod image;
+pub mod obj;
+pub mod ron;
+
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use std::path::{Path, PathBuf};
+
+pub use files::Files;
+
+/// One input as read: a scene, and perhaps the sequence that wraps it.
+#[derive(Debug)]
+pub struct Description {
+    /// The file named on the command line.
+    pub path: PathBuf,
+    /// What is to be seen.
+    pub scene: SceneSource,
+    /// How it is to be rendered, if the input is a sequence.
+    pub sequence: Option<ron::SequenceFile>,
+    /// SHA-256 over every file read, in hexadecimal.
+    pub content_hash: String,
+}
+
+/// A scene in one of the formats we read.
+#[derive(Debug)]
+pub enum SceneSource {
+    /// Our own format, with its meshes and textures.
+    Ron(ron::LoadedScene),
+    /// A glTF file, with its buffers and images.
+    Gltf(gltf::GltfScene),
+}
+
+/// Why an input could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// A file is missing or cannot be read.
+    #[error("{}: error: cannot be read: {source}\n  expected: a readable file\n  remedy: check the path{}", path.display(), referrer.as_deref().map(|r| format!(" in {r}")).unwrap_or_default())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Which file and field asked for it.
+        referrer: Option<String>,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The files can be read but not used.
+    #[error("{0}")]
+    Invalid(Diagnostics),
+}
+
+impl From<Diagnostic> for LoadError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Invalid(Diagnostics(vec![diagnostic]))
+    }
+}
+
+/// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`.
+///
+/// # Errors
+/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with everything wrong that was found.
+pub fn load(path: &Path) -> Result<Description, LoadError> {
+    let mut files = Files::default();
+    let (scene, sequence) = match extension(path).as_str() {
+        "ron" => match ron::load(path, &mut files)? {
+            ron::RonFile::Scene(scene) => (SceneSource::Ron(scene), None),
+            ron::RonFile::Sequence(sequence) => {
+                let scene = load_scene(&sequence.scene_path, &mut files)?;
+                (scene, Some(sequence))
+            }
+        },
+        _ => (load_scene(path, &mut files)?, None),
+    };
+    Ok(Description { path: path.to_owned(), scene, sequence, content_hash: files.content_hash() })
+}
+
+fn load_scene(path: &Path, files: &mut Files) -> Result<SceneSource, LoadError> {
+    match extension(path).as_str() {
+        "ron" => ron::load_scene(path, files).map(SceneSource::Ron),
+        "glb" | "gltf" => gltf::load(path, files).map(SceneSource::Gltf),
+        other => Err(Diagnostic::error(
+            Place::File(path.to_owned()),
+            format!("the extension `{other}` is not one that is read"),
+        )
+        .expected("a .ron, .glb or .gltf file")
+        .remedy("export the scene as .glb, or describe it in RON (docs/scene-format.md)")
+        .into()),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
+}

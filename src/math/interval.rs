@@ -1,0 +1,107 @@
+//! A union of closed intervals. Invariant: sorted, disjoint, none empty.
+
+/// The union of the intervals inserted so far.
+#[derive(Clone, Debug, Default)]
+pub struct IntervalSet {
+    intervals: Vec<(f64, f64)>,
+}
+
+impl IntervalSet {
+    /// Empties the set and keeps its memory.
+    pub fn clear(&mut self) {
+        self.intervals.clear();
+    }
+
+    /// The intervals, sorted and disjoint.
+    pub fn as_slice(&self) -> &[(f64, f64)] {
+        &self.intervals
+    }
+
+    /// Adds `[start, end]`, merging whatever it touches. Empty intervals (`start >= end`) add nothing.
+    pub fn insert(&mut self, start: f64, end: f64) {
+        // Written so that a NaN is dropped too.
+        if !(start < end) {
+            return;
+        }
+        let first = self.intervals.partition_point(|interval| interval.1 < start);
+        let mut last = first;
+        let (mut merged_start, mut merged_end) = (start, end);
+        while let Some(&(other_start, other_end)) = self.intervals.get(last) {
+            if other_start > end {
+                break;
+            }
+            merged_start = merged_start.min(other_start);
+            merged_end = merged_end.max(other_end);
+            last += 1;
+        }
+        match last - first {
+            0 => self.intervals.insert(first, (merged_start, merged_end)),
+            count => {
+                self.intervals[first] = (merged_start, merged_end);
+                if count > 1 {
+                    self.intervals.drain(first + 1..last);
+                }
+            }
+        }
+    }
+
+    /// Calls `gap(start, end)` for each part of `[start, end]` that no interval covers, in order.
+    pub fn for_each_gap(&self, start: f64, end: f64, mut gap: impl FnMut(f64, f64)) {
+        let mut cursor = start;
+        for &(covered_start, covered_end) in &self.intervals {
+            if covered_start >= end {
+                break;
+            }
+            if covered_start > cursor {
+                gap(cursor, covered_start);
+            }
+            cursor = cursor.max(covered_end);
+        }
+        if cursor < end {
+            gap(cursor, end);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Against the obvious oracle: a bitmap of unit cells.
+        #[test]
+        fn equals_a_bitmap(inserted in prop::collection::vec((0_u8..60, 0_u8..60), 0..40)) {
+            let mut set = IntervalSet::default();
+            let mut covered = [false; 60];
+            for (start, end) in inserted {
+                set.insert(f64::from(start), f64::from(end));
+                for cell in start..end.max(start) {
+                    covered[usize::from(cell)] = true;
+                }
+            }
+            let intervals = set.as_slice();
+            prop_assert!(intervals.iter().all(|interval| interval.0 < interval.1));
+            prop_assert!(intervals.windows(2).all(|pair| pair[0].1 < pair[1].0));
+            let mut open = [false; 60];
+            set.for_each_gap(0.0, 60.0, |start, end| {
+                for cell in start as usize..end as usize {
+                    open[cell] = true;
+                }
+            });
+            for cell in 0..60 {
+                prop_assert_eq!(covered[cell], !open[cell]);
+            }
+        }
+    }
+
+    #[test]
+    fn nan_and_empty_add_nothing() {
+        let mut set = IntervalSet::default();
+        set.insert(f64::NAN, 1.0);
+        set.insert(1.0, f64::NAN);
+        set.insert(1.0, 1.0);
+        set.insert(2.0, 1.0);
+        assert!(set.as_slice().is_empty());
+    }
+}

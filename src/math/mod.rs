@@ -1,0 +1,12 @@
+//! Geometry and numbers without any notion of scenes or light. Invariant: nothing here knows a
+//! unit other than metres, seconds and radians.
+
+mod interval;
+mod quadrature;
+mod ray;
+mod sampler;
+
+pub use interval::IntervalSet;
+pub use quadrature::gauss_legendre;
+pub use ray::Ray;
+pub use sampler::Sampler;

@@ -1,0 +1,19 @@
+//! A ray, in double precision. Invariant: the direction has unit length.
+
+use glam::DVec3;
+
+/// The half line `origin + t * direction`, `t > 0`, in metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it starts, relative to the camera.
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// The point at distance `t`, in metres.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}

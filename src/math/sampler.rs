@@ -1,0 +1,69 @@
+//! Low-discrepancy points: Owen-scrambled Sobol (Burley 2020, "Practical Hash-based Owen
+//! Scrambling", JCGT 9(4)). Invariant: a point is a pure function of (seed, pixel, sample, dimension).
+
+/// The random numbers of one sample of one pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampler {
+    seed: u32,
+    sample: u32,
+    next_dimension_pair: u32,
+}
+
+impl Sampler {
+    /// How many samples a pixel can have before points repeat.
+    pub const MAX_SAMPLES: u32 = 1 << 16;
+
+    /// The points of `sample` in pixel (`x`, `y`).
+    pub fn new(seed: u32, x: u32, y: u32, sample: u32) -> Self {
+        let seed = mix(seed ^ mix(x ^ mix(y)));
+        Self { seed, sample: sample % Self::MAX_SAMPLES, next_dimension_pair: 0 }
+    }
+
+    /// The next two coordinates, each in `[0, 1)`.
+    pub fn next_2d(&mut self) -> (f64, f64) {
+        // Padding: each pair of dimensions is a fresh two-dimensional sequence (Burley, section 5).
+        let seed = mix(self.seed.wrapping_add(self.next_dimension_pair));
+        self.next_dimension_pair += 1;
+        let point = |dimension| f64::from(sobol_burley::sample(self.sample, dimension, seed));
+        (point(0), point(1))
+    }
+
+    /// The next coordinate, in `[0, 1)`.
+    pub fn next_1d(&mut self) -> f64 {
+        self.next_2d().0
+    }
+}
+
+/// An integer hash (Wellons 2018, "lowbias32").
+fn mix(mut x: u32) -> u32 {
+    x = x.wrapping_add(0x9e37_79b9);
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first 16 points of a two-dimensional Sobol sequence hit each of 4 x 4 cells once.
+    #[test]
+    fn stratified_in_every_pixel() {
+        for pixel in 0..50 {
+            let mut hits = [0; 16];
+            for sample in 0..16 {
+                let (u, v) = Sampler::new(7, pixel, pixel / 3, sample).next_2d();
+                hits[(u * 4.0) as usize * 4 + (v * 4.0) as usize] += 1;
+            }
+            assert_eq!(hits, [1; 16]);
+        }
+    }
+
+    #[test]
+    fn pixels_differ() {
+        assert_ne!(Sampler::new(0, 1, 0, 0).next_2d(), Sampler::new(0, 0, 1, 0).next_2d());
+        assert_ne!(Sampler::new(0, 1, 0, 0).next_2d(), Sampler::new(1, 1, 0, 0).next_2d());
+    }
+}

@@ -1,0 +1,29 @@
+//! Triangle meshes in their own space. Invariant: at least one triangle, every index in range,
+//! every position finite.
+
+use super::MaterialIndex;
+use glam::{Vec2, Vec3};
+
+/// Triangles that share vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// The author's name.
+    pub name: String,
+    /// Vertex positions in the mesh's own space, as stored in the file.
+    pub positions: Vec<Vec3>,
+    /// One shading normal a vertex, unit length; empty means flat shading.
+    pub normals: Vec<Vec3>,
+    /// One texture coordinate a vertex; empty means none. `v` points down, as in glTF.
+    pub uvs: Vec<Vec2>,
+    /// The triangles.
+    pub triangles: Vec<Triangle>,
+}
+
+/// Three vertices and a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Triangle {
+    /// Indices into the mesh's vertices, counter-clockwise seen from the front.
+    pub vertices: [u32; 3],
+    /// Index into the scene's materials.
+    pub material: MaterialIndex,
+}

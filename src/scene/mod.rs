@@ -1,0 +1,119 @@
+//! What the author's description means: resolved, in SI units, keyframed. In goes a
+//! [`crate::description`], out comes a [`Scene`]. Invariant: a `Scene` that exists is valid;
+//! every index points somewhere, every number is finite and in range, parents come before children.
+
+mod camera;
+mod fog;
+mod from_gltf;
+mod from_ron;
+mod light;
+mod material;
+mod mesh;
+mod motion;
+mod resolve;
+mod settings;
+mod texture;
+mod track;
+
+use crate::color::Rgb;
+use crate::diagnostic::Diagnostics;
+use glam::DAffine3;
+
+pub use camera::{Camera, Lens};
+pub use fog::Fog;
+pub use light::{Light, LightKind};
+pub use material::{AlphaMode, Material};
+pub use mesh::{Mesh, Triangle};
+pub use motion::{FallingPath, Motion, Rotation};
+pub use resolve::{LightUnits, resolve};
+pub use settings::{FrameRate, Pass, RenderSettings, Size};
+pub use texture::{Texture, Wrap};
+pub use track::{Animate, Extend, Handle, Key, Segment, Track};
+
+/// Everything there is, at every time. Immutable once built.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// The transform hierarchy, parents before children.
+    pub nodes: Vec<Node>,
+    /// Triangle meshes, each shared by any number of instances.
+    pub meshes: Vec<Mesh>,
+    /// What surfaces are made of.
+    pub materials: Vec<Material>,
+    /// Images that materials refer to.
+    pub textures: Vec<Texture>,
+    /// Meshes placed at nodes.
+    pub instances: Vec<Instance>,
+    /// Cameras; [`RenderSettings::camera`] picks one by name, else the first.
+    pub cameras: Vec<Camera>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// Boxes of fog.
+    pub fogs: Vec<Fog>,
+    /// Radiance of rays that leave the scene, W m^-2 sr^-1.
+    pub background: Rgb,
+    /// Everything that the description asks for and that is not honoured, or only nearly.
+    pub remarks: Diagnostics,
+}
+
+/// Index into [`Scene::nodes`].
+pub type NodeIndex = usize;
+/// Index into [`Scene::meshes`].
+pub type MeshIndex = usize;
+/// Index into [`Scene::materials`].
+pub type MaterialIndex = usize;
+/// Index into [`Scene::textures`].
+pub type TextureIndex = usize;
+
+/// A named place that may move, below a parent that may move too.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// The author's name; unique names are the author's business.
+    pub name: String,
+    /// The node that this one follows. Always a smaller index.
+    pub parent: Option<NodeIndex>,
+    /// Where it is in its parent's space, at any time.
+    pub motion: Motion,
+    /// Whether this node *and everything below it* takes part in the picture.
+    pub visible: Track<bool>,
+}
+
+/// A mesh placed at a node.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Where.
+    pub node: NodeIndex,
+    /// What.
+    pub mesh: MeshIndex,
+    /// Replaces the materials of all the mesh's triangles.
+    pub material: Option<MaterialIndex>,
+    /// What the `leaf_id` pass shows; 0 is the background, so ids start at 1.
+    pub leaf_id: u32,
+}
+
+/// Where a node is at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement {
+    /// From the node's own space to the world's.
+    pub world_from_node: DAffine3,
+    /// False if the node or any of its ancestors is hidden.
+    pub visible: bool,
+}
+
+impl Scene {
+    /// Places every node at `time_s`, in the order of [`Scene::nodes`].
+    pub fn placements(&self, time_s: f64) -> Vec<Placement> {
+        let mut placements: Vec<Placement> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            let parent = node
+                .parent
+                .map_or(Placement { world_from_node: DAffine3::IDENTITY, visible: true }, |parent| {
+                    placements[parent]
+                });
+            placements.push(Placement {
+                world_from_node: parent.world_from_node * node.motion.parent_from_node(time_s),
+                visible: parent.visible && node.visible.at(time_s),
+            });
+        }
+        placements
+    }
+}

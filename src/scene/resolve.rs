@@ -1,0 +1,40 @@
+//! A [`Description`] in, a [`Scene`] and its [`RenderSettings`] out. Invariant: what cannot be
+//! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
+
+use super::{RenderSettings, Scene, from_gltf, from_ron};
+use crate::description::{Description, SceneSource};
+use crate::diagnostic::Diagnostics;
+
+/// Which photometric units a glTF file's lights are in; the file does not say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightUnits {
+    /// Lux and candela (Blender's default export): W = value / 683.
+    Spec,
+    /// Blender's "Unitless": W/m^2 and W/sr as they stand.
+    Compat,
+    /// Blender's "Raw": sun in W/m^2, point and spot in W of radiant power over 4 pi sr.
+    Raw,
+}
+
+/// Resolves everything once. `light_units` overrides what a glTF file says of its lights.
+///
+/// # Errors
+/// Every problem that was found, if any of them is an error.
+pub fn resolve(
+    description: Description,
+    light_units: Option<LightUnits>,
+) -> Result<(Scene, RenderSettings), Diagnostics> {
+    match description.scene {
+        SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence),
+        SceneSource::Gltf(scene) => {
+            let (scene, settings) = from_gltf::resolve(scene, light_units)?;
+            match description.sequence {
+                None => Ok((scene, settings)),
+                Some(sequence) => {
+                    let settings = from_ron::apply_sequence(sequence, &scene, settings)?;
+                    Ok((scene, settings))
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! How a scene wants to be rendered: frames, rate, size, passes, samples. Invariant: frame times
+//! are computed from integers, never accumulated.
+
+use std::ops::RangeInclusive;
+
+/// Frames a second as a fraction, such as 24/1 or 24000/1001.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRate {
+    /// Frames ...
+    pub numerator: u32,
+    /// ... in this many seconds. At least 1.
+    pub denominator: u32,
+}
+
+impl FrameRate {
+    /// The time of a frame, in seconds: `frame * denominator / numerator`.
+    pub fn seconds(self, frame: f64) -> f64 {
+        frame * f64::from(self.denominator) / f64::from(self.numerator)
+    }
+}
+
+/// Picture size in pixels, both at least 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+/// What a frame can hold beside its beauty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Pass {
+    /// `shafts.RGB`: light scattered in the fog.
+    Shafts,
+    /// `transmittance.RGB`: what the fog lets through from the surface.
+    Transmittance,
+    /// `Z`: distance along the view axis, metres.
+    Depth,
+    /// `Normal.XYZ`: shading normal in world space.
+    Normal,
+    /// `Position.XYZ`: world position, metres.
+    Position,
+    /// `albedo.RGB`: Lambert reflectance.
+    Albedo,
+    /// `leaf_id.X`: which instance.
+    LeafId,
+}
+
+/// What the input asks for; the command line overrides it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Name of the sequence: the file's stem unless it says otherwise. Names the output too.
+    pub name: String,
+    /// Frames a second.
+    pub frame_rate: FrameRate,
+    /// First and last frame.
+    pub frames: RangeInclusive<i64>,
+    /// Picture size.
+    pub size: Size,
+    /// Name of the camera; `None` is the first.
+    pub camera: Option<String>,
+    /// Samples a pixel, at least 1.
+    pub samples: u32,
+    /// Passes beside the beauty.
+    pub passes: Vec<Pass>,
+    /// Seed of the sample points.
+    pub seed: u32,
+    /// How long the shutter is open, in frames, centred on the frame; 0 is an instant.
+    pub shutter: f64,
+    /// How often light may be reflected by mirrors, `0..`.
+    pub mirror_depth: u32,
+    /// The stepped method's two knobs, metres: how deep the image plane is moved, and by how much a step.
+    pub march_depth_m: f64,
+    /// See `march_depth_m`.
+    pub march_step_m: f64,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            name: String::from("sunfleck"),
+            frame_rate: FrameRate { numerator: 24, denominator: 1 },
+            frames: 1..=1,
+            size: Size { width: 960, height: 540 },
+            camera: None,
+            samples: 16,
+            passes: Vec::new(),
+            seed: 0,
+            shutter: 0.0,
+            mirror_depth: 4,
+            march_depth_m: 10.0,
+            march_step_m: 0.1,
+        }
+    }
+}

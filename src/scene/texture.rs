@@ -1,0 +1,97 @@
+//! Images that materials look up. Invariant: `width * height` texels, all finite, linear light.
+
+use crate::color::Rgb;
+use glam::Vec2;
+
+/// An RGBA image in linear Rec. 709, top row first.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// File name or the author's name.
+    pub name: String,
+    /// Texels a row, at least 1.
+    pub width: usize,
+    /// Rows, at least 1.
+    pub height: usize,
+    /// Linear colour, alpha last, row by row from the top.
+    pub texels: Vec<[f32; 4]>,
+    /// What lies beyond the edges.
+    pub wrap: Wrap,
+}
+
+/// What lies beyond a texture's edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The edge texel.
+    Clamp,
+    /// The image mirrored.
+    Mirror,
+}
+
+impl Texture {
+    /// Bilinear colour at `uv`; (0, 0) is the top left corner of the top left texel.
+    pub fn color(&self, uv: Vec2) -> Rgb {
+        let x = uv.x * self.width as f32 - 0.5;
+        let y = uv.y * self.height as f32 - 0.5;
+        let (column, row) = (x.floor(), y.floor());
+        let (right, below) = (f64::from(x - column), f64::from(y - row));
+        let texel = |dx: i64, dy: i64| {
+            let column = self.wrap.index(column as i64 + dx, self.width);
+            let row = self.wrap.index(row as i64 + dy, self.height);
+            let [r, g, b, _] = self.texels[row * self.width + column];
+            Rgb::new(f64::from(r), f64::from(g), f64::from(b))
+        };
+        let top = texel(0, 0).lerp(texel(1, 0), right);
+        let bottom = texel(0, 1).lerp(texel(1, 1), right);
+        top.lerp(bottom, below)
+    }
+}
+
+impl Wrap {
+    /// Maps any texel number to one that exists.
+    fn index(self, number: i64, count: usize) -> usize {
+        let count = count as i64;
+        let wrapped = match self {
+            Self::Repeat => number.rem_euclid(count),
+            Self::Clamp => number.clamp(0, count - 1),
+            Self::Mirror => {
+                let folded = number.rem_euclid(2 * count);
+                folded.min(2 * count - 1 - folded)
+            }
+        };
+        wrapped as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn black_and_white(wrap: Wrap) -> Texture {
+        Texture {
+            name: String::new(),
+            width: 2,
+            height: 1,
+            texels: vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]],
+            wrap,
+        }
+    }
+
+    #[test]
+    fn texel_centres_are_exact_and_between_is_linear() {
+        let texture = black_and_white(Wrap::Clamp);
+        assert_eq!(texture.color(Vec2::new(0.25, 0.5)), Rgb::ZERO);
+        assert_eq!(texture.color(Vec2::new(0.75, 0.5)), Rgb::ONE);
+        assert_eq!(texture.color(Vec2::new(0.5, 0.5)), Rgb::splat(0.5));
+    }
+
+    #[test]
+    fn edges_wrap_as_asked() {
+        let left_edge = Vec2::new(0.0, 0.5);
+        assert_eq!(black_and_white(Wrap::Repeat).color(left_edge), Rgb::splat(0.5));
+        assert_eq!(black_and_white(Wrap::Clamp).color(left_edge), Rgb::ZERO);
+        assert_eq!(black_and_white(Wrap::Mirror).color(left_edge), Rgb::ZERO);
+    }
+}

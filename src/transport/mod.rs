@@ -1,0 +1,5 @@
+//! A ray becomes a colour.
+
+mod sample;
+
+pub use sample::{Sample, SurfaceFeatures};
