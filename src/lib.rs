@@ -16,11 +16,12 @@
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 
+pub mod accel;
 pub mod color;
+pub mod description;
 pub mod diagnostic;
 pub mod math;
-
-pub mod description;
-
+pub mod scattering;
 pub mod scene;
+pub mod snapshot;
 pub mod transport;

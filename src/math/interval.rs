@@ -1,5 +1,7 @@
 //! A union of closed intervals. Invariant: sorted, disjoint, none empty.
 
+use std::cmp::Ordering;
+
 /// The union of the intervals inserted so far.
 #[derive(Clone, Debug, Default)]
 pub struct IntervalSet {
@@ -19,8 +21,8 @@ impl IntervalSet {
 
     /// Adds `[start, end]`, merging whatever it touches. Empty intervals (`start >= end`) add nothing.
     pub fn insert(&mut self, start: f64, end: f64) {
-        // Written so that a NaN is dropped too.
-        if !(start < end) {
+        // Anything but Less: a NaN is dropped too.
+        if start.partial_cmp(&end) != Some(Ordering::Less) {
             return;
         }
         let first = self.intervals.partition_point(|interval| interval.1 < start);
@@ -85,9 +87,7 @@ mod tests {
             prop_assert!(intervals.windows(2).all(|pair| pair[0].1 < pair[1].0));
             let mut open = [false; 60];
             set.for_each_gap(0.0, 60.0, |start, end| {
-                for cell in start as usize..end as usize {
-                    open[cell] = true;
-                }
+                open[start as usize..end as usize].fill(true);
             });
             for cell in 0..60 {
                 prop_assert_eq!(covered[cell], !open[cell]);

@@ -1,5 +1,17 @@
-//! A ray becomes a colour.
+//! A ray becomes a colour. In goes a [`Snapshot`](crate::snapshot::Snapshot) and a ray, out comes
+//! a [`Sample`]. Start reading at [`radiance`]. Invariant: nothing here can fail; a snapshot that
+//! exists is valid.
 
+mod direct;
+mod equiangular;
+mod lit_segments;
+mod march;
+mod radiance;
 mod sample;
+mod shafts;
 
+pub use lit_segments::LitSegments;
+pub use march::MarchSteps;
+pub use radiance::{Scratch, Transport, radiance};
 pub use sample::{Sample, SurfaceFeatures};
+pub use shafts::VolumeMethod;

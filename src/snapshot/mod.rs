@@ -1,0 +1,142 @@
+//! One shutter interval, frozen and ready to trace. In go a [`Scene`], its mesh trees and a time,
+//! out comes a [`Snapshot`]. Invariants: `Snapshot::new` is pure; below it there is no frame number
+//! and no absolute time; everything is in *relative space*, world axes with the camera at the
+//! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
+
+mod lens;
+mod light;
+mod mesh_trees;
+mod surface;
+
+use crate::accel::{InstanceTree, PlacedMesh};
+use crate::color::Rgb;
+use crate::scattering::{FogBox, Medium};
+use crate::scene::{Pass, Scene};
+use glam::{DAffine3, DMat3, DVec3};
+
+pub use lens::View;
+pub use light::{Cone, FrozenLight};
+pub use mesh_trees::MeshTrees;
+pub use surface::SurfacePoint;
+
+/// When the shutter is open, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shutter {
+    /// When it opens.
+    pub open_s: f64,
+    /// When it closes; not before it opens.
+    pub close_s: f64,
+}
+
+impl Shutter {
+    /// The moment that a picture without motion blur shows.
+    pub fn middle_s(self) -> f64 {
+        0.5 * (self.open_s + self.close_s)
+    }
+}
+
+/// Everything a ray can ask about.
+pub struct Snapshot<'scene> {
+    scene: &'scene Scene,
+    /// The camera.
+    pub view: View,
+    /// All visible triangles.
+    pub tree: InstanceTree,
+    placed: Vec<Placed>,
+    /// All lights that shine.
+    pub lights: Vec<FrozenLight>,
+    /// All fog.
+    pub medium: Medium,
+    /// Radiance of rays that leave the scene.
+    pub background: Rgb,
+}
+
+/// An instance of the tree, back in the scene's terms.
+struct Placed {
+    instance: usize,
+    relative_from_mesh: DAffine3,
+    /// Inverse transpose, for normals.
+    relative_from_mesh_normal: DMat3,
+}
+
+impl<'scene> Snapshot<'scene> {
+    /// Freezes `scene` as its camera number `camera` sees it in the middle of `shutter`.
+    ///
+    /// `aspect` is width / height of the whole picture. Passes that show no surface need none of the work for it.
+    pub fn new(
+        scene: &'scene Scene,
+        trees: &MeshTrees,
+        camera: usize,
+        aspect: f64,
+        shutter: Shutter,
+    ) -> Self {
+        let time_s = shutter.middle_s();
+        let placements = scene.placements(time_s);
+        let camera = &scene.cameras[camera];
+        let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
+        let relative_from = |node: usize| {
+            let mut relative = placements[node].world_from_node;
+            relative.translation -= view.eye;
+            relative
+        };
+
+        let mut placed = Vec::new();
+        let mut placed_meshes = Vec::new();
+        for (index, instance) in scene.instances.iter().enumerate() {
+            if !placements[instance.node].visible {
+                continue;
+            }
+            let relative_from_mesh = relative_from(instance.node);
+            // A leaf scaled to nothing is a leaf that is not there.
+            if relative_from_mesh.matrix3.determinant() == 0.0 {
+                continue;
+            }
+            placed.push(Placed {
+                instance: index,
+                relative_from_mesh,
+                relative_from_mesh_normal: relative_from_mesh.matrix3.inverse().transpose(),
+            });
+            placed_meshes.push(PlacedMesh { mesh: trees.get(scene, instance.mesh), relative_from_mesh });
+        }
+
+        let lights = scene
+            .lights
+            .iter()
+            .filter(|light| placements[light.node].visible)
+            .filter_map(|light| FrozenLight::new(light, relative_from(light.node), time_s))
+            .collect();
+        let fog = scene
+            .fogs
+            .iter()
+            .filter(|fog| placements[fog.node].visible)
+            .filter_map(|fog| {
+                FogBox::new(
+                    relative_from(fog.node),
+                    fog.density_per_m.at(time_s),
+                    fog.albedo.at(time_s),
+                    fog.anisotropy.at(time_s),
+                )
+            })
+            .collect();
+
+        Self {
+            scene,
+            view,
+            tree: InstanceTree::new(placed_meshes),
+            placed,
+            lights,
+            medium: Medium::new(fog),
+            background: scene.background,
+        }
+    }
+
+    /// A point of relative space in world space.
+    pub fn world_from_relative(&self, point: DVec3) -> DVec3 {
+        point + self.view.eye
+    }
+}
+
+/// True if some pass shows the surface itself, so that its features are worth computing.
+pub fn shows_surfaces(passes: &[Pass]) -> bool {
+    passes.iter().any(|pass| !matches!(pass, Pass::Shafts | Pass::Transmittance))
+}

@@ -1,0 +1,74 @@
+//! What lies at a hit: the accelerator's answer in, the surface's properties out. Invariant: both
+//! normals have unit length and face the ray's origin.
+
+use super::Snapshot;
+use crate::accel::{Hit, PrimitiveId};
+use crate::color::Rgb;
+use crate::math::Ray;
+use glam::{DVec3, Vec2};
+
+/// A point of a surface, ready for shading.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Relative to the camera, metres.
+    pub position: DVec3,
+    /// Of the flat triangle.
+    pub geometric_normal: DVec3,
+    /// Interpolated where the mesh has normals.
+    pub shading_normal: DVec3,
+    /// Lambert reflectance.
+    pub albedo: Rgb,
+    /// Mirror reflectance.
+    pub mirror: Rgb,
+    /// Emitted radiance.
+    pub emission: Rgb,
+    /// Which triangle: rays that leave it must not meet it again.
+    pub primitive: PrimitiveId,
+    /// The instance's number.
+    pub leaf_id: u32,
+}
+
+impl Snapshot<'_> {
+    /// Looks up everything about a hit of `ray`.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let placed = &self.placed[hit.primitive.instance as usize];
+        let instance = &self.scene.instances[placed.instance];
+        let mesh = &self.scene.meshes[instance.mesh];
+        let triangle = mesh.triangles[hit.primitive.triangle as usize];
+        let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
+        let corners = triangle.vertices.map(|vertex| vertex as usize);
+        let [v, w] = hit.barycentrics;
+        let weights = [1.0 - v - w, v, w];
+
+        let [a, b, c] = corners
+            .map(|corner| placed.relative_from_mesh.transform_point3(mesh.positions[corner].as_dvec3()));
+        let towards_viewer = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+        let geometric_normal = towards_viewer((b - a).cross(c - a).try_normalize().unwrap_or(-ray.direction));
+        let shading_normal =
+            if mesh.normals.is_empty() {
+                geometric_normal
+            } else {
+                let normal: DVec3 =
+                    (0..3).map(|corner| weights[corner] * mesh.normals[corners[corner]].as_dvec3()).sum();
+                let normal = (placed.relative_from_mesh_normal * normal).try_normalize();
+                normal.map_or(geometric_normal, |normal| {
+                    if normal.dot(geometric_normal) < 0.0 { -normal } else { normal }
+                })
+            };
+        let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
+        let albedo = texture.map_or(material.base_color, |texture| {
+            let uv: Vec2 = (0..3).map(|corner| weights[corner] as f32 * mesh.uvs[corners[corner]]).sum();
+            material.base_color * self.scene.textures[texture].color(uv)
+        });
+        SurfacePoint {
+            position: ray.at(hit.t),
+            geometric_normal,
+            shading_normal,
+            albedo,
+            mirror: material.mirror,
+            emission: material.emission,
+            primitive: hit.primitive,
+            leaf_id: instance.leaf_id,
+        }
+    }
+}

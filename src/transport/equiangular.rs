@@ -1,0 +1,55 @@
+//! Monte Carlo along the ray, the second baseline. Points towards a near light are spread evenly
+//! over the angle that the ray subtends there (Kulla & Fajardo 2012, "Importance Sampling
+//! Techniques for Path Tracing in Participating Media", eq. 8-10); towards a distant light, evenly
+//! over what an exponential fall-off lets through. Invariant: unbiased.
+
+use super::march::scattered_at;
+use crate::color::Rgb;
+use crate::math::{Ray, Sampler};
+use crate::snapshot::{FrozenLight, Snapshot};
+
+/// In-scattered radiance of one light, estimated from `points` jittered points.
+pub(super) fn in_scattered(
+    snapshot: &Snapshot,
+    points: u32,
+    ray: &Ray,
+    distance: f64,
+    light: &FrozenLight,
+    sampler: &mut Sampler,
+) -> Rgb {
+    let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
+    let jitter = sampler.next_1d();
+    let mut sum = Rgb::ZERO;
+    for index in 0..points {
+        let u = (f64::from(index) + jitter) / f64::from(points);
+        let (t, pdf_per_m) = match *light {
+            FrozenLight::Point { position, .. } => equiangular(ray, position, start, end, u),
+            FrozenLight::Sun { .. } => {
+                let tau = snapshot.medium.optical_depth(ray.origin, ray.direction, end).element_sum() / 3.0;
+                exponential(start, end, tau / (end - start), u)
+            }
+        };
+        sum += scattered_at(snapshot, ray, t, light) / pdf_per_m;
+    }
+    sum / f64::from(points)
+}
+
+fn equiangular(ray: &Ray, light: glam::DVec3, start: f64, end: f64, u: f64) -> (f64, f64) {
+    let nearest = (light - ray.origin).dot(ray.direction);
+    let gap = ray.at(nearest).distance(light).max(f64::MIN_POSITIVE);
+    let angle = |t: f64| ((t - nearest) / gap).atan();
+    let (from, to) = (angle(start), angle(end));
+    let offset = gap * (from + u * (to - from)).tan();
+    let t = (nearest + offset).clamp(start, end);
+    (t, gap / ((to - from) * (gap * gap + offset * offset)))
+}
+
+fn exponential(start: f64, end: f64, sigma_per_m: f64, u: f64) -> (f64, f64) {
+    let width = end - start;
+    let reach = -(-sigma_per_m * width).exp_m1();
+    if reach < 1e-9 {
+        return (start + u * width, 1.0 / width);
+    }
+    let offset = -(-u * reach).ln_1p() / sigma_per_m;
+    (start + offset, sigma_per_m * (-sigma_per_m * offset).exp() / reach)
+}

@@ -1,0 +1,263 @@
+//! The exact method. In go a ray, a light and the fog, out comes the light scattered along the
+//! ray: visibility is a union of intervals found from the triangles themselves, and what is left
+//! is integrated on smooth pieces. Invariant: nothing is sampled, nothing is stepped.
+
+use crate::accel::LightPlane;
+use crate::color::Rgb;
+use crate::math::{IntervalSet, Ray, gauss_legendre};
+use crate::scattering::{Medium, Source, Stretch, exp_minus};
+use crate::snapshot::{Cone, FrozenLight, Snapshot};
+use glam::DVec3;
+
+/// The parts of a ray that one light reaches.
+#[derive(Clone, Debug, Default)]
+pub struct LitSegments {
+    shadows: IntervalSet,
+    range: (f64, f64),
+}
+
+impl LitSegments {
+    /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
+    pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
+        self.shadows.clear();
+        self.range = range;
+        let plane = match *light {
+            FrozenLight::Sun { to_light, .. } => LightPlane::towards_direction(ray, to_light, range),
+            FrozenLight::Point { position, cone, .. } => {
+                if let Some(cone) = cone {
+                    self.shade_outside(&cone, ray, position);
+                }
+                LightPlane::towards_point(ray, position, range)
+            }
+        };
+        match plane {
+            Some(plane) => snapshot.tree.add_shadows(&plane, &mut self.shadows),
+            None => {
+                if is_blocked_in_line(snapshot, ray, light, range) {
+                    self.shadows.insert(range.0, range.1);
+                }
+            }
+        }
+    }
+
+    /// Calls `lit(start, end)` for each lit part, in order.
+    pub fn for_each(&self, lit: impl FnMut(f64, f64)) {
+        self.shadows.for_each_gap(self.range.0, self.range.1, lit);
+    }
+
+    /// Total length of the lit parts, metres.
+    pub fn length(&self) -> f64 {
+        let mut length = 0.0;
+        self.for_each(|start, end| length += end - start);
+        length
+    }
+
+    /// Radiance scattered into the ray from its lit parts, W m^-2 sr^-1.
+    pub fn integrate(&self, medium: &Medium, stretches: &[Stretch], ray: &Ray, light: &FrozenLight) -> Rgb {
+        let mut sum = Rgb::ZERO;
+        match *light {
+            FrozenLight::Sun { to_light, irradiance } => {
+                let cos = to_light.dot(ray.direction);
+                for stretch in stretches {
+                    let line = DepthLine::new(medium, stretch, ray, light.source());
+                    let mut through = Rgb::ZERO;
+                    self.for_each_within(stretch, |start, end| through += line.integral(start, end));
+                    sum += medium.scattering(stretch, cos) * through;
+                }
+                sum * irradiance
+            }
+            FrozenLight::Point { position, intensity, cone } => {
+                for stretch in stretches {
+                    let near = NearLight::new(medium, stretch, ray, position, cone);
+                    self.for_each_within(stretch, |start, end| sum += near.integral(start, end));
+                }
+                sum * intensity
+            }
+        }
+    }
+
+    fn for_each_within(&self, stretch: &Stretch, lit: impl FnMut(f64, f64)) {
+        let (start, end) = (stretch.start.max(self.range.0), stretch.end.min(self.range.1));
+        self.shadows.for_each_gap(start, end, lit);
+    }
+
+    /// Everything outside a spot's cone counts as shadow.
+    ///
+    /// With `x(t) = ray.at(t) - apex`, the cone's surface is `(x . axis)^2 = cos^2 |x|^2`, a quadratic in `t`.
+    fn shade_outside(&mut self, cone: &Cone, ray: &Ray, apex: DVec3) {
+        let crossings = cone_crossings(cone.axis, cone.cos_outer, ray, apex);
+        let mut start = self.range.0;
+        for end in crossings.into_iter().flatten().chain([self.range.1]) {
+            let end = end.clamp(start, self.range.1);
+            let middle = ray.at(0.5 * (start + end)) - apex;
+            if middle.dot(cone.axis) < cone.cos_outer * middle.length() {
+                self.shadows.insert(start, end);
+            }
+            start = end;
+        }
+    }
+}
+
+/// Where a ray crosses a (double) cone, in order.
+fn cone_crossings(axis: DVec3, cos: f64, ray: &Ray, apex: DVec3) -> [Option<f64>; 2] {
+    let x = ray.origin - apex;
+    let (da, xa) = (ray.direction.dot(axis), x.dot(axis));
+    let a = da * da - cos * cos;
+    let half_b = da * xa - cos * cos * x.dot(ray.direction);
+    let c = xa * xa - cos * cos * x.length_squared();
+    let discriminant = half_b * half_b - a * c;
+    if discriminant <= 0.0 {
+        return [None, None];
+    }
+    // The stable form of the quadratic's roots (Press et al., Numerical Recipes, section 5.6).
+    let q = -(half_b + discriminant.sqrt().copysign(half_b));
+    let (first, second) = (q / a, c / q);
+    let finite = |t: f64| t.is_finite().then_some(t);
+    if first < second { [finite(first), finite(second)] } else { [finite(second), finite(first)] }
+}
+
+/// Ray and light in one line: the whole range is lit or dark.
+fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) -> bool {
+    // The middle of the range sees the light along the ray itself, forwards or backwards. Between
+    // the ray's origin and the end of the range there is nothing, so one ray from there will do.
+    let origin = ray.at(0.5 * (range.0 + range.1));
+    let (to_light, distance, _) = light.arriving_at(origin);
+    snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
+}
+
+/// The optical depth from the eye to `t` and on to a distant light: linear in `t` on a stretch.
+struct DepthLine {
+    start: f64,
+    tau_at_start: Rgb,
+    tau_per_m: Rgb,
+}
+
+impl DepthLine {
+    fn new(medium: &Medium, stretch: &Stretch, ray: &Ray, source: Source) -> Self {
+        let width = stretch.end - stretch.start;
+        // Just inside, so that a way that starts in a face is measured on this stretch's side.
+        let (a, b) = (stretch.start + 1e-3 * width, stretch.end - 1e-3 * width);
+        let tau = |t: f64| stretch.tau_to_eye(t) + medium.optical_depth_to(ray.at(t), source);
+        let (tau_a, tau_b) = (tau(a), tau(b));
+        let tau_per_m = (tau_b - tau_a) / (b - a);
+        Self { start: stretch.start, tau_at_start: tau_a - tau_per_m * (a - stretch.start), tau_per_m }
+    }
+
+    /// `integral of exp(-tau(t)) dt` over `[start, end]`, metres.
+    ///
+    /// Written as `width * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the ends'
+    /// depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
+    fn integral(&self, start: f64, end: f64) -> Rgb {
+        let width = end - start;
+        let one = |at_start: f64, per_m: f64| {
+            let (tau_start, change) = (at_start + per_m * (start - self.start), per_m * width);
+            let nearest = tau_start + change.min(0.0);
+            width * (-nearest).exp() * mean_transmittance(change.abs())
+        };
+        let (tau, k) = (self.tau_at_start, self.tau_per_m);
+        if tau.x == tau.y && tau.y == tau.z && k.x == k.y && k.y == k.z {
+            return Rgb::splat(one(tau.x, k.x));
+        }
+        Rgb::new(one(tau.x, k.x), one(tau.y, k.y), one(tau.z, k.z))
+    }
+}
+
+/// `(1 - exp(-d)) / d`, the mean of `exp(-x)` over `[0, d]`, for `d >= 0`.
+fn mean_transmittance(d: f64) -> f64 {
+    if d < 1e-3 {
+        // Taylor: the next term is d^4 / 120, below 1e-14.
+        return 1.0 - d * (0.5 - d * (1.0 / 6.0 - d / 24.0));
+    }
+    -(-d).exp_m1() / d
+}
+
+/// What a near light scatters into a ray, in the equiangular variable
+/// `theta = atan((t - nearest) / gap)`, in which the inverse square is constant:
+/// `dt / distance^2 = dtheta / gap`.
+struct NearLight<'a> {
+    medium: &'a Medium,
+    stretch: &'a Stretch,
+    ray: &'a Ray,
+    light: DVec3,
+    cone: Option<(Cone, [Option<f64>; 2])>,
+    nearest: f64,
+    gap: f64,
+}
+
+/// A light this near to the ray, as a fraction of its distance, counts as this far from it: the
+/// integral grows beyond all bounds as the gap closes, and no picture shows that.
+const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
+
+impl<'a> NearLight<'a> {
+    fn new(medium: &'a Medium, stretch: &'a Stretch, ray: &'a Ray, light: DVec3, cone: Option<Cone>) -> Self {
+        let to_light = light - ray.origin;
+        let nearest = to_light.dot(ray.direction);
+        let gap = ray.direction.cross(to_light).length();
+        let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length()).max(f64::MIN_POSITIVE);
+        let cone = cone.map(|cone| (cone, cone_crossings(cone.axis, cone.cos_inner, ray, light)));
+        Self { medium, stretch, ray, light, cone, nearest, gap }
+    }
+
+    /// Over a lit interval, per unit of intensity, 1/(m^2 sr).
+    fn integral(&self, start: f64, end: f64) -> Rgb {
+        // The falloff's slope jumps at the inner cone.
+        let mut sum = Rgb::ZERO;
+        let mut from = start;
+        for cut in self.cone.iter().flat_map(|(_, crossings)| crossings.iter().flatten()) {
+            if *cut > from && *cut < end {
+                sum += self.smooth_integral(from, *cut);
+                from = *cut;
+            }
+        }
+        sum + self.smooth_integral(from, end)
+    }
+
+    fn smooth_integral(&self, start: f64, end: f64) -> Rgb {
+        let angle = |t: f64| ((t - self.nearest) / self.gap).atan();
+        let (from, to) = (angle(start), angle(end));
+        // The phase function turns over about (1 - |g|) radians, the exponential over one optical depth.
+        let turns = (to - from) * PIECES_PER_RADIAN / (1.0 - self.medium.sharpest_g(self.stretch));
+        let depths = (self.stretch.tau_to_eye(end) - self.stretch.tau_to_eye(start)).max_element();
+        let pieces = turns.max(depths).ceil().clamp(1.0, MAX_PIECES);
+        let half_width = 0.5 * (to - from) / pieces;
+        let rule = gauss_legendre(order_for(2.0 * half_width));
+        let mut sum = Rgb::ZERO;
+        for piece in 0..pieces as usize {
+            let middle = from + (2 * piece + 1) as f64 * half_width;
+            for (node, weight) in rule {
+                let t = self.nearest + self.gap * (middle + node * half_width).tan();
+                sum += *weight * self.integrand(t.clamp(start, end));
+            }
+        }
+        sum * half_width / self.gap
+    }
+
+    /// Scattering, transmittance both ways and the cone's falloff, without the inverse square.
+    fn integrand(&self, t: f64) -> Rgb {
+        let point = self.ray.at(t);
+        let way = self.light - point;
+        let to_light = way / way.length().max(f64::MIN_POSITIVE);
+        let falloff = self.cone.map_or(1.0, |(cone, _)| cone.falloff(-to_light.dot(cone.axis)));
+        let tau = self.stretch.tau_to_eye(t) + self.medium.optical_depth_to(point, Source::At(self.light));
+        falloff * self.medium.scattering(self.stretch, to_light.dot(self.ray.direction)) * exp_minus(tau)
+    }
+}
+
+/// How finely a lit interval is cut before the rule is applied; with `order_for` it keeps the
+/// relative error below 1e-6 (`quadrature_is_accurate` below).
+const PIECES_PER_RADIAN: f64 = 0.5;
+
+/// A bound on the work for one interval: at |g| = 0.999 pieces are 0.006 rad wide.
+const MAX_PIECES: f64 = 512.0;
+
+/// Gauss-Legendre nodes for an interval of `width` radians.
+fn order_for(width: f64) -> usize {
+    match width {
+        w if w < 0.02 => 2,
+        w if w < 0.1 => 3,
+        w if w < 0.25 => 4,
+        w if w < 0.5 => 6,
+        w if w < 1.0 => 8,
+        _ => 14,
+    }
+}

@@ -1,0 +1,74 @@
+//! The method that this renderer grew from: an image plane moved away from the camera step by
+//! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness.
+
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::scattering::exp_minus;
+use crate::snapshot::{FrozenLight, Snapshot};
+
+/// Where the shadow rays stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MarchSteps {
+    /// The image plane is moved by `step_m` at a time, to `depth_m`, both along the view axis, metres.
+    Planes {
+        /// How far.
+        depth_m: f64,
+        /// By how much.
+        step_m: f64,
+    },
+    /// So many equal steps over the foggy part of the ray.
+    Count(u32),
+}
+
+/// In-scattered radiance of one light by the midpoint rule.
+pub(super) fn in_scattered(
+    snapshot: &Snapshot,
+    steps: MarchSteps,
+    ray: &Ray,
+    distance: f64,
+    light: &FrozenLight,
+) -> Rgb {
+    let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
+    let (first, step, count) = match steps {
+        MarchSteps::Count(count) => {
+            let step = (end - start) / f64::from(count);
+            (start + 0.5 * step, step, count as usize)
+        }
+        MarchSteps::Planes { depth_m, step_m } => {
+            // Mirrored rays do not start at the eye: there the steps are taken along the ray.
+            let along_axis = snapshot.view.depth(ray.direction);
+            let from_eye = ray.origin.length_squared() == 0.0 && along_axis > 0.0;
+            let ray_from_axis = if from_eye { 1.0 / along_axis } else { 1.0 };
+            let step = step_m * ray_from_axis;
+            let reach = end.min(depth_m * ray_from_axis);
+            (0.5 * step, step, (reach / step).ceil() as usize)
+        }
+    };
+    let mut sum = Rgb::ZERO;
+    for index in 0..count {
+        let t = first + index as f64 * step;
+        if t >= end {
+            break;
+        }
+        sum += step * scattered_at(snapshot, ray, t, light);
+    }
+    sum
+}
+
+/// Radiance scattered per metre at `t` and transmitted to the ray's origin, W m^-3 sr^-1.
+pub(super) fn scattered_at(snapshot: &Snapshot, ray: &Ray, t: f64, light: &FrozenLight) -> Rgb {
+    let point = ray.at(t);
+    let (to_light, light_distance, arriving) = light.arriving_at(point);
+    let scattering = snapshot.medium.scattering_at(point, to_light.dot(ray.direction));
+    if arriving == Rgb::ZERO || scattering == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    let shadow_ray = Ray { origin: point, direction: to_light };
+    if snapshot.tree.any_hit(&shadow_ray, light_distance, None) {
+        return Rgb::ZERO;
+    }
+    let medium = &snapshot.medium;
+    let tau = medium.optical_depth(point, to_light, light_distance)
+        + medium.optical_depth(ray.origin, ray.direction, t);
+    scattering * arriving * exp_minus(tau)
+}

@@ -1,0 +1,51 @@
+//! Light scattered by fog towards the start of a ray, by whichever method was chosen. Invariant:
+//! all methods estimate the same integral; only `Segments` is exact.
+
+use super::equiangular;
+use super::march::{self, MarchSteps};
+use super::radiance::Scratch;
+use crate::color::Rgb;
+use crate::math::{Ray, Sampler};
+use crate::snapshot::Snapshot;
+
+/// How the integral along the ray is done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VolumeMethod {
+    /// Exact visibility intervals from geometry, closed forms and quadrature on smooth pieces.
+    Segments,
+    /// A shadow ray at each step.
+    March(MarchSteps),
+    /// Shadow rays at points spread evenly over the angle seen from the light (Kulla & Fajardo 2012).
+    Equiangular {
+        /// Points a ray and light, at least 1.
+        points: u32,
+    },
+}
+
+/// Radiance scattered into the ray by every light, up to `distance`, W m^-2 sr^-1.
+pub(super) fn in_scattered(
+    snapshot: &Snapshot,
+    method: VolumeMethod,
+    ray: &Ray,
+    distance: f64,
+    sampler: &mut Sampler,
+    scratch: &mut Scratch,
+) -> Rgb {
+    let mut sum = Rgb::ZERO;
+    for light in &snapshot.lights {
+        sum += match method {
+            VolumeMethod::Segments => {
+                let Scratch { lit, cuts, stretches } = scratch;
+                let Some(range) = snapshot.medium.range(ray, distance) else { continue };
+                snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
+                lit.find(snapshot, ray, light, range);
+                lit.integrate(&snapshot.medium, stretches, ray, light)
+            }
+            VolumeMethod::March(steps) => march::in_scattered(snapshot, steps, ray, distance, light),
+            VolumeMethod::Equiangular { points } => {
+                equiangular::in_scattered(snapshot, points, ray, distance, light, sampler)
+            }
+        };
+    }
+    sum
+}
