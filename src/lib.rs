@@ -24,3 +24,5 @@ pub mod description;
 
 pub mod scene;
 pub mod transport;
+
+pub mod film;
