@@ -25,3 +25,5 @@ pub mod scattering;
 pub mod scene;
 pub mod snapshot;
 pub mod transport;
+
+pub mod film;

@@ -1,0 +1,219 @@
+//! A finished picture: named channels of pixels. Invariant: every channel has one value for each
+//! pixel of the window, row by row from the top.
+
+use crate::scene::Size;
+use half::f16;
+use std::fmt;
+
+/// The largest value that a half-precision channel can store.
+pub const HALF_MAX: f32 = 65504.0;
+
+/// A rectangle of pixels of the full picture, y downwards (EXR: the data window).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+/// A finished picture, or the part of it inside `window`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Size of the full picture (EXR: the display window).
+    pub full: Size,
+    /// The part that there are pixels of.
+    pub window: Window,
+    /// The channels, in no particular order; names are unique.
+    pub channels: Vec<Channel>,
+}
+
+/// One named number a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Name as in the file, such as `R` or `Normal.X`.
+    pub name: String,
+    /// How a file stores it.
+    pub precision: Precision,
+    /// Values row by row from the top of the window, not yet rounded to `precision`.
+    pub pixels: Vec<f32>,
+}
+
+/// How a channel is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 16-bit floating point, up to [`HALF_MAX`].
+    Half,
+    /// 32-bit floating point.
+    Float,
+}
+
+/// What is wrong with a frame's values.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FrameDefects {
+    /// Values that are not a number.
+    pub nan: DefectCount,
+    /// Infinite values.
+    pub infinite: DefectCount,
+    /// Finite values beyond [`HALF_MAX`] in half channels; they are stored as [`HALF_MAX`].
+    pub clamped: DefectCount,
+}
+
+/// How often something is wrong, and where first.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DefectCount {
+    /// Values concerned, over all channels.
+    pub count: usize,
+    /// The first of them: by channel, then row, then column.
+    pub first: Option<PixelPlace>,
+}
+
+/// A value's place in a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PixelPlace {
+    /// Name of the channel.
+    pub channel: String,
+    /// Column in the full picture.
+    pub x: usize,
+    /// Row in the full picture.
+    pub y: usize,
+}
+
+impl Window {
+    /// All of a picture.
+    pub fn whole(full: Size) -> Self {
+        Self { x: 0, y: 0, width: full.width, height: full.height }
+    }
+
+    /// Where pixel (`x`, `y`) of the full picture stands in a channel; `None` outside the window.
+    pub fn index(self, x: usize, y: usize) -> Option<usize> {
+        let (column, row) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
+        (column < self.width && row < self.height).then_some(row * self.width + column)
+    }
+
+    /// The pixel of the full picture that stands at `index` in a channel.
+    pub fn pixel(self, index: usize) -> (usize, usize) {
+        (self.x + index % self.width, self.y + index / self.width)
+    }
+
+    /// Its pixels in the order of a channel's values.
+    pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.width * self.height).map(move |index| self.pixel(index))
+    }
+}
+
+impl Precision {
+    /// The half that a value is stored as. Finite values beyond the range become the largest one; infinity and NaN stay.
+    pub fn half_from(value: f32) -> f16 {
+        f16::from_f32(if value.is_finite() { value.clamp(-HALF_MAX, HALF_MAX) } else { value })
+    }
+
+    /// The value as it is after being stored.
+    pub fn stored(self, value: f32) -> f32 {
+        match self {
+            Self::Half => Self::half_from(value).to_f32(),
+            Self::Float => value,
+        }
+    }
+}
+
+impl Channel {
+    /// A channel from its parts.
+    pub fn new(name: &str, precision: Precision, pixels: Vec<f32>) -> Self {
+        Self { name: name.to_owned(), precision, pixels }
+    }
+}
+
+impl Frame {
+    /// The channel of that name.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Counts NaN, infinity and values beyond the range of their channel, and says where they begin.
+    pub fn check(&self) -> FrameDefects {
+        let mut defects = FrameDefects::default();
+        for channel in &self.channels {
+            for (index, &value) in channel.pixels.iter().enumerate() {
+                let defect = if value.is_nan() {
+                    &mut defects.nan
+                } else if value.is_infinite() {
+                    &mut defects.infinite
+                } else if channel.precision == Precision::Half && value.abs() > HALF_MAX {
+                    &mut defects.clamped
+                } else {
+                    continue;
+                };
+                defect.count += 1;
+                defect.first.get_or_insert_with(|| {
+                    let (x, y) = self.window.pixel(index);
+                    PixelPlace { channel: channel.name.clone(), x, y }
+                });
+            }
+        }
+        defects
+    }
+}
+
+impl FrameDefects {
+    /// True if the frame must not be used: it holds NaN or infinity.
+    pub fn are_fatal(&self) -> bool {
+        self.nan.count > 0 || self.infinite.count > 0
+    }
+}
+
+impl fmt::Display for DefectCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.count)?;
+        match &self.first {
+            Some(place) => {
+                write!(f, " (first in channel {} at pixel {}, {})", place.channel, place.x, place.y)
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for FrameDefects {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "NaN: {}, infinite: {}, beyond half range: {}", self.nan, self.infinite, self.clamped)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defects_are_told_apart_and_placed_in_the_full_picture() {
+        let window = Window { x: 10, y: 20, width: 2, height: 2 };
+        let frame = Frame {
+            full: Size { width: 100, height: 100 },
+            window,
+            channels: vec![
+                Channel::new("R", Precision::Half, vec![0.0, HALF_MAX, -65505.0, f32::INFINITY]),
+                Channel::new("Z", Precision::Float, vec![1e10, f32::NAN, f32::NAN, 0.0]),
+            ],
+        };
+        let defects = frame.check();
+        let place = |channel: &str, x, y| Some(PixelPlace { channel: channel.to_owned(), x, y });
+        assert_eq!(defects.nan, DefectCount { count: 2, first: place("Z", 11, 20) });
+        assert_eq!(defects.infinite, DefectCount { count: 1, first: place("R", 11, 21) });
+        assert_eq!(defects.clamped, DefectCount { count: 1, first: place("R", 10, 21) });
+        assert!(defects.are_fatal());
+    }
+
+    #[test]
+    fn storing_as_half_clamps_what_is_finite_only() {
+        assert_eq!(Precision::Half.stored(1e9), HALF_MAX);
+        assert_eq!(Precision::Half.stored(-1e9), -HALF_MAX);
+        assert_eq!(Precision::Half.stored(f32::INFINITY), f32::INFINITY);
+        assert!(Precision::Half.stored(f32::NAN).is_nan());
+        assert_eq!(Precision::Float.stored(1e9), 1e9);
+    }
+}

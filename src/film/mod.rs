@@ -1,0 +1,312 @@
+//! Samples become pixels. In go any number of weighted [`Sample`]s a pixel, in any order and from
+//! any method; out comes a [`Frame`] of named channels. Invariant: per pixel only sums of weight and of
+//! weight times value are kept and divided once, at the end, so nothing assumes one ray per pixel
+//! sample or weights that add up to a known total.
+
+mod frame;
+mod holes;
+mod pass_layout;
+
+use crate::scene::{Pass, Size};
+use crate::transport::Sample;
+use pass_layout::{PixelRule, layout, value};
+
+pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision, Window};
+
+/// Names of the beauty's channels, in the order of the sums.
+const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
+
+/// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.
+#[derive(Clone, Debug)]
+pub struct Film {
+    full: Size,
+    window: Window,
+    mean_passes: Vec<Pass>,
+    nearest_passes: Vec<Pass>,
+    /// A pixel's sum of weights; 0 is a pixel without a sample.
+    weights: Vec<f64>,
+    /// A pixel's weighted sums: red, green, blue, alpha, then three for each of `mean_passes`.
+    sums: Vec<f64>,
+    /// How far from the pixel's centre its nearest sample lies. Empty without `nearest_passes`.
+    nearest_distances_px: Vec<f64>,
+    /// What that sample showed: the channels of `nearest_passes`, pixel by pixel.
+    nearest_values: Vec<f32>,
+}
+
+impl Film {
+    /// An empty film for `window` of a picture of size `full`. Passes not asked for take no memory.
+    pub fn new(full: Size, window: Window, passes: &[Pass]) -> Self {
+        let mut wanted = passes.to_vec();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let (mean_passes, nearest_passes): (Vec<Pass>, Vec<Pass>) =
+            wanted.into_iter().partition(|&pass| layout(pass).rule == PixelRule::Mean);
+        let pixels = window.width * window.height;
+        let background: Vec<f32> = nearest_passes
+            .iter()
+            .map(|&pass| layout(pass))
+            .flat_map(|layout| std::iter::repeat_n(layout.background, layout.channels.len()))
+            .collect();
+        Self {
+            full,
+            window,
+            weights: vec![0.0; pixels],
+            sums: vec![0.0; pixels * (BEAUTY.len() + 3 * mean_passes.len())],
+            nearest_distances_px: vec![f64::INFINITY; if nearest_passes.is_empty() { 0 } else { pixels }],
+            nearest_values: background.repeat(pixels),
+            mean_passes,
+            nearest_passes,
+        }
+    }
+
+    /// The rectangle of the picture that this film covers.
+    pub fn window(&self) -> Window {
+        self.window
+    }
+
+    /// Adds a sample to pixel (`x`, `y`) of the full picture, y downwards. Samples outside the window are none of this film's business.
+    ///
+    /// `weight` is the sample's share of the pixel in any unit, such as the area that it stands for, 0 or more;
+    /// `distance_from_centre_px` decides which sample the data passes show: the nearest, of equal ones the first.
+    pub fn add(&mut self, x: usize, y: usize, weight: f64, distance_from_centre_px: f64, sample: &Sample) {
+        let Some(pixel) = self.window.index(x, y) else { return };
+        self.weights[pixel] += weight;
+        let stride = BEAUTY.len() + 3 * self.mean_passes.len();
+        let sums = &mut self.sums[pixel * stride..(pixel + 1) * stride];
+        let (beauty, passes) = sums.split_at_mut(BEAUTY.len());
+        for (sum, value) in
+            beauty.iter_mut().zip([sample.radiance.x, sample.radiance.y, sample.radiance.z, sample.alpha])
+        {
+            *sum += weight * value;
+        }
+        for (sums, &pass) in passes.chunks_exact_mut(3).zip(&self.mean_passes) {
+            for (sum, value) in sums.iter_mut().zip(value(pass, sample).to_array()) {
+                *sum += weight * value;
+            }
+        }
+        if self.nearest_distances_px.get(pixel).is_some_and(|&nearest| distance_from_centre_px < nearest) {
+            self.nearest_distances_px[pixel] = distance_from_centre_px;
+            let mut channel = pixel * self.nearest_channels();
+            for &pass in &self.nearest_passes {
+                let count = layout(pass).channels.len();
+                for (stored, value) in self.nearest_values[channel..channel + count]
+                    .iter_mut()
+                    .zip(value(pass, sample).to_array())
+                {
+                    *stored = value as f32;
+                }
+                channel += count;
+            }
+        }
+    }
+
+    /// Adds what another film of the same picture and the same passes has gathered, such as a tile or a stack of slices.
+    ///
+    /// Where the two overlap the order of pasting decides the rounding of the sums and, between samples equally near
+    /// to a pixel's centre, which one the data passes show: paste in a fixed order.
+    pub fn paste(&mut self, part: &Self) {
+        debug_assert_eq!(self.mean_passes, part.mean_passes, "parts of one picture have the same passes");
+        debug_assert_eq!(
+            self.nearest_passes, part.nearest_passes,
+            "parts of one picture have the same passes"
+        );
+        let stride = BEAUTY.len() + 3 * self.mean_passes.len();
+        let nearest_stride = self.nearest_channels();
+        for (from, (x, y)) in part.window.pixels().enumerate() {
+            let Some(to) = self.window.index(x, y) else { continue };
+            self.weights[to] += part.weights[from];
+            let added = &part.sums[from * stride..(from + 1) * stride];
+            for (sum, added) in self.sums[to * stride..(to + 1) * stride].iter_mut().zip(added) {
+                *sum += added;
+            }
+            if nearest_stride > 0 && part.nearest_distances_px[from] < self.nearest_distances_px[to] {
+                self.nearest_distances_px[to] = part.nearest_distances_px[from];
+                self.nearest_values[to * nearest_stride..(to + 1) * nearest_stride].copy_from_slice(
+                    &part.nearest_values[from * nearest_stride..(from + 1) * nearest_stride],
+                );
+            }
+        }
+    }
+
+    /// How many pixels have no sample yet; [`Film::resolve`] fills them from their neighbours.
+    pub fn holes(&self) -> usize {
+        self.weights.iter().filter(|&&weight| weight == 0.0).count()
+    }
+
+    /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
+    pub fn resolve(&self) -> Frame {
+        let stride = BEAUTY.len() + 3 * self.mean_passes.len();
+        let mean = |offset: usize| -> Vec<f32> {
+            self.weights
+                .iter()
+                .zip(self.sums.iter().skip(offset).step_by(stride))
+                .map(|(&weight, &sum)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 })
+                .collect()
+        };
+        let mean_layouts = self.mean_passes.iter().map(|&pass| layout(pass));
+        let mean_names = BEAUTY.into_iter().map(|name| (name, Precision::Half)).chain(
+            mean_layouts.flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision))),
+        );
+        let mut channels: Vec<Channel> = mean_names
+            .enumerate()
+            .map(|(offset, (name, precision))| Channel::new(name, precision, mean(offset)))
+            .collect();
+        let mean_channels = channels.len();
+        let nearest_layouts = self.nearest_passes.iter().map(|&pass| layout(pass));
+        let nearest_names = nearest_layouts
+            .flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision)));
+        let nearest_stride = self.nearest_channels();
+        channels.extend(nearest_names.enumerate().map(|(offset, (name, precision))| {
+            let pixels = self.nearest_values.iter().skip(offset).step_by(nearest_stride).copied().collect();
+            Channel::new(name, precision, pixels)
+        }));
+        let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
+        holes::fill(self.window, known, &mut channels, mean_channels);
+        Frame { full: self.full, window: self.window, channels }
+    }
+
+    /// Channels a pixel of the nearest passes.
+    fn nearest_channels(&self) -> usize {
+        self.nearest_passes.iter().map(|&pass| layout(pass).channels.len()).sum()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::transport::SurfaceFeatures;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    const ALL: [Pass; 7] = [
+        Pass::Shafts,
+        Pass::Transmittance,
+        Pass::Depth,
+        Pass::Normal,
+        Pass::Position,
+        Pass::Albedo,
+        Pass::LeafId,
+    ];
+    const SIZE: Size = Size { width: 4, height: 3 };
+
+    fn whole() -> Window {
+        Window::whole(SIZE)
+    }
+
+    fn leaf(radiance: f64, depth_m: f64, leaf_id: u32) -> Sample {
+        Sample {
+            radiance: Rgb::splat(radiance),
+            shafts: Rgb::splat(0.25 * radiance),
+            transmittance: Rgb::splat(0.5),
+            alpha: 1.0,
+            surface: Some(SurfaceFeatures {
+                depth_m,
+                normal: DVec3::Y,
+                position: DVec3::new(1.0, 2.0, depth_m),
+                albedo: Rgb::splat(0.5),
+                leaf_id,
+            }),
+        }
+    }
+
+    fn pixel(frame: &Frame, channel: &str, x: usize, y: usize) -> f32 {
+        frame.channel(channel).unwrap().pixels[frame.window.index(x, y).unwrap()]
+    }
+
+    #[test]
+    fn weights_need_not_sum_to_anything() {
+        let mut film = Film::new(SIZE, whole(), &[Pass::Shafts]);
+        film.add(1, 1, 0.03, 0.0, &leaf(1.0, 1.0, 1));
+        film.add(1, 1, 0.01, 0.0, &leaf(5.0, 1.0, 1));
+        let frame = film.resolve();
+        assert_eq!(pixel(&frame, "R", 1, 1), 2.0);
+        assert_eq!(pixel(&frame, "shafts.B", 1, 1), 0.5);
+        assert_eq!(pixel(&frame, "A", 1, 1), 1.0);
+    }
+
+    #[test]
+    fn data_passes_show_the_sample_nearest_to_the_centre_and_the_first_of_equals() {
+        let mut film = Film::new(SIZE, whole(), &ALL);
+        film.add(2, 0, 1.0, 0.4, &leaf(1.0, 7.0, 7));
+        film.add(2, 0, 1.0, 0.1, &leaf(1.0, 8.0, 8));
+        film.add(2, 0, 1.0, 0.1, &leaf(1.0, 9.0, 9));
+        film.add(2, 0, 1.0, 0.3, &Sample::default());
+        let frame = film.resolve();
+        assert_eq!(pixel(&frame, "Z", 2, 0), 8.0);
+        assert_eq!(pixel(&frame, "Position.Z", 2, 0), 8.0);
+        assert_eq!(pixel(&frame, "leaf_id.X", 2, 0), 8.0);
+        assert_eq!(pixel(&frame, "Normal.Y", 2, 0), 0.75, "averaged, the background counts as 0");
+    }
+
+    #[test]
+    fn background_has_the_depth_that_blender_writes() {
+        let mut film = Film::new(SIZE, whole(), &ALL);
+        film.add(0, 0, 1.0, 0.0, &Sample::default());
+        let frame = film.resolve();
+        assert_eq!(pixel(&frame, "Z", 0, 0), 1e10);
+        assert_eq!(pixel(&frame, "leaf_id.X", 0, 0), 0.0);
+        assert_eq!(pixel(&frame, "A", 0, 0), 0.0);
+    }
+
+    #[test]
+    fn only_the_passes_asked_for_have_channels() {
+        let names = |passes: &[Pass]| -> Vec<String> {
+            Film::new(SIZE, whole(), passes)
+                .resolve()
+                .channels
+                .into_iter()
+                .map(|channel| channel.name)
+                .collect()
+        };
+        assert_eq!(names(&[]), ["R", "G", "B", "A"]);
+        assert_eq!(names(&[Pass::LeafId, Pass::Depth, Pass::Depth]), ["R", "G", "B", "A", "Z", "leaf_id.X"]);
+        assert!(Film::new(SIZE, whole(), &[Pass::Shafts]).nearest_distances_px.is_empty());
+    }
+
+    #[test]
+    fn a_nan_sample_stays_nan() {
+        let mut film = Film::new(SIZE, whole(), &[]);
+        film.add(3, 2, 1.0, 0.0, &leaf(f64::NAN, 1.0, 1));
+        film.add(3, 2, 1.0, 0.0, &leaf(1.0, 1.0, 1));
+        let defects = film.resolve().check();
+        assert_eq!(defects.nan.count, 3);
+        let first = defects.nan.first.unwrap();
+        assert_eq!((first.channel.as_str(), first.x, first.y), ("R", 3, 2));
+    }
+
+    #[test]
+    fn samples_outside_a_cropped_window_are_left_to_others() {
+        let window = Window { x: 2, y: 1, width: 2, height: 2 };
+        let mut film = Film::new(SIZE, window, &[]);
+        film.add(1, 1, 1.0, 0.0, &leaf(9.0, 1.0, 1));
+        film.add(2, 1, 1.0, 0.0, &leaf(1.0, 1.0, 1));
+        assert_eq!(film.holes(), 3);
+        assert_eq!(pixel(&film.resolve(), "R", 2, 1), 1.0);
+    }
+
+    proptest! {
+        /// Tiles that do not overlap give the same bits in any order of pasting, and the same as no tiles.
+        #[test]
+        fn tiles_in_any_order_equal_one_film(
+            samples in prop::collection::vec((0_usize..4, 0_usize..3, 0.0..2.0_f64, 0.0..0.7_f64, 0.0..9.0_f64), 0..60),
+            split in 1_usize..4,
+        ) {
+            let left = Window { x: 0, y: 0, width: split, height: 3 };
+            let right = Window { x: split, y: 0, width: 4 - split, height: 3 };
+            let mut parts = [left, right].map(|window| Film::new(SIZE, window, &ALL));
+            let mut one = Film::new(SIZE, whole(), &ALL);
+            for (id, &(x, y, weight, distance, radiance)) in samples.iter().enumerate() {
+                let sample = leaf(radiance, radiance + 1.0, id as u32 + 1);
+                one.add(x, y, weight, distance, &sample);
+                parts.iter_mut().for_each(|part| part.add(x, y, weight, distance, &sample));
+            }
+            for order in [[0, 1], [1, 0]] {
+                let mut pasted = Film::new(SIZE, whole(), &ALL);
+                order.iter().for_each(|&part| pasted.paste(&parts[part]));
+                prop_assert_eq!(pasted.resolve(), one.resolve());
+            }
+        }
+    }
+}
