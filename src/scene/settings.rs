@@ -47,6 +47,19 @@ pub enum Pass {
     LeafId,
 }
 
+impl Pass {
+    /// Every pass there is.
+    pub const ALL: [Self; 7] = [
+        Self::Shafts,
+        Self::Transmittance,
+        Self::Depth,
+        Self::Normal,
+        Self::Position,
+        Self::Albedo,
+        Self::LeafId,
+    ];
+}
+
 /// What the input asks for; the command line overrides it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {

@@ -17,6 +17,11 @@ pub struct LitSegments {
 }
 
 impl LitSegments {
+    /// What `shadows` leave of `range`.
+    pub fn from_shadows(shadows: IntervalSet, range: (f64, f64)) -> Self {
+        Self { shadows, range }
+    }
+
     /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
     pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         self.shadows.clear();

@@ -1,0 +1,118 @@
+//! The slow truth: every triangle of a scene against a ray and a light, in double precision,
+//! without any tree. In go world-space triangles, out come shadow intervals.
+
+use glam::DVec3;
+use sunfleck::math::{IntervalSet, Ray};
+use sunfleck::scene::Scene;
+
+/// All triangles of the scene at time 0, relative to `eye`.
+pub fn triangles(scene: &Scene, eye: DVec3) -> Vec<[DVec3; 3]> {
+    let placements = scene.placements(0.0);
+    let mut triangles = Vec::new();
+    for instance in &scene.instances {
+        let mut relative_from_mesh = placements[instance.node].world_from_node;
+        relative_from_mesh.translation -= eye;
+        let mesh = &scene.meshes[instance.mesh];
+        for triangle in &mesh.triangles {
+            let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
+            triangles.push(triangle.vertices.map(|vertex| relative_from_mesh.transform_point3(corner(vertex))));
+        }
+    }
+    triangles
+}
+
+/// Where the light comes from.
+#[derive(Clone, Copy)]
+pub enum Place {
+    /// Unit vector towards a distant light.
+    Towards(DVec3),
+    /// A near light.
+    At(DVec3),
+}
+
+/// What the triangles shade of the ray within `range`.
+///
+/// Each triangle is cut by the plane through ray and light; the cut's ends are projected from the
+/// light onto the ray by solving the 2 x 2 system in an orthonormal basis of that plane.
+pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: Place, range: (f64, f64)) -> IntervalSet {
+    let along = ray.direction;
+    let towards = match light {
+        Place::Towards(direction) => direction,
+        Place::At(position) => position - ray.origin,
+    };
+    let up = (towards - towards.dot(along) * along).normalize();
+    let normal = along.cross(up);
+    let in_plane = |p: DVec3| ((p - ray.origin).dot(along), (p - ray.origin).dot(up));
+    let light_in_plane = in_plane(ray.origin + towards);
+
+    let mut set = IntervalSet::default();
+    for corners in triangles {
+        let heights = corners.map(|corner| (corner - ray.origin).dot(normal));
+        let mut cut = Vec::with_capacity(2);
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            if (heights[i] >= 0.0) != (heights[j] >= 0.0) {
+                let fraction = heights[i] / (heights[i] - heights[j]);
+                cut.push(in_plane(corners[i].lerp(corners[j], fraction)));
+            }
+        }
+        if let [a, b] = cut[..] {
+            let shaded = match light {
+                Place::Towards(_) => shade_from_afar(a, b, light_in_plane, range),
+                Place::At(_) => shade_from_near(a, b, light_in_plane, range),
+            };
+            if let Some((start, end)) = shaded {
+                set.insert(start, end);
+            }
+        }
+    }
+    set
+}
+
+/// Points above the ray shade it along the direction `(light.0, light.1)`.
+fn shade_from_afar(a: (f64, f64), b: (f64, f64), light: (f64, f64), range: (f64, f64)) -> Option<(f64, f64)> {
+    let shear = light.0 / light.1;
+    shade(a, b, range, |(x, y)| x - y * shear)
+}
+
+/// Points between the ray and the light shade it; what lies above the light is cut off.
+fn shade_from_near(
+    mut a: (f64, f64),
+    mut b: (f64, f64),
+    light: (f64, f64),
+    range: (f64, f64),
+) -> Option<(f64, f64)> {
+    if a.1 > b.1 {
+        (a, b) = (b, a);
+    }
+    if a.1 >= light.1 {
+        return None;
+    }
+    if b.1 >= light.1 {
+        let fraction = (1.0 - 1e-13) * (light.1 - a.1) / (b.1 - a.1);
+        b = (a.0 + fraction * (b.0 - a.0), a.1 + fraction * (b.1 - a.1));
+    }
+    shade(a, b, range, |(x, y)| light.0 + (x - light.0) * light.1 / (light.1 - y))
+}
+
+/// The shadow of a cut, clipped to the range; only what lies above the ray in the middle of it counts.
+fn shade(
+    a: (f64, f64),
+    b: (f64, f64),
+    range: (f64, f64),
+    on_ray: impl Fn((f64, f64)) -> f64,
+) -> Option<(f64, f64)> {
+    let (t_a, t_b) = (on_ray(a), on_ray(b));
+    let (start, end) = (t_a.min(t_b).max(range.0), t_a.max(t_b).min(range.1));
+    if start >= end {
+        return None;
+    }
+    // Bisection finds the point of the cut that shades the middle: no formula to share a mistake with.
+    let middle = 0.5 * (start + end);
+    let (mut low, mut high) = (0.0, 1.0);
+    let point = |f: f64| (a.0 + f * (b.0 - a.0), a.1 + f * (b.1 - a.1));
+    for _ in 0..60 {
+        let half = 0.5 * (low + high);
+        if (on_ray(point(half)) < middle) == (t_a < t_b) { low = half } else { high = half }
+    }
+    (point(low).1 > 0.0).then_some((start, end))
+}

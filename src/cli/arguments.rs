@@ -1,0 +1,257 @@
+//! The command line's grammar. Invariant: flags work in any order; unknown ones are refused.
+
+use crate::scene::{LightUnits, Pass, Size};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Falling leaves to EXR sequences, with volumetric shadows integrated exactly along every ray.
+#[derive(Debug, Parser)]
+#[command(name = "sunfleck", version, max_term_width = 100)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Render a sequence or scene to EXR frames.
+    Render(RenderArguments),
+    /// Say what an input holds, and what of it is not honoured.
+    Inspect(InspectArguments),
+    /// Compare two EXR frames.
+    Diff(DiffArguments),
+    /// Print a completion script for a shell.
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+#[derive(Args, Debug)]
+pub(super) struct RenderArguments {
+    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    pub(super) input: PathBuf,
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
+    #[arg(long, allow_hyphen_values = true)]
+    pub(super) frames: Option<String>,
+    /// Output: a folder, or a name with ####, %04d or $F4 [default: out/NAME/NAME.####.exr].
+    #[arg(long, value_name = "PATTERN|DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Picture size: 960x540, or a percentage of the sequence's, 50%.
+    #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
+    pub(super) size: Option<SizeArgument>,
+    /// Samples a pixel; 1 goes through the pixel's centre.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub(super) samples: Option<u32>,
+    /// How light in fog is found.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) volume: Volume,
+    /// Points a ray and light for --volume march and equiangular; march steps as the sequence says without it.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000), value_name = "N")]
+    pub(super) volume_steps: Option<u32>,
+    /// Name of the camera.
+    #[arg(long)]
+    pub(super) camera: Option<String>,
+    /// Only these pixels, x1 and y1 excluded; the frame keeps its full display window.
+    #[arg(long, value_parser = parse_crop, value_name = "x0,y0,x1,y1")]
+    pub(super) crop: Option<Crop>,
+    /// Passes beside the beauty, or `all` or `none`.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    pub(super) passes: Option<Vec<PassArgument>>,
+    /// Frames a second, such as 24 or 24000/1001; overrides the input's.
+    #[arg(long, value_parser = parse_frame_rate)]
+    pub(super) fps: Option<crate::scene::FrameRate>,
+    /// What the lights of a glTF file are measured in; overrides what it says.
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
+    /// Which frames that exist already are kept.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) skip: SkipArgument,
+    /// Seed of the sample points.
+    #[arg(long)]
+    pub(super) seed: Option<u32>,
+    /// Threads to render with [default: all cores].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(super) threads: Option<u32>,
+    /// How progress is told.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) progress: ProgressArgument,
+    /// Also write a tone-mapped picture beside each frame.
+    #[arg(long, value_enum)]
+    pub(super) preview: Option<PreviewArgument>,
+    /// Say what would be rendered, and render nothing.
+    #[arg(long)]
+    pub(super) dry_run: bool,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct InspectArguments {
+    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    pub(super) input: PathBuf,
+    /// As JSON, with every node's world matrix at each of `--frames`.
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Frames to look at; fractions are allowed [default: the first].
+    #[arg(long, allow_hyphen_values = true, value_delimiter = ',')]
+    pub(super) frames: Vec<f64>,
+    /// What the lights of a glTF file are measured in; overrides what it says.
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct DiffArguments {
+    /// The frame to judge.
+    pub(super) output: PathBuf,
+    /// The frame to judge it by.
+    pub(super) reference: PathBuf,
+    /// The reference's own noise (root mean square of its standard error), taken out of the RMSE.
+    #[arg(long, default_value_t = 0.0)]
+    pub(super) reference_noise: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SizeArgument {
+    Pixels(Size),
+    Percent(f64),
+}
+
+/// A rectangle of pixels, far edges excluded.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crop {
+    pub(super) x0: usize,
+    pub(super) y0: usize,
+    pub(super) x1: usize,
+    pub(super) y1: usize,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Volume {
+    /// The best for the scene: exact segments.
+    #[default]
+    Auto,
+    /// Exact visibility intervals along every ray.
+    Segments,
+    /// Shadow rays at equal steps.
+    March,
+    /// Shadow rays at points spread over the angle seen from the light.
+    Equiangular,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PassArgument {
+    All,
+    None,
+    Shafts,
+    Transmittance,
+    Depth,
+    Normal,
+    Position,
+    Albedo,
+    LeafId,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LightUnitsArgument {
+    /// Lux and candela (Blender's default).
+    Spec,
+    /// Blender's "Unitless".
+    Compat,
+    /// Blender's "Raw".
+    Raw,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum SkipArgument {
+    /// Those that are whole and were made by this version from this scene and these settings.
+    Valid,
+    /// All that exist.
+    Exists,
+    /// None: render everything again.
+    #[default]
+    None,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressArgument {
+    /// A bar on a terminal, plain lines elsewhere.
+    #[default]
+    Auto,
+    /// A line a frame.
+    Plain,
+    /// A JSON object a line.
+    Jsonl,
+    /// Open Job Description lines on the output stream.
+    Openjd,
+    /// Nothing.
+    None,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PreviewArgument {
+    /// PNG.
+    Png,
+}
+
+impl From<LightUnitsArgument> for LightUnits {
+    fn from(argument: LightUnitsArgument) -> Self {
+        match argument {
+            LightUnitsArgument::Spec => Self::Spec,
+            LightUnitsArgument::Compat => Self::Compat,
+            LightUnitsArgument::Raw => Self::Raw,
+        }
+    }
+}
+
+/// The passes that a list of arguments stands for.
+pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
+    let mut passes = Vec::new();
+    for argument in arguments {
+        match argument {
+            PassArgument::All => passes.extend(Pass::ALL),
+            PassArgument::None => {}
+            PassArgument::Shafts => passes.push(Pass::Shafts),
+            PassArgument::Transmittance => passes.push(Pass::Transmittance),
+            PassArgument::Depth => passes.push(Pass::Depth),
+            PassArgument::Normal => passes.push(Pass::Normal),
+            PassArgument::Position => passes.push(Pass::Position),
+            PassArgument::Albedo => passes.push(Pass::Albedo),
+            PassArgument::LeafId => passes.push(Pass::LeafId),
+        }
+    }
+    passes.sort_unstable();
+    passes.dedup();
+    passes
+}
+
+fn parse_size(text: &str) -> Result<SizeArgument, String> {
+    let expected = || String::from("expected WIDTHxHEIGHT such as 960x540 (each 1 to 65536), or a percentage such as 50%");
+    if let Some(percent) = text.strip_suffix('%') {
+        let percent: f64 = percent.trim().parse().map_err(|_| expected())?;
+        return if percent > 0.0 && percent <= 1000.0 { Ok(SizeArgument::Percent(percent)) } else { Err(expected()) };
+    }
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let side = |text: &str| match text.trim().parse::<usize>() {
+        Ok(side) if (1..=65536).contains(&side) => Ok(side),
+        _ => Err(expected()),
+    };
+    Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
+}
+
+fn parse_crop(text: &str) -> Result<Crop, String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Crop { x0, y0, x1, y1 }),
+        _ => Err("expected x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,400,200".into()),
+    }
+}
+
+fn parse_frame_rate(text: &str) -> Result<crate::scene::FrameRate, String> {
+    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
+    match (numerator.trim().parse::<u32>(), denominator.trim().parse::<u32>()) {
+        (Ok(numerator), Ok(denominator)) if numerator > 0 && denominator > 0 => {
+            Ok(crate::scene::FrameRate { numerator, denominator })
+        }
+        _ => Err("expected frames a second such as 24, or a fraction such as 24000/1001".into()),
+    }
+}

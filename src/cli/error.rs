@@ -1,0 +1,60 @@
+//! What can go wrong for a user, and the exit code that says so. Invariant: the code tells scripts
+//! the kind, the text tells people the rest.
+
+use crate::description::LoadError;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use std::process::ExitCode;
+
+/// The command line itself.
+pub(super) const USAGE: u8 = 2;
+const SCENE: u8 = 3;
+const INPUT_OUTPUT: u8 = 4;
+const FRAME: u8 = 5;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// A value on the command line cannot be used (exit code 2).
+    #[error("{0}")]
+    Usage(Diagnostic),
+    /// The scene cannot be used (3).
+    #[error("{0}")]
+    Scene(Diagnostics),
+    /// A file cannot be read or written (4).
+    #[error("{0}")]
+    InputOutput(String),
+    /// A frame failed its checks (5).
+    #[error("{0}")]
+    Frame(String),
+    /// A signal ended the work (128 + its number).
+    #[error("stopped by signal {0}: whole frames are kept; the same command with --skip valid goes on")]
+    Signal(u8),
+}
+
+impl CliError {
+    /// The process's exit code.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Usage(_) => USAGE,
+            Self::Scene(_) => SCENE,
+            Self::InputOutput(_) => INPUT_OUTPUT,
+            Self::Frame(_) => FRAME,
+            Self::Signal(number) => 128 + number,
+        })
+    }
+}
+
+impl From<LoadError> for CliError {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Io { .. } => Self::InputOutput(error.to_string()),
+            LoadError::Invalid(diagnostics) => Self::Scene(diagnostics),
+        }
+    }
+}
+
+impl From<Diagnostics> for CliError {
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Scene(diagnostics)
+    }
+}

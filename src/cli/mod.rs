@@ -1,0 +1,57 @@
+//! What a user types: arguments in, exit code out. Invariant: every failure names its cause and a
+//! remedy on the error stream, and has the exit code of its kind.
+
+mod arguments;
+mod diff;
+mod error;
+mod inspect;
+mod plan;
+mod progress;
+mod render;
+
+use arguments::{Arguments, Command};
+use clap::{CommandFactory, Parser};
+use std::process::ExitCode;
+
+pub use error::CliError;
+
+/// Runs the program on its command line.
+pub fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are answers, not failures; a closed pipe is nobody's concern.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
+        }
+    };
+    let result = match arguments.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Diff(arguments) => diff::run(&arguments),
+        Command::Completions { shell } => {
+            let mut command = Arguments::command();
+            clap_complete::generate(shell, &mut command, "sunfleck", &mut std::io::stdout());
+            Ok(())
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tell(&error.to_string());
+            error.exit_code()
+        }
+    }
+}
+
+/// A line on the error stream.
+#[allow(clippy::print_stderr, reason = "this is the one place that talks to the user")]
+fn tell(message: &str) {
+    eprintln!("{message}");
+}
+
+/// A line on the output stream.
+#[allow(clippy::print_stdout, reason = "this is the one place that answers the user")]
+fn answer(message: &str) {
+    println!("{message}");
+}

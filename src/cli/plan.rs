@@ -1,0 +1,142 @@
+//! What is to be rendered, once and for all: input and flags in, a plan out. Invariant: flags win
+//! over the file, the file over the defaults; a plan that exists can be carried out.
+
+use super::CliError;
+use super::arguments::{Crop, RenderArguments, SizeArgument, Volume, passes};
+use crate::description;
+use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::film::Window;
+use crate::render::Job;
+use crate::scene::{self, RenderSettings, Scene, Size};
+use crate::sequence::FrameList;
+use crate::snapshot::shows_surfaces;
+use crate::transport::{MarchSteps, Transport, VolumeMethod};
+use sha2::{Digest, Sha256};
+
+/// Everything that a run needs to know.
+pub(super) struct Plan {
+    pub(super) scene: Scene,
+    pub(super) settings: RenderSettings,
+    /// Index into the scene's cameras.
+    pub(super) camera: usize,
+    pub(super) frames: Vec<i64>,
+    pub(super) job: Job,
+    /// SHA-256 over all input files.
+    pub(super) scene_hash: String,
+}
+
+impl Plan {
+    pub(super) fn new(arguments: &RenderArguments) -> Result<Self, CliError> {
+        let description = description::load(&arguments.input)?;
+        let scene_hash = description.content_hash.clone();
+        let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+
+        if let Some(size) = arguments.size {
+            settings.size = resized(settings.size, size)?;
+        }
+        if let Some(frame_rate) = arguments.fps {
+            settings.frame_rate = frame_rate;
+        }
+        if let Some(list) = &arguments.passes {
+            settings.passes = passes(list);
+        }
+        settings.samples = arguments.samples.unwrap_or(settings.samples);
+        settings.seed = arguments.seed.unwrap_or(settings.seed);
+        settings.camera = arguments.camera.clone().or(settings.camera);
+
+        let camera = find_camera(&scene, settings.camera.as_deref())?;
+        let frames = find_frames(arguments.frames.as_deref(), &settings)?;
+        let window = find_window(arguments.crop, settings.size)?;
+        let volume = volume(arguments, &settings);
+        let job = Job {
+            size: settings.size,
+            window,
+            passes: settings.passes.clone(),
+            samples: settings.samples,
+            seed: settings.seed,
+            transport: Transport {
+                volume,
+                mirror_depth: settings.mirror_depth,
+                features: shows_surfaces(&settings.passes),
+            },
+        };
+        Ok(Self { scene, settings, camera, frames, job, scene_hash })
+    }
+
+    /// SHA-256 over everything beside the input files that reaches the pixels, frame number aside.
+    pub(super) fn settings_hash(&self) -> String {
+        let RenderSettings { frame_rate, shutter, .. } = &self.settings;
+        let text = format!("{:?} {frame_rate:?} {shutter:?} {}", self.job, self.camera);
+        Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// What the scene asks for and does not get, as lines for the error stream.
+    pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
+        let remarks = self.scene.remarks.0.iter();
+        remarks.filter(|remark| remark.severity == Severity::Warning).map(ToString::to_string)
+    }
+}
+
+fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliError> {
+    match argument {
+        SizeArgument::Pixels(size) => Ok(size),
+        SizeArgument::Percent(percent) => {
+            let side = |side: usize| (side as f64 * percent / 100.0).round() as usize;
+            let size = Size { width: side(size.width), height: side(size.height) };
+            if size.width == 0 || size.height == 0 {
+                return Err(usage("--size", format!("{percent}% leaves no pixel"), "a larger percentage"));
+            }
+            Ok(size)
+        }
+    }
+}
+
+fn find_camera(scene: &Scene, name: Option<&str>) -> Result<usize, CliError> {
+    let Some(name) = name else { return Ok(0) };
+    scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
+        let names: Vec<_> = scene.cameras.iter().map(|camera| format!("`{}`", camera.name)).collect();
+        usage("--camera", format!("there is no camera `{name}`"), &format!("one of {}", names.join(", ")))
+    })
+}
+
+fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<Vec<i64>, CliError> {
+    let range = &settings.frames;
+    let frames = FrameList::parse(list.unwrap_or("all"), range).map_err(CliError::Usage)?.frames().to_vec();
+    let outside: Vec<_> = frames.iter().filter(|frame| !range.contains(frame)).map(i64::to_string).collect();
+    if !outside.is_empty() {
+        let (first, last) = (range.start(), range.end());
+        let found = format!("frame {} is outside the sequence's {first}-{last}", outside.join(", "));
+        return Err(usage("--frames", found, &format!("frames within {first}-{last}, or a longer sequence")));
+    }
+    Ok(frames)
+}
+
+fn find_window(crop: Option<Crop>, size: Size) -> Result<Window, CliError> {
+    let Some(Crop { x0, y0, x1, y1 }) = crop else { return Ok(Window::whole(size)) };
+    if x1 > size.width || y1 > size.height {
+        let Size { width, height } = size;
+        let found = format!("{x0},{y0},{x1},{y1} reaches beyond the picture");
+        return Err(usage("--crop", found, &format!("x1 up to {width} and y1 up to {height}")));
+    }
+    Ok(Window { x: x0, y: y0, width: x1 - x0, height: y1 - y0 })
+}
+
+fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> VolumeMethod {
+    match (arguments.volume, arguments.volume_steps) {
+        (Volume::Auto | Volume::Segments, _) => VolumeMethod::Segments,
+        (Volume::March, Some(steps)) => VolumeMethod::March(MarchSteps::Count(steps)),
+        (Volume::March, None) => VolumeMethod::March(MarchSteps::Planes {
+            depth_m: settings.march_depth_m,
+            step_m: settings.march_step_m,
+        }),
+        (Volume::Equiangular, points) => VolumeMethod::Equiangular { points: points.unwrap_or(1) },
+    }
+}
+
+fn usage(flag: &str, found: String, expected: &str) -> CliError {
+    CliError::Usage(
+        Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))
+            .expected(expected)
+            .remedy(format!("change {flag}; `sunfleck inspect` says what the input holds")),
+    )
+}
