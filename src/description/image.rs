@@ -1,1 +1,82 @@
-//! stub
+//! Image files in, linear light out. Invariant: `width * height` texels, none larger than the
+//! limits allow, whatever the file's header claims.
+
+use crate::color::linear_from_srgb;
+use crate::diagnostic::{Diagnostic, Place};
+use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+/// Longest side that is accepted, in texels.
+const MAX_SIDE: u32 = 16_384;
+/// Most texels that are accepted; 1 GiB once decoded.
+const MAX_TEXELS: u64 = 1 << 26;
+/// Most memory the decoder may take beside the result, in bytes.
+const MAX_DECODER_BYTES: u64 = 1 << 30;
+
+/// An RGBA image in linear Rec. 709, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DecodedImage {
+    /// Texels a row, at least 1.
+    pub width: usize,
+    /// Rows, at least 1.
+    pub height: usize,
+    /// Linear colour, alpha last, row by row from the top.
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// Linear light for every sRGB code of 16 bits; 8-bit codes are multiples of 257.
+static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
+});
+
+/// Decodes a PNG, JPEG or PPM image, recognised by its content; colours are taken as sRGB.
+///
+/// # Errors
+/// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
+pub fn decode(bytes: &[u8], place: Place) -> Result<DecodedImage, Diagnostic> {
+    let reject = |found: String| {
+        Diagnostic::error(place.clone(), found)
+            .expected("a PNG, JPEG or PPM image of at most 16384 texels a side")
+            .remedy("save the image again as PNG, or scale it down")
+    };
+    let mut reader = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| reject(format!("the image cannot be read: {error}")))?;
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm)) {
+        return Err(reject(String::from("this is not an image in a format that is read")));
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits);
+    let (width, height) = dimensions(bytes).map_err(&reject)?;
+    if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MAX_TEXELS {
+        return Err(reject(format!("the image has {width}x{height} texels")));
+    }
+    let decoded = reader.decode().map_err(|error| reject(format!("the image cannot be decoded: {error}")))?;
+    Ok(linear(decoded))
+}
+
+fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
+    ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|error| format!("the image cannot be read: {error}"))?
+        .into_dimensions()
+        .map_err(|error| format!("the image cannot be decoded: {error}"))
+}
+
+fn linear(decoded: DynamicImage) -> DecodedImage {
+    let rgba = decoded.into_rgba16();
+    let curve = LINEAR_FROM_CODE.as_slice();
+    let texels = rgba
+        .pixels()
+        .map(|pixel| {
+            let [r, g, b, alpha] = pixel.0;
+            let [r, g, b] = [r, g, b].map(|code| curve[usize::from(code)]);
+            [r, g, b, f32::from(alpha) / f32::from(u16::MAX)]
+        })
+        .collect();
+    DecodedImage { width: rgba.width() as usize, height: rgba.height() as usize, texels }
+}

@@ -1,0 +1,259 @@
+//! Values that may be keyed: `45.0`, or `Keyed(keys: [(at_s: 0.0, value: 45.0), ..])`. Invariant:
+//! both forms are read without buffering, so errors keep their line and column.
+
+use super::number::{Direction, Finite, Number, Point, Quaternion, QuaternionRate, Range, Triple, Vector};
+use glam::{DQuat, DVec3};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess};
+use serde::de::{Unexpected, Visitor};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A value that stays, or one that changes over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Keyed<T: Keyable> {
+    /// The same at all times.
+    Plain(T),
+    /// Interpolated between keys.
+    Keys(Keys<T>),
+}
+
+/// A keyed value as the author wrote it.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, bound = "")]
+pub struct Keys<T: Keyable> {
+    /// The keys, times strictly increasing.
+    pub keys: Vec<Key<T>>,
+    /// What happens outside the keys.
+    #[serde(default)]
+    pub extend: Extend,
+}
+
+/// A value at a time.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, bound = "")]
+pub struct Key<T: Keyable> {
+    /// Seconds.
+    pub at_s: Number<Finite>,
+    /// The value there.
+    pub value: T,
+    /// The way to the next key.
+    #[serde(default)]
+    pub to_next: ToNext<T>,
+}
+
+/// The way from one key to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, bound = "")]
+pub enum ToNext<T: Keyable> {
+    /// The value stays, then jumps.
+    Step,
+    /// Straight.
+    #[default]
+    Linear,
+    /// A cubic with given slopes at both ends, per second (glTF's CUBICSPLINE).
+    Hermite {
+        /// Slope on leaving this key.
+        leave_per_s: T::Rate,
+        /// Slope on arriving at the next one.
+        arrive_per_s: T::Rate,
+    },
+    /// A cubic with two handles, each a time and a value (Blender's Bezier curve).
+    Bezier {
+        /// Handle after this key.
+        leave: Handle<T>,
+        /// Handle before the next one.
+        arrive: Handle<T>,
+    },
+}
+
+/// A handle of a Bezier curve.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, bound = "")]
+pub struct Handle<T: Keyable> {
+    /// Seconds; between the two keys.
+    pub at_s: Number<Finite>,
+    /// The value there.
+    pub value: T,
+}
+
+/// What a keyed value does outside its keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+pub enum Extend {
+    /// Keeps the first or last value.
+    #[default]
+    Hold,
+    /// Starts over.
+    Cycle,
+}
+
+/// What can be keyed in a file.
+pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned {
+    /// How fast it changes, per second.
+    type Rate: Copy + fmt::Debug + PartialEq + DeserializeOwned;
+    /// What it means, in SI units.
+    type Si: Copy;
+    /// What to say when a curve leaves the range.
+    const EXPECTED: &'static str;
+
+    /// The value in SI units.
+    fn si(self) -> Self::Si;
+    /// A rate in SI units per second.
+    fn rate_si(rate: Self::Rate) -> Self::Si;
+    /// Whether a curve may pass through `value`.
+    fn admits(value: Self::Si) -> bool;
+}
+
+/// Slack for the rounding of a conversion to SI units and back.
+const ROUNDING: f64 = 1.0 - 1e-12;
+
+fn admits<R: Range>(value: f64) -> bool {
+    value.is_finite() && R::contains(value / R::UNIT * ROUNDING)
+}
+
+impl<R: Range + fmt::Debug + PartialEq + 'static> Keyable for Number<R> {
+    type Rate = Number<Finite>;
+    type Si = f64;
+    const EXPECTED: &'static str = R::EXPECTED;
+
+    fn si(self) -> f64 {
+        self.si()
+    }
+    fn rate_si(rate: Self::Rate) -> f64 {
+        rate.si() * R::UNIT
+    }
+    fn admits(value: f64) -> bool {
+        admits::<R>(value)
+    }
+}
+
+impl<R: Range + fmt::Debug + PartialEq + 'static> Keyable for Vector<R> {
+    type Rate = Point;
+    type Si = DVec3;
+    const EXPECTED: &'static str = R::EXPECTED;
+
+    fn si(self) -> DVec3 {
+        self.si()
+    }
+    fn rate_si(rate: Self::Rate) -> DVec3 {
+        rate.si() * R::UNIT
+    }
+    fn admits(value: DVec3) -> bool {
+        value.to_array().into_iter().all(admits::<R>)
+    }
+}
+
+impl<R: Range + fmt::Debug + PartialEq + 'static> Keyable for Triple<R> {
+    type Rate = Triple<Finite>;
+    type Si = DVec3;
+    const EXPECTED: &'static str = R::EXPECTED;
+
+    fn si(self) -> DVec3 {
+        self.si()
+    }
+    fn rate_si(rate: Self::Rate) -> DVec3 {
+        rate.si() * R::UNIT
+    }
+    fn admits(value: DVec3) -> bool {
+        value.to_array().into_iter().all(admits::<R>)
+    }
+}
+
+impl Keyable for Direction {
+    type Rate = Point;
+    type Si = DVec3;
+    const EXPECTED: &'static str = "a direction (x, y, z)";
+
+    fn si(self) -> DVec3 {
+        self.0
+    }
+    fn rate_si(rate: Self::Rate) -> DVec3 {
+        rate.si()
+    }
+    fn admits(_: DVec3) -> bool {
+        true
+    }
+}
+
+impl Keyable for Quaternion {
+    type Rate = QuaternionRate;
+    type Si = DQuat;
+    const EXPECTED: &'static str = "a quaternion (x, y, z, w)";
+
+    fn si(self) -> DQuat {
+        self.0
+    }
+    fn rate_si(rate: Self::Rate) -> DQuat {
+        rate.0
+    }
+    fn admits(_: DQuat) -> bool {
+        true
+    }
+}
+
+impl Keyable for bool {
+    type Rate = NoRate;
+    type Si = bool;
+    const EXPECTED: &'static str = "true or false";
+
+    fn si(self) -> bool {
+        self
+    }
+    fn rate_si(_: NoRate) -> bool {
+        false
+    }
+    fn admits(_: bool) -> bool {
+        true
+    }
+}
+
+/// The slope of something that can only jump: cannot be written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoRate(());
+
+impl<'de> Deserialize<'de> for NoRate {
+    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Self, D::Error> {
+        Err(D::Error::invalid_value(Unexpected::Other("a slope of something that is on or off"), &"`Step`"))
+    }
+}
+
+impl<'de, T: Keyable> Deserialize<'de> for Keyed<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(KeyedVisitor(PhantomData))
+    }
+}
+
+/// Numbers, booleans and tuples are plain values; a struct with named fields holds keys.
+struct KeyedVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Keyable> Visitor<'de> for KeyedVisitor<T> {
+    type Value = Keyed<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, or Keyed(keys: [(at_s: .., value: ..), ..])", T::EXPECTED)
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {
+        T::deserialize(SeqAccessDeserializer::new(sequence)).map(Keyed::Plain)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        Keys::deserialize(MapAccessDeserializer::new(map)).map(Keyed::Keys)
+    }
+}

@@ -1,0 +1,87 @@
+//! A block of leaves: one line for hundreds. Invariant: leaf number `i` depends on the block's
+//! seed and on `i`, not on how many there are.
+
+use super::number::{Degrees, Finite, NonNegative, Number, Point, Positive, Span, Whole};
+use glam::DVec3;
+use serde::Deserialize;
+
+/// More leaves than this in one scene are refused.
+pub const MAX_LEAVES: u32 = 10_000_000;
+
+/// Seeded copies of meshes, scattered over a box.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Leaves {
+    /// How many.
+    pub count: Whole<1, MAX_LEAVES>,
+    /// Another seed, other leaves.
+    #[serde(default)]
+    pub seed: u32,
+    /// Names of meshes; each leaf is one of them.
+    pub meshes: Vec<String>,
+    /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
+    #[serde(default)]
+    pub materials: Vec<String>,
+    /// Name of the object that the leaves follow.
+    pub parent: Option<String>,
+    /// Smallest coordinates of the box in which the leaves are at time 0.
+    pub min_m: Point,
+    /// Largest coordinates of that box.
+    pub max_m: Point,
+    /// Factor on the mesh's size.
+    #[serde(default = "natural_size")]
+    pub scale: Span<Positive>,
+    /// How they move.
+    #[serde(default)]
+    pub motion: LeafMotion,
+}
+
+/// How the leaves of a block move. To add a model of falling: a variant here, its paths in
+/// `scene::from_ron`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum LeafMotion {
+    /// Not at all.
+    #[default]
+    Still,
+    /// Down at a steady speed, swinging and turning, until the ground.
+    Falling {
+        /// Speed of descent.
+        speed_m_per_s: Span<Positive>,
+        /// Half width of the swing.
+        #[serde(default = "none")]
+        swing_m: Span<NonNegative>,
+        /// Swings a second.
+        #[serde(default = "none")]
+        swing_hz: Span<NonNegative>,
+        /// Turn rate about a random axis.
+        #[serde(default = "no_turn")]
+        spin_deg_per_s: Span<Degrees>,
+        /// Velocity of the air.
+        #[serde(default = "calm")]
+        wind_m_per_s: Point,
+        /// Height at which leaves come to rest.
+        #[serde(default = "sea_level")]
+        ground_y_m: Number<Finite>,
+    },
+}
+
+fn natural_size() -> Span<Positive> {
+    Span::new(1.0, 1.0)
+}
+
+fn none() -> Span<NonNegative> {
+    Span::new(0.0, 0.0)
+}
+
+fn no_turn() -> Span<Degrees> {
+    Span::new(0.0, 0.0)
+}
+
+fn calm() -> Point {
+    Point::new(DVec3::ZERO)
+}
+
+fn sea_level() -> Number<Finite> {
+    Number::new(0.0)
+}

@@ -1,0 +1,103 @@
+//! Our own format: RON files in, typed descriptions with their meshes and textures out.
+//! Invariant: a file is read only if something in the picture refers to it, and then once.
+//!
+//! docs/scene-format.md is the author's view of these types; a field is added here, there and in
+//! `scene::from_ron`.
+
+mod keyed;
+mod leaves;
+mod named;
+mod number;
+mod parse;
+mod references;
+mod scene_file;
+mod sequence_file;
+pub(crate) mod suggest;
+mod version;
+
+use super::image::DecodedImage;
+use super::obj::ObjModel;
+use super::{Files, LoadError};
+use crate::diagnostic::{Diagnostic, Place};
+use parse::Document;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
+pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
+pub use named::Named;
+pub use number::{
+    Anisotropy, Degrees, Direction, FieldOfView, Finite, HalfAngle, NonNegative, Number, Point, Positive,
+    Quaternion, QuaternionRate, Range, Span, Triple, UnitInterval, Vector, Whole,
+};
+pub use scene_file::{Camera, Fog, Light, Material, Mesh, Object, SceneFile};
+pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};
+pub use version::Version;
+
+/// A sequence file as read.
+#[derive(Debug)]
+pub struct SequenceFile {
+    /// The file itself.
+    pub path: PathBuf,
+    /// The scene to render.
+    pub scene_path: PathBuf,
+    /// What the file says.
+    pub fields: SequenceFields,
+}
+
+/// A scene file with the meshes and textures that its picture needs.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// The file itself.
+    pub path: PathBuf,
+    /// What the file says.
+    pub file: SceneFile,
+    /// OBJ files by their path as the scene writes it.
+    pub models: BTreeMap<PathBuf, ObjModel>,
+    /// Images by their path: as the scene writes it, or joined to the OBJ file's folder.
+    pub images: BTreeMap<PathBuf, DecodedImage>,
+}
+
+/// What a RON file turned out to be.
+#[derive(Debug)]
+pub enum RonFile {
+    /// `Scene(..)`.
+    Scene(LoadedScene),
+    /// `Sequence(..)`.
+    Sequence(SequenceFile),
+}
+
+/// Reads a RON file of either kind; a scene with everything that it refers to.
+///
+/// # Errors
+/// [`LoadError`] if a file cannot be read, or does not hold what it should.
+pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
+    match parse::parse(path, &files.read(path, None)?)? {
+        Document::Scene(file) => references::load(path, file, files).map(RonFile::Scene),
+        Document::Sequence(fields) => {
+            let scene_path = beside(path, &fields.scene);
+            Ok(RonFile::Sequence(SequenceFile { path: path.to_owned(), scene_path, fields }))
+        }
+    }
+}
+
+/// Reads a RON scene with everything that it refers to.
+///
+/// # Errors
+/// [`LoadError`] if a file cannot be read, or does not hold what it should.
+pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
+    match parse::parse(path, &files.read(path, None)?)? {
+        Document::Scene(file) => references::load(path, file, files),
+        Document::Sequence(_) => {
+            Err(Diagnostic::error(Place::File(path.to_owned()), "this is a sequence, not a scene")
+                .expected("a file that starts with `Scene(`")
+                .remedy("name a scene in the sequence's field `scene`")
+                .into())
+        }
+    }
+}
+
+/// `path`, which `file` writes relative to its own folder.
+fn beside(file: &Path, path: &Path) -> PathBuf {
+    file.parent().map_or_else(|| path.to_owned(), |folder| folder.join(path))
+}

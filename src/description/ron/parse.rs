@@ -1,0 +1,100 @@
+//! RON text in, typed document or a diagnostic out. Invariant: every error has the line and column
+//! of the value that caused it, says what was expected, and has a remedy.
+
+use super::suggest;
+use super::{SceneFile, SequenceFields};
+use crate::diagnostic::{Diagnostic, Place};
+use ::ron::Options;
+use ::ron::error::{Error, SpannedError};
+use ::ron::extensions::Extensions;
+use serde::Deserialize;
+use std::path::Path;
+
+/// The two kinds of file.
+#[derive(Debug, Deserialize)]
+pub(super) enum Document {
+    /// What is to be seen.
+    Scene(SceneFile),
+    /// How to render it.
+    Sequence(SequenceFields),
+}
+
+/// Parses the bytes of the file at `path`.
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
+    let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(path, bytes, error.valid_up_to()))?;
+    // An editor's byte order mark is no part of the text.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+        .from_str(text)
+        .map_err(|error| diagnostic(path, &error))
+}
+
+fn not_utf8(path: &Path, bytes: &[u8], valid_up_to: usize) -> Diagnostic {
+    let before = &bytes[..valid_up_to];
+    let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+    let column = 1 + before.iter().rev().take_while(|&&byte| byte != b'\n').count();
+    Diagnostic::error(Place::Text { file: path.to_owned(), line, column }, "this is not text in UTF-8")
+        .expected("a RON file in UTF-8")
+        .remedy("save the file as UTF-8")
+}
+
+fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
+    let start = error.span.start;
+    let place = Place::Text { file: path.to_owned(), line: start.line, column: start.col };
+    let inside = |outer: &Option<String>| match outer {
+        Some(outer) => format!(" in `{outer}`"),
+        None => String::new(),
+    };
+    match &error.code {
+        Error::NoSuchStructField { expected, found, outer } => {
+            Diagnostic::error(place, format!("there is no field `{found}`{}", inside(outer)))
+                .expected(format!("one of {}", suggest::list(expected.iter().copied())))
+                .remedy(suggest::remedy(found, expected.iter().copied()))
+        }
+        Error::NoSuchEnumVariant { expected, found, outer } => {
+            Diagnostic::error(place, format!("there is no `{found}`{}", inside(outer)))
+                .expected(format!("one of {}", suggest::list(expected.iter().copied())))
+                .remedy(suggest::remedy(found, expected.iter().copied()))
+        }
+        Error::MissingStructField { field: field @ ("min_m" | "max_m"), outer } => {
+            Diagnostic::error(place, format!("the field `{field}`{} is missing", inside(outer)))
+                .expected("the corners `min_m` and `max_m` of a box")
+                .remedy(format!(
+                    "add `{field}: (x, y, z)`; fog without bounds would absorb all sunlight before it arrives"
+                ))
+        }
+        Error::MissingStructField { field, outer } => {
+            Diagnostic::error(place, format!("the field `{field}`{} is missing", inside(outer)))
+                .expected(format!("`{field}: ..` somewhere between these brackets"))
+                .remedy(format!("add `{field}`; docs/scene-format.md says what it may be"))
+        }
+        Error::DuplicateStructField { field, outer } => {
+            Diagnostic::error(place, format!("the field `{field}`{} occurs twice", inside(outer)))
+                .expected("every field once")
+                .remedy("take one of the two out")
+        }
+        Error::InvalidValueForType { expected, found } => {
+            Diagnostic::error(place, format!("{found} does not belong here"))
+                .expected(expected.clone())
+                .remedy("change the value; docs/scene-format.md has every field's unit and range")
+        }
+        Error::ExpectedDifferentLength { expected, found } => {
+            Diagnostic::error(place, format!("{found} values are too many or too few here"))
+                .expected(expected.clone())
+                .remedy("count the values between the brackets")
+        }
+        Error::Message(message) => Diagnostic::error(place, message.clone())
+            .expected("what docs/scene-format.md says of this field")
+            .remedy("change the value"),
+        other => Diagnostic::error(place, lower_first(&other.to_string()))
+            .expected("RON as docs/scene-format.md describes it")
+            .remedy("look for a missing comma, bracket, colon or quote at this place or just before it"),
+    }
+}
+
+fn lower_first(message: &str) -> String {
+    let mut characters = message.chars();
+    characters.next().map(|first| first.to_lowercase().chain(characters).collect()).unwrap_or_default()
+}

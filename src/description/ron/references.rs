@@ -1,0 +1,119 @@
+//! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
+//! or texture that nothing in the picture uses is not read.
+
+use super::{Keyed, LoadedScene, Mesh, SceneFile, beside};
+use crate::description::{Files, LoadError, image, obj};
+use crate::diagnostic::{Diagnostics, Place};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Reads what `file`, which lies at `path`, refers to.
+pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<LoadedScene, LoadError> {
+    let used = Used::by(&file);
+    let mut loader = Loader { path, files, problems: Diagnostics::default() };
+    let mut models = BTreeMap::new();
+    let mut images = BTreeMap::new();
+    for (name, mesh) in file.meshes.iter().filter(|(name, _)| used.meshes.contains(name)) {
+        let Mesh::Obj(obj_path) = mesh else { continue };
+        let referrer = format!("meshes.{name}");
+        if !models.contains_key(obj_path) {
+            let Some(model) = loader.model(obj_path, &referrer)? else { continue };
+            models.insert(obj_path.clone(), model);
+        }
+        if used.own_materials.contains(name) {
+            for texture in own_textures(obj_path, &models[obj_path]) {
+                loader.image(texture, &referrer, &mut images)?;
+            }
+        }
+    }
+    for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
+        if let Some(texture) = &material.texture {
+            loader.image(texture.clone(), &format!("materials.{name}.texture"), &mut images)?;
+        }
+    }
+    if loader.problems.has_errors() {
+        return Err(LoadError::Invalid(loader.problems));
+    }
+    Ok(LoadedScene { path: path.to_owned(), file, models, images })
+}
+
+/// Names of what takes part in the picture.
+#[derive(Default)]
+struct Used<'a> {
+    meshes: BTreeSet<&'a str>,
+    /// Meshes that are seen with the materials of their own files.
+    own_materials: BTreeSet<&'a str>,
+    materials: BTreeSet<&'a str>,
+}
+
+impl<'a> Used<'a> {
+    fn by(file: &'a SceneFile) -> Self {
+        let mut used = Self::default();
+        for (_, object) in file.objects.iter().filter(|(_, object)| object.visible != Keyed::Plain(false)) {
+            used.add(object.mesh.as_slice(), object.material.as_slice());
+        }
+        for (_, leaves) in file.leaves.iter() {
+            used.add(&leaves.meshes, &leaves.materials);
+        }
+        used
+    }
+
+    fn add(&mut self, meshes: &'a [String], materials: &'a [String]) {
+        let meshes = meshes.iter().map(String::as_str);
+        self.materials.extend(materials.iter().map(String::as_str));
+        if materials.is_empty() {
+            self.own_materials.extend(meshes.clone());
+        }
+        self.meshes.extend(meshes);
+    }
+}
+
+/// Textures of the MTL materials that the model's triangles have, relative to the scene file.
+fn own_textures(obj_path: &Path, model: &obj::ObjModel) -> BTreeSet<PathBuf> {
+    let materials: BTreeSet<usize> =
+        model.triangles.iter().filter_map(|triangle| triangle.material).collect();
+    let textures =
+        materials.iter().filter_map(|&material| model.materials[material].diffuse_texture.as_ref());
+    textures.map(|texture| beside(obj_path, texture)).collect()
+}
+
+/// Reads files and goes on after invalid ones, so that all of them are reported.
+struct Loader<'a> {
+    path: &'a Path,
+    files: &'a mut Files,
+    problems: Diagnostics,
+}
+
+impl Loader<'_> {
+    fn model(&mut self, obj_path: &Path, referrer: &str) -> Result<Option<obj::ObjModel>, LoadError> {
+        let referrer = format!("{}: {referrer}", self.path.display());
+        match obj::load(&beside(self.path, obj_path), &referrer, self.files) {
+            Ok(model) => Ok(Some(model)),
+            Err(LoadError::Invalid(problems)) => {
+                self.problems.0.extend(problems.0);
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn image(
+        &mut self,
+        texture: PathBuf,
+        referrer: &str,
+        images: &mut BTreeMap<PathBuf, image::DecodedImage>,
+    ) -> Result<(), LoadError> {
+        if images.contains_key(&texture) {
+            return Ok(());
+        }
+        let path = beside(self.path, &texture);
+        let bytes = self.files.read(&path, Some(&format!("{}: {referrer}", self.path.display())))?;
+        match image::decode(&bytes, Place::File(path)) {
+            Ok(image) => {
+                images.insert(texture, image);
+            }
+            Err(problem) => self.problems.push(problem),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,252 @@
+//! What a scene file holds, field by field. Invariant: every field's unit is in its name, and
+//! docs/scene-format.md describes every field.
+
+use super::keyed::Keyed;
+use super::leaves::Leaves;
+use super::named::Named;
+use super::number::{
+    Anisotropy, Degrees, Direction, FieldOfView, Finite, HalfAngle, NonNegative, Number, Point, Positive,
+    Quaternion, Triple, UnitInterval, Vector,
+};
+use super::version::Version;
+use glam::DVec3;
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// `Scene(..)`: everything there is to see.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Version of the format.
+    pub version: Version,
+    /// Shapes.
+    #[serde(default)]
+    pub meshes: Named<Mesh>,
+    /// What surfaces are made of.
+    #[serde(default)]
+    pub materials: Named<Material>,
+    /// Meshes and groups, placed one by one.
+    #[serde(default)]
+    pub objects: Named<Object>,
+    /// Leaves, stamped by the hundred.
+    #[serde(default)]
+    pub leaves: Named<Leaves>,
+    /// Cameras.
+    #[serde(default)]
+    pub cameras: Named<Camera>,
+    /// Lights.
+    #[serde(default)]
+    pub lights: Named<Light>,
+    /// Boxes of fog.
+    #[serde(default)]
+    pub fog: Named<Fog>,
+    /// Radiance of whatever lies beyond the scene.
+    #[serde(default = "black")]
+    pub background_w_per_m2_sr: Triple<NonNegative>,
+}
+
+/// A shape.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Mesh {
+    /// A Wavefront OBJ file, relative to the scene file.
+    Obj(PathBuf),
+    /// A square in the x-z plane, centred, facing +y.
+    Quad {
+        /// Length of an edge.
+        size_m: Number<Positive>,
+    },
+    /// A cube, centred.
+    Cube {
+        /// Length of an edge.
+        size_m: Number<Positive>,
+    },
+    /// A sphere, centred.
+    Sphere {
+        /// Radius.
+        radius_m: Number<Positive>,
+    },
+    /// A leaf in the x-z plane, centred, facing +y, its tip towards -z.
+    Leaf {
+        /// From stalk to tip.
+        length_m: Number<Positive>,
+        /// Across, where it is widest.
+        width_m: Number<Positive>,
+        /// How far it bends down along its length, in all.
+        #[serde(default = "no_angle")]
+        curl_deg: Number<Degrees>,
+        /// How far each half is lifted about the middle vein.
+        #[serde(default = "no_angle")]
+        fold_deg: Number<Degrees>,
+    },
+}
+
+/// What a surface is made of.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Lambert reflectance, linear Rec. 709; multiplied by the texture if there is one.
+    pub base_color: Option<Triple<UnitInterval>>,
+    /// A PNG, JPEG or PPM image in sRGB, relative to the scene file.
+    pub texture: Option<PathBuf>,
+    /// Perfect mirror reflectance.
+    #[serde(default = "no_reflectance")]
+    pub mirror: Triple<UnitInterval>,
+    /// Radiance emitted to either side.
+    #[serde(default = "black")]
+    pub emission_w_per_m2_sr: Triple<NonNegative>,
+}
+
+/// A mesh in its place, or a group of such.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Object {
+    /// Name of a mesh; without one the object only groups.
+    pub mesh: Option<String>,
+    /// Name of a material; replaces the mesh's own.
+    pub material: Option<String>,
+    /// Name of the object that this one follows.
+    pub parent: Option<String>,
+    /// Where it is in its parent's space.
+    #[serde(default = "origin")]
+    pub translation_m: Keyed<Point>,
+    /// Turned about x, then y, then z.
+    pub rotation_deg: Option<Keyed<Vector<Degrees>>>,
+    /// Turned, as a quaternion.
+    pub rotation_quaternion: Option<Keyed<Quaternion>>,
+    /// Scaled before it is turned.
+    #[serde(default = "natural_size")]
+    pub scale: Keyed<Triple<Finite>>,
+    /// Whether it and everything that follows it takes part in the picture.
+    #[serde(default = "seen")]
+    pub visible: Keyed<bool>,
+}
+
+/// A camera.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Name of the object that the camera follows.
+    pub parent: Option<String>,
+    /// Where it is in its parent's space.
+    #[serde(default = "origin")]
+    pub position_m: Keyed<Point>,
+    /// What it looks at, in its parent's space.
+    pub look_at_m: Option<Keyed<Point>>,
+    /// What is up in the picture when it looks at something.
+    #[serde(default = "up")]
+    pub up: Direction,
+    /// Turned about x, then y, then z, from looking along -z.
+    pub rotation_deg: Option<Keyed<Vector<Degrees>>>,
+    /// Turned, as a quaternion, from looking along -z.
+    pub rotation_quaternion: Option<Keyed<Quaternion>>,
+    /// Full vertical field of view.
+    #[serde(default = "normal_lens")]
+    pub fov_deg: Keyed<Number<FieldOfView>>,
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Light {
+    /// Parallel light from infinitely far away.
+    Sun {
+        /// Name of the object whose rotation the light follows.
+        parent: Option<String>,
+        /// Where the light goes to.
+        direction: Option<Keyed<Direction>>,
+        /// Where the light comes from.
+        to_sun: Option<Keyed<Direction>>,
+        /// On a plane perpendicular to the light.
+        irradiance_w_per_m2: Keyed<Triple<NonNegative>>,
+    },
+    /// Light from a point to all sides.
+    Point {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where it is in its parent's space.
+        position_m: Keyed<Point>,
+        /// In every direction.
+        intensity_w_per_sr: Keyed<Triple<NonNegative>>,
+    },
+    /// Light from a point into a cone.
+    Spot {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where it is in its parent's space.
+        position_m: Keyed<Point>,
+        /// Where it points.
+        target_m: Keyed<Point>,
+        /// Between the axis and the edge of the cone.
+        outer_deg: Keyed<Number<HalfAngle>>,
+        /// Softness of the edge, as in Blender.
+        #[serde(default = "soft_edge")]
+        blend: Keyed<Number<UnitInterval>>,
+        /// On the axis.
+        intensity_w_per_sr: Keyed<Triple<NonNegative>>,
+    },
+}
+
+/// A box of homogeneous fog.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fog {
+    /// Name of the object that the box follows.
+    pub parent: Option<String>,
+    /// The corner with the smallest coordinates, in its parent's space.
+    pub min_m: Point,
+    /// The corner with the largest coordinates.
+    pub max_m: Point,
+    /// Extinction coefficient sigma_t.
+    pub density_per_m: Keyed<Triple<NonNegative>>,
+    /// How much of the extinction is scattering.
+    #[serde(default = "white")]
+    pub albedo: Keyed<Triple<UnitInterval>>,
+    /// Henyey-Greenstein g; forward if positive.
+    #[serde(default = "isotropic")]
+    pub anisotropy: Keyed<Number<Anisotropy>>,
+}
+
+fn black() -> Triple<NonNegative> {
+    Triple::new(DVec3::ZERO)
+}
+
+fn no_reflectance() -> Triple<UnitInterval> {
+    Triple::new(DVec3::ZERO)
+}
+
+fn no_angle() -> Number<Degrees> {
+    Number::new(0.0)
+}
+
+fn origin() -> Keyed<Point> {
+    Keyed::Plain(Point::new(DVec3::ZERO))
+}
+
+fn natural_size() -> Keyed<Triple<Finite>> {
+    Keyed::Plain(Triple::new(DVec3::ONE))
+}
+
+fn seen() -> Keyed<bool> {
+    Keyed::Plain(true)
+}
+
+fn up() -> Direction {
+    Direction(DVec3::Y)
+}
+
+fn normal_lens() -> Keyed<Number<FieldOfView>> {
+    Keyed::Plain(Number::new(45.0))
+}
+
+fn soft_edge() -> Keyed<Number<UnitInterval>> {
+    Keyed::Plain(Number::new(0.15))
+}
+
+fn white() -> Keyed<Triple<UnitInterval>> {
+    Keyed::Plain(Triple::new(DVec3::ONE))
+}
+
+fn isotropic() -> Keyed<Number<Anisotropy>> {
+    Keyed::Plain(Number::new(0.0))
+}

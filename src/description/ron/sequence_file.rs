@@ -1,0 +1,132 @@
+//! What a sequence file holds: how to render a scene, never what is in it. Invariant: every field
+//! but the version and the scene may be left out; what is left out is the scene's business.
+
+use super::number::{NonNegative, Number, Positive, Whole};
+use super::version::Version;
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use std::fmt;
+use std::path::PathBuf;
+
+/// `Sequence(..)`: which frames of a scene, and how.
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SequenceFields {
+    /// Version of the format.
+    pub version: Version,
+    /// A .ron, .glb or .gltf scene, relative to the sequence file.
+    pub scene: PathBuf,
+    /// First and last frame.
+    pub frames: Option<Frames>,
+    /// Frames a second, as a whole number or a fraction.
+    pub frame_rate: Option<FrameRate>,
+    /// Columns and rows.
+    pub size: Option<(Whole<1, 65536>, Whole<1, 65536>)>,
+    /// Name of the camera.
+    pub camera: Option<String>,
+    /// Samples a pixel.
+    pub samples: Option<Whole<1, 65536>>,
+    /// Passes beside the beauty.
+    pub passes: Option<Vec<Pass>>,
+    /// Seed of the sample points.
+    pub seed: Option<u32>,
+    /// How long the shutter is open, centred on the frame.
+    pub shutter_frames: Option<Number<NonNegative>>,
+    /// How often mirrors may reflect.
+    pub mirror_depth: Option<Whole<0, 64>>,
+    /// The stepped method's image plane.
+    pub march: Option<March>,
+}
+
+/// How the stepped method moves its image plane.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct March {
+    /// How far.
+    pub depth_m: Number<Positive>,
+    /// By how much a step.
+    pub step_m: Number<Positive>,
+}
+
+/// What a frame can hold beside its beauty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+pub enum Pass {
+    /// Light scattered in the fog.
+    Shafts,
+    /// What the fog lets through.
+    Transmittance,
+    /// Distance along the view axis.
+    Depth,
+    /// Shading normal in world space.
+    Normal,
+    /// World position.
+    Position,
+    /// Lambert reflectance.
+    Albedo,
+    /// Which instance.
+    LeafId,
+}
+
+/// Frame numbers beyond this, either way, are refused.
+const MAX_FRAME: i64 = 1_000_000_000;
+
+/// First and last frame, `(1, 48)`; the last is not before the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(try_from = "(i64, i64)")]
+pub struct Frames(pub(crate) i64, pub(crate) i64);
+
+impl TryFrom<(i64, i64)> for Frames {
+    type Error = String;
+
+    fn try_from((first, last): (i64, i64)) -> Result<Self, String> {
+        if first > last {
+            Err(format!("the last frame, {last}, comes before the first, {first}"))
+        } else if first < -MAX_FRAME || last > MAX_FRAME {
+            Err(format!("frames {first} to {last} go beyond {MAX_FRAME}"))
+        } else {
+            Ok(Self(first, last))
+        }
+    }
+}
+
+/// Frames a second, as a fraction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRate {
+    /// So many frames ...
+    pub(crate) numerator: u32,
+    /// ... in so many seconds.
+    pub(crate) denominator: u32,
+}
+
+impl<'de> Deserialize<'de> for FrameRate {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FrameRateVisitor)
+    }
+}
+
+/// Largest numerator and denominator of a frame rate.
+const MAX_RATE: u32 = 1_000_000;
+
+struct FrameRateVisitor;
+
+impl<'de> Visitor<'de> for FrameRateVisitor {
+    type Value = FrameRate;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a whole number such as 24 or a fraction such as (24000, 1001), from 1 to {MAX_RATE}")
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
+        match u32::try_from(value) {
+            Ok(numerator @ 1..=MAX_RATE) => Ok(FrameRate { numerator, denominator: 1 }),
+            _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(value), &self)),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
+        let mut part = |index| {
+            let part = sequence.next_element::<Whole<1, MAX_RATE>>()?;
+            part.map(|Whole(part)| part).ok_or_else(|| A::Error::invalid_length(index, &FrameRateVisitor))
+        };
+        Ok(FrameRate { numerator: part(0)?, denominator: part(1)? })
+    }
+}

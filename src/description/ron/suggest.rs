@@ -1,0 +1,33 @@
+//! "Did you mean": the known name nearest to an unknown one.
+
+/// What to do about an unknown name, given those that there are.
+pub(crate) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let nearest = known
+        .into_iter()
+        .map(|name| (strsim::damerau_levenshtein(unknown, name), name))
+        .min_by_key(|(distance, _)| *distance);
+    match nearest {
+        // A third of the letters may be wrong; beyond that a guess misleads.
+        Some((distance, name)) if distance * 3 <= name.chars().count().max(3) => {
+            format!("did you mean `{name}`?")
+        }
+        _ => String::from("correct the name, or take it out"),
+    }
+}
+
+/// `a`, `b`, `c`, for a message.
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let quoted: Vec<_> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    if quoted.is_empty() { String::from("none") } else { quoted.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_of_the_finger_is_recognised_and_a_different_word_is_not() {
+        assert_eq!(remedy("brich", ["oak", "birch"]), "did you mean `birch`?");
+        assert_eq!(remedy("walnut", ["oak", "birch"]), "correct the name, or take it out");
+    }
+}
