@@ -83,6 +83,22 @@ impl Motion {
             Self::Falling(path) => path.parent_from_leaf(time_s),
         }
     }
+
+    /// True if it is in the same place at all times.
+    pub fn is_still(&self) -> bool {
+        match self {
+            Self::Still(_) => true,
+            Self::Keyed { translation, rotation, scale } => {
+                let turns = match rotation {
+                    Rotation::Quaternion(track) => !track.is_constant(),
+                    Rotation::EulerXyz(track) => !track.is_constant(),
+                };
+                translation.is_constant() && !turns && scale.is_constant()
+            }
+            Self::Aimed { position, target, .. } => position.is_constant() && target.is_constant(),
+            Self::Falling(_) => false,
+        }
+    }
 }
 
 impl Rotation {
@@ -123,4 +139,74 @@ fn aimed(position: DVec3, target: DVec3, up: DVec3) -> DAffine3 {
     let right = up.cross(backward).try_normalize().unwrap_or_else(|| backward.any_orthonormal_vector());
     let matrix = DMat3::from_cols(right, backward.cross(right), backward);
     DAffine3::from_mat3_translation(matrix, position)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    fn falling() -> FallingPath {
+        FallingPath {
+            start: DVec3::new(0.0, 3.0, 0.0),
+            velocity: DVec3::new(0.1, -1.0, 0.0),
+            swing: DVec3::new(0.0, 0.0, 0.4),
+            swing_hz: 0.5,
+            phase: 0.3,
+            attitude: DQuat::from_rotation_x(0.2),
+            spin_axis: DVec3::Y,
+            spin_rad_per_s: 2.0,
+            scale: 0.05,
+            ground_y: 0.01,
+        }
+    }
+
+    #[test]
+    fn aimed_motion_looks_at_its_target() {
+        for target in [DVec3::new(1.0, 2.0, 3.0), DVec3::Y * 5.0, DVec3::NEG_Y * 5.0, DVec3::X] {
+            let position = DVec3::new(0.0, 1.0, 0.0);
+            let aim = Motion::Aimed { position: position.into(), target: target.into(), up: DVec3::Y };
+            let parent_from_node = aim.parent_from_node(0.0);
+            let forward = parent_from_node.transform_vector3(DVec3::NEG_Z);
+            assert!((forward - (target - position).normalize()).length() < 1e-12);
+            assert!((parent_from_node.matrix3.determinant() - 1.0).abs() < 1e-12);
+            assert!(parent_from_node.matrix3.y_axis.y >= -1e-12, "upside down towards {target}");
+        }
+    }
+
+    #[test]
+    fn leaf_lands_on_the_ground_and_lies_still() {
+        let path = falling();
+        let landed = path.parent_from_leaf(2.99);
+        assert!((landed.translation.y - path.ground_y).abs() < 1e-12);
+        assert_eq!(landed, path.parent_from_leaf(1000.0));
+        assert!(path.parent_from_leaf(2.9).translation.y > path.ground_y);
+    }
+
+    #[test]
+    fn leaf_falls_with_its_mean_velocity() {
+        let path = falling();
+        let period_s = 1.0 / path.swing_hz;
+        let step = path.parent_from_leaf(0.5 + period_s).translation - path.parent_from_leaf(0.5).translation;
+        assert!((step - path.velocity * period_s).length() < 1e-12);
+    }
+
+    #[test]
+    fn euler_angles_turn_about_x_first_and_may_exceed_half_a_turn() {
+        let angles = Rotation::EulerXyz(Track::from(DVec3::new(FRAC_PI_2, 0.0, FRAC_PI_2 + TAU)));
+        assert!((angles.at(0.0) * DVec3::Y - DVec3::Z).length() < 1e-12);
+        assert!((angles.at(0.0) * DVec3::X - DVec3::Y).length() < 1e-12);
+    }
+
+    #[test]
+    fn only_motions_that_stay_put_are_still() {
+        let keyed = |scale: Track<DVec3>| Motion::Keyed {
+            translation: DVec3::ZERO.into(),
+            rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
+            scale,
+        };
+        assert!(Motion::STILL.is_still());
+        assert!(keyed(DVec3::ONE.into()).is_still());
+        assert!(!Motion::Falling(falling()).is_still());
+    }
 }
