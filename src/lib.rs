@@ -26,3 +26,4 @@ pub mod scene;
 pub mod transport;
 
 pub mod film;
+pub mod frame_file;
