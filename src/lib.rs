@@ -27,3 +27,4 @@ pub mod snapshot;
 pub mod transport;
 
 pub mod film;
+pub mod frame_file;

@@ -268,8 +268,10 @@ mod tests {
     #[test]
     fn a_nan_sample_stays_nan() {
         let mut film = Film::new(SIZE, whole(), &[]);
+        for (x, y) in whole().pixels() {
+            film.add(x, y, 1.0, 0.0, &leaf(1.0, 1.0, 1));
+        }
         film.add(3, 2, 1.0, 0.0, &leaf(f64::NAN, 1.0, 1));
-        film.add(3, 2, 1.0, 0.0, &leaf(1.0, 1.0, 1));
         let defects = film.resolve().check();
         assert_eq!(defects.nan.count, 3);
         let first = defects.nan.first.unwrap();

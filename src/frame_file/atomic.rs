@@ -1,0 +1,166 @@
+//! Bytes to a file, whole or not at all. Invariant: at every moment the final name holds either
+//! what it held before or all of the new bytes, and those are on the disk before the name is.
+
+use super::FrameFileError;
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// What our temporary files end with; they begin with a dot and the final file's name.
+const TEMPORARY_SUFFIX: &str = ".sunfleck-part";
+
+/// Writes `bytes` to `path` by way of a temporary file in the same folder, which is created if need be.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), FrameFileError> {
+    let (Some(name), false) = (path.file_name(), path.is_dir()) else {
+        return Err(FrameFileError::IsFolder { path: path.to_owned() });
+    };
+    let folder = folder_of(path);
+    fs::create_dir_all(folder)
+        .map_err(|source| FrameFileError::CreateFolder { path: folder.to_owned(), source })?;
+    write_in(folder, path, &temporary_prefix(name), bytes)
+        .map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
+}
+
+fn write_in(folder: &Path, path: &Path, prefix: &str, bytes: &[u8]) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix).suffix(TEMPORARY_SUFFIX);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any other file: the umask decides, where a temporary file would be its owner's alone.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    // Dropped on an error, it removes itself.
+    let mut temporary = builder.tempfile_in(folder)?;
+    temporary.write_all(bytes)?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    // The new name is an entry of the folder, which the disk must learn of too.
+    #[cfg(unix)]
+    fs::File::open(folder)?.sync_all()?;
+    Ok(())
+}
+
+/// Removes what killed runs left of the temporary files of `path`, and says what it removed.
+///
+/// Only names that [`write`] makes for this very file are touched. Two runs of the same frame at the same time are
+/// nobody's wish; should one lose its temporary file so, it fails and leaves nothing half-written.
+pub fn remove_abandoned(path: &Path) -> Vec<PathBuf> {
+    let Some(prefix) = path.file_name().map(temporary_prefix) else { return Vec::new() };
+    let Ok(entries) = fs::read_dir(folder_of(path)) else { return Vec::new() };
+    entries
+        .filter_map(Result::ok)
+        .filter(|entry| {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            name.starts_with(&prefix) && name.ends_with(TEMPORARY_SUFFIX)
+        })
+        .map(|entry| entry.path())
+        .filter(|temporary| fs::remove_file(temporary).is_ok())
+        .collect()
+}
+
+fn temporary_prefix(name: &std::ffi::OsStr) -> String {
+    format!(".{}.", name.to_string_lossy())
+}
+
+/// The folder that `path` is in; a bare name is in the current one.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn makes_folders_and_leaves_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a/b/picture.exr");
+        write(&path, b"whole").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
+        assert_eq!(names(path.parent().unwrap()), ["picture.exr"]);
+    }
+
+    #[test]
+    fn replaces_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.exr");
+        write(&path, b"first").unwrap();
+        write(&path, b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn others_may_read_the_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (ours, ordinary) = (folder.path().join("ours"), folder.path().join("ordinary"));
+        write(&ours, b"").unwrap();
+        fs::write(&ordinary, b"").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&ours), mode(&ordinary));
+    }
+
+    #[test]
+    fn a_folder_in_the_files_place_is_an_error_with_a_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write(folder.path(), b"x").unwrap_err();
+        assert!(matches!(error, FrameFileError::IsFolder { .. }));
+        assert!(error.remedy().contains("--out"));
+    }
+
+    #[test]
+    fn a_file_in_the_folders_place_is_an_error_with_a_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("file"), b"").unwrap();
+        let error = write(&folder.path().join("file/picture.exr"), b"x").unwrap_err();
+        assert!(matches!(error, FrameFileError::CreateFolder { .. }));
+        assert!(error.remedy().contains("is a file"), "{}", error.remedy());
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.exr");
+        write(&path, b"old").unwrap();
+        // A name that the folder cannot hold fails after the folder was made.
+        let long = folder.path().join("x".repeat(300));
+        assert!(matches!(write(&long, b"new"), Err(FrameFileError::Write { .. })));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["picture.exr"]);
+    }
+
+    #[test]
+    fn only_our_own_leavings_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [
+            ".picture.0001.exr.Ab3dE6.sunfleck-part",
+            ".picture.0002.exr.Ab3dE6.sunfleck-part",
+            ".picture.0001.exr.swp",
+            "picture.0001.exr",
+        ] {
+            fs::write(folder.path().join(name), b"half").unwrap();
+        }
+        let removed = remove_abandoned(&folder.path().join("picture.0001.exr"));
+        assert_eq!(removed.len(), 1);
+        assert_eq!(
+            names(folder.path()),
+            [".picture.0001.exr.swp", ".picture.0002.exr.Ab3dE6.sunfleck-part", "picture.0001.exr"]
+        );
+    }
+}

@@ -1,0 +1,91 @@
+//! A frame and its provenance to the bytes of an EXR file. Invariant: equal frames and equal
+//! provenance give equal bytes.
+
+use super::pixel_hash::pixel_hash;
+use super::provenance::{REC_709, text};
+use super::{FrameFileError, Provenance, atomic};
+use crate::film::{Channel, Frame, Precision};
+use exr::image::write::WritableImage;
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
+use exr::math::Vec2;
+use exr::meta::attribute::{Compression, IntegerBounds, LineOrder};
+use exr::meta::header::{ImageAttributes, LayerAttributes};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Writes a frame to `path`, whole or not at all; folders are created. Values beyond the range of half channels are
+/// stored as the largest half; NaN and infinity are stored as they are, for the caller to have refused.
+///
+/// # Errors
+/// If the disk says no, or the frame has no pixels.
+pub fn write(path: &Path, frame: &Frame, provenance: &Provenance) -> Result<(), FrameFileError> {
+    let bytes = encode(frame, provenance)
+        .map_err(|reason| FrameFileError::Encode { path: path.to_owned(), reason })?;
+    atomic::write(path, &bytes)
+}
+
+pub(super) fn encode(frame: &Frame, provenance: &Provenance) -> Result<Vec<u8>, String> {
+    let window = frame.window;
+    if frame.channels.iter().any(|channel| channel.pixels.len() != window.width * window.height) {
+        return Err(String::from("a channel has more or fewer values than the window has pixels"));
+    }
+    let channels = AnyChannels::sort(frame.channels.iter().map(stored).collect());
+    let attributes = LayerAttributes {
+        layer_position: Vec2(position(window.x)?, position(window.y)?),
+        ..provenance.layer_attributes(&pixel_hash(&channels))
+    };
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let mut image_attributes =
+        ImageAttributes::new(IntegerBounds::new((0, 0), (frame.full.width, frame.full.height)));
+    image_attributes.chromaticities = Some(REC_709);
+    let layer = Layer::new((window.width, window.height), attributes, encoding, channels);
+    let mut bytes = Vec::new();
+    Image::new(image_attributes, layer)
+        .write()
+        .non_parallel()
+        .to_buffered(Cursor::new(&mut bytes))
+        .map_err(|error| error.to_string())?;
+    sort_attributes(&mut bytes).ok_or("the encoder wrote a header that cannot be read")?;
+    Ok(bytes)
+}
+
+fn position(pixel: usize) -> Result<i32, String> {
+    i32::try_from(pixel).map_err(|_| format!("the window begins at pixel {pixel}, beyond what EXR can say"))
+}
+
+fn stored(channel: &Channel) -> AnyChannel<FlatSamples> {
+    let samples = match channel.precision {
+        Precision::Half => {
+            FlatSamples::F16(channel.pixels.iter().map(|&value| Precision::half_from(value)).collect())
+        }
+        Precision::Float => FlatSamples::F32(channel.pixels.clone()),
+    };
+    AnyChannel::new(text(&channel.name), samples)
+}
+
+/// Puts the header's attributes in the order of their names: the encoder keeps some of them in a hash map and writes them
+/// in an order that differs from run to run. The header's length stays the same, so no offset behind it changes.
+fn sort_attributes(file: &mut [u8]) -> Option<()> {
+    /// Magic number and version.
+    const PREAMBLE: usize = 8;
+    let mut records = Vec::new();
+    let mut rest = file.get(PREAMBLE..)?;
+    // Each attribute: name, 0, type, 0, size as i32, value. An empty name ends the header.
+    while *rest.first()? != 0 {
+        let name = rest.iter().position(|&byte| byte == 0)?;
+        let kind = rest.get(name + 1..)?.iter().position(|&byte| byte == 0)?;
+        let size_at = name + 1 + kind + 1;
+        let size = u32::from_le_bytes(rest.get(size_at..size_at + 4)?.try_into().ok()?);
+        let (record, behind) = rest.split_at_checked(size_at + 4 + usize::try_from(size).ok()?)?;
+        records.push((record[..name].to_vec(), record.to_vec()));
+        rest = behind;
+    }
+    records.sort();
+    let sorted: Vec<u8> = records.into_iter().flat_map(|(_, record)| record).collect();
+    file.get_mut(PREAMBLE..PREAMBLE + sorted.len())?.copy_from_slice(&sorted);
+    Some(())
+}

@@ -1,0 +1,128 @@
+//! What can go wrong with a frame's file, and what to do about it. Invariant: every error names the path.
+
+use crate::diagnostic::{Diagnostic, Place};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum FrameFileError {
+    /// The output's name is that of a folder, or no file name at all.
+    #[error("{} is a folder, not a file", path.display())]
+    IsFolder {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The folder for the output could not be made.
+    #[error("cannot create the folder {}: {source}", path.display())]
+    CreateFolder {
+        /// The folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The bytes could not be brought to the disk. Nothing is left under the file's name that was not there before.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The frame cannot be expressed as a file.
+    #[error("cannot encode {}: {reason}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// The encoder's reason.
+        reason: String,
+    },
+    /// The file could not be read from the disk.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The file is no EXR, or a damaged one.
+    #[error("{} is no whole EXR file: {reason}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's reason.
+        reason: String,
+    },
+    /// The file is an EXR of a kind that is not read here.
+    #[error("{}: {what} cannot be read", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The feature.
+        what: String,
+    },
+    /// The header asks for more memory than the file can account for.
+    #[error("{} claims {bytes} bytes of pixels, more than {limit}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Bytes claimed.
+        bytes: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+}
+
+impl FrameFileError {
+    /// The file or folder concerned.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::IsFolder { path }
+            | Self::CreateFolder { path, .. }
+            | Self::Write { path, .. }
+            | Self::Encode { path, .. }
+            | Self::Read { path, .. }
+            | Self::Invalid { path, .. }
+            | Self::Unsupported { path, .. }
+            | Self::TooLarge { path, .. } => path,
+        }
+    }
+
+    /// What the user can do.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            Self::IsFolder { .. } => "end --out with / to write into the folder, or give a file name",
+            Self::CreateFolder { source, .. } | Self::Write { source, .. } => match source.kind() {
+                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                    "free some space or choose another place with --out, then run the same command with --skip valid"
+                }
+                io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                    "make the folder writable or choose another place with --out"
+                }
+                io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+                    "a part of the path is a file: move it away or choose another place with --out"
+                }
+                io::ErrorKind::NotFound => {
+                    "see that nothing else removes files there, such as a second run of the same frames"
+                }
+                _ => "see that the disk is there and writable, then run the same command with --skip valid",
+            },
+            Self::Encode { .. } => "report this: a frame that was rendered should be one that can be written",
+            Self::Read { source, .. } => match source.kind() {
+                io::ErrorKind::NotFound => "check the path",
+                io::ErrorKind::PermissionDenied => "make the file readable",
+                _ => "see that the path is a file and the disk is in order",
+            },
+            Self::Invalid { .. } => "render or copy the file again",
+            Self::Unsupported { .. } => {
+                "convert the file to a single part, flat, without subsampling, inside the display window"
+            }
+            Self::TooLarge { .. } => "the header is most likely damaged: render or copy the file again",
+        }
+    }
+
+    /// The same for the user's eyes.
+    pub fn diagnostic(&self) -> Diagnostic {
+        Diagnostic::error(Place::Nowhere, self.to_string()).remedy(self.remedy())
+    }
+}

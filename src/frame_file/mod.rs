@@ -1,0 +1,47 @@
+//! A finished [`Frame`] to an EXR file and back, with where it came from. In goes a frame and its
+//! [`Provenance`], out comes a file that is whole or not there. Invariant: the same frame and
+//! provenance give the same bytes, and no file ever bears its final name before all its bytes are on the disk.
+//!
+//! # What a file looks like
+//! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window is the full
+//! picture, the data window the part that was rendered. Besides the standard attributes:
+//!
+//! | attribute | what |
+//! |---|---|
+//! | `sunfleck:version` | version of this program |
+//! | `sunfleck:sceneHash`, `sunfleck:settingsHash` | what was rendered, and how |
+//! | `sunfleck:pixelHash` | SHA-256 of the pixels, see below |
+//! | `sunfleck:seed`, `sunfleck:samples` | decimal texts |
+//!
+//! # The pixel hash
+//! SHA-256 over the channels in order of their names; of each: name, a zero byte, its type (`half`, `float` or `uint`), a zero
+//! byte, then its values as stored, little-endian, row by row from the top of the data window. From the file alone, in Python:
+//!
+//! ```python
+//! import hashlib, OpenEXR
+//! part = OpenEXR.File("name.0001.exr", separate_channels=True)
+//! digest = hashlib.sha256()
+//! for name, channel in sorted(part.channels().items(), key=lambda item: item[0].encode()):
+//!     kind, stored = {"e": ("half", "<f2"), "f": ("float", "<f4"), "I": ("uint", "<u4")}[channel.pixels.dtype.char]
+//!     digest.update(name.encode() + b"\0" + kind.encode() + b"\0" + channel.pixels.astype(stored).tobytes())
+//! assert digest.hexdigest() == part.header()["sunfleck:pixelHash"]
+//! ```
+//!
+//! [`Frame`]: crate::film::Frame
+
+mod atomic;
+mod compare;
+mod encode;
+mod error;
+mod pixel_hash;
+mod preview;
+mod provenance;
+mod read;
+
+pub use atomic::remove_abandoned;
+pub use compare::{ChannelErrors, CompareError, Comparison, Errors, compare, net_rmse};
+pub use encode::write;
+pub use error::FrameFileError;
+pub use preview::write_preview;
+pub use provenance::{Attributes, Provenance};
+pub use read::{FrameFile, is_valid, read};

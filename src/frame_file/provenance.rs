@@ -1,0 +1,147 @@
+//! Where a frame came from, as EXR attributes. Invariant: nothing here knows the clock, the
+//! machine or the number of threads, so a frame rendered twice is the same file.
+
+use crate::scene::FrameRate;
+use exr::math::Vec2;
+use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
+use exr::meta::header::{Header, LayerAttributes};
+use glam::{DAffine3, DMat4, DVec3};
+use std::collections::BTreeMap;
+
+/// Version of this program, which the frames it writes carry.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+pub(super) const VERSION_NAME: &str = "sunfleck:version";
+pub(super) const SCENE_HASH_NAME: &str = "sunfleck:sceneHash";
+pub(super) const SETTINGS_HASH_NAME: &str = "sunfleck:settingsHash";
+pub(super) const PIXEL_HASH_NAME: &str = "sunfleck:pixelHash";
+const SEED_NAME: &str = "sunfleck:seed";
+const SAMPLES_NAME: &str = "sunfleck:samples";
+const IMAGE_COUNTER_NAME: &str = "imageCounter";
+
+/// Where a frame came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Provenance {
+    /// Number of the frame in its sequence; EXR holds 32 bits of it.
+    pub frame: i64,
+    /// Frames a second, the same in every frame of a sequence.
+    pub frame_rate: FrameRate,
+    /// How long the shutter was open, seconds.
+    pub exposure_s: f64,
+    /// Camera (right-handed, looking along -Z, +Y up) from world.
+    pub camera_from_world: DAffine3,
+    /// Hash of everything that the scene holds.
+    pub scene_hash: String,
+    /// Hash of everything else that the pixels depend on: size, samples, passes, method and so on.
+    pub settings_hash: String,
+    /// Seed of the sample points.
+    pub seed: u32,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Who owns the picture, if the author says.
+    pub owner: Option<String>,
+    /// Anything else worth reading.
+    pub comments: Option<String>,
+}
+
+/// A file's attributes as texts, by name. Numbers are decimal, fractions `24/1`, lists separated by spaces.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Attributes(pub BTreeMap<String, String>);
+
+impl Provenance {
+    /// True if a file with these attributes shows the same scene, rendered in the same way by the same version.
+    pub(super) fn matches(&self, attributes: &Attributes) -> bool {
+        attributes.get(VERSION_NAME) == Some(VERSION)
+            && attributes.get(SCENE_HASH_NAME) == Some(&self.scene_hash)
+            && attributes.get(SETTINGS_HASH_NAME) == Some(&self.settings_hash)
+            && attributes.get(IMAGE_COUNTER_NAME) == Some(&self.frame.to_string())
+    }
+
+    /// The attributes of a file's only part.
+    pub(super) fn layer_attributes(&self, pixel_hash: &str) -> LayerAttributes {
+        let mut attributes = LayerAttributes {
+            owner: self.owner.as_deref().map(text),
+            comments: self.comments.as_deref().map(text),
+            software_name: Some(text(&format!("sunfleck {VERSION}"))),
+            exposure: Some(self.exposure_s as f32),
+            // No true rate has a numerator of 2^31 or more.
+            frames_per_second: i32::try_from(self.frame_rate.numerator)
+                .ok()
+                .map(|numerator| (numerator, self.frame_rate.denominator)),
+            world_to_camera: Some(world_to_camera(self.camera_from_world)),
+            ..LayerAttributes::default()
+        };
+        let seed = self.seed.to_string();
+        let samples = self.samples.to_string();
+        for (name, value) in [
+            (VERSION_NAME, VERSION),
+            (SCENE_HASH_NAME, &self.scene_hash),
+            (SETTINGS_HASH_NAME, &self.settings_hash),
+            (PIXEL_HASH_NAME, pixel_hash),
+            (SEED_NAME, &seed),
+            (SAMPLES_NAME, &samples),
+        ] {
+            attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+        }
+        if let Ok(counter) = i32::try_from(self.frame) {
+            attributes.other.insert(text(IMAGE_COUNTER_NAME), AttributeValue::I32(counter));
+        }
+        attributes
+    }
+}
+
+impl Attributes {
+    /// The attribute of that name.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.0.get(name).map(String::as_str)
+    }
+
+    pub(super) fn from_header(header: &Header) -> Self {
+        let named = header.all_named_attributes();
+        Self(
+            named
+                .map(|(name, value)| (String::from_utf8_lossy(name).into_owned(), readable(&value)))
+                .collect(),
+        )
+    }
+}
+
+/// The primaries and white point of ITU-R BT.709, which every colour of ours refers to.
+pub(super) const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.3, 0.6),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.329),
+};
+
+/// UTF-8 as it stands; the crate's own conversion knows Latin-1 only.
+pub(super) fn text(value: &str) -> Text {
+    Text::from_slice_unchecked(value.as_bytes())
+}
+
+/// EXR's matrix: row vectors, and a camera that looks along +Z (left-handed) where ours looks along -Z.
+fn world_to_camera(camera_from_world: DAffine3) -> [f32; 16] {
+    let flip = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    // Columns of the matrix for column vectors are the rows of the one for row vectors.
+    (flip * DMat4::from(camera_from_world)).to_cols_array().map(|element| element as f32)
+}
+
+fn readable(value: &AttributeValue) -> String {
+    match value {
+        AttributeValue::Text(text) => String::from_utf8_lossy(text.bytes()).into_owned(),
+        AttributeValue::I32(number) => number.to_string(),
+        AttributeValue::F32(number) => number.to_string(),
+        AttributeValue::F64(number) => number.to_string(),
+        AttributeValue::Rational((numerator, denominator)) => format!("{numerator}/{denominator}"),
+        AttributeValue::Matrix3x3(elements) => join(elements),
+        AttributeValue::Matrix4x4(elements) => join(elements),
+        AttributeValue::Chromaticities(c) => {
+            join(&[c.red.0, c.red.1, c.green.0, c.green.1, c.blue.0, c.blue.1, c.white.0, c.white.1])
+        }
+        other => format!("{other:?}"),
+    }
+}
+
+fn join(numbers: &[f32]) -> String {
+    numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")
+}
