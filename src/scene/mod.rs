@@ -116,4 +116,26 @@ impl Scene {
         }
         placements
     }
+
+    /// True if every frame shows the same picture.
+    pub fn is_still(&self) -> bool {
+        let nodes = self.nodes.iter().all(|node| node.motion.is_still() && node.visible.is_constant());
+        let cameras = self.cameras.iter().all(|camera| {
+            let Lens::Perspective { fov_y } = &camera.lens;
+            fov_y.is_constant()
+        });
+        let lights = self.lights.iter().all(|light| {
+            light.power.is_constant()
+                && match &light.kind {
+                    LightKind::Sun | LightKind::Point => true,
+                    LightKind::Spot { outer_angle, blend } => {
+                        outer_angle.is_constant() && blend.is_constant()
+                    }
+                }
+        });
+        let fogs = self.fogs.iter().all(|fog| {
+            fog.density_per_m.is_constant() && fog.albedo.is_constant() && fog.anisotropy.is_constant()
+        });
+        nodes && cameras && lights && fogs
+    }
 }

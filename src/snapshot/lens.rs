@@ -2,7 +2,7 @@
 
 use crate::math::Ray;
 use crate::scene::{Camera, Lens};
-use glam::{DAffine3, DMat4, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// Where the camera stands and what it sees.
 #[derive(Clone, Copy, Debug)]
@@ -54,9 +54,9 @@ impl View {
     }
 
     /// Camera from world (right, up, backward), for the frame's `worldToCamera`.
-    pub fn camera_from_world(&self) -> DMat4 {
-        let row = |axis: DVec3| DVec4::new(axis.x, axis.y, axis.z, -axis.dot(self.eye));
-        DMat4::from_cols(row(self.right), row(self.up), row(self.backward), DVec4::W).transpose()
+    pub fn camera_from_world(&self) -> DAffine3 {
+        let axes = DMat3::from_cols(self.right, self.up, self.backward).transpose();
+        DAffine3::from_mat3_translation(axes, -(axes * self.eye))
     }
 }
 
@@ -95,7 +95,6 @@ mod tests {
         let world_from_camera =
             DAffine3::from_rotation_translation(DQuat::from_rotation_x(0.3), DVec3::new(1.0, 2.0, 3.0));
         let matrix = view(world_from_camera).camera_from_world();
-        let expected = DMat4::from(world_from_camera.inverse());
-        assert!(matrix.abs_diff_eq(expected, 1e-14));
+        assert!(matrix.abs_diff_eq(world_from_camera.inverse(), 1e-14));
     }
 }

@@ -1,0 +1,101 @@
+//! An input as JSON: every node, camera and light at chosen frames. Invariant: matrices are row
+//! by row, for column vectors, in glTF's space; numbers are SI.
+
+use super::Inspected;
+use crate::scene::{Lens, LightKind, Placement};
+use glam::{DAffine3, DMat4};
+use serde_json::{Map, Value, json};
+
+pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
+    let Inspected { input, scene_hash, scene, settings } = inspected;
+    let rate = settings.frame_rate;
+    let described = json!({
+        "input": input,
+        "scene_hash": scene_hash,
+        "name": settings.name,
+        "frame_rate": [rate.numerator, rate.denominator],
+        "frame_start": settings.frames.start(),
+        "frame_end": settings.frames.end(),
+        "size": [settings.size.width, settings.size.height],
+        "samples": settings.samples,
+        "instances": scene.instances.len(),
+        "triangles": scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum::<usize>(),
+        "remarks": scene.remarks.0.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "frames": frames.iter().map(|&frame| describe_frame(inspected, frame)).collect::<Vec<_>>(),
+    });
+    format!("{described:#}")
+}
+
+fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
+    let Inspected { scene, settings, .. } = inspected;
+    let seconds = settings.frame_rate.seconds(frame);
+    let placements = scene.placements(seconds);
+    let world = |node: usize| row_major(placements[node].world_from_node);
+    let nodes = scene.nodes.iter().zip(&placements).map(|(node, placement)| {
+        let Placement { world_from_node, visible } = *placement;
+        (node.name.as_str(), json!({ "world": row_major(world_from_node), "visible": visible }))
+    });
+    let lights = scene.lights.iter().map(|light| {
+        let power = light.power.at(seconds).to_array();
+        let world = world(light.node);
+        let described = match &light.kind {
+            LightKind::Sun => json!({ "kind": "sun", "world": world, "irradiance_w_per_m2": power }),
+            LightKind::Point => json!({ "kind": "point", "world": world, "intensity_w_per_sr": power }),
+            LightKind::Spot { outer_angle, blend } => json!({
+                "kind": "spot",
+                "world": world,
+                "intensity_w_per_sr": power,
+                "outer_rad": outer_angle.at(seconds),
+                "blend": blend.at(seconds),
+            }),
+        };
+        (light.name.as_str(), described)
+    });
+    let wanted = settings.camera.as_deref();
+    let camera = scene.cameras.iter().find(|camera| wanted.is_none_or(|name| name == camera.name));
+    let camera = camera.map(|camera| {
+        let Lens::Perspective { fov_y } = &camera.lens;
+        let aspect = settings.size.width as f64 / settings.size.height as f64;
+        let fov_y = fov_y.at(seconds);
+        json!({
+            "name": camera.name,
+            "world": world(camera.node),
+            "fov_y_rad": fov_y,
+            "projection": projection(fov_y, aspect),
+        })
+    });
+    json!({
+        "frame": frame,
+        "seconds": seconds,
+        "nodes": by_name(nodes),
+        "camera": camera,
+        "lights": by_name(lights),
+    })
+}
+
+/// Names need not be unique: later namesakes get `#2`, `#3` and so on.
+fn by_name<'a>(entries: impl Iterator<Item = (&'a str, Value)>) -> Map<String, Value> {
+    let mut map = Map::new();
+    let mut namesakes = std::collections::HashMap::new();
+    for (name, value) in entries {
+        let count = namesakes.entry(name).and_modify(|count| *count += 1).or_insert(1);
+        let key = if *count == 1 { name.to_owned() } else { format!("{name}#{count}") };
+        map.insert(key, value);
+    }
+    map
+}
+
+fn row_major(affine: DAffine3) -> [f64; 16] {
+    DMat4::from(affine).transpose().to_cols_array()
+}
+
+/// OpenGL's perspective projection, infinitely far and from the eye on, as there are no clipping planes here.
+fn projection(fov_y: f64, aspect: f64) -> [f64; 16] {
+    let scale = 1.0 / (0.5 * fov_y).tan();
+    let mut rows = [0.0; 16];
+    rows[0] = scale / aspect;
+    rows[5] = scale;
+    rows[10] = -1.0;
+    rows[14] = -1.0;
+    rows
+}

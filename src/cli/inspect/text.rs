@@ -1,0 +1,148 @@
+//! An input as text for people. Invariant: both the file's photometric numbers and our
+//! radiometric ones are shown for every light.
+
+use super::Inspected;
+use crate::scene::{Lens, LightKind, Scene};
+use std::collections::HashSet;
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+/// Blender's exporter, and so we, count 683 lumens a watt.
+const LUMENS_PER_WATT: f64 = 683.0;
+
+pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = write(&mut out, inspected, frames);
+    out.truncate(out.trim_end().len());
+    out
+}
+
+fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::Result {
+    let Inspected { input, scene_hash, scene, settings } = inspected;
+    let rate = settings.frame_rate;
+    writeln!(out, "{input}: `{}`, content {}", settings.name, &scene_hash[..12])?;
+    let (first, last) = (*settings.frames.start(), *settings.frames.end());
+    let seconds = |frame: i64| rate.seconds(frame as f64);
+    writeln!(
+        out,
+        "  frames     {first} to {last} at {}/{} a second; frame {first} is {:.6} s, frame {last} is {:.6} s",
+        rate.numerator,
+        rate.denominator,
+        seconds(first),
+        seconds(last)
+    )?;
+    let size = settings.size;
+    writeln!(
+        out,
+        "  picture    {} x {}, {} samples a pixel, seed {}, passes {:?}",
+        size.width, size.height, settings.samples, settings.seed, settings.passes
+    )?;
+    write_geometry(out, scene)?;
+    for &frame in frames {
+        write_frame(out, inspected, frame)?;
+    }
+    writeln!(out, "  method     segments: every light's visibility along every ray is found exactly")?;
+    write_skips(out, inspected)?;
+    if scene.remarks.0.is_empty() {
+        writeln!(out, "  remarks    none: everything that the input asks for is honoured")?;
+    }
+    for remark in &scene.remarks.0 {
+        writeln!(out, "{remark}")?;
+    }
+    Ok(())
+}
+
+fn write_geometry(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    let used: HashSet<_> = scene.instances.iter().map(|instance| instance.mesh).collect();
+    let stored: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let placed: usize = scene.instances.iter().map(|instance| scene.meshes[instance.mesh].triangles.len()).sum();
+    writeln!(
+        out,
+        "  geometry   {} meshes with {stored} triangles, {} of them placed {} times: {placed} triangles; {} nodes, {} textures",
+        scene.meshes.len(),
+        used.len(),
+        scene.instances.len(),
+        scene.nodes.len(),
+        scene.textures.len()
+    )
+}
+
+fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt::Result {
+    let Inspected { scene, settings, .. } = inspected;
+    let time_s = settings.frame_rate.seconds(frame);
+    let placements = scene.placements(time_s);
+    writeln!(out, "  at frame {frame} ({time_s:.6} s)")?;
+    for camera in &scene.cameras {
+        let Lens::Perspective { fov_y } = &camera.lens;
+        let world = placements[camera.node].world_from_node;
+        let angle = fov_y.at(time_s).to_degrees();
+        let place = world.translation;
+        writeln!(out, "    camera   `{}` at {place:.3}, vertical field of view {angle:.3} deg", camera.name)?;
+    }
+    for light in &scene.lights {
+        let power = light.power.at(time_s);
+        let world = placements[light.node].world_from_node;
+        let (beam, place) = ((-world.matrix3.z_axis).normalize_or_zero(), world.translation);
+        let photometric = power.max_element() * LUMENS_PER_WATT;
+        match &light.kind {
+            LightKind::Sun => writeln!(
+                out,
+                "    sun      `{}` along {beam:.3}: {power:.4} W/m2 (brightest channel {photometric:.1} lux)",
+                light.name
+            )?,
+            LightKind::Point | LightKind::Spot { .. } => writeln!(
+                out,
+                "    {}    `{}` at {place:.3}: {power:.4} W/sr (brightest channel {photometric:.1} cd, {:.3} W to all sides)",
+                if matches!(light.kind, LightKind::Point) { "point" } else { "spot " },
+                light.name,
+                4.0 * PI * power.max_element()
+            )?,
+        }
+    }
+    for fog in &scene.fogs {
+        let world = placements[fog.node].world_from_node;
+        let half_extents = world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
+        writeln!(
+            out,
+            "    fog      `{}` within {:.3} to {:.3}: {:.4} /m, albedo {:.4}, g {:.3}",
+            fog.name,
+            world.translation - half_extents,
+            world.translation + half_extents,
+            fog.density_per_m.at(time_s),
+            fog.albedo.at(time_s),
+            fog.anisotropy.at(time_s)
+        )?;
+    }
+    let hidden = placements.iter().filter(|placement| !placement.visible).count();
+    if hidden > 0 {
+        writeln!(out, "    hidden   {hidden} nodes")?;
+    }
+    Ok(())
+}
+
+/// What rendering leaves out because this scene does not need it.
+fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
+    let Inspected { scene, settings, .. } = inspected;
+    let used: HashSet<_> = scene.instances.iter().map(|instance| instance.mesh).collect();
+    let mut skips = Vec::new();
+    if scene.fogs.is_empty() {
+        skips.push("no fog: no shafts are computed".to_owned());
+    }
+    if scene.lights.is_empty() {
+        skips.push("no lights: no shadow is looked for".to_owned());
+    }
+    if used.len() < scene.meshes.len() {
+        skips.push(format!("{} meshes that nothing places: no tree is built", scene.meshes.len() - used.len()));
+    }
+    if settings.passes.is_empty() {
+        skips.push("no passes: beauty alone".to_owned());
+    }
+    if scene.is_still() && settings.frames.start() != settings.frames.end() {
+        skips.push("nothing moves: one frame is rendered, the others are copies of its pixels".to_owned());
+    }
+    match skips.is_empty() {
+        true => writeln!(out, "  skipped    nothing"),
+        false => writeln!(out, "  skipped    {}", skips.join("; ")),
+    }
+}
