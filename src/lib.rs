@@ -23,4 +23,7 @@ pub mod math;
 pub mod description;
 
 pub mod scene;
+
+pub mod accel;
+
 pub mod transport;

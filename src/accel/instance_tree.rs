@@ -1,0 +1,213 @@
+//! Placed meshes and the questions one may ask them. Invariant: relative space throughout, and the
+//! instance numbers of answers are positions in the list the tree was made of.
+
+use super::{
+    Hit, LightPlane, MeshTree, PrimitiveId, ray_query,
+    rounding::{round_down, round_up},
+    shadow_query,
+    simd::Level,
+    wide_tree::{Bounds, WideTree},
+};
+use crate::math::{IntervalSet, Ray};
+use glam::{DAffine3, DVec3, Vec3};
+use std::sync::Arc;
+
+/// Scales beyond this, up or down, do not survive single precision and count as singular.
+const LARGEST_SCALE: f64 = 1e15;
+
+/// One mesh placed in the frame.
+#[derive(Clone, Debug)]
+pub struct PlacedMesh {
+    /// The mesh.
+    pub mesh: Arc<MeshTree>,
+    /// Where it is, relative to the camera along the world's axes, in metres.
+    pub relative_from_mesh: DAffine3,
+}
+
+/// A placed mesh with what queries need.
+#[derive(Debug)]
+pub(super) struct Instance {
+    pub(super) mesh: Arc<MeshTree>,
+    pub(super) relative_from_mesh: DAffine3,
+    pub(super) mesh_from_relative: DAffine3,
+    /// Middle of the mesh's box, in the mesh's space.
+    pub(super) mesh_centre: DVec3,
+    /// Position in the list of placed meshes.
+    pub(super) index: u32,
+}
+
+impl Instance {
+    fn new(index: u32, placed: PlacedMesh) -> Option<Self> {
+        let PlacedMesh { mesh, relative_from_mesh } = placed;
+        let bounds = mesh.tree.bounds;
+        let determinant = relative_from_mesh.matrix3.determinant();
+        if bounds.is_empty() || determinant == 0.0 {
+            return None;
+        }
+        let mesh_from_relative = relative_from_mesh.inverse();
+        let is_sane = |affine: &DAffine3| {
+            affine.to_cols_array().iter().all(|entry| entry.is_finite())
+                && affine.matrix3.to_cols_array().iter().all(|entry| entry.abs() < LARGEST_SCALE)
+        };
+        if !is_sane(&relative_from_mesh) || !is_sane(&mesh_from_relative) {
+            return None;
+        }
+        let mesh_centre = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+        Some(Self { mesh, relative_from_mesh, mesh_from_relative, mesh_centre, index })
+    }
+
+    /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let matrix = self.relative_from_mesh.matrix3;
+        let absolute =
+            glam::DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
+        let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for top_box in &self.mesh.tree.top_boxes {
+            let (min, max) = (top_box.min.as_dvec3(), top_box.max.as_dvec3());
+            let centre = self.relative_from_mesh.transform_point3((min + max) / 2.0);
+            let extent = absolute * ((max - min) / 2.0);
+            bounds = (bounds.0.min(centre - extent), bounds.1.max(centre + extent));
+        }
+        bounds
+    }
+}
+
+/// All placed meshes of a frame.
+#[derive(Debug)]
+pub struct InstanceTree {
+    tree: WideTree,
+    instances: Vec<Instance>,
+    bounds: Option<(DVec3, DVec3)>,
+    level: Level,
+}
+
+impl InstanceTree {
+    /// Builds the tree. There may be no mesh at all. A mesh whose matrix is singular, because it is
+    /// scaled to nothing for instance, is never hit and throws no shadow.
+    pub fn new(placed: Vec<PlacedMesh>) -> Self {
+        Self::with_level(placed, Level::detect())
+    }
+
+    fn with_level(placed: Vec<PlacedMesh>, level: Level) -> Self {
+        let instances: Vec<Instance> =
+            (0_u32..).zip(placed).filter_map(|(index, placed)| Instance::new(index, placed)).collect();
+        let boxes: Vec<(DVec3, DVec3)> = instances.iter().map(Instance::bounds).collect();
+        let bounds = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let rounded: Vec<Bounds> = boxes
+            .iter()
+            .map(|(min, max)| Bounds {
+                min: Vec3::from_array(min.to_array().map(round_down)),
+                max: Vec3::from_array(max.to_array().map(round_up)),
+            })
+            .collect();
+        let mut order = Vec::with_capacity(instances.len());
+        let tree = WideTree::new(&rounded, 1, |instances| {
+            order.extend_from_slice(instances);
+            order.len() as u32 - 1
+        });
+        // In the order in which the tree meets them.
+        let mut slots: Vec<Option<Instance>> = instances.into_iter().map(Some).collect();
+        let instances = order.iter().filter_map(|&index| slots[index as usize].take()).collect();
+        Self { tree, instances, bounds, level }
+    }
+
+    /// The nearest hit with `0 < t < t_max` (metres), on either side of a triangle, `skip` left out:
+    /// name the triangle there on which the ray starts.
+    pub fn nearest_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> Option<Hit> {
+        match self.level {
+            Level::Portable(simd) => {
+                ray_query::trace(simd, &self.tree, &self.instances, ray, t_max, skip, false)
+            }
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(simd) => simd.nearest_hit(&self.tree, &self.instances, ray, t_max, skip),
+        }
+    }
+
+    /// Whether there is any hit with `0 < t < t_max` (metres), `skip` left out.
+    pub fn any_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> bool {
+        match self.level {
+            Level::Portable(simd) => {
+                ray_query::trace(simd, &self.tree, &self.instances, ray, t_max, skip, true).is_some()
+            }
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(simd) => simd.any_hit(&self.tree, &self.instances, ray, t_max, skip),
+        }
+    }
+
+    /// Adds the parts of the plane's ray that lie in the shadow of any mesh. The ray must not pass
+    /// through a triangle within the asked part, though it may end on one: a triangle counts as a whole
+    /// as before or behind the ray.
+    pub fn add_shadows(&self, plane: &LightPlane, shadows: &mut IntervalSet) {
+        match self.level {
+            Level::Portable(simd) => {
+                shadow_query::add_shadows(simd, &self.tree, &self.instances, plane, shadows);
+            }
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(simd) => simd.add_shadows(&self.tree, &self.instances, plane, shadows),
+        }
+    }
+
+    /// The corners of the box around everything, in relative space; `None` when there is nothing.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.bounds
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::{accel::simd::Portable, math::Sampler};
+    use glam::DQuat;
+
+    fn vector(sampler: &mut Sampler) -> DVec3 {
+        let ((x, y), z) = (sampler.next_2d(), sampler.next_1d());
+        DVec3::new(x, y, z) * 2.0 - 1.0
+    }
+
+    /// The same hits and the same shadows, to the last bit.
+    #[test]
+    fn instructions_do_not_show() {
+        let mut sampler = Sampler::new(1, 0, 0, 0);
+        let positions: Vec<Vec3> = (0..900).map(|_| vector(&mut sampler).as_vec3()).collect();
+        let triangles: Vec<[u32; 3]> = (0..300).map(|i| [i, (i * 7 + 1) % 900, (i * 5 + 2) % 900]).collect();
+        let mesh = Arc::new(MeshTree::new(&positions, &triangles));
+        let placed: Vec<PlacedMesh> = (0..40)
+            .map(|_| PlacedMesh {
+                mesh: mesh.clone(),
+                relative_from_mesh: DAffine3::from_scale_rotation_translation(
+                    DVec3::new(0.5, 0.3, 0.1),
+                    DQuat::from_scaled_axis(3.0 * vector(&mut sampler)),
+                    4.0 * vector(&mut sampler),
+                ),
+            })
+            .collect();
+        let fast = InstanceTree::new(placed.clone());
+        let portable = InstanceTree::with_level(placed, Level::Portable(Portable));
+        let (mut hits, mut intervals) = (0, 0);
+        for ray in 0..2000 {
+            let mut sampler = Sampler::new(2, ray, 0, 0);
+            let direction = vector(&mut sampler).normalize();
+            // Now and then along an axis, where slabs divide by 0.
+            let direction = if ray % 10 == 0 { DVec3::X } else { direction };
+            let ray = Ray { origin: 5.0 * vector(&mut sampler), direction };
+            let hit = fast.nearest_hit(&ray, 100.0, None);
+            assert_eq!(hit, portable.nearest_hit(&ray, 100.0, None));
+            assert_eq!(fast.any_hit(&ray, 2.0, None), portable.any_hit(&ray, 2.0, None));
+            hits += usize::from(hit.is_some());
+            let range = (0.0, hit.map_or(10.0, |hit| hit.t));
+            let light = 6.0 * vector(&mut sampler);
+            for plane in [
+                LightPlane::towards_direction(&ray, light.normalize(), range).unwrap(),
+                LightPlane::towards_point(&ray, light, range).unwrap(),
+            ] {
+                let (mut a, mut b) = (IntervalSet::default(), IntervalSet::default());
+                fast.add_shadows(&plane, &mut a);
+                portable.add_shadows(&plane, &mut b);
+                assert_eq!(a.as_slice(), b.as_slice());
+                intervals += a.as_slice().len();
+            }
+        }
+        assert!(hits > 200 && intervals > 1000, "{hits} {intervals}");
+    }
+}

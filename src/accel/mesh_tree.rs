@@ -1,0 +1,42 @@
+//! A mesh's triangles, ready to be asked. Invariant: nothing changes after it is built.
+
+use super::{
+    block::Block,
+    simd::WIDTH,
+    wide_tree::{Bounds, WideTree},
+};
+use glam::Vec3;
+
+/// A mesh's triangles, built once and shared by its instances.
+#[derive(Debug)]
+pub struct MeshTree {
+    pub(super) tree: WideTree,
+    pub(super) blocks: Vec<Block>,
+}
+
+impl MeshTree {
+    /// Builds the tree of `triangles`, each three indices into `positions` (in metres, in the mesh's own
+    /// space). Triangles with an index out of range or a vertex that is not finite are left out.
+    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let corners_of = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|index| positions.get(index as usize).copied());
+            Some([a?, b?, c?]).filter(|corners| corners.iter().all(|corner| corner.is_finite()))
+        };
+        let usable: Vec<(u32, [Vec3; 3])> = (0_u32..)
+            .zip(triangles)
+            .filter_map(|(index, triangle)| Some((index, corners_of(triangle)?)))
+            .collect();
+        let boxes: Vec<Bounds> = usable.iter().map(|(_, corners)| Bounds::of_points(*corners)).collect();
+        let mut blocks = Vec::new();
+        let tree = WideTree::new(&boxes, WIDTH, |primitives| {
+            blocks.push(Block::new(primitives.iter().map(|&primitive| usable[primitive as usize])));
+            blocks.len() as u32 - 1
+        });
+        Self { tree, blocks }
+    }
+
+    /// What it takes in memory.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>() + self.tree.memory_bytes() + size_of_val(self.blocks.as_slice())
+    }
+}

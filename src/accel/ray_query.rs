@@ -1,0 +1,371 @@
+//! Rays against trees and triangles. In: a ray in double precision; out: the nearest hit, or whether
+//! there is one. Invariant: no ray slips between triangles that share an edge or a vertex.
+//!
+//! Candidates are found in single precision and settled in double precision, so a hit's distance is
+//! good to a few units in 1e16 and a ray that starts on a surface needs no offset.
+
+use super::{
+    Hit, PrimitiveId,
+    block::Block,
+    instance_tree::Instance,
+    mesh_tree::MeshTree,
+    rounding::{UNIT_ROUNDOFF, round_down, round_up},
+    simd::{Lanes, Mask, Simd, WIDTH},
+    stack::{Entry, Stack},
+    wide_tree::{Bounds, LEAF, WideTree, plane},
+};
+use crate::math::Ray;
+use glam::DVec3;
+
+/// How far, in roundings of the largest coordinate, boxes are padded against rays. Shearing a vertex
+/// moves it by at most 6 (two differences, a product, a quotient), the slab test a plane by at most 4;
+/// 16 covers both.
+const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
+
+/// A ray in single precision, prepared for boxes that are padded by what single precision may lose: the
+/// origin is moved against the planes the ray enters by and along with those it leaves by (Woop, Benthin
+/// and Wald 2013, section 5, with one padding for a whole tree).
+struct BoxRay<L> {
+    origin_entering: [L; 3],
+    origin_leaving: [L; 3],
+    inverse_direction: [L; 3],
+    entering: [usize; 3],
+    t_min: L,
+}
+
+impl<L: Lanes> BoxRay<L> {
+    #[inline(always)]
+    fn new<S: Simd<Lanes = L>>(
+        simd: S,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        padding: f32,
+        t_min: f32,
+    ) -> Self {
+        let backwards = direction.map(|d| d < 0.0);
+        let moved = |sign: f32| {
+            std::array::from_fn(|axis| {
+                simd.splat(origin[axis] + if backwards[axis] { -sign } else { sign } * padding)
+            })
+        };
+        Self {
+            origin_entering: moved(1.0),
+            origin_leaving: moved(-1.0),
+            // Adding 0 turns -0 into 0, whose inverse then has the sign that `entering` assumes.
+            inverse_direction: direction.map(|d| simd.splat(1.0 / (d + 0.0))),
+            entering: std::array::from_fn(|axis| plane(axis, backwards[axis])),
+            t_min: simd.splat(t_min),
+        }
+    }
+}
+
+/// What happens at the leaves of a tree.
+trait LeafVisitor<S: Simd> {
+    /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
+}
+
+/// Visits the leaves whose boxes the ray meets before `t_far`, near ones first.
+#[inline(always)]
+fn visit_leaves<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    ray: &BoxRay<S::Lanes>,
+    mut t_far: f32,
+    stack: &mut Stack,
+    visitor: &mut impl LeafVisitor<S>,
+) -> bool {
+    let Some(root) = tree.root else { return false };
+    let base = stack.len();
+    let mut child = root;
+    loop {
+        if child & LEAF != 0 {
+            if visitor.visit(simd, child & !LEAF, stack, &mut t_far) {
+                stack.truncate(base);
+                return true;
+            }
+        } else {
+            let node = &tree.nodes[child as usize];
+            let mut near = ray.t_min;
+            let mut far = simd.splat(t_far);
+            for axis in 0..3 {
+                let entering = ray.entering[axis];
+                let enter = (simd.load(&node.planes[entering]) - ray.origin_entering[axis])
+                    * ray.inverse_direction[axis];
+                let leave = (simd.load(&node.planes[entering ^ 1]) - ray.origin_leaving[axis])
+                    * ray.inverse_direction[axis];
+                // A NaN, from a ray that runs within a plane, must not cull: so it comes first.
+                near = enter.max(near);
+                far = leave.min(far);
+            }
+            let mut hits = near.le(far).bits();
+            if hits != 0 {
+                let first = hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                if hits == 0 {
+                    child = node.children[first];
+                    continue;
+                }
+                let near = simd.store(near);
+                let mut sorted = [Entry::default(); WIDTH];
+                sorted[0] = Entry { child: node.children[first], t_near: near[first] };
+                let mut count = 1;
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    let entry = Entry { child: node.children[lane], t_near: near[lane] };
+                    let mut slot = count;
+                    while slot > 0 && sorted[slot - 1].t_near < entry.t_near {
+                        sorted[slot] = sorted[slot - 1];
+                        slot -= 1;
+                    }
+                    sorted[slot] = entry;
+                    count += 1;
+                }
+                for entry in &sorted[..count - 1] {
+                    stack.push(*entry);
+                }
+                child = sorted[count - 1].child;
+                continue;
+            }
+        }
+        loop {
+            match stack.pop(base) {
+                None => return false,
+                Some(entry) if entry.t_near <= t_far => {
+                    child = entry.child;
+                    break;
+                }
+                Some(_) => {}
+            }
+        }
+    }
+}
+
+fn padding(origin: DVec3, bounds: Bounds) -> f64 {
+    let magnitude = bounds.magnitude().as_dvec3() + origin.abs();
+    BOX_PADDING_ROUNDOFFS * UNIT_ROUNDOFF * magnitude.max_element()
+}
+
+/// A query that goes through the instances.
+pub(super) struct RayQuery<'a> {
+    ray: &'a Ray,
+    instances: &'a [Instance],
+    skip: Option<PrimitiveId>,
+    any: bool,
+    t_max: f64,
+    nearest: Option<Hit>,
+}
+
+/// The nearest hit with `0 < t < t_max`; if `any`, the first that is found.
+#[inline(always)]
+pub(super) fn trace<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    instances: &[Instance],
+    ray: &Ray,
+    t_max: f64,
+    skip: Option<PrimitiveId>,
+    any: bool,
+) -> Option<Hit> {
+    let mut stack = Stack::new();
+    let padding = padding(ray.origin, tree.bounds) as f32;
+    let box_ray =
+        BoxRay::new(simd, ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array(), padding, 0.0);
+    let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
+    visit_leaves(simd, tree, &box_ray, round_up(t_max), &mut stack, &mut query);
+    query.nearest
+}
+
+impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool {
+        let instance = &self.instances[leaf as usize];
+        let mesh = &*instance.mesh;
+        let origin = instance.mesh_from_relative.transform_point3(self.ray.origin);
+        let direction = instance.mesh_from_relative.transform_vector3(self.ray.direction);
+        // Re-centre on the point next to the mesh's middle: what is left has the mesh's magnitude.
+        let to_centre = instance.mesh_centre - origin;
+        let t_centre = to_centre.dot(direction) / direction.length_squared();
+        let centred = origin + t_centre * direction;
+        let padding = padding(centred, mesh.tree.bounds);
+        let box_ray = BoxRay::new(
+            simd,
+            centred.as_vec3().to_array(),
+            direction.as_vec3().to_array(),
+            padding as f32,
+            round_down(-t_centre),
+        );
+        let slack = padding / direction.abs().max_element();
+        let mut query = MeshQuery {
+            mesh,
+            instance,
+            origin,
+            direction,
+            t_centre,
+            shear: Shear::new(simd, centred, direction),
+            t_min: simd.splat(round_down(-t_centre - slack)),
+            slack,
+            skip: self.skip.filter(|skip| skip.instance == instance.index).map_or(u32::MAX, |s| s.triangle),
+            query: self,
+        };
+        let local_t_far = round_up(query.query.t_max - t_centre);
+        let over = visit_leaves(simd, &mesh.tree, &box_ray, local_t_far, stack, &mut query);
+        *t_far = round_up(self.t_max);
+        over
+    }
+}
+
+/// A query that goes through one instance's mesh.
+struct MeshQuery<'a, 'b, L> {
+    mesh: &'a MeshTree,
+    instance: &'a Instance,
+    /// The ray in the mesh's space; its direction is not normalised, so that `t` stays comparable.
+    origin: DVec3,
+    direction: DVec3,
+    t_centre: f64,
+    shear: Shear<L>,
+    t_min: L,
+    /// What single precision may get wrong about a distance.
+    slack: f64,
+    skip: u32,
+    query: &'b mut RayQuery<'a>,
+}
+
+impl<S: Simd> LeafVisitor<S> for MeshQuery<'_, '_, S::Lanes> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack, t_far: &mut f32) -> bool {
+        let block = &self.mesh.blocks[leaf as usize];
+        let t_limit = simd.splat(*t_far + self.slack as f32);
+        let mut hits = self.shear.candidates(simd, block, self.t_min, t_limit);
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize;
+            hits &= hits - 1;
+            let triangle = block.triangles[lane];
+            if triangle == self.skip {
+                continue;
+            }
+            let (t, barycentrics) = self.settle(block, lane);
+            if t > 0.0 && t < self.query.t_max {
+                let primitive = PrimitiveId { instance: self.instance.index, triangle };
+                self.query.nearest = Some(Hit { t, primitive, barycentrics });
+                if self.query.any {
+                    return true;
+                }
+                self.query.t_max = t;
+                *t_far = round_up(t - self.t_centre);
+            }
+        }
+        false
+    }
+}
+
+impl<L: Lanes> MeshQuery<'_, '_, L> {
+    /// Distance and barycentrics in double precision of a hit that single precision has found
+    /// (Moller and Trumbore 1997).
+    #[inline(always)]
+    fn settle(&self, block: &Block, lane: usize) -> (f64, [f64; 2]) {
+        let [a, b, c] = block.corners(lane);
+        let (ab, ac) = (b - a, c - a);
+        let from_a = self.origin - a;
+        let normal = ab.cross(ac);
+        let moment = from_a.cross(self.direction);
+        let inverse = -1.0 / self.direction.dot(normal);
+        let t = from_a.dot(normal) * inverse;
+        let u = ac.dot(moment) * inverse;
+        let v = -ab.dot(moment) * inverse;
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+            return (t, [u, v]);
+        }
+        // Rounding made single and double precision disagree, at an edge: take the nearest point.
+        settle_at_edge(self.query.ray, self.instance, [a, b, c], u, v)
+    }
+}
+
+#[cold]
+fn settle_at_edge(ray: &Ray, instance: &Instance, [a, b, c]: [DVec3; 3], u: f64, v: f64) -> (f64, [f64; 2]) {
+    let (mut u, mut v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+    if !(u + v <= 1.0) {
+        // The triangle is edge-on when these are NaN.
+        let sum = u + v;
+        (u, v) = if sum.is_nan() { (1.0 / 3.0, 1.0 / 3.0) } else { (u / sum, 1.0 - u / sum) };
+    }
+    let point = instance.relative_from_mesh.transform_point3(a + u * (b - a) + v * (c - a));
+    ((point - ray.origin).dot(ray.direction), [u, v])
+}
+
+/// The shear that makes the ray the third axis (Woop, Benthin and Wald 2013, "Watertight ray/triangle
+/// intersection", JCGT 2(1)).
+struct Shear<L> {
+    axes: [usize; 3],
+    origin: [L; 3],
+    /// x and y by z of the direction, and 1 by z.
+    shear: [L; 3],
+}
+
+impl<L: Lanes> Shear<L> {
+    #[inline(always)]
+    fn new<S: Simd<Lanes = L>>(simd: S, origin: DVec3, direction: DVec3) -> Self {
+        let direction = direction.as_vec3();
+        let length = direction.abs();
+        let z = if length.x > length.y {
+            if length.x > length.z { 0 } else { 2 }
+        } else if length.y > length.z {
+            1
+        } else {
+            2
+        };
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let inverse = 1.0 / direction[z];
+        let origin = origin.as_vec3();
+        Self {
+            axes: [x, y, z],
+            origin: [x, y, z].map(|axis| simd.splat(origin[axis])),
+            shear: [direction[x] * inverse, direction[y] * inverse, inverse].map(|s| simd.splat(s)),
+        }
+    }
+
+    /// The triangles that the ray meets, as bits: surely inside their edges, and between the distances
+    /// in single precision.
+    #[inline(always)]
+    fn candidates<S: Simd<Lanes = L>>(&self, simd: S, block: &Block, t_min: L, t_max: L) -> u32 {
+        let zero = simd.splat(0.0);
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = [0, 1, 2].map(|vertex: usize| {
+            let corner = &block.vertices[vertex];
+            let [x, y, z] =
+                std::array::from_fn(|i| simd.load(&corner[self.axes[i]]) - self.origin[i]);
+            [x - self.shear[0] * z, y - self.shear[1] * z, z]
+        });
+        // Edge functions: their signs are right or zero, because rounding is monotonic.
+        let u = cx * by - cy * bx;
+        let v = ax * cy - ay * cx;
+        let w = bx * ay - by * ax;
+        let inside = (zero.le(u) & zero.le(v) & zero.le(w)) | (u.le(zero) & v.le(zero) & w.le(zero));
+        if inside.bits() == 0 {
+            return 0;
+        }
+        let on_edge = inside & (u.eq(zero) | v.eq(zero) | w.eq(zero));
+        let t = (u * az + v * bz + w * cz) * self.shear[2] / (u + v + w);
+        let in_range = t_min.le(t) & t.le(t_max);
+        let mut hits = (inside & in_range).bits();
+        let mut undecided = on_edge.bits();
+        if undecided != 0 {
+            let corners = [ax, ay, bx, by, cx, cy].map(|lanes| simd.store(lanes).map(f64::from));
+            hits &= !undecided;
+            while undecided != 0 {
+                let lane = undecided.trailing_zeros() as usize;
+                undecided &= undecided - 1;
+                hits |= u32::from(contains_origin(corners.map(|c| c[lane]))) << lane;
+            }
+        }
+        hits
+    }
+}
+
+/// Whether the triangle contains the origin. Products of singles are exact in double precision.
+#[cold]
+fn contains_origin([ax, ay, bx, by, cx, cy]: [f64; 6]) -> bool {
+    let edges = [cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax];
+    let same_side = edges.iter().all(|edge| *edge >= 0.0) || edges.iter().all(|edge| *edge <= 0.0);
+    same_side && edges != [0.0; 3]
+}

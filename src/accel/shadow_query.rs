@@ -1,0 +1,331 @@
+//! Which parts of a ray lie in the shadow of a light. In: a [`LightPlane`]; out: intervals. Invariant: a
+//! box is passed over only if no triangle in it can, even after rounding, shadow the asked part.
+
+use super::{
+    block::Block,
+    instance_tree::Instance,
+    light_plane::{Functional, LightPlane},
+    rounding::UNIT_ROUNDOFF,
+    simd::{Lanes, Mask, Simd, WIDTH},
+    stack::{Entry, Stack},
+    triangle_cut::{Crossing, Shadow},
+    wide_tree::{Bounds, LEAF, Node, WideTree, plane},
+};
+use crate::math::IntervalSet;
+use glam::DVec3;
+
+/// How far, in roundings of the sum of its terms' magnitudes, a function of position is padded for
+/// boxes. Evaluating one rounds gradient, product and three sums, at the box and again at a vertex,
+/// and a cut adds 4 more: 2 * 5 + 4 < 16.
+const PADDING_ROUNDOFFS: f64 = 16.0;
+
+/// An affine function in single precision.
+#[derive(Clone, Copy)]
+struct LaneFunctional<L> {
+    gradient: [L; 3],
+    offset: L,
+}
+
+impl<L: Lanes> LaneFunctional<L> {
+    #[inline(always)]
+    fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
+        Self {
+            gradient: functional.gradient.as_vec3().to_array().map(|g| simd.splat(g)),
+            offset: simd.splat(functional.offset as f32),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, [x, y, z]: [L; 3]) -> L {
+        self.gradient[0] * x + self.gradient[1] * y + self.gradient[2] * z + self.offset
+    }
+}
+
+/// The upper limit of an affine function over a box.
+struct BoxLimit<L> {
+    functional: LaneFunctional<L>,
+    corner: [usize; 3],
+}
+
+impl<L: Lanes> BoxLimit<L> {
+    #[inline(always)]
+    fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional, bounds: Bounds) -> Self {
+        let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
+        let padding = PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms;
+        let padded = Functional { offset: functional.offset + padding, ..*functional };
+        let corner = std::array::from_fn(|axis| plane(axis, functional.gradient[axis] >= 0.0));
+        Self { functional: LaneFunctional::new(simd, &padded), corner }
+    }
+
+    #[inline(always)]
+    fn at<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> L {
+        self.functional.at(self.corner.map(|plane| simd.load(&node.planes[plane])))
+    }
+}
+
+/// A light plane's functions, in some space: what shadows the asked part of the ray has
+/// `out_of_plane = 0` and the others not negative.
+#[derive(Clone, Copy)]
+struct Region {
+    out_of_plane: Functional,
+    after_start: Functional,
+    before_end: Functional,
+    towards_light: Functional,
+}
+
+impl Region {
+    fn of(plane: &LightPlane) -> Self {
+        Self {
+            out_of_plane: plane.out_of_plane,
+            after_start: plane.at_or_after(plane.t_range.0),
+            before_end: plane.at_or_before(plane.t_range.1),
+            towards_light: plane.towards_light,
+        }
+    }
+}
+
+/// The box test of a [`Region`].
+struct BoxRegion<L>([BoxLimit<L>; 5]);
+
+impl<L: Lanes> BoxRegion<L> {
+    #[inline(always)]
+    fn new<S: Simd<Lanes = L>>(simd: S, region: &Region, bounds: Bounds) -> Self {
+        let above = region.out_of_plane;
+        let below = Functional { gradient: -above.gradient, offset: -above.offset };
+        let functionals = [above, below, region.after_start, region.before_end, region.towards_light];
+        Self(functionals.map(|functional| BoxLimit::new(simd, &functional, bounds)))
+    }
+
+    /// The children that may hold something of the region, as bits.
+    #[inline(always)]
+    fn meets<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> u32 {
+        let zero = simd.splat(0.0);
+        let [above, below, after, before, towards] = &self.0;
+        let in_plane = zero.le(above.at(simd, node)) & zero.le(below.at(simd, node));
+        if in_plane.bits() == 0 {
+            return 0;
+        }
+        (in_plane
+            & zero.le(after.at(simd, node))
+            & zero.le(before.at(simd, node))
+            & zero.le(towards.at(simd, node)))
+        .bits()
+    }
+}
+
+/// What happens at the leaves of a tree.
+trait LeafVisitor<S: Simd> {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
+}
+
+/// Visits the leaves whose boxes may hold something of the region.
+#[inline(always)]
+fn visit_leaves<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    region: &BoxRegion<S::Lanes>,
+    stack: &mut Stack,
+    visitor: &mut impl LeafVisitor<S>,
+) {
+    let Some(root) = tree.root else { return };
+    let base = stack.len();
+    stack.push(Entry { child: root, t_near: 0.0 });
+    while let Some(Entry { child, .. }) = stack.pop(base) {
+        if child & LEAF != 0 {
+            visitor.visit(simd, child & !LEAF, stack);
+            continue;
+        }
+        let node = &tree.nodes[child as usize];
+        let mut met = region.meets(simd, node);
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            stack.push(Entry { child: node.children[lane], t_near: 0.0 });
+        }
+    }
+}
+
+/// Adds the shadows of all instances.
+#[inline(always)]
+pub(super) fn add_shadows<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    instances: &[Instance],
+    plane: &LightPlane,
+    shadows: &mut IntervalSet,
+) {
+    if !(plane.t_range.0 < plane.t_range.1) {
+        return;
+    }
+    let region = Region::of(plane);
+    let box_region = BoxRegion::new(simd, &region, tree.bounds);
+    let mut query = ShadowQuery { plane, region, instances, shadows };
+    visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
+}
+
+/// A query that goes through the instances.
+struct ShadowQuery<'a> {
+    plane: &'a LightPlane,
+    region: Region,
+    instances: &'a [Instance],
+    shadows: &'a mut IntervalSet,
+}
+
+impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
+        let instance = &self.instances[leaf as usize];
+        let mesh = &*instance.mesh;
+        let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
+        let region = Region {
+            out_of_plane: here(&self.region.out_of_plane),
+            after_start: here(&self.region.after_start),
+            before_end: here(&self.region.before_end),
+            towards_light: here(&self.region.towards_light),
+        };
+        let box_region = BoxRegion::new(simd, &region, mesh.tree.bounds);
+        // Distances are counted from where the middle of the mesh throws its shadow: what is left has
+        // the mesh's magnitude.
+        let (t0, t1) = self.plane.t_range;
+        let (along, depth) = (here(&self.plane.along), here(&self.plane.depth));
+        let at_centre = along.at(instance.mesh_centre) / depth.at(instance.mesh_centre);
+        let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
+        let cut = PlaneCut {
+            out_of_plane: region.out_of_plane,
+            along: along.plus(-t_centre, &depth),
+            depth,
+            towards_light: region.towards_light,
+            t_range: (t0 - t_centre, t1 - t_centre),
+        };
+        let sink = ShadowSink { t_range: (t0, t1), t_centre, shadows: self.shadows };
+        if self.plane.needs_doubles {
+            let is_fan = self.plane.is_fan;
+            let mut query = DoubleQuery { blocks: &mesh.blocks, cut, is_fan, sink };
+            visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
+        } else {
+            let zero = simd.splat(0.0);
+            let lanes = |functional| LaneFunctional::new(simd, functional);
+            let mut query = LaneQuery {
+                blocks: &mesh.blocks,
+                zero,
+                one: simd.splat(1.0),
+                out_of_plane: lanes(&cut.out_of_plane),
+                along: lanes(&cut.along),
+                depth: self.plane.is_fan.then(|| lanes(&cut.depth)),
+                towards_light: lanes(&cut.towards_light),
+                limits: (cut.t_range.0 as f32, cut.t_range.1 as f32),
+                sink,
+            };
+            visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
+        }
+    }
+}
+
+/// Turns distances from an instance's middle into distances along the ray.
+struct ShadowSink<'a> {
+    t_range: (f64, f64),
+    t_centre: f64,
+    shadows: &'a mut IntervalSet,
+}
+
+impl ShadowSink<'_> {
+    /// Ends that were clipped to `limits` become the ends of the asked range, exactly.
+    #[inline(always)]
+    fn add(&mut self, (start, end): (f64, f64), limits: (f64, f64)) {
+        let (t0, t1) = self.t_range;
+        let start = if start <= limits.0 { t0 } else { (self.t_centre + start).max(t0) };
+        let end = if end >= limits.1 { t1 } else { (self.t_centre + end).min(t1) };
+        self.shadows.insert(start, end);
+    }
+}
+
+/// A light plane's functions in a mesh's space.
+struct PlaneCut {
+    out_of_plane: Functional,
+    along: Functional,
+    depth: Functional,
+    towards_light: Functional,
+    t_range: (f64, f64),
+}
+
+/// A query that goes through one instance's mesh in single precision.
+struct LaneQuery<'a, L> {
+    blocks: &'a [Block],
+    zero: L,
+    one: L,
+    out_of_plane: LaneFunctional<L>,
+    along: LaneFunctional<L>,
+    /// None where it is 1 everywhere.
+    depth: Option<LaneFunctional<L>>,
+    towards_light: LaneFunctional<L>,
+    limits: (f32, f32),
+    sink: ShadowSink<'a>,
+}
+
+impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack) {
+        let block = &self.blocks[leaf as usize];
+        let corners = |functional: &LaneFunctional<S::Lanes>| {
+            std::array::from_fn(|vertex| {
+                functional.at(std::array::from_fn(|axis| simd.load(&block.vertices[vertex][axis])))
+            })
+        };
+        let crossing = Crossing::new(self.zero, corners(&self.out_of_plane));
+        if crossing.exists.bits() == 0 {
+            return;
+        }
+        let limits = (simd.splat(self.limits.0), simd.splat(self.limits.1));
+        let (along, towards_light) = (corners(&self.along), corners(&self.towards_light));
+        let shadow = match &self.depth {
+            None => crossing.strip_shadow(self.zero, limits, along, towards_light),
+            Some(depth) => {
+                let ones = (self.zero, self.one);
+                crossing.fan_shadow(ones, limits, along, corners(depth), towards_light)
+            }
+        };
+        let mut lanes = shadow.bits();
+        if lanes == 0 {
+            return;
+        }
+        let (starts, ends) = (simd.store(shadow.start), simd.store(shadow.end));
+        let limits = (f64::from(self.limits.0), f64::from(self.limits.1));
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % WIDTH;
+            lanes &= lanes - 1;
+            self.sink.add((f64::from(starts[lane]), f64::from(ends[lane])), limits);
+        }
+    }
+}
+
+/// The same in double precision, a triangle at a time.
+struct DoubleQuery<'a> {
+    blocks: &'a [Block],
+    cut: PlaneCut,
+    is_fan: bool,
+    sink: ShadowSink<'a>,
+}
+
+impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
+    fn visit(&mut self, _: S, leaf: u32, _: &mut Stack) {
+        let block = &self.blocks[leaf as usize];
+        for lane in block.lanes() {
+            let vertices = block.corners(lane);
+            let corners = |functional: &Functional| vertices.map(|vertex: DVec3| functional.at(vertex));
+            let crossing = Crossing::new(0.0, corners(&self.cut.out_of_plane));
+            if !crossing.exists {
+                continue;
+            }
+            let (along, towards_light) = (corners(&self.cut.along), corners(&self.cut.towards_light));
+            let limits = self.cut.t_range;
+            let Shadow { exists, start, end } = if self.is_fan {
+                crossing.fan_shadow((0.0, 1.0), limits, along, corners(&self.cut.depth), towards_light)
+            } else {
+                crossing.strip_shadow(0.0, limits, along, towards_light)
+            };
+            if exists {
+                self.sink.add((start, end), limits);
+            }
+        }
+    }
+}

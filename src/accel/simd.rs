@@ -1,0 +1,251 @@
+//! Eight numbers at a time. Invariant: every implementation of [`Lanes`] rounds each operation the
+//! same way, so that which one runs never shows in an answer.
+//!
+//! A [`Simd`] value is a proof that its instructions exist on this processor; whoever holds one, or
+//! lanes made by it, may use them. Multiplications and additions are never fused: the shared edges of
+//! triangles stay tight only because `a * b - c * d` is antisymmetric to the last bit.
+
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
+
+/// Lanes of a vector; children of a node and triangles of a block.
+pub(super) const WIDTH: usize = 8;
+
+/// `WIDTH` singles in memory, aligned as vector loads like it.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Eight(pub(super) [f32; WIDTH]);
+
+/// A number, or several of them handled alike.
+pub(super) trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// `self < other ? self : other`: `other` wherever either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// `self > other ? self : other`: `other` wherever either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// `self < other`, false for NaN.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`, false for NaN.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self == other`, false for NaN.
+    fn eq(self, other: Self) -> Self::Mask;
+    /// `mask ? self : other`.
+    fn or_else(self, mask: Self::Mask, other: Self) -> Self;
+}
+
+/// Truth values of [`Lanes`].
+pub(super) trait Mask:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+    /// Bit `i` is lane `i`.
+    fn bits(self) -> u32;
+}
+
+/// A way to compute on [`WIDTH`] singles.
+pub(super) trait Simd: Copy {
+    /// The vector of [`WIDTH`] singles.
+    type Lanes: Lanes;
+    /// The same number in each lane.
+    fn splat(self, value: f32) -> Self::Lanes;
+    /// From memory.
+    fn load(self, values: &Eight) -> Self::Lanes;
+    /// To memory.
+    fn store(self, lanes: Self::Lanes) -> [f32; WIDTH];
+}
+
+/// Which implementation serves this processor.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Level {
+    /// Plain Rust.
+    Portable(Portable),
+    /// x86-64 with AVX2.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(super::avx2::Avx2),
+}
+
+impl Level {
+    /// The fastest one there is.
+    pub(super) fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = super::avx2::Avx2::detect() {
+            return Self::Avx2(avx2);
+        }
+        Self::Portable(Portable)
+    }
+}
+
+/// Plain Rust, for any processor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Portable;
+
+/// Lanes of [`Portable`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PortableLanes([f32; WIDTH]);
+
+/// Truth values of [`PortableLanes`]: all bits set, or none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PortableMask([u32; WIDTH]);
+
+impl Simd for Portable {
+    type Lanes = PortableLanes;
+    #[inline(always)]
+    fn splat(self, value: f32) -> PortableLanes {
+        PortableLanes([value; WIDTH])
+    }
+    #[inline(always)]
+    fn load(self, values: &Eight) -> PortableLanes {
+        PortableLanes(values.0)
+    }
+    #[inline(always)]
+    fn store(self, lanes: PortableLanes) -> [f32; WIDTH] {
+        lanes.0
+    }
+}
+
+impl PortableLanes {
+    #[inline(always)]
+    fn zip(self, other: Self, operation: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|lane| operation(self.0[lane], other.0[lane])))
+    }
+    #[inline(always)]
+    fn compare(self, other: Self, holds: impl Fn(f32, f32) -> bool) -> PortableMask {
+        PortableMask(std::array::from_fn(|lane| {
+            if holds(self.0[lane], other.0[lane]) { u32::MAX } else { 0 }
+        }))
+    }
+}
+
+impl Add for PortableLanes {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+impl Sub for PortableLanes {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+impl Mul for PortableLanes {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+impl Div for PortableLanes {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
+impl Lanes for PortableLanes {
+    type Mask = PortableMask;
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> PortableMask {
+        self.compare(other, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> PortableMask {
+        self.compare(other, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> PortableMask {
+        self.compare(other, |a, b| a == b)
+    }
+    #[inline(always)]
+    fn or_else(self, mask: PortableMask, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| if mask.0[lane] != 0 { self.0[lane] } else { other.0[lane] }))
+    }
+}
+
+impl PortableMask {
+    #[inline(always)]
+    fn zip(self, other: Self, operation: impl Fn(u32, u32) -> u32) -> Self {
+        Self(std::array::from_fn(|lane| operation(self.0[lane], other.0[lane])))
+    }
+}
+impl BitAnd for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        self.zip(other, |a, b| a & b)
+    }
+}
+impl BitOr for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        self.zip(other, |a, b| a | b)
+    }
+}
+impl BitXor for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitxor(self, other: Self) -> Self {
+        self.zip(other, |a, b| a ^ b)
+    }
+}
+impl Not for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.zip(self, |a, _| !a)
+    }
+}
+impl Mask for PortableMask {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        (0..WIDTH).fold(0, |bits, lane| bits | (self.0[lane] & 1) << lane)
+    }
+}
+
+/// One double is a lane too: the kernels then compute in double precision.
+impl Lanes for f64 {
+    type Mask = bool;
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline(always)]
+    fn or_else(self, mask: bool, other: Self) -> Self {
+        if mask { self } else { other }
+    }
+}
+impl Mask for bool {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self)
+    }
+}

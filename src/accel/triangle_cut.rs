@@ -1,0 +1,125 @@
+//! A triangle cut by the plane of a ray and a light: which part of the ray it shadows. In: the plane's
+//! functions at its vertices; out: an interval. Invariant: triangles that share an edge get the same bits
+//! where it crosses the plane, so no light leaks between them, and nothing is ever NaN.
+
+use super::simd::{Lanes, Mask};
+
+/// Values at the three vertices of each triangle.
+pub(super) type Corners<L> = [L; 3];
+
+/// The part of the ray in shadow.
+pub(super) struct Shadow<L: Lanes> {
+    /// Where the interval is not empty.
+    pub(super) exists: L::Mask,
+    pub(super) start: L,
+    pub(super) end: L,
+}
+
+/// The two edges that cross the plane: those of the vertex that is alone on its side. Vertices in the
+/// plane count as above it.
+pub(super) struct Crossing<L: Lanes> {
+    /// Which triangles cross the plane at all.
+    pub(super) exists: L::Mask,
+    first_is_alone: L::Mask,
+    second_is_alone: L::Mask,
+    heights: Corners<L>,
+}
+
+impl<L: Lanes> Crossing<L> {
+    #[inline(always)]
+    pub(super) fn new(zero: L, heights: Corners<L>) -> Self {
+        let [a, b, c] = heights.map(|height| zero.le(height));
+        let crossing =
+            Self { exists: (a ^ b) | (b ^ c), first_is_alone: !(b ^ c), second_is_alone: !(a ^ c), heights };
+        Self { heights: crossing.alone_first(heights), ..crossing }
+    }
+
+    #[inline(always)]
+    fn alone_first(&self, [a, b, c]: Corners<L>) -> Corners<L> {
+        let pick = |first: L, second: L, third: L| {
+            first.or_else(self.first_is_alone, second.or_else(self.second_is_alone, third))
+        };
+        [pick(a, b, c), pick(b, c, a), pick(c, a, b)]
+    }
+
+    /// A function's values where the two edges cross the plane. Exchanging an edge's ends negates both
+    /// numerator and denominator exactly, as nothing is fused. The denominator is the difference of two
+    /// numbers of different sign, never 0.
+    #[inline(always)]
+    fn at_ends(&self, values: Corners<L>) -> [L; 2] {
+        let [value, others @ ..] = self.alone_first(values);
+        let [height, other_heights @ ..] = self.heights;
+        std::array::from_fn(|end| {
+            (value * other_heights[end] - others[end] * height) / (other_heights[end] - height)
+        })
+    }
+
+    /// The shadow within `[t0, t1]` under a directional light.
+    #[inline(always)]
+    pub(super) fn strip_shadow(
+        &self,
+        zero: L,
+        (t0, t1): (L, L),
+        along: Corners<L>,
+        towards_light: Corners<L>,
+    ) -> Shadow<L> {
+        let [ta, tb] = self.at_ends(along);
+        let [ya, yb] = self.at_ends(towards_light);
+        let swapped = tb.lt(ta);
+        let (y_low, y_high) = (yb.or_else(swapped, ya), ya.or_else(swapped, yb));
+        let (low, high) = (tb.or_else(swapped, ta), ta.or_else(swapped, tb));
+        let (start, end) = (low.max(t0), high.min(t1));
+        // Twice the height above the ray at the middle, times the uncut interval's length.
+        let (to_low, to_high) = ((start - low) + (end - low), (high - start) + (high - end));
+        let height = y_low * to_high + y_high * to_low;
+        Shadow { exists: self.exists & start.lt(end) & zero.lt(height), start, end }
+    }
+
+    /// The shadow within `[t0, t1]` under a point light. `after` and `before` are not negative at or
+    /// after `t0` and at or before `t1`.
+    #[inline(always)]
+    pub(super) fn fan_shadow(
+        &self,
+        (zero, one): (L, L),
+        (t0, t1): (L, L),
+        along: Corners<L>,
+        depth: Corners<L>,
+        towards_light: Corners<L>,
+    ) -> Shadow<L> {
+        let n = self.at_ends(along);
+        let d = self.at_ends(depth);
+        let y = self.at_ends(towards_light);
+        let after = [n[0] - t0 * d[0], n[1] - t0 * d[1]];
+        let before = [t1 * d[0] - n[0], t1 * d[1] - n[1]];
+        // Where the way from one end to the other crosses the two limits.
+        let after_at = after[0] / (after[0] - after[1]);
+        let before_at = before[0] / (before[0] - before[1]);
+        // The end itself, or the limit by which it is cut off.
+        let clip = |end: usize, after_is_stricter: L::Mask| {
+            let out_after = after[end].lt(zero);
+            let out_before = before[end].lt(zero);
+            let t = (n[end] / d[end]).min(t1).max(t0);
+            let by_after = out_after & (!out_before | after_is_stricter);
+            (t0.or_else(by_after, t1.or_else(out_before, t)), by_after, out_before)
+        };
+        let (ta, a_after, a_before) = clip(0, before_at.lt(after_at));
+        let (tb, b_after, b_before) = clip(1, after_at.lt(before_at));
+        let from = after_at.or_else(a_after, before_at.or_else(a_before, zero));
+        let to = after_at.or_else(b_after, before_at.or_else(b_before, one));
+        let middle = from + to;
+        let height = y[0] * ((one - middle) + one) + y[1] * middle;
+        let beyond = (after[0].lt(zero) & after[1].lt(zero)) | (before[0].lt(zero) & before[1].lt(zero));
+        let exists = self.exists & !beyond & from.lt(to) & zero.lt(height);
+        let swapped = tb.lt(ta);
+        let (start, end) = (tb.or_else(swapped, ta), ta.or_else(swapped, tb));
+        Shadow { exists: exists & start.lt(end), start, end }
+    }
+}
+
+impl<L: Lanes> Shadow<L> {
+    /// The lanes where there is one, as bits.
+    #[inline(always)]
+    pub(super) fn bits(&self) -> u32 {
+        self.exists.bits()
+    }
+}

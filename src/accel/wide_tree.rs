@@ -1,0 +1,183 @@
+//! A tree of boxes, eight children a node. In: boxes of primitives; out: nodes over leaves of up to
+//! [`WIDTH`] primitives. Invariant: a child's box contains every box below it.
+
+use super::simd::{Eight, WIDTH};
+use glam::{Vec3, Vec3A};
+use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
+use std::time::Duration;
+
+/// Marks a child that is a leaf; the other bits are its index.
+pub(super) const LEAF: u32 = 1 << 31;
+
+/// The index of a node's plane: `[min x, max x, min y, max y, min z, max z]`.
+pub(super) const fn plane(axis: usize, upper: bool) -> usize {
+    2 * axis + upper as usize
+}
+
+/// The boxes of up to eight children, one child a lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// By [`plane`]. Lanes without a child hold an inverted, infinite box that nothing meets.
+    pub(super) planes: [Eight; 6],
+    /// Index of a node, or [`LEAF`] and index of a leaf.
+    pub(super) children: [u32; WIDTH],
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        planes: [
+            Eight([f32::INFINITY; WIDTH]),
+            Eight([f32::NEG_INFINITY; WIDTH]),
+            Eight([f32::INFINITY; WIDTH]),
+            Eight([f32::NEG_INFINITY; WIDTH]),
+            Eight([f32::INFINITY; WIDTH]),
+            Eight([f32::NEG_INFINITY; WIDTH]),
+        ],
+        children: [LEAF; WIDTH],
+    };
+
+    fn set_child(&mut self, lane: usize, bounds: Bounds, child: u32) {
+        for axis in 0..3 {
+            self.planes[plane(axis, false)].0[lane] = bounds.min[axis];
+            self.planes[plane(axis, true)].0[lane] = bounds.max[axis];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// An axis-aligned box; inverted and infinite when empty.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub(super) min: Vec3,
+    pub(super) max: Vec3,
+}
+
+impl Bounds {
+    pub(super) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    pub(super) fn of_points(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |bounds, point| Self {
+            min: bounds.min.min(point),
+            max: bounds.max.max(point),
+        })
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The largest magnitude of a coordinate on each axis; 0 when empty.
+    pub(super) fn magnitude(self) -> Vec3 {
+        if self.min.x > self.max.x { Vec3::ZERO } else { self.min.abs().max(self.max.abs()) }
+    }
+
+    pub(super) fn is_empty(self) -> bool {
+        self.min.x > self.max.x
+    }
+}
+
+/// The tree. Where its leaves are is up to its owner.
+#[derive(Debug)]
+pub(super) struct WideTree {
+    pub(super) nodes: Vec<Node>,
+    /// What to visit first; none when there is no primitive.
+    pub(super) root: Option<u32>,
+    /// Around everything.
+    pub(super) bounds: Bounds,
+    /// Around the root's children.
+    pub(super) top_boxes: Vec<Bounds>,
+}
+
+impl WideTree {
+    /// Builds a tree over `boxes`, which must be finite, and hands the primitives of each leaf, at most
+    /// `leaf_size <= WIDTH`, to `add_leaf`, which returns the leaf's index.
+    pub(super) fn new(boxes: &[Bounds], leaf_size: usize, mut add_leaf: impl FnMut(&[u32]) -> u32) -> Self {
+        let bounds = boxes.iter().fold(Bounds::EMPTY, |all, one| all.union(*one));
+        let mut tree = Self { nodes: Vec::new(), root: None, bounds, top_boxes: vec![bounds] };
+        if boxes.is_empty() {
+            return tree;
+        }
+        if boxes.len() <= leaf_size {
+            let primitives: Vec<u32> = (0..boxes.len() as u32).collect();
+            tree.root = Some(LEAF | add_leaf(&primitives));
+            return tree;
+        }
+        let binary = build_binary(boxes, leaf_size);
+        tree.root = Some(0);
+        tree.nodes.push(Node::EMPTY);
+        let mut unfilled = vec![(0_usize, 0_usize)];
+        while let Some((binary_node, wide_node)) = unfilled.pop() {
+            let children = binary.open_largest(binary_node);
+            if wide_node == 0 {
+                tree.top_boxes = children.iter().map(|child| binary.bounds(*child)).collect();
+            }
+            for (lane, child) in children.into_iter().enumerate() {
+                let reference = if binary.is_leaf(child) {
+                    LEAF | add_leaf(binary.primitives(child))
+                } else {
+                    tree.nodes.push(Node::EMPTY);
+                    unfilled.push((child, tree.nodes.len() - 1));
+                    tree.nodes.len() as u32 - 1
+                };
+                tree.nodes[wide_node].set_child(lane, binary.bounds(child), reference);
+            }
+        }
+        tree
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.top_boxes.as_slice())
+    }
+}
+
+/// A binary tree by PLOC with reinsertion (Meister and Bittner 2018, 2022), as obvhs builds it with its
+/// medium settings. Built in one thread: the same tree every time.
+fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
+    // A power of two brings the coordinates near 1, so that no area overflows.
+    let largest = boxes.iter().fold(0.0_f32, |m, b| m.max(b.magnitude().max_element()));
+    let scale = (-f64::from(largest).log2().ceil()).clamp(-200.0, 200.0).exp2();
+    let scaled = |v: Vec3| Vec3A::from((v.as_dvec3() * scale).as_vec3());
+    let boxes: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(scaled(b.min), scaled(b.max))).collect();
+    let settings = BvhBuildParams { max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
+    BinaryTree { tree: build_bvh2(&boxes, settings, &mut Duration::default()), scale }
+}
+
+/// A tree of boxes whose coordinates are multiplied by `scale`.
+struct BinaryTree {
+    tree: Bvh2,
+    scale: f64,
+}
+
+impl BinaryTree {
+    fn is_leaf(&self, node: usize) -> bool {
+        self.tree.nodes[node].is_leaf()
+    }
+
+    fn primitives(&self, leaf: usize) -> &[u32] {
+        let node = &self.tree.nodes[leaf];
+        let first = node.first_index as usize;
+        &self.tree.primitive_indices[first..first + node.prim_count as usize]
+    }
+
+    /// Exact but for coordinates 1e38 times smaller than the largest: queries pad boxes by far more.
+    fn bounds(&self, node: usize) -> Bounds {
+        let aabb = self.tree.nodes[node].aabb();
+        let unscaled = |v: Vec3A| (v.as_dvec3() / self.scale).as_vec3();
+        Bounds { min: unscaled(aabb.min), max: unscaled(aabb.max) }
+    }
+
+    /// Up to eight nodes that make up `node`, found by opening the largest box again and again.
+    fn open_largest(&self, node: usize) -> Vec<usize> {
+        let mut opened = vec![node];
+        while opened.len() < WIDTH {
+            let area = |index: usize| self.tree.nodes[opened[index]].aabb().half_area();
+            let inner = (0..opened.len()).filter(|index| !self.is_leaf(opened[*index]));
+            let Some(largest) = inner.max_by(|a, b| area(*a).total_cmp(&area(*b))) else { break };
+            let first_child = self.tree.nodes[opened[largest]].first_index as usize;
+            opened[largest] = first_child;
+            opened.push(first_child + 1);
+        }
+        opened
+    }
+}
