@@ -20,11 +20,11 @@ pub mod accel;
 pub mod color;
 pub mod description;
 pub mod diagnostic;
+pub mod film;
+pub mod frame_file;
 pub mod math;
+pub mod render;
 pub mod scattering;
 pub mod scene;
 pub mod snapshot;
 pub mod transport;
-
-pub mod film;
-pub mod frame_file;

@@ -1,48 +1,48 @@
-//! stub
-#![allow(missing_docs)]
-use crate::math::{IntervalSet, Ray};
-use glam::{DAffine3, DVec3, Vec3};
-use std::sync::Arc;
-pub struct MeshTree;
-impl MeshTree {
-    pub fn new(_: &[Vec3], _: &[[u32; 3]]) -> Self {
-        Self
-    }
-}
-pub struct PlacedMesh {
-    pub mesh: Arc<MeshTree>,
-    pub relative_from_mesh: DAffine3,
-}
-pub struct InstanceTree;
-impl InstanceTree {
-    pub fn new(_: Vec<PlacedMesh>) -> Self {
-        Self
-    }
-    pub fn nearest_hit(&self, _ray: &Ray, _t_max: f64, _skip: Option<PrimitiveId>) -> Option<Hit> {
-        None
-    }
-    pub fn any_hit(&self, _ray: &Ray, _t_max: f64, _skip: Option<PrimitiveId>) -> bool {
-        false
-    }
-    pub fn add_shadows(&self, _plane: &LightPlane, _shadows: &mut IntervalSet) {}
-}
-#[derive(Clone, Copy, Debug, PartialEq)]
+//! Boxes in, answers out: which triangle a ray meets first, whether it meets any, and which parts of
+//! it lie in the shadow of a light. Invariant: answers are the same bits with and without SIMD.
+//!
+//! A [`MeshTree`] is built once per mesh and shared; an [`InstanceTree`] places such meshes for one
+//! frame in *relative space*: world axes, with the origin at the camera, subtracted in double
+//! precision before anything is rounded. Inside, a query is re-centred once more on each instance it
+//! visits, so that single precision has to resolve a mesh, never a landscape.
+//!
+//! The kernels are written once over [`simd::Lanes`] and instantiated for AVX2 and for plain Rust;
+//! the processor is asked at run time.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod block;
+mod instance_tree;
+mod light_plane;
+mod mesh_tree;
+mod ray_query;
+mod rounding;
+mod shadow_query;
+mod simd;
+mod stack;
+mod triangle_cut;
+mod wide_tree;
+
+pub use instance_tree::{InstanceTree, PlacedMesh};
+pub use light_plane::LightPlane;
+pub use mesh_tree::MeshTree;
+
+/// A triangle of a placed mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PrimitiveId {
+    /// Index into the meshes an [`InstanceTree`] was made of.
     pub instance: u32,
+    /// Index into the triangles its [`MeshTree`] was made of.
     pub triangle: u32,
 }
-#[derive(Clone, Copy, Debug)]
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
+    /// Distance along the ray, in metres.
     pub t: f64,
+    /// What it met.
     pub primitive: PrimitiveId,
+    /// Weights of the triangle's vertices 1 and 2; both and their sum lie in `[0, 1]`.
     pub barycentrics: [f64; 2],
-}
-pub struct LightPlane;
-impl LightPlane {
-    pub fn towards_direction(_ray: &Ray, _to_light: DVec3, _t_range: (f64, f64)) -> Option<Self> {
-        Some(Self)
-    }
-    pub fn towards_point(_ray: &Ray, _light: DVec3, _t_range: (f64, f64)) -> Option<Self> {
-        Some(Self)
-    }
 }
