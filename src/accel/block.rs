@@ -16,8 +16,7 @@ pub(super) struct Block {
 
 impl Block {
     pub(super) fn new(triangles: impl Iterator<Item = (u32, [Vec3; 3])>) -> Self {
-        let mut block =
-            Self { vertices: [[Eight([f32::NAN; WIDTH]); 3]; 3], triangles: [u32::MAX; WIDTH] };
+        let mut block = Self { vertices: [[Eight([f32::NAN; WIDTH]); 3]; 3], triangles: [u32::MAX; WIDTH] };
         for (lane, (index, corners)) in triangles.enumerate().take(WIDTH) {
             block.triangles[lane] = index;
             for (vertex, corner) in corners.into_iter().enumerate() {
@@ -32,9 +31,8 @@ impl Block {
     /// The corners of the triangle in `lane`.
     #[inline(always)]
     pub(super) fn corners(&self, lane: usize) -> [DVec3; 3] {
-        self.vertices.map(|[x, y, z]| {
-            DVec3::new(f64::from(x.0[lane]), f64::from(y.0[lane]), f64::from(z.0[lane]))
-        })
+        self.vertices
+            .map(|[x, y, z]| DVec3::new(f64::from(x.0[lane]), f64::from(y.0[lane]), f64::from(z.0[lane])))
     }
 
     /// The lanes that hold triangles.

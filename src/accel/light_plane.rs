@@ -148,9 +148,5 @@ fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
         let error = (-c).mul_add(d, product);
         a.mul_add(b, -product) + error
     };
-    DVec3::new(
-        difference(a.y, b.z, a.z, b.y),
-        difference(a.z, b.x, a.x, b.z),
-        difference(a.x, b.y, a.y, b.x),
-    )
+    DVec3::new(difference(a.y, b.z, a.z, b.y), difference(a.z, b.x, a.x, b.z), difference(a.x, b.y, a.y, b.x))
 }

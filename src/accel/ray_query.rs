@@ -332,8 +332,7 @@ impl<L: Lanes> Shear<L> {
         let zero = simd.splat(0.0);
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = [0, 1, 2].map(|vertex: usize| {
             let corner = &block.vertices[vertex];
-            let [x, y, z] =
-                std::array::from_fn(|i| simd.load(&corner[self.axes[i]]) - self.origin[i]);
+            let [x, y, z] = std::array::from_fn(|i| simd.load(&corner[self.axes[i]]) - self.origin[i]);
             [x - self.shear[0] * z, y - self.shear[1] * z, z]
         });
         // Edge functions: their signs are right or zero, because rounding is monotonic.

@@ -111,9 +111,11 @@ impl PortableLanes {
     }
     #[inline(always)]
     fn compare(self, other: Self, holds: impl Fn(f32, f32) -> bool) -> PortableMask {
-        PortableMask(std::array::from_fn(|lane| {
-            if holds(self.0[lane], other.0[lane]) { u32::MAX } else { 0 }
-        }))
+        PortableMask(std::array::from_fn(
+            |lane| {
+                if holds(self.0[lane], other.0[lane]) { u32::MAX } else { 0 }
+            },
+        ))
     }
 }
 
