@@ -25,5 +25,7 @@ pub mod description;
 pub mod scene;
 pub mod transport;
 
+pub mod cli;
 pub mod film;
 pub mod frame_file;
+pub mod sequence;

@@ -1,0 +1,3 @@
+//! Arguments in, exit code out. Invariant: only this module prints.
+
+pub mod progress;
