@@ -17,6 +17,7 @@
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 
 pub mod accel;
+pub mod cli;
 pub mod color;
 pub mod description;
 pub mod diagnostic;
@@ -26,5 +27,6 @@ pub mod math;
 pub mod render;
 pub mod scattering;
 pub mod scene;
+pub mod sequence;
 pub mod snapshot;
 pub mod transport;

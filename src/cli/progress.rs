@@ -1,0 +1,373 @@
+//! Events of a run to lines on a terminal, in a log or for a render farm. Invariant: standard
+//! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
+
+use crate::sequence::{Event, Summary};
+use indicatif::{ProgressBar, ProgressStyle as BarStyle};
+use serde_json::{Value, json};
+use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Steps of the bar a frame, so that it moves within one too.
+const STEPS_PER_FRAME: f64 = 1000.0;
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProgressStyle {
+    /// A bar with the time left, for people at a terminal.
+    Bar,
+    /// A line a frame, for logs.
+    Plain,
+    /// One JSON object a line on standard output: `event`, and what belongs to it.
+    JsonLines,
+    /// What Open Job Description reads on standard output: `openjd_progress: 12`, `openjd_status: ...`.
+    OpenJd,
+    /// Nothing at all.
+    None,
+}
+
+/// Tells of a run as it goes.
+pub struct Progress {
+    style: ProgressStyle,
+    bar: Option<ProgressBar>,
+    state: Mutex<State>,
+}
+
+struct State {
+    out: Box<dyn Write + Send>,
+    frames: usize,
+    skipped: usize,
+    /// Frames begun, the current one included.
+    begun: usize,
+    fraction: f64,
+    first_begun: Option<Instant>,
+    /// The last whole per cent told; machines need not hear of less.
+    percent_told: Option<u64>,
+}
+
+impl ProgressStyle {
+    /// A bar if standard error is a terminal, else plain lines.
+    pub fn auto() -> Self {
+        if std::io::stderr().is_terminal() { Self::Bar } else { Self::Plain }
+    }
+}
+
+impl Progress {
+    /// Writes to standard error what people read, and to standard output what programs read.
+    pub fn new(style: ProgressStyle) -> Self {
+        match style {
+            ProgressStyle::JsonLines | ProgressStyle::OpenJd => Self::to(style, Box::new(std::io::stdout())),
+            _ => Self::to(style, Box::new(std::io::stderr())),
+        }
+    }
+
+    fn to(style: ProgressStyle, out: Box<dyn Write + Send>) -> Self {
+        let state = State {
+            out,
+            frames: 0,
+            skipped: 0,
+            begun: 0,
+            fraction: 0.0,
+            first_begun: None,
+            percent_told: None,
+        };
+        let bar = (style == ProgressStyle::Bar).then(|| {
+            let bar = ProgressBar::new(0);
+            match BarStyle::with_template("[{bar:30}] {percent:>3} %  {msg}") {
+                Ok(bar_style) => bar.with_style(bar_style),
+                Err(_) => bar,
+            }
+        });
+        Self { style, bar, state: Mutex::new(state) }
+    }
+
+    /// Tells of an event. May be called from any thread.
+    pub fn report(&self, event: &Event) {
+        // A thread that panicked while it held the lock left nothing but numbers.
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.count(event);
+        match self.style {
+            ProgressStyle::Bar => self.draw(&mut state, event),
+            ProgressStyle::Plain => {
+                if let Some(line) = state.sentence(event) {
+                    state.line(&line);
+                }
+            }
+            ProgressStyle::JsonLines => {
+                if !matches!(event, Event::FrameProgress { .. }) || state.percent_is_new() {
+                    let line = as_json(event).to_string();
+                    state.line(&line);
+                }
+            }
+            ProgressStyle::OpenJd => {
+                if state.percent_is_new() {
+                    let line = format!("openjd_progress: {}", state.percent());
+                    state.line(&line);
+                }
+                if let Some(sentence) = state.sentence(event) {
+                    state.line(&format!("openjd_status: {sentence}"));
+                }
+            }
+            ProgressStyle::None => {}
+        }
+    }
+
+    fn draw(&self, state: &mut State, event: &Event) {
+        let Some(bar) = &self.bar else { return };
+        match event {
+            Event::Started { frames } => bar.set_length((*frames as f64 * STEPS_PER_FRAME) as u64),
+            Event::FrameStarted { .. } | Event::FrameProgress { .. } | Event::FrameSkipped { .. } => {
+                bar.set_position((state.done() * STEPS_PER_FRAME) as u64);
+                let frame = state.skipped + state.begun;
+                bar.set_message(format!("frame {frame} of {}{}", state.frames, state.time_left()));
+            }
+            Event::FrameWritten { clamped: 0, .. } => {}
+            Event::FrameWritten { .. } | Event::AbandonedRemoved { .. } => {
+                if let Some(line) = state.sentence(event) {
+                    bar.println(line);
+                }
+            }
+            Event::Finished(summary) => {
+                bar.finish_and_clear();
+                state.line(&summary.to_string());
+            }
+        }
+    }
+}
+
+impl Drop for Progress {
+    /// A run that fails says so in its own words; the bar must not stand in their way.
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl State {
+    fn count(&mut self, event: &Event) {
+        match event {
+            Event::Started { frames } => self.frames = *frames,
+            Event::FrameSkipped { .. } => self.skipped += 1,
+            Event::FrameStarted { .. } => {
+                self.begun += 1;
+                self.fraction = 0.0;
+                self.first_begun.get_or_insert_with(Instant::now);
+            }
+            // Threads may tell of their shares out of order.
+            Event::FrameProgress { fraction, .. } => self.fraction = self.fraction.max(*fraction),
+            Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
+            Event::FrameWritten { .. } | Event::AbandonedRemoved { .. } | Event::Finished(_) => {}
+        }
+    }
+
+    /// Frames done, the share of the current one included.
+    fn done(&self) -> f64 {
+        self.skipped as f64 + self.rendered()
+    }
+
+    fn rendered(&self) -> f64 {
+        self.begun.saturating_sub(1) as f64 + self.fraction
+    }
+
+    fn percent(&self) -> u64 {
+        if self.frames == 0 { 100 } else { (100.0 * self.done() / self.frames as f64) as u64 }
+    }
+
+    fn percent_is_new(&mut self) -> bool {
+        let percent = Some(self.percent());
+        std::mem::replace(&mut self.percent_told, percent) != percent
+    }
+
+    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis.
+    fn time_left(&self) -> String {
+        let Some(first_begun) = self.first_begun.filter(|_| self.rendered() > 0.0) else {
+            return String::new();
+        };
+        let seconds_per_frame = first_begun.elapsed().as_secs_f64() / self.rendered();
+        let seconds = seconds_per_frame * (self.frames as f64 - self.done()).max(0.0);
+        format!(", about {} left", duration(seconds))
+    }
+
+    fn sentence(&self, event: &Event) -> Option<String> {
+        Some(match event {
+            Event::FrameSkipped { frame, reason } => format!("frame {frame} skipped: {reason}"),
+            Event::FrameWritten { frame, path, seconds, clamped } => {
+                let clamping = match clamped {
+                    0 => String::new(),
+                    _ => format!("; {clamped} values too bright for half precision were clamped to 65504"),
+                };
+                let count = format!("{} of {}", self.skipped + self.begun, self.frames);
+                let path = path.display();
+                format!(
+                    "frame {frame} written to {path}, {seconds:.1} s ({count}{}){clamping}",
+                    self.time_left()
+                )
+            }
+            Event::AbandonedRemoved { path } => {
+                format!("removed {}, left behind by a run that was killed", path.display())
+            }
+            Event::Finished(summary) => summary.to_string(),
+            Event::Started { .. } | Event::FrameStarted { .. } | Event::FrameProgress { .. } => return None,
+        })
+    }
+
+    fn line(&mut self, line: &str) {
+        // Who closed the pipe does not want to know; the frames are written all the same.
+        let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
+    }
+}
+
+fn as_json(event: &Event) -> Value {
+    match event {
+        Event::Started { frames } => json!({ "event": "started", "frames": frames }),
+        Event::AbandonedRemoved { path } => {
+            json!({ "event": "abandoned_removed", "path": path.to_string_lossy() })
+        }
+        Event::FrameSkipped { frame, reason } => {
+            json!({ "event": "frame_skipped", "frame": frame, "reason": reason.to_string() })
+        }
+        Event::FrameStarted { frame } => json!({ "event": "frame_started", "frame": frame }),
+        Event::FrameProgress { frame, fraction } => {
+            json!({ "event": "frame_progress", "frame": frame, "fraction": fraction })
+        }
+        Event::FrameWritten { frame, path, seconds, clamped } => json!({
+            "event": "frame_written", "frame": frame, "path": path.to_string_lossy(), "seconds": seconds,
+            "clamped": clamped,
+        }),
+        Event::Finished(Summary {
+            written,
+            skipped_valid,
+            skipped_existing,
+            not_reached,
+            seconds,
+            folder,
+            stopped,
+        }) => {
+            json!({
+                "event": "finished", "written": written, "skipped_valid": skipped_valid,
+                "skipped_existing": skipped_existing, "not_reached": not_reached, "seconds": seconds,
+                "folder": folder.to_string_lossy(), "stopped": stopped,
+            })
+        }
+    }
+}
+
+/// Seconds as people say them.
+fn duration(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 5400.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::sequence::SkipReason;
+    use std::sync::{Arc, mpsc};
+
+    /// Passes on what is written to it.
+    struct Wire(mpsc::Sender<Vec<u8>>);
+
+    impl Write for Wire {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.send(bytes.to_vec()).map_err(|_| std::io::ErrorKind::BrokenPipe)?;
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// A run of four frames: one skipped, two written, stopped before the last.
+    fn lines(style: ProgressStyle) -> Vec<String> {
+        let (sender, receiver) = mpsc::channel();
+        let progress = Arc::new(Progress::to(style, Box::new(Wire(sender))));
+        let written = |frame| Event::FrameWritten {
+            frame,
+            path: format!("x.{frame}.exr").into(),
+            seconds: 0.5,
+            clamped: 0,
+        };
+        for event in [
+            Event::Started { frames: 4 },
+            Event::FrameSkipped { frame: 1, reason: SkipReason::Valid },
+            Event::FrameStarted { frame: 2 },
+            Event::FrameProgress { frame: 2, fraction: 0.5 },
+            Event::FrameProgress { frame: 2, fraction: 0.501 },
+            Event::FrameStarted { frame: 3 },
+            written(2),
+            written(3),
+            Event::Finished(Summary {
+                written: 2,
+                skipped_valid: 1,
+                skipped_existing: 0,
+                not_reached: 1,
+                seconds: 1.0,
+                folder: "x".into(),
+                stopped: true,
+            }),
+        ] {
+            progress.report(&event);
+        }
+        drop(progress);
+        let bytes: Vec<u8> = receiver.into_iter().flatten().collect();
+        String::from_utf8(bytes).unwrap().lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn plain_lines_end_with_the_summary() {
+        let lines = lines(ProgressStyle::Plain);
+        assert_eq!(lines.len(), 4, "{lines:#?}");
+        assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
+        assert!(lines[1].starts_with("frame 2 written to x.2.exr, 0.5 s (3 of 4, about "), "{}", lines[1]);
+        assert_eq!(
+            lines[3],
+            "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go"
+        );
+    }
+
+    #[test]
+    fn json_lines_are_json_and_tell_each_per_cent_once() {
+        let lines = lines(ProgressStyle::JsonLines);
+        let values: Vec<Value> = lines.iter().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let events: Vec<&str> = values.iter().map(|value| value["event"].as_str().unwrap()).collect();
+        assert_eq!(
+            events,
+            [
+                "started",
+                "frame_skipped",
+                "frame_started",
+                "frame_progress",
+                "frame_started",
+                "frame_written",
+                "frame_written",
+                "finished"
+            ]
+        );
+    }
+
+    #[test]
+    fn open_job_description_hears_of_whole_per_cents() {
+        let lines = lines(ProgressStyle::OpenJd);
+        let told: Vec<&str> =
+            lines.iter().filter_map(|line| line.strip_prefix("openjd_progress: ")).collect();
+        assert_eq!(told, ["0", "25", "37", "50"]);
+        assert!(lines.iter().any(|line| line.starts_with("openjd_status: frame 3 written")));
+    }
+
+    #[test]
+    fn none_is_silent() {
+        assert_eq!(lines(ProgressStyle::None), [""; 0]);
+    }
+
+    #[test]
+    fn times_are_told_as_people_do() {
+        assert_eq!([12.4, 600.0, 7200.0].map(duration), ["12 s", "10 min", "2.0 h"]);
+    }
+}

@@ -1,0 +1,114 @@
+//! What happens during a run, for those who watch. Invariant: every frame of the list ends in
+//! exactly one of skipped, written or neither, and the summary counts them.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The run begins.
+    Started {
+        /// Frames in the list, skipped ones included.
+        frames: usize,
+    },
+    /// A killed run had left a temporary file, which is gone now.
+    AbandonedRemoved {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A frame is left as it is.
+    FrameSkipped {
+        /// The frame.
+        frame: i64,
+        /// Why.
+        reason: SkipReason,
+    },
+    /// A frame is being rendered.
+    FrameStarted {
+        /// The frame.
+        frame: i64,
+    },
+    /// Some of it is done.
+    FrameProgress {
+        /// The frame.
+        frame: i64,
+        /// How much of it, `0..=1`.
+        fraction: f64,
+    },
+    /// It is on the disk.
+    FrameWritten {
+        /// The frame.
+        frame: i64,
+        /// Where.
+        path: PathBuf,
+        /// How long it took to render, seconds.
+        seconds: f64,
+        /// Values that were too large for half precision and stored as the largest half.
+        clamped: usize,
+    },
+    /// The run is over, be it complete or stopped; a run that fails ends without.
+    Finished(Summary),
+}
+
+/// Why a frame was not rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkipReason {
+    /// Its file holds what rendering would give.
+    Valid,
+    /// It has a file.
+    Exists,
+}
+
+/// What a run did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Frames written.
+    pub written: usize,
+    /// Frames skipped because their files are valid.
+    pub skipped_valid: usize,
+    /// Frames skipped because they have files.
+    pub skipped_existing: usize,
+    /// Frames not reached because the run was stopped.
+    pub not_reached: usize,
+    /// How long the run took, seconds.
+    pub seconds: f64,
+    /// Where the frames are.
+    pub folder: PathBuf,
+    /// True if a signal ended the run early.
+    pub stopped: bool,
+}
+
+impl fmt::Display for SkipReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Valid => "there already, and valid",
+            Self::Exists => "there already",
+        })
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.written == 1 { "" } else { "s" };
+        write!(
+            f,
+            "{} frame{plural} written to {} in {:.1} s",
+            self.written,
+            self.folder.display(),
+            self.seconds
+        )?;
+        for (count, what) in [
+            (self.skipped_valid, SkipReason::Valid.to_string()),
+            (self.skipped_existing, SkipReason::Exists.to_string()),
+        ] {
+            if count > 0 {
+                write!(f, "; {count} skipped ({what})")?;
+            }
+        }
+        if self.stopped {
+            write!(f, "; stopped with {} to go", self.not_reached)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,219 @@
+//! A frame's number to the path of its file. Invariant: two frames never have the same path unless
+//! the pattern has no place for the number, and then [`OutputPattern::check`] refuses more than one frame.
+//!
+//! | written | frame 7 |
+//! |---|---|
+//! | (nothing) | `out/NAME/NAME.0007.exr` |
+//! | `DIR/` or a folder that exists | `DIR/NAME.0007.exr` |
+//! | `x.####.exr`, `x.%04d.exr`, `x.$F4.exr` | `x.0007.exr` |
+//! | `x.#.exr`, `x.%d.exr`, `x.$F.exr` | `x.7.exr` |
+//! | `x.exr` | `x.exr`, for one frame only |
+
+use crate::diagnostic::{Diagnostic, Place};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// Where the frames of a sequence go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputPattern {
+    folder: PathBuf,
+    before: String,
+    /// Least digits of the frame's number; `None` is a pattern without the number.
+    digits: Option<usize>,
+    after: String,
+}
+
+impl OutputPattern {
+    /// Where frames go when nothing is said.
+    pub fn default_for(sequence_name: &str) -> Self {
+        Self::in_folder(Path::new("out").join(sequence_name), sequence_name)
+    }
+
+    /// Reads what follows `--out`.
+    ///
+    /// # Errors
+    /// If it is neither a folder nor the name of an EXR file, or has more than one place for the number.
+    pub fn parse(text: &str, sequence_name: &str) -> Result<Self, Diagnostic> {
+        let path = Path::new(text);
+        if text.is_empty() {
+            return Err(error(text, "the name is empty"));
+        }
+        if text.ends_with(['/', std::path::MAIN_SEPARATOR]) || path.is_dir() {
+            return Ok(Self::in_folder(path.to_owned(), sequence_name));
+        }
+        let Some(file) = path.file_name().and_then(OsStr::to_str) else {
+            return Err(error(text, "it does not end in the name of a file"));
+        };
+        let placeholders = placeholders(file);
+        let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+        if !is_exr {
+            if path.extension().is_none() && placeholders.is_empty() {
+                return Ok(Self::in_folder(path.to_owned(), sequence_name));
+            }
+            return Err(error(text, "the file's name does not end in .exr")
+                .remedy("end it in .exr, or in / if it is a folder"));
+        }
+        let folder = path.parent().unwrap_or_else(|| Path::new(""));
+        if folder.to_str().is_some_and(|folder| !self::placeholders(folder).is_empty()) {
+            return Err(error(text, "the frame's number stands in a folder's name"));
+        }
+        match placeholders.as_slice() {
+            [] => Ok(Self {
+                folder: folder.to_owned(),
+                before: file.to_owned(),
+                digits: None,
+                after: String::new(),
+            }),
+            [only] => Ok(Self {
+                folder: folder.to_owned(),
+                before: file[..only.start].to_owned(),
+                digits: Some(only.digits),
+                after: file[only.end..].to_owned(),
+            }),
+            _ => Err(error(text, "it has several places for the frame's number")),
+        }
+    }
+
+    fn in_folder(folder: PathBuf, sequence_name: &str) -> Self {
+        Self { folder, before: format!("{sequence_name}."), digits: Some(4), after: String::from(".exr") }
+    }
+
+    /// Refuses to write several frames to one file.
+    ///
+    /// # Errors
+    /// If there is more than one frame and no place for its number.
+    pub fn check(&self, frames: usize) -> Result<(), Diagnostic> {
+        if self.digits.is_some() || frames <= 1 {
+            return Ok(());
+        }
+        let stem = self.before.strip_suffix(".exr").unwrap_or(&self.before);
+        let found = format!("--out: {frames} frames would all be written to {}", self.path(0).display());
+        Err(Diagnostic::error(Place::Nowhere, found)
+            .expected("a place for the frame's number: ####, %04d or $F4")
+            .remedy(format!(
+                "write for instance --out {}",
+                self.folder.join(format!("{stem}.####.exr")).display()
+            )))
+    }
+
+    /// The file of a frame. Negative numbers have as many digits as others, after their sign.
+    pub fn path(&self, frame: i64) -> PathBuf {
+        let number = self.digits.map_or_else(String::new, |digits| {
+            let sign = if frame < 0 { "-" } else { "" };
+            format!("{sign}{:0digits$}", frame.unsigned_abs())
+        });
+        self.folder.join(format!("{}{number}{}", self.before, self.after))
+    }
+
+    /// The folder that all frames are in.
+    pub fn folder(&self) -> &Path {
+        if self.folder.as_os_str().is_empty() { Path::new(".") } else { &self.folder }
+    }
+}
+
+/// A place for the frame's number: bytes `start..end` of a name.
+struct Placeholder {
+    start: usize,
+    end: usize,
+    digits: usize,
+}
+
+fn placeholders(name: &str) -> Vec<Placeholder> {
+    /// Longer runs of digits would be a slip of the finger, or of memory.
+    const MOST_DIGITS: usize = 18;
+    let bytes = name.as_bytes();
+    let run =
+        |from: usize, wanted: fn(&u8) -> bool| bytes[from..].iter().take_while(|&byte| wanted(byte)).count();
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        let (length, digits) = match bytes[at] {
+            b'#' => {
+                let hashes = run(at, |&byte| byte == b'#');
+                (hashes, hashes)
+            }
+            b'%' => {
+                let width = run(at + 1, u8::is_ascii_digit);
+                let ends_well = bytes.get(at + 1 + width) == Some(&b'd');
+                if ends_well { (width + 2, number(&name[at + 1..at + 1 + width])) } else { (0, 0) }
+            }
+            b'$' if bytes.get(at + 1) == Some(&b'F') => {
+                let width = run(at + 2, u8::is_ascii_digit);
+                (width + 2, number(&name[at + 2..at + 2 + width]))
+            }
+            _ => (0, 0),
+        };
+        if length > 0 {
+            found.push(Placeholder { start: at, end: at + length, digits: digits.clamp(1, MOST_DIGITS) });
+        }
+        at += length.max(1);
+    }
+    found
+}
+
+/// The number in `digits`; none is 1 digit, too large a one is cut by the caller.
+fn number(digits: &str) -> usize {
+    if digits.is_empty() { 1 } else { digits.parse().unwrap_or(usize::MAX) }
+}
+
+fn error(text: &str, why: &str) -> Diagnostic {
+    Diagnostic::error(Place::Nowhere, format!("--out: cannot write frames to `{text}`: {why}"))
+        .expected("a folder, or a file name with a place for the frame's number, such as out/name.####.exr")
+        .remedy("write for instance --out out/name.####.exr")
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_patterns() {
+        for (text, frame, expected) in [
+            ("a/x.####.exr", 7, "a/x.0007.exr"),
+            ("a/x.####.exr", 12345, "a/x.12345.exr"),
+            ("a/x.####.exr", -7, "a/x.-0007.exr"),
+            ("x_%04d.exr", 7, "x_0007.exr"),
+            ("x_%d.exr", 7, "x_7.exr"),
+            ("x.$F4.exr", 7, "x.0007.exr"),
+            ("x.$F.exr", 7, "x.7.exr"),
+            ("x.#.EXR", 7, "x.7.EXR"),
+            ("####.exr", 7, "0007.exr"),
+            ("100%.####.exr", 7, "100%.0007.exr"),
+            ("x.exr", 7, "x.exr"),
+            ("some/where/", 7, "some/where/name.0007.exr"),
+            ("some/where", 7, "some/where/name.0007.exr"),
+            ("/", 7, "/name.0007.exr"),
+        ] {
+            let pattern = OutputPattern::parse(text, "name").unwrap();
+            assert_eq!(pattern.path(frame), Path::new(expected), "{text}");
+        }
+        assert_eq!(OutputPattern::default_for("fall").path(3), Path::new("out/fall/fall.0003.exr"));
+    }
+
+    #[test]
+    fn a_folder_with_a_dot_is_one_if_it_exists() {
+        let folder = tempfile::tempdir().unwrap();
+        let dotted = folder.path().join("take.2");
+        assert!(OutputPattern::parse(dotted.to_str().unwrap(), "n").is_err());
+        std::fs::create_dir(&dotted).unwrap();
+        let pattern = OutputPattern::parse(dotted.to_str().unwrap(), "n").unwrap();
+        assert_eq!(pattern.path(1), dotted.join("n.0001.exr"));
+    }
+
+    #[test]
+    fn what_cannot_be_a_pattern_is_refused_with_a_remedy() {
+        for text in ["", "x.png", "x.####", "x.##.##.exr", "x.##.%d.exr", "##/x.##.exr", "a/.."] {
+            let error = OutputPattern::parse(text, "name").unwrap_err();
+            assert!(error.remedy.is_some() && error.expected.is_some(), "{text}");
+        }
+    }
+
+    #[test]
+    fn several_frames_need_a_place_for_their_number() {
+        let one_file = OutputPattern::parse("a/x.exr", "name").unwrap();
+        assert_eq!(one_file.check(1), Ok(()));
+        assert!(one_file.check(2).unwrap_err().remedy.unwrap().contains("a/x.####.exr"));
+        assert_eq!(OutputPattern::parse("x.#.exr", "name").unwrap().check(2), Ok(()));
+    }
+}

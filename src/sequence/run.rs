@@ -1,0 +1,195 @@
+//! The loop over frames. In goes a way to render one, out come files; the finished frame is encoded
+//! and written on a second thread while the next one renders. Invariant: no more than two frames are in
+//! memory, and a frame with NaN or infinity is never written.
+
+use super::{Event, FrameList, OutputPattern, SkipReason, Summary};
+use crate::film::{Frame, FrameDefects};
+use crate::frame_file::{self, FrameFileError, Provenance};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::Instant;
+
+/// Which frames need no rendering.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Skip {
+    /// Those whose files hold, undamaged, what rendering would give.
+    Valid,
+    /// Those that have a file, whatever it holds.
+    Exists,
+    /// None.
+    #[default]
+    None,
+}
+
+/// What to do.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// Which frames.
+    pub frames: &'a FrameList,
+    /// Where they go.
+    pub output: &'a OutputPattern,
+    /// Which of them need no rendering.
+    pub skip: Skip,
+    /// Writes a PNG beside each frame that is rendered, brightened by so many stops.
+    pub preview_exposure_stops: Option<f64>,
+    /// Set by a signal: the frame in progress is given up unless it gets done, and none is begun.
+    pub stop: &'a AtomicBool,
+}
+
+/// Why a run failed. Frames written before are whole and stay.
+#[derive(Debug, thiserror::Error)]
+pub enum SequenceError<E> {
+    /// A frame could not be rendered.
+    #[error("frame {frame}: {source}")]
+    Render {
+        /// The frame.
+        frame: i64,
+        /// The renderer's reason.
+        source: E,
+    },
+    /// A frame holds NaN or infinity and was not written.
+    #[error("frame {frame} is not written, for it holds values that are no light: {defects}")]
+    Defective {
+        /// The frame.
+        frame: i64,
+        /// How many, and where first.
+        defects: FrameDefects,
+    },
+    /// A frame could not be written.
+    #[error("frame {frame}: {source}")]
+    Write {
+        /// The frame.
+        frame: i64,
+        /// The disk's reason, with a remedy.
+        source: FrameFileError,
+    },
+}
+
+/// A finished frame on its way to the disk.
+struct Finished {
+    frame: i64,
+    picture: Frame,
+    provenance: Provenance,
+    seconds: f64,
+}
+
+/// Renders and writes the frames of a job that are not skipped, in order.
+///
+/// `provenance` is asked before rendering, for its hashes decide what is skipped. `render` gets a callback for the fraction
+/// done, which it may call from any thread; if it fails after `stop` was set, that counts as stopping. `report` hears
+/// of everything and may be called from two threads at once.
+///
+/// # Errors
+/// The first failure ends the run; the frame being rendered meanwhile is finished and dropped.
+pub fn run<E: Send>(
+    job: Job<'_>,
+    provenance: impl Fn(i64) -> Provenance,
+    mut render: impl FnMut(i64, &(dyn Fn(f64) + Sync)) -> Result<Frame, E>,
+    report: &(dyn Fn(Event) + Sync),
+) -> Result<Summary, SequenceError<E>> {
+    let started = Instant::now();
+    let frames = job.frames.as_slice();
+    report(Event::Started { frames: frames.len() });
+    let mut summary = Summary {
+        written: 0,
+        skipped_valid: 0,
+        skipped_existing: 0,
+        not_reached: 0,
+        seconds: 0.0,
+        folder: job.output.folder().to_owned(),
+        stopped: false,
+    };
+    let writer_failed = AtomicBool::new(false);
+    let stopped = || job.stop.load(Ordering::Relaxed);
+    summary.written = std::thread::scope(|scope| {
+        // Without a buffer: the renderer waits at the end of a frame until the one before is written.
+        let (to_writer, from_renderer) = sync_channel::<Finished>(0);
+        let failed = &writer_failed;
+        let writer = scope.spawn(move || {
+            let result = write_all(job, &from_renderer, report);
+            failed.store(result.is_err(), Ordering::Relaxed);
+            result
+        });
+        let mut render_error = None;
+        for &frame in frames {
+            if stopped() || writer_failed.load(Ordering::Relaxed) {
+                break;
+            }
+            let path = job.output.path(frame);
+            for target in [path.clone(), path.with_extension("png")] {
+                for path in frame_file::remove_abandoned(&target) {
+                    report(Event::AbandonedRemoved { path });
+                }
+            }
+            let provenance = provenance(frame);
+            if let Some(reason) = skip_reason(job.skip, &path, &provenance) {
+                match reason {
+                    SkipReason::Valid => summary.skipped_valid += 1,
+                    SkipReason::Exists => summary.skipped_existing += 1,
+                }
+                report(Event::FrameSkipped { frame, reason });
+                continue;
+            }
+            report(Event::FrameStarted { frame });
+            let frame_started = Instant::now();
+            match render(frame, &|fraction| report(Event::FrameProgress { frame, fraction })) {
+                Ok(picture) => {
+                    let seconds = frame_started.elapsed().as_secs_f64();
+                    // Refused only by a writer that has failed; its error is the one to tell.
+                    if to_writer.send(Finished { frame, picture, provenance, seconds }).is_err() {
+                        break;
+                    }
+                }
+                Err(_) if stopped() => break,
+                Err(source) => {
+                    render_error = Some(SequenceError::Render { frame, source });
+                    break;
+                }
+            }
+        }
+        drop(to_writer);
+        // A frame that was handed over is written whatever became of the next one.
+        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        render_error.map_or(Ok(written), Err)
+    })?;
+    let done = summary.written + summary.skipped_valid + summary.skipped_existing;
+    summary.not_reached = frames.len() - done;
+    summary.stopped = summary.not_reached > 0;
+    summary.seconds = started.elapsed().as_secs_f64();
+    report(Event::Finished(summary.clone()));
+    Ok(summary)
+}
+
+fn skip_reason(skip: Skip, path: &Path, provenance: &Provenance) -> Option<SkipReason> {
+    match skip {
+        Skip::Valid => frame_file::is_valid(path, provenance).then_some(SkipReason::Valid),
+        Skip::Exists => path.is_file().then_some(SkipReason::Exists),
+        Skip::None => None,
+    }
+}
+
+/// Writes frames as they come, and counts them.
+fn write_all<E>(
+    job: Job<'_>,
+    finished: &Receiver<Finished>,
+    report: &(dyn Fn(Event) + Sync),
+) -> Result<usize, SequenceError<E>> {
+    let mut written = 0;
+    for Finished { frame, picture, provenance, seconds } in finished {
+        let defects = picture.check();
+        if defects.are_fatal() {
+            return Err(SequenceError::Defective { frame, defects });
+        }
+        let path = job.output.path(frame);
+        let write_error = |source| SequenceError::Write { frame, source };
+        frame_file::write(&path, &picture, &provenance).map_err(write_error)?;
+        if let Some(exposure_stops) = job.preview_exposure_stops {
+            frame_file::write_preview(&path.with_extension("png"), &picture, exposure_stops)
+                .map_err(write_error)?;
+        }
+        written += 1;
+        report(Event::FrameWritten { frame, path, seconds, clamped: defects.clamped.count });
+    }
+    Ok(written)
+}
