@@ -1,0 +1,260 @@
+//! Accessor numbers in, numbers out. Invariant: nothing is allocated for what the file claims to
+//! hold before it is known to hold it, and no more in all than a fixed multiple of its size.
+
+use super::buffers::Buffers;
+use super::json::{Accessor, Document, Sparse};
+use crate::diagnostic::Diagnostic;
+use std::cell::Cell;
+
+/// How many times over the same bytes may be read: meshes share accessors, within reason.
+const READS_OF_EACH_BYTE: usize = 64;
+/// What a file of any size may take, bytes.
+const SMALL_BYTES: usize = 64 << 20;
+
+/// Reads the accessors of a document.
+pub(super) struct Accessors<'a> {
+    document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    bytes_left: Cell<usize>,
+}
+
+/// What an accessor must hold to serve its purpose.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    /// What for, as it reads in a message.
+    pub(super) purpose: &'static str,
+    /// Numbers an element.
+    pub(super) width: usize,
+    /// Component types that will do.
+    pub(super) components: &'static [Component],
+}
+
+/// Component types of accessors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// The number that starts at the first of `bytes`, which are enough.
+    fn read(self, bytes: &[u8]) -> f64 {
+        match self {
+            Self::I8 => f64::from(bytes[0] as i8),
+            Self::U8 => f64::from(bytes[0]),
+            Self::I16 => f64::from(i16::from_le_bytes([bytes[0], bytes[1]])),
+            Self::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+            Self::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+            Self::F32 => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+        }
+    }
+
+    /// The largest value, by which normalised integers are divided (specification, 3.11).
+    fn one(self) -> f64 {
+        match self {
+            Self::I8 => 127.0,
+            Self::U8 => 255.0,
+            Self::I16 => 32767.0,
+            Self::U16 => 65535.0,
+            Self::U32 | Self::F32 => 1.0,
+        }
+    }
+}
+
+impl<'a> Accessors<'a> {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>) -> Self {
+        let limit = buffers.total_bytes().saturating_mul(READS_OF_EACH_BYTE).saturating_add(SMALL_BYTES);
+        Self { document, buffers, bytes_left: Cell::new(limit) }
+    }
+
+    /// An error at a place in this file.
+    pub(super) fn invalid(&self, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
+        self.buffers.invalid(path, found)
+    }
+
+    /// How many elements accessor `index` claims to hold; 0 if there is no such accessor.
+    pub(super) fn count(&self, index: usize) -> usize {
+        self.document.accessors.get(index).map_or(0, |accessor| accessor.count)
+    }
+
+    /// Every number of accessor `index`, `wanted.width` an element, all finite. `user` is the path of
+    /// what refers to it.
+    pub(super) fn read(&self, index: usize, wanted: Wanted, user: &str) -> Result<Vec<f64>, Diagnostic> {
+        let Some(accessor) = self.document.accessors.get(index) else {
+            return Err(self.invalid(user, format!("accessor {index} does not exist")));
+        };
+        let path = format!("accessors[{index}]");
+        let component = self.check_type(accessor, wanted, &path)?;
+        if accessor.count == 0 {
+            return Err(self
+                .invalid(format!("{path}.count"), "the accessor is empty")
+                .expected("at least 1 element"));
+        }
+        self.take_from_budget(accessor, wanted, &path)?;
+        let mut values = match accessor.buffer_view {
+            Some(view) => {
+                let (bytes, stride) = self.buffers.view(view, &format!("{path}.bufferView"))?;
+                let source = Source { bytes, offset: accessor.byte_offset, stride, component };
+                self.elements(source, accessor.count, wanted.width, &path)?
+            }
+            None => vec![0.0; accessor.count * wanted.width],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            self.replace_sparse(&mut values, accessor, sparse, component, wanted.width, &path)?;
+        }
+        if accessor.normalized {
+            for value in &mut values {
+                *value = (*value / component.one()).max(-1.0);
+            }
+        }
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(values),
+            Some(at) => Err(self
+                .invalid(
+                    path,
+                    format!("element {} of these {} is not finite", at / wanted.width, wanted.purpose),
+                )
+                .expected("finite numbers")),
+        }
+    }
+
+    fn check_type(&self, accessor: &Accessor, wanted: Wanted, path: &str) -> Result<Component, Diagnostic> {
+        let width = match accessor.shape.as_str() {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 0,
+        };
+        if width != wanted.width {
+            let expected = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][wanted.width];
+            let found = format!("{} cannot be of type `{}`", wanted.purpose, accessor.shape);
+            return Err(self.invalid(format!("{path}.type"), found).expected(expected));
+        }
+        Component::from_code(accessor.component_type)
+            .filter(|component| wanted.components.contains(component))
+            .ok_or_else(|| {
+                let found =
+                    format!("{} cannot be of component type {}", wanted.purpose, accessor.component_type);
+                self.invalid(format!("{path}.componentType"), found)
+                    .expected(format!("one of {:?}", wanted.components))
+            })
+    }
+
+    fn take_from_budget(&self, accessor: &Accessor, wanted: Wanted, path: &str) -> Result<(), Diagnostic> {
+        let bytes = accessor.count.saturating_mul(wanted.width * size_of::<f64>());
+        match self.bytes_left.get().checked_sub(bytes) {
+            Some(left) => {
+                self.bytes_left.set(left);
+                Ok(())
+            }
+            None => Err(self.invalid(
+                format!("{path}.count"),
+                format!("{} elements are far more than a file of this size holds", accessor.count),
+            )),
+        }
+    }
+
+    fn elements(
+        &self,
+        source: Source<'_>,
+        count: usize,
+        width: usize,
+        path: &str,
+    ) -> Result<Vec<f64>, Diagnostic> {
+        let element = width * source.component.bytes();
+        let stride = source.stride.unwrap_or(element);
+        if stride < element {
+            return Err(self.invalid(
+                path,
+                format!("a byteStride of {stride} is less than the element's {element} bytes"),
+            ));
+        }
+        let end = (count.saturating_sub(1))
+            .checked_mul(stride)
+            .and_then(|last| last.checked_add(element))
+            .and_then(|length| length.checked_add(source.offset));
+        if end.is_none_or(|end| end > source.bytes.len()) {
+            return Err(self.invalid(
+                format!("{path}.count"),
+                format!(
+                    "{count} elements, {stride} bytes apart, from byte {} on reach beyond the {} bytes of the buffer view",
+                    source.offset,
+                    source.bytes.len()
+                ),
+            ));
+        }
+        let step = source.component.bytes();
+        Ok((0..count)
+            .flat_map(|i| (0..width).map(move |j| i * stride + j * step))
+            .map(|at| source.component.read(&source.bytes[source.offset + at..]))
+            .collect())
+    }
+
+    fn replace_sparse(
+        &self,
+        values: &mut [f64],
+        accessor: &Accessor,
+        sparse: &Sparse,
+        component: Component,
+        width: usize,
+        path: &str,
+    ) -> Result<(), Diagnostic> {
+        let path = format!("{path}.sparse");
+        if sparse.count > accessor.count {
+            return Err(self.invalid(format!("{path}.count"), "more elements are replaced than there are"));
+        }
+        let index_component = Component::from_code(sparse.indices.component_type)
+            .filter(|component| matches!(component, Component::U8 | Component::U16 | Component::U32))
+            .ok_or_else(|| {
+                self.invalid(format!("{path}.indices.componentType"), "indices cannot be of this type")
+            })?;
+        let (bytes, _) = self.buffers.view(sparse.indices.buffer_view, &path)?;
+        let source =
+            Source { bytes, offset: sparse.indices.byte_offset, stride: None, component: index_component };
+        let indices = self.elements(source, sparse.count, 1, &path)?;
+        let (bytes, _) = self.buffers.view(sparse.values.buffer_view, &path)?;
+        let source = Source { bytes, offset: sparse.values.byte_offset, stride: None, component };
+        let replacements = self.elements(source, sparse.count, width, &path)?;
+        for (index, replacement) in indices.iter().zip(replacements.chunks_exact(width)) {
+            let start = *index as usize * width;
+            let Some(target) = values.get_mut(start..start + width) else {
+                return Err(self.invalid(path, format!("element {index} does not exist")));
+            };
+            target.copy_from_slice(replacement);
+        }
+        Ok(())
+    }
+}
+
+/// Where the numbers lie.
+struct Source<'b> {
+    bytes: &'b [u8],
+    offset: usize,
+    stride: Option<usize>,
+    component: Component,
+}

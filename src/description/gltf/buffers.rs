@@ -1,0 +1,152 @@
+//! Buffers and the views into them: bytes from the binary chunk, from data URIs and from files.
+//! Invariant: a view that is handed out lies inside its buffer.
+
+use super::json::Document;
+use super::report::Report;
+use super::{Files, LoadError, invalid};
+use crate::diagnostic::Diagnostic;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// All buffers of a file.
+pub(super) struct Buffers<'a> {
+    file: &'a Path,
+    document: &'a Document,
+    /// `None` where the buffer could not be had; that is reported already.
+    buffers: Vec<Option<Cow<'a, [u8]>>>,
+}
+
+/// Reads every buffer that a view refers to.
+pub(super) fn load<'a>(
+    document: &'a Document,
+    binary: Option<&'a [u8]>,
+    file: &'a Path,
+    files: &mut Files,
+    report: &mut Report,
+) -> Result<Buffers<'a>, LoadError> {
+    let mut needed = vec![false; document.buffers.len()];
+    for view in &document.buffer_views {
+        if let Some(needed) = needed.get_mut(view.buffer) {
+            *needed = true;
+        }
+    }
+    let mut buffers = Vec::with_capacity(document.buffers.len());
+    for (index, buffer) in document.buffers.iter().enumerate() {
+        if !needed[index] {
+            buffers.push(None);
+            continue;
+        }
+        let path = format!("buffers[{index}]");
+        let bytes = match (&buffer.uri, binary) {
+            (Some(uri), _) => {
+                let referrer = format!("{}: {path}.uri", file.display());
+                fetch(uri, file, files, &referrer)?
+                    .map_err(|found| invalid(file, format!("{path}.uri"), found))
+            }
+            (None, Some(binary)) if index == 0 => Ok(Cow::Borrowed(binary)),
+            (None, _) => {
+                Err(invalid(file, path.as_str(), "the buffer has no data: no URI and no binary chunk"))
+            }
+        };
+        let bytes = bytes.and_then(|bytes| {
+            if bytes.len() < buffer.byte_length {
+                Err(invalid(
+                    file,
+                    format!("{path}.byteLength"),
+                    format!("the buffer is to have {} bytes and has {}", buffer.byte_length, bytes.len()),
+                )
+                .remedy("export the file again; it is cut short"))
+            } else {
+                Ok(bytes)
+            }
+        });
+        buffers.push(report.keep(bytes));
+    }
+    Ok(Buffers { file, document, buffers })
+}
+
+/// The bytes behind a URI: a data URI's, or those of a file beside the glTF file.
+pub(super) fn fetch<'a>(
+    uri: &str,
+    file: &Path,
+    files: &mut Files,
+    referrer: &str,
+) -> Result<Result<Cow<'a, [u8]>, String>, LoadError> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return Ok(data_uri(data).map(Cow::Owned));
+    }
+    if uri.contains("://") {
+        return Ok(Err(format!("`{uri}` is not a file beside this one")));
+    }
+    let Some(name) = percent_decoded(uri) else {
+        return Ok(Err(format!("`{uri}` is not a valid URI")));
+    };
+    let path = file.parent().unwrap_or(Path::new("")).join(name);
+    files.read(&path, Some(referrer)).map(|bytes| Ok(Cow::Owned(bytes)))
+}
+
+/// What follows `data:`, decoded (RFC 2397, base64 only, as the glTF specification asks for).
+fn data_uri(data: &str) -> Result<Vec<u8>, String> {
+    let Some((_, encoded)) = data.split_once(";base64,") else {
+        return Err(String::from("the data URI is not base64"));
+    };
+    STANDARD.decode(encoded).map_err(|error| format!("the data URI is damaged: {error}"))
+}
+
+/// A URI with `%20` and the like resolved (RFC 3986, section 2.1).
+fn percent_decoded(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        rest = after;
+        if byte == b'%' {
+            let digits = std::str::from_utf8(rest.get(..2)?).ok()?;
+            bytes.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = &rest[2..];
+        } else {
+            bytes.push(byte);
+        }
+    }
+    String::from_utf8(bytes).ok().filter(|name| !name.contains('\0'))
+}
+
+impl Buffers<'_> {
+    /// How many bytes there are in all.
+    pub(super) fn total_bytes(&self) -> usize {
+        self.buffers.iter().flatten().map(|buffer| buffer.len()).sum()
+    }
+
+    /// The bytes of a view and its stride; `user` is the path of what refers to it.
+    pub(super) fn view(&self, index: usize, user: &str) -> Result<(&[u8], Option<usize>), Diagnostic> {
+        let Some(view) = self.document.buffer_views.get(index) else {
+            return Err(self.invalid(user, format!("buffer view {index} does not exist")));
+        };
+        let path = format!("bufferViews[{index}]");
+        let Some(buffer) = self.buffers.get(view.buffer) else {
+            return Err(
+                self.invalid(format!("{path}.buffer"), format!("buffer {} does not exist", view.buffer))
+            );
+        };
+        let Some(buffer) = buffer else {
+            return Err(self.invalid(path, format!("buffer {} could not be read", view.buffer)));
+        };
+        let length = self.document.buffers[view.buffer].byte_length;
+        let end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= length);
+        let Some(end) = end else {
+            return Err(self.invalid(
+                path,
+                format!(
+                    "the view spans {} bytes from {}, beyond the buffer's {length}",
+                    view.byte_length, view.byte_offset
+                ),
+            ));
+        };
+        Ok((&buffer[view.byte_offset..end], view.byte_stride))
+    }
+
+    pub(super) fn invalid(&self, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
+        invalid(self.file, path, found).remedy("export the file again")
+    }
+}

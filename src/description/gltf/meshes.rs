@@ -1,0 +1,231 @@
+//! Meshes, checked and turned into triangles. Invariant: every triangle's indices are in range, and
+//! normals and texture coordinates are as many as positions, or none.
+
+use super::accessor::{Accessors, Component, Wanted};
+use super::json::{self, Document};
+use super::report::Report;
+use super::{Mesh, Primitive, named};
+use crate::diagnostic::Diagnostic;
+use glam::{DAffine2, DMat2, DVec2, Vec2, Vec3};
+use std::collections::BTreeMap;
+
+// Integers where KHR_mesh_quantization allows them; floats are what the core specification has.
+const SIGNED_OR_NOT: &[Component] =
+    &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+const POSITIONS: Wanted = Wanted { purpose: "positions", width: 3, components: SIGNED_OR_NOT };
+const NORMALS: Wanted =
+    Wanted { purpose: "normals", width: 3, components: &[Component::F32, Component::I8, Component::I16] };
+const UVS: Wanted = Wanted { purpose: "texture coordinates", width: 2, components: SIGNED_OR_NOT };
+const INDICES: Wanted =
+    Wanted { purpose: "indices", width: 1, components: &[Component::U8, Component::U16, Component::U32] };
+
+/// All meshes.
+pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Mesh> {
+    let convert = |(index, mesh): (usize, &json::Mesh)| {
+        let name = named(&mesh.name, "mesh", index);
+        if mesh.primitives.is_empty() {
+            report.error(
+                format!("meshes[{index}].primitives"),
+                "the mesh is empty",
+                "at least one primitive",
+            );
+        }
+        let mut primitives = Vec::new();
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            let path = format!("meshes[{index}].primitives[{number}]");
+            report_unused(primitive, &name, report);
+            if !is_made_of_triangles(primitive.mode) {
+                report.not_honoured("points and lines are not drawn", &name);
+                continue;
+            }
+            if let Some(material) = primitive.material {
+                report.index_exists(
+                    format!("{path}.material"),
+                    material,
+                    document.materials.len(),
+                    "material",
+                );
+            }
+            let primitive = read_primitive(document, primitive, &path, &name, accessors, report);
+            primitives.extend(report.keep(primitive));
+        }
+        Mesh { name, primitives }
+    };
+    document.meshes.iter().enumerate().map(convert).collect()
+}
+
+fn is_made_of_triangles(mode: u32) -> bool {
+    // 0 to 3 are points and lines; what is no mode at all is refused further on.
+    mode > 3
+}
+
+fn report_unused(primitive: &json::Primitive, mesh: &str, report: &mut Report) {
+    if !primitive.targets.is_empty() {
+        report.not_honoured("morph targets are not honoured, the base shape is drawn", mesh);
+    }
+    if primitive.attributes.contains_key("JOINTS_0") {
+        report.not_honoured("joints and weights are not honoured, the bind pose is drawn", mesh);
+    }
+    if primitive.extensions.contains_key("KHR_materials_variants") {
+        report.not_honoured("material variants are not honoured, the default one is drawn", mesh);
+    }
+}
+
+fn read_primitive(
+    document: &Document,
+    primitive: &json::Primitive,
+    path: &str,
+    mesh: &str,
+    accessors: &Accessors<'_>,
+    report: &mut Report,
+) -> Result<Primitive, Diagnostic> {
+    let attribute = |name: &str| attribute(&primitive.attributes, name, path);
+    let Some((index, user)) = attribute("POSITION") else {
+        return Err(accessors
+            .invalid(format!("{path}.attributes"), "the mesh has no positions")
+            .expected("POSITION"));
+    };
+    let positions: Vec<Vec3> = vectors(&accessors.read(index, POSITIONS, &user)?);
+    let same_count = |accessor: usize, user: &str| {
+        let count = accessors.count(accessor);
+        if count == positions.len() {
+            return Ok(());
+        }
+        Err(accessors
+            .invalid(user, format!("there are {} positions and {count} of these", positions.len()))
+            .expected("as many as there are positions"))
+    };
+    let normals = match attribute("NORMAL") {
+        Some((index, user)) => {
+            same_count(index, &user)?;
+            unit_vectors(&accessors.read(index, NORMALS, &user)?)
+        }
+        None => Some(Vec::new()),
+    };
+    let normals = normals.unwrap_or_else(|| {
+        report.not_honoured("some normals have no length, these meshes are shaded flat", mesh);
+        Vec::new()
+    });
+    let uvs = match base_color_uvs(document, primitive) {
+        Some((set, transform)) => match attribute(&format!("TEXCOORD_{set}")) {
+            Some((index, user)) => {
+                same_count(index, &user)?;
+                let uvs = accessors.read(index, UVS, &user)?;
+                let transformed = |uv| transform.transform_point2(DVec2::from_slice(uv)).as_vec2();
+                uvs.chunks_exact(2).map(transformed).collect()
+            }
+            None => {
+                report.not_honoured(
+                    "these meshes have textures but no texture coordinates, the corner texel is used",
+                    mesh,
+                );
+                vec![Vec2::ZERO; positions.len()]
+            }
+        },
+        None => Vec::new(),
+    };
+    let indices = match primitive.indices {
+        Some(index) => indices(accessors, index, positions.len(), &format!("{path}.indices"))?,
+        None => (0..positions.len() as u32).collect(),
+    };
+    let triangles = triangles(&indices, primitive.mode).ok_or_else(|| {
+        accessors
+            .invalid(format!("{path}.mode"), format!("{} vertices of mode {}", indices.len(), primitive.mode))
+            .expected("whole triangles: mode 4 with a multiple of 3 vertices, or mode 5 or 6 with 3 or more")
+    })?;
+    Ok(Primitive { positions, normals, uvs, triangles, material: primitive.material })
+}
+
+fn attribute(attributes: &BTreeMap<String, usize>, name: &str, path: &str) -> Option<(usize, String)> {
+    attributes.get(name).map(|&index| (index, format!("{path}.attributes.{name}")))
+}
+
+fn indices(
+    accessors: &Accessors<'_>,
+    accessor: usize,
+    vertices: usize,
+    user: &str,
+) -> Result<Vec<u32>, Diagnostic> {
+    let indices = accessors.read(accessor, INDICES, user)?;
+    match indices.iter().position(|&index| index >= vertices as f64) {
+        None => Ok(indices.into_iter().map(|index| index as u32).collect()),
+        Some(at) => Err(accessors
+            .invalid(user, format!("index {at} is {}, and there are {vertices} vertices", indices[at]))
+            .expected("indices of vertices that exist")),
+    }
+}
+
+/// Triangles of a list, a strip or a fan (specification, 3.7.2.1); `None` if they are not whole.
+fn triangles(indices: &[u32], mode: u32) -> Option<Vec<[u32; 3]>> {
+    let whole = if mode == 4 { indices.len().is_multiple_of(3) } else { indices.len() >= 3 };
+    if !whole || indices.is_empty() {
+        return None;
+    }
+    match mode {
+        4 => Some(indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()),
+        5 => {
+            let turned = |(i, w): (usize, &[u32])| {
+                if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] }
+            };
+            Some(indices.windows(3).enumerate().map(turned).collect())
+        }
+        6 => Some(indices[1..].windows(2).map(|w| [indices[0], w[0], w[1]]).collect()),
+        _ => None,
+    }
+}
+
+/// Which set of texture coordinates the base colour uses, and what is to be done to them.
+fn base_color_uvs(document: &Document, primitive: &json::Primitive) -> Option<(usize, DAffine2)> {
+    let material = document.materials.get(primitive.material?)?;
+    let texture = material.pbr_metallic_roughness.base_color_texture.as_ref()?;
+    let Some(transform) = &texture.extensions.transform else {
+        return Some((texture.tex_coord, DAffine2::IDENTITY));
+    };
+    Some((transform.tex_coord.unwrap_or(texture.tex_coord), uv_transform(transform)))
+}
+
+/// Scale first, then rotation, then offset. The rotation is counter-clockwise as one sees it, and v
+/// points down (KHR_texture_transform, "Overview").
+fn uv_transform(transform: &json::TextureTransform) -> DAffine2 {
+    let linear = DMat2::from_angle(-transform.rotation) * DMat2::from_diagonal(DVec2::from(transform.scale));
+    DAffine2::from_mat2_translation(linear, DVec2::from(transform.offset))
+}
+
+fn vectors(numbers: &[f64]) -> Vec<Vec3> {
+    numbers.chunks_exact(3).map(|v| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect()
+}
+
+/// The vectors at unit length; `None` if one has no length.
+fn unit_vectors(numbers: &[f64]) -> Option<Vec<Vec3>> {
+    vectors(numbers).into_iter().map(|vector| vector.try_normalize()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_their_winding() {
+        let indices = [0, 1, 2, 3, 4];
+        assert_eq!(triangles(&indices, 5), Some(vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]]));
+        assert_eq!(triangles(&indices, 6), Some(vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]]));
+        assert_eq!(triangles(&indices, 4), None);
+    }
+
+    #[test]
+    fn texture_transform_is_that_of_blenders_mapping_node() {
+        // Blender 5.0.1 exports a mapping node with location (0.1, 0.2), rotation 0.5 and scale 2 so.
+        let exported = json::TextureTransform {
+            offset: [-0.858_851_075_718_289_9, -0.955_165_126_760_977_8],
+            rotation: 0.5,
+            scale: [2.0, 2.0],
+            tex_coord: None,
+        };
+        let blender = DAffine2::from_scale_angle_translation(DVec2::splat(2.0), 0.5, DVec2::new(0.1, 0.2));
+        let flip = |uv: DVec2| DVec2::new(uv.x, 1.0 - uv.y);
+        for uv in [DVec2::ZERO, DVec2::X, DVec2::new(0.3, 0.9)] {
+            let expected = flip(blender.transform_point2(flip(uv)));
+            assert!((uv_transform(&exported).transform_point2(uv) - expected).length() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! A glTF 2.0 file in (`.glb`, or `.gltf` with its buffers and images), plain typed data out.
+//! Invariant: in a [`GltfScene`] every index points somewhere, nodes form trees, every number is
+//! finite, and what the file asks for that is not here stands in [`GltfScene::remarks`].
+//!
+//! The container is taken apart by the `gltf` crate. Its JSON types and accessors are not used: they
+//! refuse files that Blender writes (animation pointers) and panic on damaged ones, so everything is
+//! checked here, before any value is read.
+
+mod accessor;
+mod animations;
+mod buffers;
+mod container;
+mod extensions;
+mod json;
+mod materials;
+mod meshes;
+mod nodes;
+pub(crate) mod report;
+
+use super::image::DecodedImage;
+use super::{Files, LoadError};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use report::Report;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A glTF file, checked, in its own units and terms.
+#[derive(Clone, Debug, Default)]
+pub struct GltfScene {
+    /// The file.
+    pub path: PathBuf,
+    /// The program that wrote it, as it names itself.
+    pub generator: String,
+    /// Index of the scene that is shown.
+    pub scene: usize,
+    /// Extras of that scene.
+    pub extras: Value,
+    /// Its nodes without parents.
+    pub roots: Vec<usize>,
+    /// All nodes of the file.
+    pub nodes: Vec<Node>,
+    /// All meshes.
+    pub meshes: Vec<Mesh>,
+    /// All materials.
+    pub materials: Vec<Material>,
+    /// Base colour textures that the meshes need.
+    pub textures: Vec<Texture>,
+    /// All cameras.
+    pub cameras: Vec<Camera>,
+    /// All lights (KHR_lights_punctual).
+    pub lights: Vec<Light>,
+    /// All channels of all animations, in the file's order.
+    pub channels: Vec<Channel>,
+    /// What the file asks for that is not in here, or only nearly.
+    pub remarks: Diagnostics,
+}
+
+/// A place in the hierarchy and what stands there.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// The author's name, else `node N`.
+    pub name: String,
+    /// Nodes below it.
+    pub children: Vec<usize>,
+    /// Parent from node, where no animation says otherwise.
+    pub transform: Transform,
+    /// Index into [`GltfScene::meshes`].
+    pub mesh: Option<usize>,
+    /// True if the mesh is bound to a skeleton: its place is then the scene's, not the node's.
+    pub skinned: bool,
+    /// Index into [`GltfScene::cameras`].
+    pub camera: Option<usize>,
+    /// Index into [`GltfScene::lights`].
+    pub light: Option<usize>,
+    /// Whatever the author attached.
+    pub extras: Value,
+}
+
+/// A node's own transform.
+#[derive(Clone, Copy, Debug)]
+pub enum Transform {
+    /// Given as a matrix; never animated.
+    Matrix(DAffine3),
+    /// Given in parts; what is not given is the identity.
+    Parts {
+        /// Metres.
+        translation: DVec3,
+        /// Unit quaternion.
+        rotation: DQuat,
+        /// Factors.
+        scale: DVec3,
+    },
+}
+
+/// Triangles in one or more materials.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// The author's name, else `mesh N`.
+    pub name: String,
+    /// Parts; none if nothing in the mesh is a triangle.
+    pub primitives: Vec<Primitive>,
+}
+
+/// Triangles in one material.
+#[derive(Clone, Debug)]
+pub struct Primitive {
+    /// Metres.
+    pub positions: Vec<Vec3>,
+    /// Unit length, one a position, or none at all.
+    pub normals: Vec<Vec3>,
+    /// Of the base colour texture, its KHR_texture_transform applied; one a position, or none at all.
+    pub uvs: Vec<Vec2>,
+    /// Indices of positions.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`GltfScene::materials`].
+    pub material: Option<usize>,
+}
+
+/// The part of a material that we can make use of.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// The author's name, else `material N`.
+    pub name: String,
+    /// Linear, alpha last; in `0..=1`.
+    pub base_color: [f64; 4],
+    /// Index into [`GltfScene::textures`].
+    pub base_color_texture: Option<usize>,
+    /// In `0..=1`.
+    pub metallic: f64,
+    /// In `0..=1`.
+    pub roughness: f64,
+    /// Strength of the dielectric reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
+    pub specular: f64,
+    /// Emissive factor times KHR_materials_emissive_strength, linear.
+    pub emission: DVec3,
+    /// What alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Whether it shows from behind.
+    pub double_sided: bool,
+    /// Whatever the author attached.
+    pub extras: Value,
+}
+
+/// What alpha means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing.
+    Opaque,
+    /// Hidden where alpha is below this, `0..=1`.
+    Mask(f64),
+    /// Coverage.
+    Blend,
+}
+
+/// A decoded image and how it goes on beyond its edges.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// The image's name, else `image N`.
+    pub name: String,
+    /// Its texels.
+    pub image: DecodedImage,
+    /// Both ways.
+    pub wrap: Wrap,
+}
+
+/// How a texture goes on beyond its edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    Repeat,
+    /// The edge texel.
+    Clamp,
+    /// The image mirrored.
+    Mirror,
+}
+
+/// A camera; looks along its node's -Z.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// The author's name, else `camera N`.
+    pub name: String,
+    /// Perspective, or `None` for an orthographic camera.
+    pub perspective: Option<Perspective>,
+    /// Whatever the author attached.
+    pub extras: Value,
+}
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Perspective {
+    /// Full vertical angle, radians, in `(0, pi)`.
+    pub fov_y: f64,
+    /// Width over height, if given, > 0.
+    pub aspect: Option<f64>,
+}
+
+/// A light; shines along its node's -Z.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// The author's name, else `light N`.
+    pub name: String,
+    /// Linear.
+    pub color: DVec3,
+    /// In the file's units, >= 0.
+    pub intensity: f64,
+    /// Distance beyond which the author wants no light, metres.
+    pub range_m: Option<f64>,
+    /// What shape it has.
+    pub kind: LightKind,
+}
+
+/// The kinds of KHR_lights_punctual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light.
+    Directional,
+    /// From a point in all directions.
+    Point,
+    /// From a point within a cone; `0 <= inner < outer <= pi/2`.
+    Spot {
+        /// Half angle of full light, radians.
+        inner_angle: f64,
+        /// Half angle of the dark, radians.
+        outer_angle: f64,
+    },
+}
+
+/// One animated property of one node.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Where it stands in the file: `animations[0].channels[3]`.
+    pub place: String,
+    /// Index into [`GltfScene::nodes`].
+    pub node: usize,
+    /// Strictly increasing, at least one, seconds.
+    pub times_s: Vec<f32>,
+    /// How values go from key to key.
+    pub interpolation: Interpolation,
+    /// A value a time, or three (derivative before, value, derivative after) if cubic.
+    pub values: Values,
+}
+
+/// How values go from key to key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Stays until the next key.
+    Step,
+    /// Straight, or along the shortest arc.
+    Linear,
+    /// Hermite spline.
+    Cubic,
+}
+
+/// Values of a channel, by the property that they animate.
+#[derive(Clone, Debug)]
+pub enum Values {
+    /// Metres.
+    Translation(Vec<DVec3>),
+    /// Quaternions; unit length except where they are derivatives.
+    Rotation(Vec<DQuat>),
+    /// Factors.
+    Scale(Vec<DVec3>),
+}
+
+/// Loads a `.glb` or `.gltf` file with everything it refers to.
+///
+/// # Errors
+/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with everything wrong that was found.
+pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
+    let bytes = files.read(path, None)?;
+    parse(&bytes, path, files)
+}
+
+/// The same for a file whose bytes are at hand; what it refers to is read through `files`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
+    let (document, binary) = container::open(bytes, path)?;
+    container::check_version(&document, path)?;
+    let mut report = Report::new(path);
+    extensions::check(&document, &mut report);
+    if report.has_errors() {
+        // What an unknown extension changes cannot be told from damage.
+        return Err(LoadError::Invalid(report.into_diagnostics()));
+    }
+    let buffers = buffers::load(&document, binary, path, files, &mut report)?;
+    let accessors = accessor::Accessors::new(&document, &buffers);
+
+    let mut scene = GltfScene {
+        path: path.to_owned(),
+        generator: document.asset.generator.clone(),
+        nodes: nodes::nodes(&document, &mut report),
+        meshes: meshes::read(&document, &accessors, &mut report),
+        cameras: nodes::cameras(&document, &mut report),
+        lights: nodes::lights(&document, &mut report),
+        channels: animations::read(&document, &accessors, &mut report),
+        ..GltfScene::default()
+    };
+    nodes::choose_scene(&document, &mut scene, &mut report);
+    (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report)?;
+    if report.has_errors() {
+        return Err(LoadError::Invalid(report.into_diagnostics()));
+    }
+    scene.remarks = report.into_diagnostics();
+    Ok(scene)
+}
+
+fn field(file: &Path, path: impl Into<String>) -> Place {
+    Place::Field { file: file.to_owned(), path: path.into() }
+}
+
+fn invalid(file: &Path, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(field(file, path), found)
+}
+
+/// The author's name, else what it is and which.
+fn named(name: &Option<String>, what: &str, index: usize) -> String {
+    name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("{what} {index}"))
+}

@@ -1,0 +1,231 @@
+//! Nodes, cameras and lights, checked. Invariant: every node has at most one parent and none is
+//! its own ancestor.
+
+use super::json::{self, Document};
+use super::report::Report;
+use super::{Camera, GltfScene, Light, LightKind, Node, Perspective, Transform, named};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How far from 1 the length of a rotation may be; Blender's are good to 1e-7.
+const UNIT_TOLERANCE: f64 = 1e-2;
+
+/// All nodes.
+pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {
+    check_hierarchy(document, report);
+    document.nodes.iter().enumerate().map(|(index, node)| convert(document, index, node, report)).collect()
+}
+
+fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Report) -> Node {
+    let path = format!("nodes[{index}]");
+    let name = named(&node.name, "node", index);
+    let mut existing = |at: &str, index: Option<usize>, count: usize, what: &str| {
+        index.filter(|&index| report.index_exists(format!("{path}.{at}"), index, count, what))
+    };
+    let mesh = existing("mesh", node.mesh, document.meshes.len(), "mesh");
+    let camera = existing("camera", node.camera, document.cameras.len(), "camera");
+    let lights = &document.extensions.lights_punctual.lights;
+    let light = node.extensions.light.as_ref().map(|reference| reference.light);
+    let light = existing("extensions.KHR_lights_punctual.light", light, lights.len(), "light");
+    if node.extensions.instancing.is_some() {
+        report.not_honoured(
+            "EXT_mesh_gpu_instancing is not honoured, one copy of the mesh is drawn (export without GPU instances)",
+            &name,
+        );
+    }
+    if node.skin.is_some() && mesh.is_some() {
+        report.not_honoured("skins are not honoured, the mesh is drawn in its bind pose", &name);
+    }
+    Node {
+        transform: transform(node, &path, report),
+        children: node.children.clone(),
+        mesh,
+        skinned: node.skin.is_some(),
+        camera,
+        light,
+        extras: node.extras.clone(),
+        name,
+    }
+}
+
+fn transform(node: &json::Node, path: &str, report: &mut Report) -> Transform {
+    if let Some(matrix) = node.matrix {
+        let matrix = DMat4::from_cols_array(&matrix);
+        if matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6) {
+            return Transform::Matrix(DAffine3::from_mat4(matrix));
+        }
+        report.error(format!("{path}.matrix"), "the matrix is not affine", "a last row of 0, 0, 0, 1");
+    }
+    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    if (rotation.length() - 1.0).abs() > UNIT_TOLERANCE {
+        let found = format!("the rotation has length {}", rotation.length());
+        report.error(format!("{path}.rotation"), found, "a unit quaternion");
+    }
+    Transform::Parts {
+        translation: DVec3::from(node.translation.unwrap_or_default()),
+        rotation: rotation.normalize(),
+        scale: DVec3::from(node.scale.unwrap_or([1.0; 3])),
+    }
+}
+
+fn check_hierarchy(document: &Document, report: &mut Report) {
+    let count = document.nodes.len();
+    let mut parents: Vec<Option<usize>> = vec![None; count];
+    for (index, node) in document.nodes.iter().enumerate() {
+        for (position, &child) in node.children.iter().enumerate() {
+            let path = format!("nodes[{index}].children[{position}]");
+            if !report.index_exists(path.clone(), child, count, "node") {
+                continue;
+            }
+            match parents[child] {
+                None => parents[child] = Some(index),
+                Some(other) => report.error(
+                    path,
+                    format!("node {child} is a child of node {other} already"),
+                    "every node below one parent only",
+                ),
+            }
+        }
+    }
+    // Every node has one parent at most: following parents either ends or comes round.
+    let mut ends = vec![false; count];
+    for start in 0..count {
+        let mut path = Vec::new();
+        let mut at = Some(start);
+        while let Some(node) = at.filter(|&node| !ends[node]) {
+            if path.len() == count {
+                report.error(
+                    format!("nodes[{start}]"),
+                    "the node is its own ancestor: the hierarchy runs in a circle",
+                    "nodes that form trees",
+                );
+                return;
+            }
+            path.push(node);
+            at = parents[node];
+        }
+        path.into_iter().for_each(|node| ends[node] = true);
+    }
+}
+
+/// Which scene is shown, and its roots.
+pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &mut Report) {
+    scene.scene = document.scene.unwrap_or(0);
+    let Some(shown) = document.scenes.get(scene.scene) else {
+        if document.scene.is_some() {
+            report.index_exists(String::from("scene"), scene.scene, document.scenes.len(), "scene");
+        }
+        let mut is_child = vec![false; scene.nodes.len()];
+        for &child in scene.nodes.iter().flat_map(|node| &node.children) {
+            if let Some(is_child) = is_child.get_mut(child) {
+                *is_child = true;
+            }
+        }
+        scene.roots = (0..scene.nodes.len()).filter(|&node| !is_child[node]).collect();
+        return;
+    };
+    for (index, other) in document.scenes.iter().enumerate().filter(|(index, _)| *index != scene.scene) {
+        report.not_honoured(
+            "only one scene is read, the others are passed over",
+            &named(&other.name, "scene", index),
+        );
+    }
+    scene.extras = shown.extras.clone();
+    let mut listed = vec![false; scene.nodes.len()];
+    for (position, &root) in shown.nodes.iter().enumerate() {
+        let path = format!("scenes[{}].nodes[{position}]", scene.scene);
+        if !report.index_exists(path.clone(), root, scene.nodes.len(), "node") {
+            continue;
+        }
+        if std::mem::replace(&mut listed[root], true) {
+            report.error(path, format!("node {root} is listed twice"), "every node once");
+            continue;
+        }
+        scene.roots.push(root);
+    }
+    for (index, node) in scene.nodes.iter().enumerate() {
+        for (position, &child) in node.children.iter().enumerate() {
+            if listed.get(child) == Some(&true) {
+                report.error(
+                    format!("nodes[{index}].children[{position}]"),
+                    format!("node {child} is a root of the scene and a child too"),
+                    "every node in one place of the hierarchy",
+                );
+            }
+        }
+    }
+}
+
+/// All cameras.
+pub(super) fn cameras(document: &Document, report: &mut Report) -> Vec<Camera> {
+    let convert = |(index, camera): (usize, &json::Camera)| {
+        let path = format!("cameras[{index}].perspective");
+        let perspective = camera.perspective.as_ref().map(|perspective| {
+            if !(perspective.yfov > 0.0 && perspective.yfov < PI) {
+                let found = format!("the vertical field of view is {}", perspective.yfov);
+                report.error(format!("{path}.yfov"), found, "radians between 0 and pi");
+            }
+            if perspective.aspect_ratio.is_some_and(|aspect| aspect <= 0.0) {
+                report.error(
+                    format!("{path}.aspectRatio"),
+                    "the aspect ratio is not positive",
+                    "a number above 0",
+                );
+            }
+            Perspective { fov_y: perspective.yfov, aspect: perspective.aspect_ratio }
+        });
+        Camera { name: named(&camera.name, "camera", index), perspective, extras: camera.extras.clone() }
+    };
+    document.cameras.iter().enumerate().map(convert).collect()
+}
+
+/// All lights.
+pub(super) fn lights(document: &Document, report: &mut Report) -> Vec<Light> {
+    let lights = &document.extensions.lights_punctual.lights;
+    lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
+}
+
+fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Light {
+    let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
+    let color = DVec3::from(light.color);
+    if color.min_element() < 0.0 {
+        report.error(
+            format!("{path}.color"),
+            format!("the colour is {:?}", light.color),
+            "numbers of at least 0",
+        );
+    }
+    if light.intensity < 0.0 {
+        report.error(
+            format!("{path}.intensity"),
+            format!("the intensity is {}", light.intensity),
+            "at least 0",
+        );
+    }
+    let kind = match (light.kind.as_str(), &light.spot) {
+        ("directional", _) => LightKind::Directional,
+        ("point", _) => LightKind::Point,
+        ("spot", Some(spot)) => {
+            let (inner_angle, outer_angle) = (spot.inner_cone_angle, spot.outer_cone_angle);
+            // Exporters round: half of 180 degrees may come out a little above pi/2.
+            if !(inner_angle >= 0.0 && inner_angle < outer_angle && outer_angle <= FRAC_PI_2 + 1e-6) {
+                let found = format!("the cone's angles are {inner_angle} and {outer_angle}");
+                report.error(format!("{path}.spot"), found, "0 <= innerConeAngle < outerConeAngle <= pi/2");
+            }
+            LightKind::Spot { inner_angle, outer_angle: outer_angle.min(FRAC_PI_2) }
+        }
+        ("spot", None) => LightKind::Spot { inner_angle: 0.0, outer_angle: PI / 4.0 },
+        (other, _) => {
+            let found = format!("`{other}` is no kind of light");
+            report.error(format!("{path}.type"), found, "directional, point or spot");
+            LightKind::Point
+        }
+    };
+    Light {
+        name: named(&light.name, "light", index),
+        color,
+        intensity: light.intensity,
+        range_m: light.range,
+        kind,
+    }
+}
