@@ -1,6 +1,6 @@
 """Leaves: a flat blade in, a folded and curled mesh with its petiole out.
 
-A leaf lies in the xz plane with its upper side towards +y, tip towards +z, petiole towards -z; it is
+A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z; it is
 one unit long from end to end, and the middle of its blade is the origin, about which it tumbles.
 Invariant: the blade is an open manifold sheet, the petiole a closed prism or a strip beside it.
 """
@@ -61,7 +61,10 @@ def interior_points(outline: list[Point], detail: Detail) -> list[Point]:
 
 
 def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
-    """From the plane to space: fold, droop and ripple as height, then the length rolled onto an arc."""
+    """From the blade's plane to space: fold, droop and ripple as height, then the length rolled onto an arc.
+
+    Space is turned by half a turn about y, since a blade's tip lies at +z in its outline.
+    """
     distance = abs(x)
     height = lift + math.sin(pose.fold_rad) * distance - pose.cup * distance * distance
     edge = min(1.0, distance / 0.3)
@@ -70,9 +73,9 @@ def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
     # The arc's centre lies below the blade's middle.
     angle = pose.curl_rad * (z - 0.5)
     if abs(pose.curl_rad) < 1e-6:
-        return (across, height, z - 0.5)
+        return (-across, height, 0.5 - z)
     radius = 1.0 / pose.curl_rad
-    return (across, (radius + height) * math.cos(angle) - radius, (radius + height) * math.sin(angle))
+    return (-across, (radius + height) * math.cos(angle) - radius, -(radius + height) * math.sin(angle))
 
 
 def petiole(blade: Blade, detail: Detail) -> tuple[list[tuple[float, float, float]], list[tuple[int, ...]]]:

@@ -39,8 +39,8 @@ def make_meshes(folder: Path) -> None:
     for name, blade in blades.items():
         for detail in (NEAR, FAR, CANOPY):
             meshes[f"{name}_{detail.suffix}"] = (make_leaf(blade, detail, POSES[name]), detail.smooth)
-    for name, seed in (("bough_a", "bough 1"), ("bough_b", "bough 2")):
-        meshes[name] = (make_bough(blades["maple"], seed, 3.2, 70, 0.42), False)
+    for name, seed, leaf_count, leaf_size in (("bough_a", "bough 1", 48, 0.50), ("bough_b", "bough 2", 30, 0.72)):
+        meshes[name] = (make_bough(blades["maple"], seed, 3.2, leaf_count, leaf_size), False)
     meshes["tree_a"] = (make_tree("tree 1", 15.0, 0.34, 6), True)
     meshes["tree_b"] = (make_tree("tree 2", 13.0, 0.24, 5), True)
     meshes["ground"] = (make_ground(30.0, 16.0, -44.0, 20, 20, 2.6), True)

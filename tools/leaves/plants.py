@@ -67,7 +67,7 @@ def make_tree(seed: str, height: float, girth: float, branch_count: int) -> Mesh
     rng = random.Random(seed)
     steps = 11
     path = wander((0.0, -0.3, 0.0), (rng.uniform(-0.1, 0.1), 1.0, rng.uniform(-0.1, 0.1)), height, steps, 0.10, 0.10, rng)
-    radii = [girth * (1.0 - 0.80 * i / steps) * (1.55 if i == 0 else 1.0) for i in range(steps + 1)]
+    radii = [girth * (1.0 - 0.88 * i / steps) * (1.55 if i == 0 else 1.0) for i in range(steps + 1)]
     mesh = tube(path, radii, 9, (2.0, 2.5))
     for i in range(branch_count):
         ring = 4 + i * (steps - 5) // branch_count
@@ -95,7 +95,7 @@ def transformed(mesh: Mesh, turn: list[Vector], size: float, offset: Vector) -> 
 def make_bough(blade: Blade, seed: str, length: float, leaf_count: int, leaf_size: float) -> Mesh:
     """A leafy bough along +z about the origin, coarse enough to stand in the light by the dozen.
 
-    Its twigs take their colour from the petiole in the leaf's picture, so one material serves all.
+    Its twigs take the colour of the edge of the leaf's picture, so one material serves all.
     """
     rng = random.Random(seed)
     leaf = make_leaf(blade, CANOPY, Pose(0.25, 0.7, 0.2, 0.0))
@@ -110,7 +110,7 @@ def make_bough(blade: Blade, seed: str, length: float, leaf_count: int, leaf_siz
     for twig in twigs:
         thickness = 0.010 * length if twig is stem else 0.005 * length
         bark = tube(twig, [thickness * (1 - 0.8 * i / len(twig)) for i in range(len(twig))], 3, (1.0, 1.0))
-        bark.uvs = [(0.5, 0.06)] * len(bark.positions)
+        bark.uvs = [(0.04, 0.5)] * len(bark.positions)
         mesh.add(bark)
     for _ in range(leaf_count):
         twig = rng.choice(twigs[1:] + [stem])
@@ -121,7 +121,8 @@ def make_bough(blade: Blade, seed: str, length: float, leaf_count: int, leaf_siz
         heading = rng.uniform(0, math.tau)
         tip = unit((math.sin(heading), rng.uniform(-1.1, 0.1), math.cos(heading)))
         across = unit(cross((rng.gauss(0, 0.35), 1.0, rng.gauss(0, 0.35)), tip))
-        mesh.add(transformed(leaf, [across, cross(tip, across), tip], leaf_size * rng.uniform(0.7, 1.25), spot))
+        back = (-tip[0], -tip[1], -tip[2])
+        mesh.add(transformed(leaf, [across, cross(back, across), back], leaf_size * rng.uniform(0.7, 1.25), spot))
     return mesh
 
 
