@@ -18,7 +18,6 @@ class Detail:
     """How finely a leaf is cut up."""
 
     suffix: str
-    outline_tolerance: float
     spacing: float | None
     """Distance of interior points; None for none but the midrib's."""
     spine_points: int
@@ -40,9 +39,9 @@ class Pose:
     """Amplitude of the waves along the edge."""
 
 
-NEAR = Detail("near", 0.0015, 0.075, 13, 4, True)
-FAR = Detail("far", 0.012, 0.24, 4, 0, True)
-CANOPY = Detail("canopy", 0.105, None, 0, 0, False)
+NEAR = Detail("near", 0.075, 13, 4, True)
+FAR = Detail("far", 0.24, 4, 0, True)
+CANOPY = Detail("canopy", None, 0, 0, False)
 
 
 def interior_points(outline: list[Point], detail: Detail) -> list[Point]:
@@ -118,11 +117,11 @@ def texture_position(blade: Blade, x: float, z: float) -> tuple[float, float]:
     return (0.5 + scale * x, 0.02 + scale * (z - lowest))
 
 
-def make_leaf(blade: Blade, detail: Detail, pose: Pose) -> Mesh:
-    """The mesh of one leaf."""
+def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose) -> Mesh:
+    """The mesh of one leaf, whose outline may err by `outline_tolerance` blade lengths."""
     tip = max(range(len(blade.outline)), key=lambda i: blade.outline[i][1])
-    right = simplify(blade.outline[: tip + 1], detail.outline_tolerance)
-    left = simplify(blade.outline[tip:] + blade.outline[:1], detail.outline_tolerance)
+    right = simplify(blade.outline[: tip + 1], outline_tolerance)
+    left = simplify(blade.outline[tip:] + blade.outline[:1], outline_tolerance)
     outline = right + left[1:-1]
     points, triangles = triangulate(outline, interior_points(outline, detail))
     flat = [(x, z, 0.0) for x, z in points]

@@ -3,9 +3,7 @@
 import math
 import random
 
-from leaf import CANOPY, Pose, make_leaf
 from mesh import Mesh, Vector, cross, subtract
-from outlines import Blade
 
 
 def unit(a: Vector) -> Vector:
@@ -92,18 +90,17 @@ def transformed(mesh: Mesh, turn: list[Vector], size: float, offset: Vector) -> 
     return Mesh([place(p) for p in mesh.positions], list(mesh.uvs), list(mesh.faces))
 
 
-def make_bough(blade: Blade, seed: str, length: float, leaf_count: int, leaf_size: float) -> Mesh:
+def make_bough(leaf: Mesh, seed: str, length: float, twig_count: int, leaf_count: int, leaf_size: float) -> Mesh:
     """A leafy bough along +z about the origin, coarse enough to stand in the light by the dozen.
 
     Its twigs take the colour of the edge of the leaf's picture, so one material serves all.
     """
     rng = random.Random(seed)
-    leaf = make_leaf(blade, CANOPY, Pose(0.25, 0.7, 0.2, 0.0))
     stem = wander((0.0, 0.0, -length / 2), (0.0, 0.1, 1.0), length, 4, 0.25, 0.0, rng)
     twigs = [stem]
-    for k in range(6):
+    for k in range(twig_count):
         angle = rng.uniform(-0.5, 0.5) + (0.9 if k % 2 else -0.9)
-        start = stem[1 + k // 2]
+        start = stem[1 + k * 3 // twig_count]
         outward = unit((math.sin(angle), rng.uniform(-0.15, 0.35), math.cos(angle)))
         twigs.append(wander(start, outward, length * rng.uniform(0.25, 0.42), 2, 0.3, 0.0, rng))
     mesh = Mesh()
