@@ -1,0 +1,137 @@
+"""Leaves: a flat blade in, a folded and curled mesh with its petiole out.
+
+A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z; it is
+one unit long from end to end, and the middle of its blade is the origin, about which it tumbles.
+Invariant: the blade is an open manifold sheet, the petiole a closed prism or a strip beside it.
+"""
+
+import math
+from dataclasses import dataclass
+
+from mesh import Mesh, Vector
+from outlines import Blade, Point
+from triangulate import contains, distance_to_outline, simplify, triangulate
+
+
+@dataclass(frozen=True)
+class Detail:
+    """How finely a leaf is cut up."""
+
+    suffix: str
+    spacing: float | None
+    """Distance of interior points; None for none but the midrib's."""
+    spine_points: int
+    petiole_sides: int
+    smooth: bool
+
+
+@dataclass(frozen=True)
+class Pose:
+    """How a leaf is bent out of its plane."""
+
+    fold_rad: float
+    """Each half rises by this at the midrib."""
+    curl_rad: float
+    """Angle that the leaf's length turns through; positive bends the tip down."""
+    cup: float
+    """How much the edges droop, per square of the distance from the midrib."""
+    ripple: float
+    """Amplitude of the waves along the edge."""
+
+
+NEAR = Detail("near", 0.075, 13, 4, True)
+FAR = Detail("far", 0.24, 4, 0, True)
+CANOPY = Detail("canopy", None, 0, 0, False)
+
+
+def interior_points(outline: list[Point], detail: Detail) -> list[Point]:
+    """The midrib and a hexagonal grid mirrored about it, away from the edge."""
+    spine = [(0.0, (i + 1) / (detail.spine_points + 1)) for i in range(detail.spine_points)]
+    if detail.spacing is None:
+        return spine
+    grid = []
+    row_height = detail.spacing * math.sqrt(0.75)
+    for row in range(-4, math.ceil(1.2 / row_height)):
+        for column in range(math.ceil(0.8 / detail.spacing)):
+            x = detail.spacing * (column + (0.75 if row % 2 else 1.2))
+            grid += [(x, row * row_height), (-x, row * row_height)]
+    clearance = detail.spacing * 0.45
+    return spine + [p for p in grid if contains(outline, p) and distance_to_outline(p, outline) > clearance]
+
+
+def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
+    """From the blade's plane to space: fold, droop and ripple as height, then the length rolled onto an arc.
+
+    Space is turned by half a turn about y, since a blade's tip lies at +z in its outline.
+    """
+    distance = abs(x)
+    height = lift + math.sin(pose.fold_rad) * distance - pose.cup * distance * distance
+    edge = min(1.0, distance / 0.3)
+    height += pose.ripple * edge * math.sin(9.0 * z + 5.0 * x + 1.0)
+    across = x * math.cos(pose.fold_rad)
+    # The arc's centre lies below the blade's middle.
+    angle = pose.curl_rad * (z - 0.5)
+    if abs(pose.curl_rad) < 1e-6:
+        return (-across, height, 0.5 - z)
+    radius = 1.0 / pose.curl_rad
+    return (-across, (radius + height) * math.cos(angle) - radius, -(radius + height) * math.sin(angle))
+
+
+def petiole(blade: Blade, detail: Detail) -> tuple[list[tuple[float, float, float]], list[tuple[int, ...]]]:
+    """Points as (x, z, lift) and faces: a tapered prism, a strip if it has no sides, nothing for the canopy."""
+    if detail.spacing is None:
+        return [], []
+    sides = detail.petiole_sides
+    rings = [0.03, -blade.petiole_length * 0.5, -blade.petiole_length] if sides else [0.02, -blade.petiole_length]
+    points, faces = [], []
+    for z in rings:
+        radius = 0.010 + 0.006 * max(0.0, -z) / blade.petiole_length
+        if not sides:
+            points += [(-radius * 1.4, z, -0.004), (radius * 1.4, z, -0.004)]
+            continue
+        for k in range(sides):
+            angle = math.tau * k / sides
+            points.append((radius * math.cos(angle), z, radius * math.sin(angle) - 0.012))
+    width = sides or 2
+    for ring in range(len(rings) - 1):
+        for k in range(sides or 1):
+            a, b = ring * width + k, ring * width + (k + 1) % width
+            faces.append((a, a + width, b + width, b))
+    if sides:
+        last = (len(rings) - 1) * width
+        faces += [tuple(range(width)), tuple(last + k for k in reversed(range(width)))]
+    return points, faces
+
+
+def flat_frame(blade: Blade) -> tuple[float, float]:
+    """Scale and offset of texture space: u = 0.5 + s x, v = s (z - z0) + margin."""
+    lowest = min(-blade.petiole_length, min(z for _, z in blade.outline))
+    widest = max(abs(x) for x, _ in blade.outline)
+    scale = 0.96 / max(1.0 - lowest, 2 * widest)
+    return scale, lowest
+
+
+def texture_position(blade: Blade, x: float, z: float) -> tuple[float, float]:
+    """Where a point of the plane lies in the picture; v points up, as in OBJ."""
+    scale, lowest = flat_frame(blade)
+    return (0.5 + scale * x, 0.02 + scale * (z - lowest))
+
+
+def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose) -> Mesh:
+    """The mesh of one leaf, whose outline may err by `outline_tolerance` blade lengths."""
+    tip = max(range(len(blade.outline)), key=lambda i: blade.outline[i][1])
+    right = simplify(blade.outline[: tip + 1], outline_tolerance)
+    left = simplify(blade.outline[tip:] + blade.outline[:1], outline_tolerance)
+    outline = right + left[1:-1]
+    points, triangles = triangulate(outline, interior_points(outline, detail))
+    flat = [(x, z, 0.0) for x, z in points]
+    stem, stem_faces = petiole(blade, detail)
+    size = 1.0 / (1.0 + blade.petiole_length)
+    # (x, z) as a right-handed plane has its normal towards -y; the upper side shall look towards +y.
+    faces = [tuple(reversed(t)) for t in triangles]
+    faces += [tuple(i + len(flat) for i in face) for face in stem_faces]
+    return Mesh(
+        positions=[tuple(size * c for c in bend(x, z, lift, pose)) for x, z, lift in flat + stem],
+        uvs=[texture_position(blade, x, z) for x, z, _ in flat + stem],
+        faces=faces,
+    )
