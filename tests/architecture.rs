@@ -97,7 +97,8 @@ fn imports_point_only_upward() {
 fn unsafe_lives_in_the_simd_kernels_alone() {
     for (file, module, text) in sources() {
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-        let uses = code.filter(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "unsafe"));
+        let uses =
+            code.filter(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "unsafe"));
         if uses.count() > 0 {
             assert_eq!(module, "accel", "{file} has `unsafe`");
         }

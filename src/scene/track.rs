@@ -81,6 +81,13 @@ impl<T: Copy> From<T> for Track<T> {
     }
 }
 
+impl<T> Track<T> {
+    /// What it does outside its keys.
+    pub fn extend(&self) -> Extend {
+        self.extend
+    }
+}
+
 impl<T: Animate> Track<T> {
     /// A track through `keys`; `None` if there are none, a time is not finite, or times do not
     /// strictly increase.

@@ -1,0 +1,217 @@
+//! A block of leaves in, nodes and instances out. Invariant: leaf `i` of a block is a pure
+//! function of the block's fields other than `count`, and of `i`.
+
+use super::Resolver;
+use crate::description::ron::{LeafMotion, Leaves, MAX_LEAVES};
+use crate::scene::{FallingPath, MaterialIndex, MeshIndex, Motion};
+use glam::{DAffine3, DQuat, DVec3};
+use std::f64::consts::TAU;
+
+impl Resolver<'_> {
+    /// Stamps out the leaves of `block`.
+    pub(super) fn leaves(&mut self, name: &str, block: &Leaves) {
+        let owner = format!("leaves.{name}");
+        self.leaf_count = self.leaf_count.saturating_add(block.count.0);
+        if self.leaf_count > MAX_LEAVES {
+            let found = format!("with this block the scene has {} leaves", self.leaf_count);
+            let expected = format!("at most {MAX_LEAVES} leaves in all");
+            self.problems.error(&format!("{owner}.count"), found, &expected, "use fewer leaves");
+            return;
+        }
+        let box_is_valid = self.leaf_box(&owner, block);
+        let parent = self.parent(&owner, block.parent.as_deref());
+        let meshes = self.leaf_meshes(&owner, block);
+        let materials = self.leaf_materials(&owner, block);
+        if let (true, Some(parent), Some(meshes), Some(materials)) = (box_is_valid, parent, meshes, materials)
+        {
+            for leaf in 0..block.count.0 {
+                let chance = Chance { seed: block.seed, leaf };
+                let node = self.node(format!("{name}.{leaf}"), parent, motion_of(block, chance));
+                let mesh = chance.choose(Draw::Mesh, &meshes).unwrap_or_default();
+                self.instance(node, mesh, chance.choose(Draw::Material, &materials));
+            }
+        }
+    }
+
+    fn leaf_box(&mut self, owner: &str, block: &Leaves) -> bool {
+        let (min, max) = (block.min_m.si(), block.max_m.si());
+        let mut valid = true;
+        if !min.cmple(max).all() {
+            valid = false;
+            let found = "`min_m` has a larger coordinate than `max_m`";
+            self.problems.error(owner, found, "min_m <= max_m in x, y and z", "exchange the two");
+        }
+        if let LeafMotion::Falling { speed_m_per_s, wind_m_per_s, ground_y_m, .. } = &block.motion {
+            if min.y < ground_y_m.si() {
+                valid = false;
+                let found = format!("leaves would start below the ground at {} m", ground_y_m.si());
+                let remedy = "raise `min_m`, or lower `motion.ground_y_m`";
+                self.problems.error(&format!("{owner}.min_m"), found, "a box above the ground", remedy);
+            }
+            if wind_m_per_s.si().y >= speed_m_per_s.at(0.0) {
+                valid = false;
+                let field = format!("{owner}.motion.wind_m_per_s");
+                let found = "the wind would carry leaves up for ever";
+                let expected = "a wind whose y is less than the lowest `speed_m_per_s`";
+                self.problems.error(&field, found, expected, "make the wind weaker, or the leaves faster");
+            }
+        }
+        valid
+    }
+
+    fn leaf_meshes(&mut self, owner: &str, block: &Leaves) -> Option<Vec<MeshIndex>> {
+        let field = format!("{owner}.meshes");
+        if block.meshes.is_empty() {
+            self.problems.error(&field, "the list is empty", "at least one mesh", "name a mesh of `meshes`");
+            return None;
+        }
+        let found = block.meshes.iter().enumerate();
+        let found: Vec<_> = found.map(|(at, mesh)| self.mesh(&format!("{field}[{at}]"), mesh)).collect();
+        found.into_iter().collect()
+    }
+
+    fn leaf_materials(&mut self, owner: &str, block: &Leaves) -> Option<Vec<MaterialIndex>> {
+        let found = block.materials.iter().enumerate();
+        let found: Vec<_> =
+            found.map(|(at, name)| self.material(&format!("{owner}.materials[{at}]"), name)).collect();
+        found.into_iter().collect()
+    }
+}
+
+/// The motion of the leaf of `block` that `chance` belongs to.
+fn motion_of(block: &Leaves, chance: Chance) -> Motion {
+    let corner = |fraction: DVec3| block.min_m.si() + (block.max_m.si() - block.min_m.si()) * fraction;
+    let start = corner([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)).into());
+    let attitude = uniform_rotation([Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw)));
+    let scale = block.scale.at(chance.at(Draw::Scale));
+    match &block.motion {
+        LeafMotion::Still => {
+            Motion::Still(DAffine3::from_scale_rotation_translation(DVec3::splat(scale), attitude, start))
+        }
+        LeafMotion::Falling {
+            speed_m_per_s,
+            swing_m,
+            swing_hz,
+            spin_deg_per_s,
+            wind_m_per_s,
+            ground_y_m,
+        } => {
+            let (sin, cos) = (TAU * chance.at(Draw::SwingDirection)).sin_cos();
+            let half_width_m = swing_m.at(chance.at(Draw::SwingWidth));
+            Motion::Falling(FallingPath {
+                start,
+                velocity: wind_m_per_s.si() - DVec3::Y * speed_m_per_s.at(chance.at(Draw::Speed)),
+                swing: DVec3::new(cos, 0.0, sin) * half_width_m,
+                swing_hz: swing_hz.at(chance.at(Draw::SwingRate)),
+                phase: TAU * chance.at(Draw::Phase),
+                attitude,
+                spin_axis: uniform_direction([Draw::Axis1, Draw::Axis2].map(|draw| chance.at(draw))),
+                spin_rad_per_s: spin_deg_per_s.at(chance.at(Draw::Spin)),
+                scale,
+                ground_y: ground_y_m.si(),
+            })
+        }
+    }
+}
+
+/// What is left to chance. A new entry goes to the end, so that it does not change old scenes.
+#[derive(Clone, Copy)]
+enum Draw {
+    X,
+    Y,
+    Z,
+    Turn1,
+    Turn2,
+    Turn3,
+    Scale,
+    Mesh,
+    Material,
+    Speed,
+    SwingDirection,
+    SwingWidth,
+    SwingRate,
+    Phase,
+    Axis1,
+    Axis2,
+    Spin,
+}
+
+/// The chance of one leaf.
+#[derive(Clone, Copy)]
+struct Chance {
+    seed: u32,
+    leaf: u32,
+}
+
+impl Chance {
+    /// A number in `[0, 1)`; the same for the same seed, leaf and draw, whatever else there is.
+    fn at(self, draw: Draw) -> f64 {
+        let leaf = mix((u64::from(self.seed) << 32) | u64::from(self.leaf));
+        let bits = mix(leaf.wrapping_add(1 + draw as u64));
+        (bits >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn choose(self, draw: Draw, among: &[usize]) -> Option<usize> {
+        among.get((self.at(draw) * among.len() as f64) as usize).copied()
+    }
+}
+
+/// SplitMix64 (Steele, Lea and Flood 2014): a Weyl step and Stafford's 13th mix.
+fn mix(counter: u64) -> u64 {
+    let mut bits = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ (bits >> 31)
+}
+
+/// A rotation from three numbers in `[0, 1)`, all rotations alike (Shoemake, "Uniform random
+/// rotations", Graphics Gems III, 1992).
+fn uniform_rotation([u1, u2, u3]: [f64; 3]) -> DQuat {
+    let ((sin2, cos2), (sin3, cos3)) = ((TAU * u2).sin_cos(), (TAU * u3).sin_cos());
+    let (r1, r2) = ((1.0 - u1).sqrt(), u1.sqrt());
+    DQuat::from_xyzw(r1 * sin2, r1 * cos2, r2 * sin3, r2 * cos3)
+}
+
+/// A unit vector from two numbers in `[0, 1)`, all directions alike (Archimedes' theorem).
+fn uniform_direction([u1, u2]: [f64; 2]) -> DVec3 {
+    let y = 1.0 - 2.0 * u1;
+    let (sin, cos) = (TAU * u2).sin_cos();
+    let radius = (1.0 - y * y).max(0.0).sqrt();
+    DVec3::new(radius * cos, y, radius * sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(draw: Draw) -> impl Iterator<Item = f64> {
+        (0..20_000).map(move |leaf| Chance { seed: 7, leaf }.at(draw))
+    }
+
+    #[test]
+    fn chance_is_uniform_in_every_draw_and_independent_between_draws() {
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 20_000.0;
+        assert!((mean(&mut numbers(Draw::X)) - 0.5).abs() < 0.01);
+        assert!((mean(&mut numbers(Draw::Spin).map(|x| x * x)) - 1.0 / 3.0).abs() < 0.01);
+        let mut product = numbers(Draw::X).zip(numbers(Draw::Y)).map(|(x, y)| (x - 0.5) * (y - 0.5));
+        assert!(mean(&mut product).abs() < 0.003);
+    }
+
+    #[test]
+    fn rotations_are_uniform() {
+        // Under the uniform distribution the image of any vector is uniform on the sphere, and the
+        // angle has density (1 - cos)/pi, hence mean pi/2 + 2/pi.
+        let (mut image, mut square, mut angle) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for leaf in 0..20_000 {
+            let chance = Chance { seed: 1, leaf };
+            let turn = uniform_rotation([Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw)));
+            let vector = turn * DVec3::Z;
+            image += vector / 20_000.0;
+            square += vector * vector / 20_000.0;
+            angle += 2.0 * turn.w.abs().min(1.0).acos() / 20_000.0;
+        }
+        assert!(image.abs().max_element() < 0.015, "{image}");
+        assert!((square - DVec3::splat(1.0 / 3.0)).abs().max_element() < 0.01, "{square}");
+        assert!((angle - (TAU / 4.0 + 4.0 / TAU)).abs() < 0.02, "{angle}");
+    }
+}

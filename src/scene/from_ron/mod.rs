@@ -1,0 +1,296 @@
+//! Our own format in, a scene and its settings out. Invariant: every problem is collected and
+//! named by its field's path; what is not used is a remark.
+
+mod hierarchy;
+mod leaves;
+mod lights;
+mod problems;
+mod sequence;
+mod shapes;
+mod tracks;
+
+use super::{
+    Camera, Fog, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
+    RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
+};
+use crate::color::Rgb;
+use crate::description::obj::ObjModel;
+use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use glam::{DAffine3, DQuat};
+use problems::Problems;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use tracks::{rotation, track};
+
+pub(super) use sequence::apply_sequence;
+
+/// Resolves a scene, and the sequence that wraps it if there is one.
+pub(super) fn resolve(
+    loaded: LoadedScene,
+    sequence: Option<SequenceFile>,
+) -> Result<(Scene, RenderSettings), Diagnostics> {
+    let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
+    let LoadedScene { path, file, mut models, images } = loaded;
+    let mut resolver = Resolver::new(&path, &file, &models);
+    resolver.scene.background = file.background_w_per_m2_sr.si();
+    for (texture_path, image) in images {
+        resolver.textures.insert(texture_path.clone(), resolver.scene.textures.len());
+        resolver.scene.textures.push(Texture {
+            name: texture_path.display().to_string(),
+            width: image.width,
+            height: image.height,
+            texels: image.texels,
+            wrap: Wrap::Repeat,
+        });
+    }
+    resolver.materials();
+    resolver.objects();
+    for (name, block) in file.leaves.iter() {
+        resolver.leaves(name, block);
+    }
+    resolver.cameras();
+    resolver.lights();
+    resolver.fogs();
+    let (mut scene, problems) = resolver.finish();
+    for model in models.values_mut() {
+        scene.remarks.0.append(&mut model.remarks.0);
+    }
+    let scene = problems.unless_any(scene)?;
+    match sequence {
+        None => Ok((scene, settings)),
+        Some(sequence) => {
+            let settings = apply_sequence(sequence, &scene, settings)?;
+            Ok((scene, settings))
+        }
+    }
+}
+
+/// A scene is called like its file, or like its folder if the file is just `scene.ron`.
+fn name_of(path: &Path) -> String {
+    let text = |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
+    let folder = path.parent().and_then(|folder| text(folder.file_name()));
+    match (text(path.file_stem()), folder) {
+        (Some(stem), Some(folder)) if stem == "scene" => folder,
+        (Some(stem), _) => stem,
+        (None, _) => String::from("scene"),
+    }
+}
+
+/// A scene on its way from names to indices.
+struct Resolver<'a> {
+    file: &'a SceneFile,
+    models: &'a BTreeMap<PathBuf, ObjModel>,
+    scene: Scene,
+    problems: Problems,
+    /// Objects placed so far.
+    nodes: BTreeMap<&'a str, NodeIndex>,
+    mesh_files: BTreeMap<&'a str, &'a ron::Mesh>,
+    meshes: BTreeMap<&'a str, MeshIndex>,
+    materials: BTreeMap<&'a str, MaterialIndex>,
+    /// Where the materials of an OBJ file start.
+    model_materials: BTreeMap<&'a Path, MaterialIndex>,
+    textures: BTreeMap<PathBuf, TextureIndex>,
+    leaf_count: u32,
+}
+
+impl<'a> Resolver<'a> {
+    fn new(path: &Path, file: &'a SceneFile, models: &'a BTreeMap<PathBuf, ObjModel>) -> Self {
+        Self {
+            file,
+            models,
+            // Material 0 is for triangles that nobody gave one.
+            scene: Scene { materials: vec![Material::default()], ..Scene::default() },
+            problems: Problems::of(path),
+            nodes: BTreeMap::new(),
+            mesh_files: file.meshes.iter().collect(),
+            meshes: BTreeMap::new(),
+            materials: BTreeMap::new(),
+            model_materials: BTreeMap::new(),
+            textures: BTreeMap::new(),
+            leaf_count: 0,
+        }
+    }
+
+    fn node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
+        self.scene.nodes.push(Node { name, parent, motion, visible: Track::from(true) });
+        self.scene.nodes.len() - 1
+    }
+
+    fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
+        let leaf_id = self.scene.instances.len() as u32 + 1;
+        self.scene.instances.push(Instance { node, mesh, material, leaf_id });
+    }
+
+    /// The node that `owner` follows: `Some(None)` is none, `None` is one that does not exist.
+    fn parent(&mut self, owner: &str, name: Option<&str>) -> Option<Option<NodeIndex>> {
+        match name {
+            None => Some(None),
+            Some(name) => {
+                self.problems.find(&format!("{owner}.parent"), "object", name, &self.nodes).map(Some)
+            }
+        }
+    }
+
+    fn materials(&mut self) {
+        for (name, material) in self.file.materials.iter() {
+            let texture = material.texture.as_ref();
+            let base_color = match material.base_color {
+                Some(color) => color.si(),
+                None if texture.is_some() => Rgb::ONE,
+                None => Material::default().base_color,
+            };
+            let mirror = material.mirror.si();
+            if (base_color + mirror).max_element() > 1.0 {
+                self.problems.error(
+                    &format!("materials.{name}"),
+                    "the surface would reflect more light than it receives",
+                    "base_color + mirror <= 1 in every channel",
+                    "make one of the two darker",
+                );
+            }
+            self.materials.insert(name, self.scene.materials.len());
+            self.scene.materials.push(Material {
+                name: name.to_owned(),
+                base_color,
+                base_color_texture: texture.and_then(|texture| self.textures.get(texture).copied()),
+                mirror,
+                emission: material.emission_w_per_m2_sr.si(),
+                ..Material::default()
+            });
+        }
+    }
+
+    fn material(&mut self, field: &str, name: &str) -> Option<MaterialIndex> {
+        self.problems.find(field, "material", name, &self.materials)
+    }
+
+    /// The mesh of that name, built when it is first used.
+    fn mesh(&mut self, field: &str, name: &str) -> Option<MeshIndex> {
+        let shape = self.problems.find(field, "mesh", name, &self.mesh_files)?;
+        if let Some(&index) = self.meshes.get(name) {
+            return Some(index);
+        }
+        let mesh = match shape {
+            ron::Mesh::Obj(path) => self.model_mesh(name, path)?,
+            built_in => shapes::built_in(name, built_in)?,
+        };
+        let (&name, _) = self.mesh_files.get_key_value(name)?;
+        self.meshes.insert(name, self.scene.meshes.len());
+        self.scene.meshes.push(mesh);
+        Some(self.scene.meshes.len() - 1)
+    }
+
+    fn model_mesh(&mut self, name: &str, path: &'a Path) -> Option<Mesh> {
+        let model = self.models.get(path)?;
+        let first_material = *self.model_materials.entry(path).or_insert(self.scene.materials.len());
+        if first_material == self.scene.materials.len() {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            self.scene.materials.extend(model.materials.iter().map(|material| {
+                Material {
+                    name: material.name.clone(),
+                    base_color: material.diffuse,
+                    base_color_texture: (material.diffuse_texture.as_ref())
+                        .and_then(|texture| self.textures.get(&folder.join(texture)).copied()),
+                    emission: material.emission,
+                    ..Material::default()
+                }
+            }));
+        }
+        Some(Mesh {
+            name: name.to_owned(),
+            positions: model.positions.clone(),
+            normals: model.normals.clone(),
+            uvs: model.uvs.clone(),
+            triangles: model
+                .triangles
+                .iter()
+                .map(|triangle| Triangle {
+                    vertices: triangle.vertices,
+                    material: triangle.material.map_or(0, |material| first_material + material),
+                })
+                .collect(),
+        })
+    }
+
+    fn cameras(&mut self) {
+        if self.file.cameras.iter().len() == 0 {
+            let remedy = "add `cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }`";
+            self.problems.error("cameras", "the scene has no camera", "at least one camera", remedy);
+        }
+        for (name, camera) in self.file.cameras.iter() {
+            let owner = format!("cameras.{name}");
+            let parent = self.parent(&owner, camera.parent.as_deref());
+            let motion = self.camera_motion(&owner, camera);
+            let fov_y = track(&camera.fov_deg, &format!("{owner}.fov_deg"), &mut self.problems);
+            if let (Some(parent), Some(motion), Some(fov_y)) = (parent, motion, fov_y) {
+                let node = self.node(name.to_owned(), parent, motion);
+                let lens = Lens::Perspective { fov_y };
+                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens });
+            }
+        }
+    }
+
+    fn camera_motion(&mut self, owner: &str, camera: &ron::Camera) -> Option<Motion> {
+        let turned = camera.rotation_deg.is_some() || camera.rotation_quaternion.is_some();
+        let Some(look_at) = &camera.look_at_m else {
+            let position = track(&camera.position_m, &format!("{owner}.position_m"), &mut self.problems);
+            let turn = rotation(
+                camera.rotation_deg.as_ref(),
+                camera.rotation_quaternion.as_ref(),
+                owner,
+                &mut self.problems,
+            );
+            return Some(Motion::Keyed { translation: position?, rotation: turn?, scale: Rgb::ONE.into() });
+        };
+        if turned {
+            self.problems.error(
+                owner,
+                "the camera looks at something and is turned as well",
+                "either `look_at_m`, or `rotation_deg` or `rotation_quaternion`",
+                "take one of the two out",
+            );
+        }
+        self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), camera.up.0.normalize())
+    }
+
+    fn fogs(&mut self) {
+        for (name, fog) in self.file.fog.iter() {
+            let owner = format!("fog.{name}");
+            let (min, max) = (fog.min_m.si(), fog.max_m.si());
+            if !min.cmplt(max).all() {
+                let found = "the box has no volume";
+                let expected = "min_m < max_m in x, y and z";
+                self.problems.error(&owner, found, expected, "make the box larger, or exchange its corners");
+            }
+            let parent = self.parent(&owner, fog.parent.as_deref());
+            let problems = &mut self.problems;
+            let density_per_m = track(&fog.density_per_m, &format!("{owner}.density_per_m"), problems);
+            let albedo = track(&fog.albedo, &format!("{owner}.albedo"), problems);
+            let anisotropy = track(&fog.anisotropy, &format!("{owner}.anisotropy"), problems);
+            let (Some(parent), Some(density_per_m), Some(albedo), Some(anisotropy)) =
+                (parent, density_per_m, albedo, anisotropy)
+            else {
+                continue;
+            };
+            let (half_size, centre) = (0.5 * (max - min), 0.5 * (min + max));
+            let parent_from_cube =
+                DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, centre);
+            let node = self.node(name.to_owned(), parent, Motion::Still(parent_from_cube));
+            let name = name.to_owned();
+            self.scene.fogs.push(Fog { name, node, density_per_m, albedo, anisotropy });
+        }
+    }
+
+    fn finish(mut self) -> (Scene, Problems) {
+        for name in self.file.meshes.names().filter(|name| !self.meshes.contains_key(name)) {
+            let place = self.problems.place(&format!("meshes.{name}"));
+            self.scene.remarks.push(Diagnostic::note(place, "nothing seen uses this mesh; skipped"));
+        }
+        if self.scene.lights.is_empty() {
+            let place = self.problems.place("lights");
+            self.scene.remarks.push(Diagnostic::warning(place, "the scene has no light"));
+        }
+        (self.scene, self.problems)
+    }
+}

@@ -1,0 +1,145 @@
+//! A sequence in, render settings out. Invariant: what the sequence leaves out stays as it was.
+
+use super::problems::Problems;
+use crate::description::ron::{self, Frames, SequenceFile, Whole};
+use crate::diagnostic::Diagnostics;
+use crate::scene::{Animate, Extend, FrameRate, LightKind, Motion, Pass, RenderSettings, Rotation, Scene};
+use crate::scene::{Lens, Size, Track};
+use std::collections::BTreeMap;
+
+/// Applies what the sequence says to the settings of its scene.
+pub(in crate::scene) fn apply_sequence(
+    sequence: SequenceFile,
+    scene: &Scene,
+    settings: RenderSettings,
+) -> Result<RenderSettings, Diagnostics> {
+    let mut problems = Problems::of(&sequence.path);
+    let mut settings = RenderSettings { name: super::name_of(&sequence.path), ..settings };
+    let fields = sequence.fields;
+    if let Some(rate) = fields.frame_rate {
+        settings.frame_rate = FrameRate { numerator: rate.numerator, denominator: rate.denominator };
+    }
+    if let Some(Frames(first, last)) = fields.frames {
+        settings.frames = first..=last;
+        outside_animation(&settings, scene, &mut problems);
+    }
+    if let Some((Whole(width), Whole(height))) = fields.size {
+        settings.size = Size { width: width as usize, height: height as usize };
+    }
+    if let Some(name) = fields.camera {
+        let known: BTreeMap<&str, ()> =
+            scene.cameras.iter().map(|camera| (camera.name.as_str(), ())).collect();
+        problems.find("camera", "camera", &name, &known);
+        settings.camera = Some(name);
+    }
+    if let Some(passes) = fields.passes {
+        settings.passes = passes.into_iter().map(pass).collect();
+        settings.passes.sort_unstable();
+        settings.passes.dedup();
+    }
+    if let Some(march) = fields.march {
+        settings.march_depth_m = march.depth_m.si();
+        settings.march_step_m = march.step_m.si();
+        if march.step_m.si() > march.depth_m.si() {
+            let found = "the step is longer than the whole depth";
+            problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
+        }
+    }
+    settings.samples = fields.samples.map_or(settings.samples, |Whole(samples)| samples);
+    settings.seed = fields.seed.unwrap_or(settings.seed);
+    settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
+    settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
+    problems.unless_any(settings)
+}
+
+fn pass(pass: ron::Pass) -> Pass {
+    match pass {
+        ron::Pass::Shafts => Pass::Shafts,
+        ron::Pass::Transmittance => Pass::Transmittance,
+        ron::Pass::Depth => Pass::Depth,
+        ron::Pass::Normal => Pass::Normal,
+        ron::Pass::Position => Pass::Position,
+        ron::Pass::Albedo => Pass::Albedo,
+        ron::Pass::LeafId => Pass::LeafId,
+    }
+}
+
+/// Frames that all come before the first key, or all after the last, are surely a mistake.
+fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Problems) {
+    let seconds = |frame: i64| settings.frame_rate.seconds(frame as f64);
+    let (first, last) = (*settings.frames.start(), *settings.frames.end());
+    let Some((start_s, end_s)) = KeyTimes::of(scene) else { return };
+    if seconds(last) < start_s || seconds(first) > end_s {
+        let frame = |time_s: f64| time_s / settings.frame_rate.seconds(1.0);
+        let found = format!("frames {first} to {last} lie outside the animation; nothing would move");
+        let expected = format!(
+            "frames that meet {} to {} (seconds {start_s} to {end_s})",
+            frame(start_s).floor(),
+            frame(end_s).ceil()
+        );
+        problems.error("frames", found, &expected, "choose other frames, or move the keys");
+    }
+}
+
+/// From the first key to the last, in seconds.
+struct KeyTimes {
+    first_s: f64,
+    last_s: f64,
+    /// Something moves at all times, whatever the keys are.
+    endless: bool,
+}
+
+impl KeyTimes {
+    /// `None` if nothing is keyed, or if something moves at all times.
+    fn of(scene: &Scene) -> Option<(f64, f64)> {
+        let mut times = Self { first_s: f64::INFINITY, last_s: f64::NEG_INFINITY, endless: false };
+        for node in &scene.nodes {
+            times.add(&node.visible);
+            times.add_motion(&node.motion);
+        }
+        for camera in &scene.cameras {
+            let Lens::Perspective { fov_y } = &camera.lens;
+            times.add(fov_y);
+        }
+        for light in &scene.lights {
+            times.add(&light.power);
+            if let LightKind::Spot { outer_angle, blend } = &light.kind {
+                times.add(outer_angle);
+                times.add(blend);
+            }
+        }
+        for fog in &scene.fogs {
+            times.add(&fog.density_per_m);
+            times.add(&fog.albedo);
+            times.add(&fog.anisotropy);
+        }
+        (times.first_s <= times.last_s && !times.endless).then_some((times.first_s, times.last_s))
+    }
+
+    fn add<T: Animate>(&mut self, track: &Track<T>) {
+        if let ([first, .., last], false) = (track.keys(), track.is_constant()) {
+            self.first_s = self.first_s.min(first.time_s);
+            self.last_s = self.last_s.max(last.time_s);
+            self.endless |= track.extend() == Extend::Cycle;
+        }
+    }
+
+    fn add_motion(&mut self, motion: &Motion) {
+        match motion {
+            Motion::Still(_) => {}
+            Motion::Falling(_) => self.endless = true,
+            Motion::Aimed { position, target, .. } => {
+                self.add(position);
+                self.add(target);
+            }
+            Motion::Keyed { translation, rotation, scale } => {
+                self.add(translation);
+                self.add(scale);
+                match rotation {
+                    Rotation::Quaternion(track) => self.add(track),
+                    Rotation::EulerXyz(track) => self.add(track),
+                }
+            }
+        }
+    }
+}

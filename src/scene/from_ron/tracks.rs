@@ -1,0 +1,121 @@
+//! Keyed values in, tracks in SI units out. Invariant: a track stays within its field's range
+//! between its keys too, because the control points of all its curves do.
+
+use super::problems::Problems;
+use crate::description::ron::{self, Degrees, Keyable, Keyed, Keys, Quaternion, ToNext, Vector};
+use crate::scene::{Animate, Extend, Handle, Key, Rotation, Segment, Track};
+use glam::DQuat;
+
+/// The track of `field`.
+pub(super) fn track<T: Keyable<Si: Animate>>(
+    keyed: &Keyed<T>,
+    field: &str,
+    problems: &mut Problems,
+) -> Option<Track<T::Si>> {
+    let keys = match keyed {
+        Keyed::Plain(value) => return Some(Track::from(value.si())),
+        Keyed::Keys(keys) => keys,
+    };
+    check(keys, field, problems)?;
+    let extend = match keys.extend {
+        ron::Extend::Hold => Extend::Hold,
+        ron::Extend::Cycle => Extend::Cycle,
+    };
+    Track::new(keys.keys.iter().map(resolved).collect(), extend)
+}
+
+/// The rotation from the two ways to write one; `None` also if both are written.
+pub(super) fn rotation(
+    degrees: Option<&Keyed<Vector<Degrees>>>,
+    quaternion: Option<&Keyed<Quaternion>>,
+    owner: &str,
+    problems: &mut Problems,
+) -> Option<Rotation> {
+    match (degrees, quaternion) {
+        (None, None) => Some(Rotation::Quaternion(DQuat::IDENTITY.into())),
+        (Some(angles), None) => {
+            track(angles, &format!("{owner}.rotation_deg"), problems).map(Rotation::EulerXyz)
+        }
+        (None, Some(turn)) => {
+            track(turn, &format!("{owner}.rotation_quaternion"), problems).map(Rotation::Quaternion)
+        }
+        (Some(_), Some(_)) => {
+            problems.error(
+                owner,
+                "the rotation is given twice",
+                "either `rotation_deg` or `rotation_quaternion`",
+                "take one of the two out",
+            );
+            None
+        }
+    }
+}
+
+fn check<T: Keyable<Si: Animate>>(keys: &Keys<T>, field: &str, problems: &mut Problems) -> Option<()> {
+    if keys.keys.is_empty() {
+        problems.error(field, "there are no keys", "at least one key", "add a key, or write a plain value");
+        return None;
+    }
+    let mut valid = true;
+    for (index, pair) in keys.keys.windows(2).enumerate() {
+        let (from_s, to_s) = (pair[0].at_s.si(), pair[1].at_s.si());
+        if from_s >= to_s {
+            valid = false;
+            let found = format!("the key at {to_s} s follows the key at {from_s} s");
+            let path = format!("{field}.keys[{}].at_s", index + 1);
+            problems.error(&path, found, "times that increase from key to key", "sort the keys by time");
+            continue;
+        }
+        let path = format!("{field}.keys[{index}].to_next");
+        if let ToNext::Bezier { leave, arrive } = pair[0].to_next {
+            if leave.at_s.si() < from_s || arrive.at_s.si() > to_s {
+                valid = false;
+                let expected = format!("`leave` not before {from_s} s, and `arrive` not after {to_s} s");
+                let found = "a handle lies on the wrong side of its key";
+                problems.error(&path, found, &expected, "move the handle to the side of its curve");
+            }
+        }
+        if !inner_control_points(&pair[0], &pair[1]).into_iter().flatten().all(T::admits) {
+            valid = false;
+            let found = "the curve to the next key may leave the field's range";
+            problems.error(&path, found, T::EXPECTED, "make the slopes less steep, or use `Linear`");
+        }
+    }
+    valid.then_some(())
+}
+
+/// The two inner Bezier control values of a cubic: the curve stays within the hull of all four.
+fn inner_control_points<T: Keyable<Si: Animate>>(from: &ron::Key<T>, to: &ron::Key<T>) -> Option<[T::Si; 2]> {
+    match from.to_next {
+        ToNext::Step | ToNext::Linear => None,
+        ToNext::Bezier { leave, arrive } => Some([leave.value.si(), arrive.value.si()]),
+        ToNext::Hermite { leave_per_s, arrive_per_s } => {
+            let third_s = (to.at_s.si() - from.at_s.si()) / 3.0;
+            let along = |value: T::Si, rate: T::Si, time_s: f64| {
+                T::Si::blend([value, rate, value, value], [1.0, time_s, 0.0, 0.0])
+            };
+            Some([
+                along(from.value.si(), T::rate_si(leave_per_s), third_s),
+                along(to.value.si(), T::rate_si(arrive_per_s), -third_s),
+            ])
+        }
+    }
+}
+
+fn resolved<T: Keyable<Si: Animate>>(key: &ron::Key<T>) -> Key<T::Si> {
+    let handle = |handle: ron::Handle<T>| Handle { time_s: handle.at_s.si(), value: handle.value.si() };
+    Key {
+        time_s: key.at_s.si(),
+        value: key.value.si(),
+        to_next: match key.to_next {
+            ToNext::Step => Segment::Step,
+            ToNext::Linear => Segment::Linear,
+            ToNext::Hermite { leave_per_s, arrive_per_s } => {
+                Segment::Hermite { leave: T::rate_si(leave_per_s), arrive: T::rate_si(arrive_per_s) }
+            }
+            ToNext::Bezier { leave, arrive } => {
+                Segment::Bezier { leave: handle(leave), arrive: handle(arrive) }
+            }
+        },
+    }
+}
