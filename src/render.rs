@@ -32,7 +32,12 @@ const TILE: usize = 32;
 
 /// Renders on the current rayon pool. `progress` is told the finished fraction now and then;
 /// once `cancelled` is true the film comes back unfinished.
-pub fn render(snapshot: &Snapshot, job: &Job, progress: &(dyn Fn(f64) + Sync), cancelled: &AtomicBool) -> Film {
+pub fn render(
+    snapshot: &Snapshot,
+    job: &Job,
+    progress: &(dyn Fn(f64) + Sync),
+    cancelled: &AtomicBool,
+) -> Film {
     let tiles = tiles(job.window);
     let finished = AtomicUsize::new(0);
     let films: Vec<Film> = tiles

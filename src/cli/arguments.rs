@@ -225,10 +225,16 @@ pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
 }
 
 fn parse_size(text: &str) -> Result<SizeArgument, String> {
-    let expected = || String::from("expected WIDTHxHEIGHT such as 960x540 (each 1 to 65536), or a percentage such as 50%");
+    let expected = || {
+        String::from("expected WIDTHxHEIGHT such as 960x540 (each 1 to 65536), or a percentage such as 50%")
+    };
     if let Some(percent) = text.strip_suffix('%') {
         let percent: f64 = percent.trim().parse().map_err(|_| expected())?;
-        return if percent > 0.0 && percent <= 1000.0 { Ok(SizeArgument::Percent(percent)) } else { Err(expected()) };
+        return if percent > 0.0 && percent <= 1000.0 {
+            Ok(SizeArgument::Percent(percent))
+        } else {
+            Err(expected())
+        };
     }
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let side = |text: &str| match text.trim().parse::<usize>() {

@@ -3,8 +3,8 @@
 use super::arguments::DiffArguments;
 use super::{CliError, answer};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
-use crate::frame_file::{compare, net_rmse};
 use crate::frame_file::{self, FrameFile};
+use crate::frame_file::{compare, net_rmse};
 use std::path::Path;
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
@@ -12,7 +12,10 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
     let reference = read(&arguments.reference)?;
     let comparison = compare(&output.frame, &reference.frame).map_err(|error| {
         let diagnostic = Diagnostic::error(Place::File(arguments.output.clone()), error.to_string())
-            .expected(format!("a frame of the same size and with channels of {}", arguments.reference.display()))
+            .expected(format!(
+                "a frame of the same size and with channels of {}",
+                arguments.reference.display()
+            ))
             .remedy("render with the same --size, --crop and --passes");
         CliError::Scene(Diagnostics(vec![diagnostic]))
     })?;

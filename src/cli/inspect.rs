@@ -27,6 +27,10 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     } else {
         arguments.frames.clone()
     };
-    answer(&if arguments.json { json::describe(&inspected, &frames) } else { text::describe(&inspected, &frames) });
+    answer(&if arguments.json {
+        json::describe(&inspected, &frames)
+    } else {
+        text::describe(&inspected, &frames)
+    });
     Ok(())
 }

@@ -8,10 +8,12 @@ use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::film::Window;
 use crate::render::Job;
 use crate::scene::{self, RenderSettings, Scene, Size};
-use crate::sequence::FrameList;
-use crate::snapshot::shows_surfaces;
+use crate::sequence::{FrameList, OutputPattern};
+use crate::snapshot::{Shutter, View, shows_surfaces};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use sha2::{Digest, Sha256};
+use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// Everything that a run needs to know.
 pub(super) struct Plan {
@@ -19,10 +21,13 @@ pub(super) struct Plan {
     pub(super) settings: RenderSettings,
     /// Index into the scene's cameras.
     pub(super) camera: usize,
-    pub(super) frames: Vec<i64>,
+    pub(super) frames: FrameList,
+    pub(super) output: OutputPattern,
     pub(super) job: Job,
     /// SHA-256 over all input files.
     pub(super) scene_hash: String,
+    /// SHA-256 over everything else that reaches the pixels, the frame's number aside.
+    pub(super) settings_hash: String,
 }
 
 impl Plan {
@@ -60,14 +65,28 @@ impl Plan {
                 features: shows_surfaces(&settings.passes),
             },
         };
-        Ok(Self { scene, settings, camera, frames, job, scene_hash })
+        let output = find_output(arguments.out.as_deref(), &settings.name, &frames)?;
+        let settings_hash = hash(&format!(
+            "{job:?} {:?} {:?} {camera} {:?}",
+            settings.frame_rate, settings.shutter, arguments.light_units
+        ));
+        Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })
     }
 
-    /// SHA-256 over everything beside the input files that reaches the pixels, frame number aside.
-    pub(super) fn settings_hash(&self) -> String {
-        let RenderSettings { frame_rate, shutter, .. } = &self.settings;
-        let text = format!("{:?} {frame_rate:?} {shutter:?} {}", self.job, self.camera);
-        Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    /// When the shutter is open for a frame: centred on it, as in Blender.
+    pub(super) fn shutter(&self, frame: i64) -> Shutter {
+        let rate = self.settings.frame_rate;
+        let half = 0.5 * self.settings.shutter;
+        Shutter { open_s: rate.seconds(frame as f64 - half), close_s: rate.seconds(frame as f64 + half) }
+    }
+
+    /// The camera at a frame.
+    pub(super) fn view(&self, frame: i64) -> View {
+        let time_s = self.shutter(frame).middle_s();
+        let camera = &self.scene.cameras[self.camera];
+        let world_from_camera = self.scene.placements(time_s)[camera.node].world_from_node;
+        let size = self.job.size;
+        View::new(camera, world_from_camera, size.width as f64 / size.height as f64, time_s)
     }
 
     /// What the scene asks for and does not get, as lines for the error stream.
@@ -75,6 +94,37 @@ impl Plan {
         let remarks = self.scene.remarks.0.iter();
         remarks.filter(|remark| remark.severity == Severity::Warning).map(ToString::to_string)
     }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let frames = self.frames.as_slice();
+        let Size { width, height } = self.job.size;
+        let first = frames.first().map_or_else(PathBuf::new, |frame| self.output.path(*frame));
+        writeln!(
+            f,
+            "{} frames of {width}x{height} pixels, {} samples a pixel, {:?}, passes {:?}",
+            frames.len(),
+            self.job.samples,
+            self.job.transport.volume,
+            self.job.passes
+        )?;
+        writeln!(f, "camera `{}`, seed {}", self.scene.cameras[self.camera].name, self.job.seed)?;
+        write!(f, "the first would be {}; nothing was rendered", first.display())
+    }
+}
+
+fn hash(text: &str) -> String {
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn find_output(out: Option<&Path>, name: &str, frames: &FrameList) -> Result<OutputPattern, CliError> {
+    let pattern = match out {
+        None => OutputPattern::default_for(name),
+        Some(out) => OutputPattern::parse(&out.to_string_lossy(), name).map_err(CliError::Usage)?,
+    };
+    pattern.check(frames.as_slice().len()).map_err(CliError::Usage)?;
+    Ok(pattern)
 }
 
 fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliError> {
@@ -99,15 +149,10 @@ fn find_camera(scene: &Scene, name: Option<&str>) -> Result<usize, CliError> {
     })
 }
 
-fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<Vec<i64>, CliError> {
-    let range = &settings.frames;
-    let frames = FrameList::parse(list.unwrap_or("all"), range).map_err(CliError::Usage)?.frames().to_vec();
-    let outside: Vec<_> = frames.iter().filter(|frame| !range.contains(frame)).map(i64::to_string).collect();
-    if !outside.is_empty() {
-        let (first, last) = (range.start(), range.end());
-        let found = format!("frame {} is outside the sequence's {first}-{last}", outside.join(", "));
-        return Err(usage("--frames", found, &format!("frames within {first}-{last}, or a longer sequence")));
-    }
+fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<FrameList, CliError> {
+    let all = &settings.frames;
+    let frames = FrameList::parse(list.unwrap_or("all"), all.clone()).map_err(CliError::Usage)?;
+    frames.check_within(all).map_err(CliError::Usage)?;
     Ok(frames)
 }
 

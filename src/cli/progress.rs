@@ -13,7 +13,7 @@ const STEPS_PER_FRAME: f64 = 1000.0;
 
 /// How progress is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProgressStyle {
+pub(super) enum ProgressStyle {
     /// A bar with the time left, for people at a terminal.
     Bar,
     /// A line a frame, for logs.
@@ -27,7 +27,7 @@ pub enum ProgressStyle {
 }
 
 /// Tells of a run as it goes.
-pub struct Progress {
+pub(super) struct Progress {
     style: ProgressStyle,
     bar: Option<ProgressBar>,
     state: Mutex<State>,
@@ -47,14 +47,14 @@ struct State {
 
 impl ProgressStyle {
     /// A bar if standard error is a terminal, else plain lines.
-    pub fn auto() -> Self {
+    pub(super) fn auto() -> Self {
         if std::io::stderr().is_terminal() { Self::Bar } else { Self::Plain }
     }
 }
 
 impl Progress {
     /// Writes to standard error what people read, and to standard output what programs read.
-    pub fn new(style: ProgressStyle) -> Self {
+    pub(super) fn new(style: ProgressStyle) -> Self {
         match style {
             ProgressStyle::JsonLines | ProgressStyle::OpenJd => Self::to(style, Box::new(std::io::stdout())),
             _ => Self::to(style, Box::new(std::io::stderr())),
@@ -82,7 +82,7 @@ impl Progress {
     }
 
     /// Tells of an event. May be called from any thread.
-    pub fn report(&self, event: &Event) {
+    pub(super) fn report(&self, event: &Event) {
         // A thread that panicked while it held the lock left nothing but numbers.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.count(event);

@@ -56,7 +56,8 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
 fn write_geometry(out: &mut String, scene: &Scene) -> std::fmt::Result {
     let used: HashSet<_> = scene.instances.iter().map(|instance| instance.mesh).collect();
     let stored: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    let placed: usize = scene.instances.iter().map(|instance| scene.meshes[instance.mesh].triangles.len()).sum();
+    let placed: usize =
+        scene.instances.iter().map(|instance| scene.meshes[instance.mesh].triangles.len()).sum();
     writeln!(
         out,
         "  geometry   {} meshes with {stored} triangles, {} of them placed {} times: {placed} triangles; {} nodes, {} textures",
@@ -102,7 +103,8 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
     }
     for fog in &scene.fogs {
         let world = placements[fog.node].world_from_node;
-        let half_extents = world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
+        let half_extents =
+            world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
         writeln!(
             out,
             "    fog      `{}` within {:.3} to {:.3}: {:.4} /m, albedo {:.4}, g {:.3}",
@@ -133,7 +135,10 @@ fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
         skips.push("no lights: no shadow is looked for".to_owned());
     }
     if used.len() < scene.meshes.len() {
-        skips.push(format!("{} meshes that nothing places: no tree is built", scene.meshes.len() - used.len()));
+        skips.push(format!(
+            "{} meshes that nothing places: no tree is built",
+            scene.meshes.len() - used.len()
+        ));
     }
     if settings.passes.is_empty() {
         skips.push("no passes: beauty alone".to_owned());

@@ -1,0 +1,144 @@
+//! `sunfleck render`: an input becomes frames on the disk. Invariant: the run ends by saying where
+//! the frames are, how long they took and what was skipped.
+
+use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipArgument};
+use super::plan::Plan;
+use super::progress::{Progress, ProgressStyle};
+use super::{CliError, answer, tell};
+use crate::film::Frame;
+use crate::frame_file::Provenance;
+use crate::render;
+use crate::sequence::{self, Job, SequenceError, Skip};
+use crate::snapshot::{MeshTrees, Snapshot};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Previews are for looking at: as bright as the frame is.
+const PREVIEW_EXPOSURE_STOPS: f64 = 0.0;
+
+pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
+    let plan = Plan::new(arguments)?;
+    for warning in plan.warnings() {
+        tell(&warning);
+    }
+    if arguments.dry_run {
+        answer(&plan.to_string());
+        return Ok(());
+    }
+    let signal = catch_signals()?;
+    let threads = arguments.threads.unwrap_or(0) as usize;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
+    let progress = Progress::new(match arguments.progress {
+        ProgressArgument::Auto => ProgressStyle::auto(),
+        ProgressArgument::Plain => ProgressStyle::Plain,
+        ProgressArgument::Jsonl => ProgressStyle::JsonLines,
+        ProgressArgument::Openjd => ProgressStyle::OpenJd,
+        ProgressArgument::None => ProgressStyle::None,
+    });
+    let job = Job {
+        frames: &plan.frames,
+        output: &plan.output,
+        skip: match arguments.skip {
+            SkipArgument::Valid => Skip::Valid,
+            SkipArgument::Exists => Skip::Exists,
+            SkipArgument::None => Skip::None,
+        },
+        preview_exposure_stops: arguments.preview.map(|PreviewArgument::Png| PREVIEW_EXPOSURE_STOPS),
+        stop: &signal.stop,
+    };
+    let trees = MeshTrees::new(&plan.scene);
+    let mut still_frame: Option<Frame> = None;
+    let rendered = sequence::run(
+        job,
+        |frame| provenance(&plan, frame),
+        |frame, progress| -> Result<Frame, Stopped> {
+            if let Some(same) = &still_frame {
+                return Ok(same.clone());
+            }
+            let film = pool.install(|| {
+                let snapshot = plan.snapshot(&trees, frame);
+                render::render(&snapshot, &plan.job, progress, &signal.stop)
+            });
+            if signal.stop.load(Ordering::Relaxed) {
+                return Err(Stopped);
+            }
+            let picture = film.resolve();
+            // Where nothing moves, every frame is this one.
+            if plan.scene.is_still() {
+                still_frame = Some(picture.clone());
+            }
+            Ok(picture)
+        },
+        &|event| progress.report(&event),
+    );
+    let summary = rendered.map_err(CliError::from)?;
+    let number = signal.number.load(Ordering::Relaxed);
+    if summary.stopped && number > 0 {
+        return Err(CliError::Signal(number as u8));
+    }
+    Ok(())
+}
+
+impl Plan {
+    /// What the camera sees at a frame.
+    fn snapshot(&self, trees: &MeshTrees, frame: i64) -> Snapshot<'_> {
+        let size = self.job.size;
+        let aspect = size.width as f64 / size.height as f64;
+        Snapshot::new(&self.scene, trees, self.camera, aspect, self.shutter(frame))
+    }
+}
+
+fn provenance(plan: &Plan, frame: i64) -> Provenance {
+    let shutter = plan.shutter(frame);
+    Provenance {
+        frame,
+        frame_rate: plan.settings.frame_rate,
+        exposure_s: shutter.close_s - shutter.open_s,
+        camera_from_world: plan.view(frame).camera_from_world(),
+        scene_hash: plan.scene_hash.clone(),
+        settings_hash: plan.settings_hash.clone(),
+        seed: plan.job.seed,
+        samples: plan.job.samples,
+        owner: None,
+        comments: None,
+    }
+}
+
+/// A frame was given up because a signal came.
+#[derive(Debug, thiserror::Error)]
+#[error("stopped by a signal")]
+struct Stopped;
+
+/// Which signal came, if any.
+struct Signals {
+    stop: Arc<AtomicBool>,
+    number: Arc<AtomicUsize>,
+}
+
+fn catch_signals() -> Result<Signals, CliError> {
+    let signals = Signals { stop: Arc::default(), number: Arc::default() };
+    for signal in [SIGINT, SIGTERM] {
+        let number = Arc::clone(&signals.number);
+        signal_hook::flag::register_usize(signal, number, signal as usize)
+            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&signals.stop)))
+            .map_err(|error| CliError::InputOutput(format!("error: signals cannot be caught: {error}")))?;
+    }
+    Ok(signals)
+}
+
+impl From<SequenceError<Stopped>> for CliError {
+    fn from(error: SequenceError<Stopped>) -> Self {
+        match error {
+            SequenceError::Defective { .. } => Self::Frame(format!(
+                "error: {error}\n  expected: finite light everywhere\n  remedy: report this scene; `--crop` around the pixel shows it"
+            )),
+            SequenceError::Write { .. } | SequenceError::Render { .. } => {
+                Self::InputOutput(format!("error: {error}"))
+            }
+        }
+    }
+}
