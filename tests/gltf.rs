@@ -1,5 +1,5 @@
 //! glTF files from Blender 5.0.1 against Blender's own evaluation of the same scenes, and the
-//! reference scene against the numbers it was made from (tests/data/README.md).
+//! reference scene against the numbers it was made from (tests/data/blender/README.md).
 #![allow(clippy::unwrap_used)]
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -336,6 +336,49 @@ fn emission_above_one_keeps_its_strength() {
     let (scene, _) = load("blender/g_pbr.glb").unwrap();
     let material = scene.materials.iter().find(|material| material.name == "pbr_full").unwrap();
     assert_eq!(material.emission, DVec3::splat(12.5));
+}
+
+#[test]
+fn of_two_animations_of_one_property_the_last_is_played() {
+    let name = "blender/h_time_24_s1.glb";
+    let mut json = json_of(name);
+    let again = json["animations"][0].clone();
+    json["animations"].as_array_mut().unwrap().push(again);
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("scene.glb");
+    std::fs::write(&file, with_json(name, &json)).unwrap();
+    let (scene, _) = load(file.to_str().unwrap()).unwrap();
+    let remarks = scene.remarks.to_string();
+    assert!(
+        remarks.contains("several animations move the same property of a node, the last one is played: `b`"),
+        "{remarks}"
+    );
+}
+
+#[test]
+fn a_scene_without_a_camera_is_shown_whole() {
+    let name = "blender/b_leafcards.glb";
+    let mut json = json_of(name);
+    for node in json["nodes"].as_array_mut().unwrap() {
+        node.as_object_mut().unwrap().remove("camera");
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("scene.glb");
+    std::fs::write(&file, with_json(name, &json)).unwrap();
+    let (scene, settings) = load(file.to_str().unwrap()).unwrap();
+    assert!(scene.remarks.to_string().contains("export with cameras"), "{}", scene.remarks);
+    let placements = scene.placements(settings.frame_rate.seconds(*settings.frames.start() as f64));
+    let camera = &scene.cameras[0];
+    let Lens::Perspective { fov_y } = &camera.lens;
+    let slope = (fov_y.at(0.0) / 2.0).tan();
+    let camera_from_world = placements[camera.node].world_from_node.inverse();
+    for instance in &scene.instances {
+        let camera_from_mesh = camera_from_world * placements[instance.node].world_from_node;
+        for position in &scene.meshes[instance.mesh].positions {
+            let p = camera_from_mesh.transform_point3(position.as_dvec3());
+            assert!(p.z < 0.0 && p.x.abs().max(p.y.abs()) < -p.z * slope, "{p} is not in the picture");
+        }
+    }
 }
 
 fn json_of(name: &str) -> Value {

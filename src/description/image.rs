@@ -25,7 +25,11 @@ pub fn decode(bytes: &[u8], place: Place) -> Result<DecodedImage, Diagnostic> {
         .with_guessed_format()
         .map_err(|error| error.to_string())
         .and_then(|reader| reader.decode().map_err(|error| error.to_string()))
-        .map_err(|error| Diagnostic::error(place, format!("the image cannot be decoded: {error}")))?
+        .map_err(|error| {
+            Diagnostic::error(place, format!("the image cannot be decoded: {error}"))
+                .expected("a PNG, JPEG or PPM image")
+                .remedy("save the image again as PNG")
+        })?
         .to_rgba8();
     let linear = |code: u8| linear_from_srgb(f64::from(code) / 255.0) as f32;
     let texels =

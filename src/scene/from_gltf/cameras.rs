@@ -2,6 +2,7 @@
 
 use super::Builder;
 use super::extras::Sunfleck;
+use crate::description::gltf;
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Camera, Lens, Motion, Node, RenderSettings, Track};
 use glam::DVec3;
@@ -13,7 +14,7 @@ impl Builder<'_> {
     /// Adds a camera for every node of the scene that holds one, and lets the chosen one set the
     /// picture's shape if the file does not.
     pub(super) fn add_cameras(&mut self, sunfleck: &Sunfleck, settings: &mut RenderSettings) {
-        let mut aspects = Vec::new();
+        let mut seen_by = Vec::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
             let (Some(number), Some(camera)) = (self.node_numbers[index], node.camera) else { continue };
             let camera = &self.source.cameras[camera];
@@ -22,12 +23,13 @@ impl Builder<'_> {
                     .not_honoured("orthographic cameras are not yet honoured, they are left out", &node.name);
                 continue;
             };
-            aspects.push(perspective.aspect);
+            seen_by.push(camera);
             let lens = Lens::Perspective { fov_y: Track::from(perspective.fov_y) };
             self.scene.cameras.push(Camera { name: node.name.clone(), node: number, lens });
         }
-        let chosen = self.chosen_camera(settings);
-        if let Some(Some(aspect)) = aspects.get(chosen).filter(|_| sunfleck.resolution.is_none()) {
+        let chosen = self.chosen_camera(&seen_by, settings);
+        let aspect = seen_by.get(chosen).and_then(|camera| camera.perspective?.aspect);
+        if let Some(aspect) = aspect.filter(|_| sunfleck.resolution.is_none()) {
             settings.size.width = ((settings.size.height as f64 * aspect).round() as usize).clamp(1, 65536);
         }
         if self.scene.cameras.is_empty() {
@@ -35,21 +37,23 @@ impl Builder<'_> {
         }
     }
 
-    fn chosen_camera(&mut self, settings: &RenderSettings) -> usize {
+    /// The camera that the settings name, by its node or by itself, else the first.
+    fn chosen_camera(&mut self, seen_by: &[&gltf::Camera], settings: &mut RenderSettings) -> usize {
         let Some(name) = &settings.camera else { return 0 };
-        let found = self.scene.cameras.iter().position(|camera| camera.name == *name);
-        if found.is_none() {
-            let names: Vec<&str> = self.scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-            let expected = match names.is_empty() {
-                true => {
-                    String::from("a perspective camera of that name, exported (Blender: Include > Cameras)")
-                }
-                false => format!("one of: {}", names.join(", ")),
-            };
-            let path = format!("scenes[{}].extras.sunfleck.camera", self.source.scene);
-            self.report.error(path, format!("there is no camera `{name}`"), &expected);
+        let by_node = self.scene.cameras.iter().position(|camera| camera.name == *name);
+        if let Some(found) = by_node.or_else(|| seen_by.iter().position(|camera| camera.name == *name)) {
+            settings.camera = Some(self.scene.cameras[found].name.clone());
+            return found;
         }
-        found.unwrap_or(0)
+        let names: Vec<&str> = self.scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let expected = if names.is_empty() {
+            String::from("a perspective camera of that name, exported (Blender: Include > Cameras)")
+        } else {
+            format!("one of: {}", names.join(", "))
+        };
+        let path = format!("scenes[{}].extras.sunfleck.camera", self.source.scene);
+        self.report.error(path, format!("there is no camera `{name}`"), &expected);
+        0
     }
 
     fn add_default_camera(&mut self, settings: &RenderSettings) {

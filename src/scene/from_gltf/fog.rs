@@ -58,13 +58,6 @@ impl Builder<'_> {
             );
         }
         let half_size = (b - a).abs() / 2.0;
-        if half_size.min_element() <= 0.0 {
-            self.report.error(
-                format!("{path}.bounds"),
-                "the fog's box has no volume",
-                "two opposite corners",
-            );
-        }
         let world_from_cube =
             DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, (a + b) / 2.0);
         let node = self.scene.nodes.len();
@@ -84,6 +77,11 @@ impl Builder<'_> {
         }
         if fog.base_height.is_some_and(|height| height != 0.0) {
             self.report.not_honoured("fog's base height is not yet honoured", name);
+        }
+        if let Motion::Still(parent_from_cube) = &self.scene.nodes[node].motion
+            && parent_from_cube.matrix3.determinant() == 0.0
+        {
+            self.report.error(path, "the fog's box has no volume", "a scale other than 0 along every axis");
         }
         let density_per_m = Rgb::from(fog.density);
         let albedo = Rgb::from(fog.albedo);
