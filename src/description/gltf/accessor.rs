@@ -258,3 +258,78 @@ struct Source<'b> {
     stride: Option<usize>,
     component: Component,
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::report::Report;
+    use super::super::{Files, buffers};
+    use super::*;
+    use std::path::Path;
+
+    const ANY: &[Component] =
+        &[Component::I8, Component::U8, Component::I16, Component::U16, Component::U32, Component::F32];
+
+    /// The numbers of accessor 0 of a document with one buffer.
+    fn read(bytes: &[u8], views: &str, accessor: &str, width: usize) -> Result<Vec<f64>, Diagnostic> {
+        let json = format!(
+            r#"{{"buffers": [{{"byteLength": {}}}], "bufferViews": {views}, "accessors": [{accessor}]}}"#,
+            bytes.len()
+        );
+        let document: Document = serde_json::from_str(&json).unwrap();
+        let file = Path::new("test.glb");
+        let mut report = Report::new(file);
+        let buffers =
+            buffers::load(&document, Some(bytes), file, &mut Files::default(), &mut report).unwrap();
+        Accessors::new(&document, &buffers).read(
+            0,
+            Wanted { purpose: "numbers", width, components: ANY },
+            "test",
+        )
+    }
+
+    #[test]
+    fn interleaved_elements_are_read_at_their_stride() {
+        let bytes = [1, 2, 99, 3, 4, 99, 5, 6];
+        let views = r#"[{"buffer": 0, "byteLength": 8, "byteStride": 3}]"#;
+        let accessor = r#"{"bufferView": 0, "componentType": 5121, "count": 3, "type": "VEC2"}"#;
+        assert_eq!(read(&bytes, views, accessor, 2).unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    }
+
+    #[test]
+    fn normalised_integers_reach_from_minus_one_to_one() {
+        let views = r#"[{"buffer": 0, "byteLength": 4}]"#;
+        let numbers = |kind: u32, count: u32, bytes: [u8; 4]| {
+            let accessor = format!(
+                r#"{{"bufferView": 0, "componentType": {kind}, "normalized": true, "count": {count}, "type": "SCALAR"}}"#
+            );
+            read(&bytes, views, &accessor, 1).unwrap()
+        };
+        assert_eq!(numbers(5120, 4, [0x80, 0x81, 0, 0x7f]), [-1.0, -1.0, 0.0, 1.0]);
+        assert_eq!(numbers(5121, 2, [0, 255, 0, 0]), [0.0, 1.0]);
+        assert_eq!(numbers(5122, 2, [0x00, 0x80, 0xff, 0x7f]), [-1.0, 1.0]);
+        assert_eq!(numbers(5123, 2, [0, 0, 0xff, 0xff]), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn sparse_elements_replace_those_of_the_base() {
+        let bytes = [1, 2, 0, 0, 0, 0, 96, 64];
+        let views = r#"[{"buffer": 0, "byteLength": 4}, {"buffer": 0, "byteOffset": 4, "byteLength": 4}]"#;
+        let accessor = r#"{"componentType": 5126, "count": 3, "type": "SCALAR",
+            "sparse": {"count": 1, "indices": {"bufferView": 0, "byteOffset": 1, "componentType": 5121},
+                       "values": {"bufferView": 1}}}"#;
+        assert_eq!(read(&bytes, views, accessor, 1).unwrap(), [0.0, 0.0, 3.5]);
+    }
+
+    #[test]
+    fn the_last_element_may_end_with_the_view_and_no_later() {
+        let views = r#"[{"buffer": 0, "byteLength": 4}]"#;
+        let accessor = |offset: u32| {
+            format!(
+                r#"{{"bufferView": 0, "byteOffset": {offset}, "componentType": 5123, "count": 1, "type": "SCALAR"}}"#
+            )
+        };
+        assert!(read(&[0; 4], views, &accessor(2), 1).is_ok());
+        assert!(read(&[0; 4], views, &accessor(3), 1).is_err());
+    }
+}

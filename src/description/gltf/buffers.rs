@@ -83,6 +83,9 @@ pub(super) fn fetch<'a>(
     let Some(name) = percent_decoded(uri) else {
         return Ok(Err(format!("`{uri}` is not a valid URI")));
     };
+    if Path::new(&name).has_root() {
+        return Ok(Err(format!("`{uri}` is not a file beside this one")));
+    }
     let path = file.parent().unwrap_or(Path::new("")).join(name);
     files.read(&path, Some(referrer)).map(|bytes| Ok(Cow::Owned(bytes)))
 }
@@ -148,5 +151,36 @@ impl Buffers<'_> {
 
     pub(super) fn invalid(&self, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
         invalid(self.file, path, found).remedy("export the file again")
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_with_spaces_and_umlauts_are_found() {
+        assert_eq!(percent_decoded("oak%20leaf.png").unwrap(), "oak leaf.png");
+        assert_eq!(percent_decoded("Bl%C3%A4tter.bin").unwrap(), "Bl\u{e4}tter.bin");
+        assert_eq!(percent_decoded("oak leaf.png").unwrap(), "oak leaf.png");
+        for damaged in ["%", "%2", "%zz", "%ff", "%00"] {
+            assert_eq!(percent_decoded(damaged), None, "{damaged}");
+        }
+    }
+
+    #[test]
+    fn data_uris_are_decoded() {
+        assert_eq!(data_uri("image/png;base64,AQID").unwrap(), [1, 2, 3]);
+        assert_eq!(data_uri(";base64,").unwrap(), []);
+        assert!(data_uri("text/plain,leaf").is_err());
+    }
+
+    #[test]
+    fn files_elsewhere_are_not_opened() {
+        for uri in ["/dev/zero", "file:///dev/zero", "https://example.org/leaf.bin"] {
+            let fetched = fetch(uri, Path::new("leaf.gltf"), &mut Files::default(), "").unwrap();
+            assert!(fetched.is_err(), "{uri}");
+        }
     }
 }

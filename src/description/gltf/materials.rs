@@ -12,6 +12,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Most texels that the textures of one file may have together; 2 GiB once decoded.
+const MAX_TEXELS: usize = 1 << 27;
+
 /// All materials, and the base colour textures of those that a mesh uses.
 pub(super) fn read(
     document: &Document,
@@ -26,7 +29,7 @@ pub(super) fn read(
             *used = true;
         }
     }
-    let mut textures = Vec::new();
+    let mut textures: Vec<Texture> = Vec::new();
     let mut texture_numbers = BTreeMap::new();
     let mut materials = Vec::with_capacity(document.materials.len());
     for (index, material) in document.materials.iter().enumerate() {
@@ -37,6 +40,11 @@ pub(super) fn read(
                 let user = format!("materials[{index}].pbrMetallicRoughness.baseColorTexture.index");
                 if !texture_numbers.contains_key(&info.index) {
                     let texture = read_texture(document, info.index, &user, buffers, file, files, report)?;
+                    let texels = textures.iter().map(|texture| texture.image.texels.len()).sum::<usize>();
+                    if texels > MAX_TEXELS {
+                        report.error(user, "the textures are too large together", "2^27 texels in all");
+                        break;
+                    }
                     let number = report.keep(texture).map(|texture| {
                         textures.push(texture);
                         textures.len() - 1

@@ -1,0 +1,96 @@
+//! Cameras. Invariant: there is at least one; a file without gets one that shows the whole scene.
+
+use super::Builder;
+use super::extras::Sunfleck;
+use crate::description::gltf;
+use crate::diagnostic::Diagnostic;
+use crate::scene::{Camera, Lens, Motion, Node, RenderSettings, Track};
+use glam::DVec3;
+
+/// Vertical field of view of a camera of our own making, radians.
+const DEFAULT_FOV_Y: f64 = 0.7;
+
+impl Builder<'_> {
+    /// Adds a camera for every node of the scene that holds one, and lets the chosen one set the
+    /// picture's shape if the file does not.
+    pub(super) fn add_cameras(&mut self, sunfleck: &Sunfleck, settings: &mut RenderSettings) {
+        let mut seen_by = Vec::new();
+        for (index, node) in self.source.nodes.iter().enumerate() {
+            let (Some(number), Some(camera)) = (self.node_numbers[index], node.camera) else { continue };
+            let camera = &self.source.cameras[camera];
+            let Some(perspective) = camera.perspective else {
+                self.report
+                    .not_honoured("orthographic cameras are not yet honoured, they are left out", &node.name);
+                continue;
+            };
+            seen_by.push(camera);
+            let lens = Lens::Perspective { fov_y: Track::from(perspective.fov_y) };
+            self.scene.cameras.push(Camera { name: node.name.clone(), node: number, lens });
+        }
+        let chosen = self.chosen_camera(&seen_by, settings);
+        let aspect = seen_by.get(chosen).and_then(|camera| camera.perspective?.aspect);
+        if let Some(aspect) = aspect.filter(|_| sunfleck.resolution.is_none()) {
+            settings.size.width = ((settings.size.height as f64 * aspect).round() as usize).clamp(1, 65536);
+        }
+        if self.scene.cameras.is_empty() {
+            self.add_default_camera(settings);
+        }
+    }
+
+    /// The camera that the settings name, by its node or by itself, else the first.
+    fn chosen_camera(&mut self, seen_by: &[&gltf::Camera], settings: &mut RenderSettings) -> usize {
+        let Some(name) = &settings.camera else { return 0 };
+        let by_node = self.scene.cameras.iter().position(|camera| camera.name == *name);
+        if let Some(found) = by_node.or_else(|| seen_by.iter().position(|camera| camera.name == *name)) {
+            settings.camera = Some(self.scene.cameras[found].name.clone());
+            return found;
+        }
+        let names: Vec<&str> = self.scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let expected = if names.is_empty() {
+            String::from("a perspective camera of that name, exported (Blender: Include > Cameras)")
+        } else {
+            format!("one of: {}", names.join(", "))
+        };
+        let path = format!("scenes[{}].extras.sunfleck.camera", self.source.scene);
+        self.report.error(path, format!("there is no camera `{name}`"), &expected);
+        0
+    }
+
+    fn add_default_camera(&mut self, settings: &RenderSettings) {
+        let time_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
+        let placements = self.scene.placements(time_s);
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for instance in &self.scene.instances {
+            let world_from_node = placements[instance.node].world_from_node;
+            for position in &self.scene.meshes[instance.mesh].positions {
+                let position = world_from_node.transform_point3(position.as_dvec3());
+                if position.is_finite() {
+                    (low, high) = (low.min(position), high.max(position));
+                }
+            }
+        }
+        let (center, radius) = if low.x <= high.x {
+            ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3))
+        } else {
+            (DVec3::ZERO, 1.0)
+        };
+        let distance = radius / (DEFAULT_FOV_Y / 2.0).sin();
+        let position = center + DVec3::new(0.0, 0.3, 1.0).normalize() * distance;
+        let node = self.scene.nodes.len();
+        self.scene.nodes.push(Node {
+            name: String::from("camera"),
+            parent: None,
+            motion: Motion::Aimed { position: position.into(), target: center.into(), up: DVec3::Y },
+            visible: Track::from(true),
+        });
+        let lens = Lens::Perspective { fov_y: Track::from(DEFAULT_FOV_Y) };
+        self.scene.cameras.push(Camera { name: String::from("camera"), node, lens });
+        self.report.push(
+            Diagnostic::warning(
+                self.report.at("cameras"),
+                "the scene has no perspective camera, one that shows all of it is made up",
+            )
+            .remedy("export with cameras (Blender: Include > Cameras; off by default)"),
+        );
+    }
+}

@@ -1,0 +1,197 @@
+//! Frames, rate and size, and the true times of keys. Invariant: a key that Blender set on a whole
+//! frame gets exactly that frame's time.
+
+use super::extras::Sunfleck;
+use crate::description::gltf::GltfScene;
+use crate::description::gltf::report::Report;
+use crate::diagnostic::Diagnostic;
+use crate::scene::{FrameRate, RenderSettings, Size};
+
+/// Frames a second of a file that does not say.
+const DEFAULT_FPS: u32 = 24;
+/// Frame rates as near to a fraction as this are that fraction: Blender stores them in single precision.
+const RATE_TOLERANCE: f64 = 1e-6;
+/// Largest frame number, so that frame times keep sub-frame digits in single precision.
+const MAX_FRAME: f64 = 1e7;
+
+/// Turns key times of the file into true seconds.
+pub(super) struct Clock {
+    frame_rate: FrameRate,
+    /// Frames a second by which the exporter divided, if that was the wrong number.
+    exporter_fps: Option<f64>,
+}
+
+impl Clock {
+    /// The true time of a key, seconds.
+    pub(super) fn seconds(&self, key_time_s: f32) -> f64 {
+        let time_s = f64::from(key_time_s);
+        let Some(exporter_fps) = self.exporter_fps else { return time_s };
+        let frame = time_s * exporter_fps;
+        let whole = frame.round();
+        let rounding = 4.0 * f64::from(f32::EPSILON) * whole.abs();
+        self.frame_rate.seconds(if (frame - whole).abs() <= rounding { whole } else { frame })
+    }
+}
+
+/// How the file wants to be rendered.
+pub(super) fn settings(
+    source: &GltfScene,
+    sunfleck: &Sunfleck,
+    report: &mut Report,
+) -> (RenderSettings, Clock) {
+    let at = |name: &str| format!("scenes[{}].extras.sunfleck.{name}", source.scene);
+    let mut settings = RenderSettings { camera: sunfleck.camera.clone(), ..RenderSettings::default() };
+    if let Some(stem) = source.path.file_stem() {
+        settings.name = stem.to_string_lossy().into_owned();
+    }
+
+    let fps_base = sunfleck.fps_base.unwrap_or(1.0);
+    let mut exporter_fps = None;
+    match sunfleck.fps {
+        Some(fps) => match frame_rate(fps / fps_base) {
+            Some(rate) if fps_base > 0.0 => {
+                settings.frame_rate = rate;
+                let by_blender = source.generator.contains("Blender");
+                if fps_base != 1.0 && by_blender && !source.channels.is_empty() {
+                    exporter_fps = Some(fps * fps_base);
+                    report.push(Diagnostic::note(
+                        report.at(at("fps_base")),
+                        "Blender's exporter multiplies by fps_base where it should divide: key times are put right",
+                    ));
+                }
+            }
+            _ => report.error(
+                at("fps"),
+                format!("{fps} over {fps_base} is no frame rate"),
+                "two numbers above 0",
+            ),
+        },
+        None => report.push(
+            Diagnostic::note(
+                report.at(format!("scenes[{}].extras", source.scene)),
+                format!("the file does not say its frame rate, {DEFAULT_FPS} frames a second are assumed"),
+            )
+            .remedy("give --fps, or the scene in Blender a custom property `sunfleck` with fps and fps_base"),
+        ),
+    }
+    let clock = Clock { frame_rate: settings.frame_rate, exporter_fps };
+
+    let (first, last) = animated_frames(source, &clock);
+    let mut whole = |name: &str, value: f64, min: f64, max: f64| {
+        let fits = value.fract() == 0.0 && value >= min && value <= max;
+        if !fits {
+            report.error(
+                at(name),
+                format!("{value} is not usable"),
+                &format!("a whole number from {min} to {max}"),
+            );
+        }
+        if fits { value } else { min }
+    };
+    let start = whole("frame_start", sunfleck.frame_start.unwrap_or(first), -MAX_FRAME, MAX_FRAME);
+    let end = whole("frame_end", sunfleck.frame_end.unwrap_or(last.max(start)), -MAX_FRAME, MAX_FRAME);
+    if let Some(samples) = sunfleck.samples {
+        settings.samples = whole("samples", samples, 1.0, 1e6) as u32;
+    }
+    if let Some([width, height]) = sunfleck.resolution {
+        let side = |side| whole("resolution", side, 1.0, 65536.0) as usize;
+        let [width, height] = [width, height].map(side);
+        settings.size = Size { width, height };
+    }
+    if end < start {
+        report.error(at("frame_end"), format!("frame {end} comes before frame {start}"), "the last frame");
+    }
+    settings.frames = start as i64..=end as i64;
+    read_shutter(sunfleck, &mut settings, at, report);
+    (settings, clock)
+}
+
+fn read_shutter(
+    sunfleck: &Sunfleck,
+    settings: &mut RenderSettings,
+    at: impl Fn(&str) -> String,
+    report: &mut Report,
+) {
+    let Some(shutter) = sunfleck.shutter else { return };
+    if !(0.0..=1000.0).contains(&shutter) {
+        report.error(at("shutter"), format!("the shutter is open for {shutter} frames"), "0 to 1000 frames");
+        return;
+    }
+    settings.shutter = shutter;
+    if sunfleck.shutter_offset.is_some_and(|offset| (offset + 0.5 * shutter).abs() > 1e-6) {
+        report.not_honoured(
+            "a shutter that is not centred on the frame is not honoured, it is centred",
+            "sunfleck.shutter_offset",
+        );
+    }
+}
+
+/// First and last frame that a key is on; frame 1 if nothing moves.
+fn animated_frames(source: &GltfScene, clock: &Clock) -> (f64, f64) {
+    let rate = f64::from(clock.frame_rate.numerator) / f64::from(clock.frame_rate.denominator);
+    let mut frames = source
+        .channels
+        .iter()
+        .filter(|channel| channel.times_s.len() > 1)
+        .flat_map(|channel| channel.times_s.first().into_iter().chain(channel.times_s.last()))
+        .map(|&time_s| (clock.seconds(time_s) * rate).round());
+    let Some(any) = frames.next() else { return (1.0, 1.0) };
+    frames.fold((any, any), |(first, last), frame| (first.min(frame), last.max(frame)))
+}
+
+/// The fraction that is meant by a number of frames a second: whole, a broadcast rate (a multiple of
+/// 1000/1001), or the simplest.
+fn frame_rate(fps: f64) -> Option<FrameRate> {
+    if !(fps.is_finite() && fps > 1e-3 && fps < 1e6) {
+        return None;
+    }
+    let near =
+        |numerator: f64, denominator: f64| (numerator / denominator / fps - 1.0).abs() < RATE_TOLERANCE;
+    let broadcast = (fps * 1.001).round() * 1000.0;
+    let (numerator, denominator) = if near(fps.round(), 1.0) {
+        (fps.round(), 1.0)
+    } else if near(broadcast, 1001.0) {
+        (broadcast, 1001.0)
+    } else {
+        (2..=1000)
+            .map(f64::from)
+            .map(|denominator| ((fps * denominator).round(), denominator))
+            .find(|&(numerator, denominator)| near(numerator, denominator))
+            .unwrap_or(((fps * 1000.0).round(), 1000.0))
+    };
+    (numerator >= 1.0).then_some(FrameRate { numerator: numerator as u32, denominator: denominator as u32 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_rates_are_the_fractions_that_are_meant() {
+        let cases = [
+            (24.0, (24, 1)),
+            (24.0 / f64::from(1.001_f32), (24000, 1001)),
+            (29.97, (2997, 100)),
+            (60.0 / 1.001, (60000, 1001)),
+            (12.5, (25, 2)),
+            (0.5, (1, 2)),
+        ];
+        for (fps, (numerator, denominator)) in cases {
+            assert_eq!(frame_rate(fps), Some(FrameRate { numerator, denominator }), "{fps}");
+        }
+        for fps in [0.0, -24.0, f64::NAN, f64::INFINITY, 1e9] {
+            assert_eq!(frame_rate(fps), None, "{fps}");
+        }
+    }
+
+    #[test]
+    fn keys_on_whole_frames_get_the_frames_own_time() {
+        let frame_rate = FrameRate { numerator: 24000, denominator: 1001 };
+        let base = f64::from(1.001_f32);
+        let clock = Clock { frame_rate, exporter_fps: Some(24.0 * base) };
+        for frame in (0..100_000).step_by(37) {
+            let frame = f64::from(frame);
+            assert_eq!(clock.seconds((frame / (24.0 * base)) as f32), frame_rate.seconds(frame));
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The custom properties through which a Blender scene says what glTF cannot. Invariant: a property
+//! named `sunfleck...` is honoured, reported or refused, never passed over in silence.
+
+use super::Builder;
+use crate::color::Rgb;
+use crate::description::gltf::GltfScene;
+use crate::description::gltf::report::Report;
+use crate::diagnostic::Diagnostic;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// What the scene's extras say.
+pub(super) struct SceneExtras {
+    pub(super) sunfleck: Sunfleck,
+    pub(super) fog: Option<Fog>,
+    pub(super) background: Rgb,
+}
+
+/// `sunfleck`: how the scene is to be rendered.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Sunfleck {
+    pub(super) version: Option<f64>,
+    pub(super) fps: Option<f64>,
+    pub(super) fps_base: Option<f64>,
+    pub(super) frame_start: Option<f64>,
+    pub(super) frame_end: Option<f64>,
+    pub(super) resolution: Option<[f64; 2]>,
+    pub(super) camera: Option<String>,
+    pub(super) light_units: Option<String>,
+    pub(super) samples: Option<f64>,
+    /// In frames.
+    pub(super) shutter: Option<f64>,
+    /// From the frame to the opening of the shutter, in frames.
+    pub(super) shutter_offset: Option<f64>,
+    pub(super) unit_scale: Option<f64>,
+    #[serde(flatten)]
+    unknown: BTreeMap<String, Value>,
+}
+
+/// `sunfleck_fog` of a scene or `sunfleck_fog_volume` of a node.
+#[derive(Debug, Deserialize)]
+pub(super) struct Fog {
+    pub(super) shape: Option<String>,
+    pub(super) density: Channels,
+    #[serde(default = "white")]
+    pub(super) albedo: Channels,
+    #[serde(default)]
+    pub(super) anisotropy: f64,
+    /// 1/m.
+    pub(super) height_falloff: Option<f64>,
+    pub(super) base_height: Option<f64>,
+    /// Two opposite corners of a box in glTF's space.
+    pub(super) bounds: Option<[[f64; 3]; 2]>,
+    #[serde(flatten)]
+    pub(super) unknown: BTreeMap<String, Value>,
+}
+
+/// One number for all colour channels, or one for each.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "expected a number, or three for red, green and blue")]
+pub(super) enum Channels {
+    Same(f64),
+    Each([f64; 3]),
+}
+
+impl From<Channels> for Rgb {
+    fn from(channels: Channels) -> Self {
+        match channels {
+            Channels::Same(value) => Self::splat(value),
+            Channels::Each(values) => Self::from(values),
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+struct Environment {
+    color: [f64; 3],
+    #[serde(default = "one")]
+    strength: f64,
+}
+
+fn white() -> Channels {
+    Channels::Same(1.0)
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// The property `key` among `extras`, which stand at `path`; what is malformed is reported.
+pub(super) fn read<T: DeserializeOwned>(
+    extras: &Value,
+    key: &str,
+    path: &str,
+    report: &mut Report,
+) -> Option<T> {
+    let value = extras.get(key)?;
+    let path = format!("{path}.extras.{key}");
+    let read = serde_path_to_error::deserialize(value).map_err(|error| {
+        let at = match error.path().to_string() {
+            whole if whole == "." => path,
+            part => format!("{path}.{part}"),
+        };
+        Diagnostic::error(report.at(at), error.into_inner().to_string())
+            .remedy("correct this custom property and export the file again")
+    });
+    report.keep(read)
+}
+
+/// Everything that the scene's own extras say.
+pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtras {
+    let path = format!("scenes[{}]", source.scene);
+    let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
+    for name in sunfleck.unknown.keys() {
+        report.not_honoured(
+            "unknown fields of sunfleck's properties are passed over",
+            &format!("sunfleck.{name}"),
+        );
+    }
+    if sunfleck.version.is_some_and(|version| version != 1.0) {
+        report.error(format!("{path}.extras.sunfleck.version"), "this version is not known", "version 1");
+    }
+    if sunfleck.unit_scale.is_some_and(|scale| scale != 1.0) {
+        report.not_honoured(
+            "Blender's unit scale does not reach glTF, one unit is taken as one metre",
+            "sunfleck.unit_scale",
+        );
+    }
+    let fog: Option<Fog> = read(&source.extras, "sunfleck_fog", &path, report);
+    let environment: Option<Environment> = read(&source.extras, "sunfleck_env", &path, report);
+    let background = environment.map_or(Rgb::ZERO, |env| Rgb::from(env.color) * env.strength);
+    if background.min_element() < 0.0 || !background.is_finite() {
+        report.error(
+            format!("{path}.extras.sunfleck_env"),
+            format!("the background's radiance is {background}"),
+            "a color and a strength of at least 0",
+        );
+    }
+    report_unknown(&source.extras, &["sunfleck", "sunfleck_fog", "sunfleck_env"], "the scene", report);
+    SceneExtras { sunfleck, fog, background }
+}
+
+/// Says which properties whose name starts as ours do are none that we know.
+fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Report) {
+    let names = extras.as_object().into_iter().flat_map(|map| map.keys());
+    for name in names.filter(|name| name.starts_with("sunfleck") && !known.contains(&name.as_str())) {
+        report.not_honoured("unknown properties are passed over", &format!("{name}` of `{owner}"));
+    }
+}
+
+impl Builder<'_> {
+    /// Says which properties of nodes, cameras and materials are known and not yet honoured.
+    pub(super) fn report_other_extras(&mut self) {
+        let known =
+            ["sunfleck_fog_volume", "sunfleck_light", "sunfleck_camera", "sunfleck_leaf", "sunfleck_ctl"];
+        let nodes = self.source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
+        for (node, _) in nodes {
+            report_unknown(&node.extras, &known, &node.name, &mut self.report);
+            if node.extras.get("sunfleck_ctl").is_some() {
+                self.report.not_honoured(
+                    "values keyed through `sunfleck_ctl` are not yet honoured, they keep still",
+                    &node.name,
+                );
+            }
+        }
+        for camera in &self.source.cameras {
+            report_unknown(&camera.extras, &known, &camera.name, &mut self.report);
+            let depth_of_field = camera.extras.get("sunfleck_camera").and_then(|extras| extras.get("fstop"));
+            if depth_of_field.is_some() {
+                self.report.not_honoured(
+                    "`sunfleck_camera` is not yet honoured, the camera is a pinhole without shift",
+                    &camera.name,
+                );
+            }
+        }
+        for material in &self.source.materials {
+            report_unknown(&material.extras, &known, &material.name, &mut self.report);
+            if material.extras.get("sunfleck_leaf").is_some() {
+                self.report.not_honoured(
+                    "`sunfleck_leaf` is not yet honoured, no light shines through these materials",
+                    &material.name,
+                );
+            }
+        }
+    }
+}

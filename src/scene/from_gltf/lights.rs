@@ -1,0 +1,108 @@
+//! Lights, in radiometric units whatever the file has. Invariant: one W/m^2 or W/sr stands for 683
+//! lux or candela, the convention of Blender's exporter.
+
+use super::Builder;
+use super::extras;
+use crate::color::Rgb;
+use crate::description::gltf;
+use crate::diagnostic::Diagnostic;
+use crate::scene::{Light, LightKind, LightUnits, NodeIndex, Track};
+use serde_json::Value;
+use std::f64::consts::PI;
+
+/// Luminous efficacy of 555 nm light, lm/W, which Blender's exporter applies to all light.
+const LUMENS_PER_WATT: f64 = 683.0;
+
+impl Builder<'_> {
+    /// Adds a light for every node of the scene that holds one.
+    pub(super) fn add_lights(&mut self, asked: Option<LightUnits>, in_extras: Option<&str>) {
+        let units = asked.or_else(|| self.light_units(in_extras)).unwrap_or(LightUnits::Spec);
+        let mut any = false;
+        for (index, node) in self.source.nodes.iter().enumerate() {
+            let Some(number) = self.node_numbers[index] else { continue };
+            self.report_light_extras(index, node);
+            if let Some(light) = node.light {
+                any = true;
+                self.add_light(&self.source.lights[light], number, units);
+            }
+        }
+        if any && asked.is_none() && in_extras.is_none() {
+            self.report.push(
+                Diagnostic::note(
+                    self.report.at("extensions.KHR_lights_punctual"),
+                    "the file does not say its light units, lux and candela are assumed",
+                )
+                .remedy("give --light-units, or the scene's custom property `sunfleck` a field light_units"),
+            );
+        }
+    }
+
+    fn light_units(&mut self, in_extras: Option<&str>) -> Option<LightUnits> {
+        Some(match in_extras? {
+            "spec" => LightUnits::Spec,
+            "compat" => LightUnits::Compat,
+            "raw" => LightUnits::Raw,
+            other => {
+                let path = format!("scenes[{}].extras.sunfleck.light_units", self.source.scene);
+                self.report.error(path, format!("`{other}` are no light units"), "spec, compat or raw");
+                return None;
+            }
+        })
+    }
+
+    fn add_light(&mut self, light: &gltf::Light, node: NodeIndex, units: LightUnits) {
+        if light.range_m.is_some() {
+            self.report.not_honoured("a light's range is not honoured, it shines without limit", &light.name);
+        }
+        let power: Rgb = light.color * (light.intensity * watts_per_unit(units, light.kind));
+        if !power.is_finite() {
+            let path = String::from("extensions.KHR_lights_punctual.lights");
+            self.report.error(path, format!("`{}` is infinitely bright", light.name), "a finite intensity");
+        }
+        let kind = match light.kind {
+            gltf::LightKind::Directional => LightKind::Sun,
+            gltf::LightKind::Point => LightKind::Point,
+            gltf::LightKind::Spot { inner_angle, outer_angle } => LightKind::Spot {
+                outer_angle: Track::from(outer_angle),
+                blend: Track::from(1.0 - inner_angle / outer_angle),
+            },
+        };
+        let name = self.scene.nodes[node].name.clone();
+        self.scene.lights.push(Light { name, node, power: Track::from(power), kind });
+    }
+
+    fn report_light_extras(&mut self, index: usize, node: &gltf::Node) {
+        let path = format!("nodes[{index}]");
+        let Some(extras) = extras::read::<Value>(&node.extras, "sunfleck_light", &path, &mut self.report)
+        else {
+            return;
+        };
+        let size = |name: &str| extras.get(name).and_then(Value::as_f64).is_some_and(|size| size > 0.0);
+        let asked = [
+            (
+                extras.get("type").is_some_and(|kind| kind == "area"),
+                "area lights are not yet honoured, they are left out",
+            ),
+            (size("angle"), "a sun's angle is not yet honoured, its light is parallel"),
+            (size("radius"), "a light's radius is not yet honoured, it is a point"),
+            (
+                extras.get("casts_shafts").is_some_and(|casts| casts == false),
+                "lights that cast no shafts are not honoured, they cast them",
+            ),
+        ];
+        for (_, message) in asked.iter().filter(|(asked, _)| *asked) {
+            self.report.not_honoured(message, &node.name);
+        }
+    }
+}
+
+/// What one unit of a light's intensity is in W/m^2 (sun) or W/sr (point, spot). Blender's exporter
+/// writes, for a sun of S W/m^2 and a lamp of P W: spec 683 S and 683 P / 4 pi, compat S and P / 4 pi,
+/// raw S and P.
+fn watts_per_unit(units: LightUnits, kind: gltf::LightKind) -> f64 {
+    match (units, kind) {
+        (LightUnits::Spec, _) => LUMENS_PER_WATT.recip(),
+        (LightUnits::Compat, _) | (LightUnits::Raw, gltf::LightKind::Directional) => 1.0,
+        (LightUnits::Raw, _) => (4.0 * PI).recip(),
+    }
+}

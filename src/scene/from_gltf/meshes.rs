@@ -1,0 +1,125 @@
+//! Meshes and their instances. Invariant: a mesh is converted once, however many nodes show it, and
+//! every instance has its own leaf id unless the author gave two the same.
+
+use super::Builder;
+use crate::description::gltf::{self, Primitive};
+use crate::diagnostic::Diagnostic;
+use crate::scene::{Instance, Mesh, MeshIndex, Motion, Node, NodeIndex, Track, Triangle};
+use glam::Vec2;
+
+impl Builder<'_> {
+    /// Adds an instance for every node of the scene that shows a mesh, and those meshes.
+    pub(super) fn add_meshes_and_instances(&mut self) {
+        let mut converted: Vec<Option<Vec<MeshIndex>>> = vec![None; self.source.meshes.len()];
+        let mut material_used = vec![false; self.source.materials.len()];
+        let mut shown = Vec::new();
+        for (index, node) in self.source.nodes.iter().enumerate() {
+            let (Some(number), Some(mesh)) = (self.node_numbers[index], node.mesh) else { continue };
+            // The mesh of a fog volume only shows its author where the fog is.
+            if node.extras.get("sunfleck_fog_volume").is_some() {
+                continue;
+            }
+            if converted[mesh].is_none() {
+                let mesh_source = &self.source.meshes[mesh];
+                for material in mesh_source.primitives.iter().filter_map(|primitive| primitive.material) {
+                    material_used[material] = true;
+                }
+                converted[mesh] = Some(self.add_mesh(mesh_source));
+            }
+            let place = if node.skinned { self.bind_pose_node() } else { number };
+            shown.push((index, place, mesh));
+        }
+        for (material, _) in self.source.materials.iter().zip(material_used).filter(|(_, used)| *used) {
+            self.report_material(material);
+        }
+        let leaf_ids = self.leaf_ids(&shown.iter().map(|&(node, ..)| node).collect::<Vec<_>>());
+        for ((_, node, mesh), leaf_id) in shown.into_iter().zip(leaf_ids) {
+            let meshes = converted[mesh].iter().flatten();
+            let instance = |&mesh| Instance { node, mesh, material: None, leaf_id };
+            self.scene.instances.extend(meshes.map(instance));
+        }
+    }
+
+    /// Adds a mesh: one of ours for the primitives that have normals, one for those that have none.
+    fn add_mesh(&mut self, source: &gltf::Mesh) -> Vec<MeshIndex> {
+        let (smooth, flat): (Vec<_>, Vec<_>) =
+            source.primitives.iter().partition(|primitive| !primitive.normals.is_empty());
+        let mut added = Vec::new();
+        for primitives in [smooth, flat].iter().filter(|primitives| !primitives.is_empty()) {
+            let mesh = self.merged(&source.name, primitives);
+            added.push(self.scene.meshes.len());
+            self.scene.meshes.push(mesh);
+        }
+        if added.is_empty() {
+            self.report.not_honoured("meshes without triangles are left out", &source.name);
+        }
+        added
+    }
+
+    fn merged(&mut self, name: &str, primitives: &[&Primitive]) -> Mesh {
+        let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
+        let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
+        for primitive in primitives {
+            let first = mesh.positions.len() as u32;
+            let material = self.material_of(primitive.material);
+            mesh.positions.extend(&primitive.positions);
+            mesh.normals.extend(&primitive.normals);
+            if textured {
+                mesh.uvs.extend(&primitive.uvs);
+                mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
+            }
+            let triangle = |corners: &[u32; 3]| Triangle { vertices: corners.map(|v| first + v), material };
+            mesh.triangles.extend(primitive.triangles.iter().map(triangle));
+        }
+        mesh
+    }
+
+    /// A node at the scene's origin: a skinned mesh ignores its own node's place (specification,
+    /// 3.7.3.1), and in the bind pose its skeleton leaves it where its vertices say.
+    fn bind_pose_node(&mut self) -> NodeIndex {
+        if let Some(node) = self.bind_pose {
+            return node;
+        }
+        let node = self.scene.nodes.len();
+        self.scene.nodes.push(Node {
+            name: String::from("bind pose"),
+            parent: None,
+            motion: Motion::STILL,
+            visible: Track::from(true),
+        });
+        self.bind_pose = Some(node);
+        node
+    }
+
+    /// The author's leaf ids, and for the other nodes numbers that follow, from 1.
+    fn leaf_ids(&mut self, nodes: &[usize]) -> Vec<u32> {
+        let given: Vec<Option<u32>> = nodes.iter().map(|&node| self.given_leaf_id(node)).collect();
+        // 0 is the background's. Authors who count from 0 are moved up together.
+        let shift = u32::from(given.contains(&Some(0)));
+        if shift == 1 {
+            self.report.push(Diagnostic::note(
+                self.report.at("nodes"),
+                "leaf ids start at 0, which stands for the background: all of them are raised by 1",
+            ));
+        }
+        let mut next = given.iter().flatten().max().map_or(1, |&largest| largest + shift + 1);
+        let mut id = |given: Option<u32>| {
+            given.map(|id| id + shift).unwrap_or_else(|| {
+                next += 1;
+                next - 1
+            })
+        };
+        given.into_iter().map(&mut id).collect()
+    }
+
+    fn given_leaf_id(&mut self, node: usize) -> Option<u32> {
+        let value = self.source.nodes[node].extras.get("leaf_id")?;
+        // Half of all numbers, so that raising them and counting on never overflows.
+        let id = value.as_u64().and_then(|id| u32::try_from(id).ok()).filter(|&id| id <= u32::MAX / 2);
+        if id.is_none() {
+            let path = format!("nodes[{node}].extras.leaf_id");
+            self.report.error(path, format!("{value} is no leaf id"), "a whole number from 0 to 2147483647");
+        }
+        id
+    }
+}

@@ -1,0 +1,64 @@
+//! A glTF description in, a [`Scene`] and its [`RenderSettings`] out. Invariant: glTF's space is our
+//! world (metres, Y up); every animation is played, all at once.
+
+mod cameras;
+mod clock;
+mod extras;
+mod fog;
+mod lights;
+mod meshes;
+mod nodes;
+mod surfaces;
+
+use super::{LightUnits, RenderSettings, Scene};
+use crate::description::gltf::GltfScene;
+use crate::description::gltf::report::Report;
+use crate::diagnostic::Diagnostics;
+use clock::Clock;
+
+/// A scene under construction.
+struct Builder<'a> {
+    source: &'a GltfScene,
+    clock: Clock,
+    scene: Scene,
+    report: Report,
+    /// Our number of each of the file's nodes; `None` for those outside the scene.
+    node_numbers: Vec<Option<usize>>,
+    /// The node of meshes that are drawn in their bind pose, once there is one.
+    bind_pose: Option<usize>,
+}
+
+/// Resolves a glTF file; `units` overrides what it says of its lights.
+///
+/// # Errors
+/// Every problem that was found, if any of them is an error.
+pub(super) fn resolve(
+    mut source: GltfScene,
+    units: Option<LightUnits>,
+) -> Result<(Scene, RenderSettings), Diagnostics> {
+    let mut report = Report::new(&source.path);
+    std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
+    let extras = extras::scene_extras(&source, &mut report);
+    let (mut settings, clock) = clock::settings(&source, &extras.sunfleck, &mut report);
+
+    let textures = std::mem::take(&mut source.textures);
+    let node_numbers = vec![None; source.nodes.len()];
+    let mut builder =
+        Builder { source: &source, clock, scene: Scene::default(), report, node_numbers, bind_pose: None };
+    builder.add_nodes();
+    builder.add_surfaces(textures);
+    builder.add_meshes_and_instances();
+    builder.add_lights(units, extras.sunfleck.light_units.as_deref());
+    builder.add_fogs(extras.fog);
+    builder.scene.background = extras.background;
+    builder.add_cameras(&extras.sunfleck, &mut settings);
+    builder.report_other_extras();
+
+    let Builder { mut scene, report, .. } = builder;
+    let remarks = report.into_diagnostics();
+    if remarks.has_errors() {
+        return Err(remarks);
+    }
+    scene.remarks = remarks;
+    Ok((scene, settings))
+}

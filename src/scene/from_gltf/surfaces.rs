@@ -1,0 +1,85 @@
+//! Materials and textures. Invariant: what a material asks for beyond Lambert, mirror and emission
+//! is reported, once a kind.
+
+use super::Builder;
+use crate::color::Rgb;
+use crate::description::gltf;
+use crate::scene::{AlphaMode, Material, MaterialIndex, Texture, Wrap};
+
+impl Builder<'_> {
+    /// Adds every material, under the file's numbers, and their textures.
+    pub(super) fn add_surfaces(&mut self, textures: Vec<gltf::Texture>) {
+        self.scene.textures = textures.into_iter().map(texture).collect();
+        self.scene.materials = self.source.materials.iter().map(material).collect();
+    }
+
+    /// Our number of a primitive's material; the default one if it has none.
+    pub(super) fn material_of(&mut self, material: Option<usize>) -> MaterialIndex {
+        material.unwrap_or_else(|| {
+            let default = self.source.materials.len();
+            if self.scene.materials.len() == default {
+                self.scene.materials.push(Material::default());
+            }
+            default
+        })
+    }
+
+    /// Says what materials ask for that is not honoured.
+    pub(super) fn report_material(&mut self, material: &gltf::Material) {
+        let is_mirror = is_mirror(material);
+        let asked = [
+            (
+                material.metallic > 0.0 && !is_mirror,
+                "metals that are not perfectly smooth are drawn as Lambert in their base colour",
+            ),
+            (
+                material.metallic == 0.0 && material.specular > 0.0,
+                "glossy reflection of dielectrics is not honoured, these materials are drawn as pure Lambert",
+            ),
+            (
+                material.alpha_mode != gltf::AlphaMode::Opaque,
+                "alpha is not yet honoured, these materials are drawn opaque",
+            ),
+            (!material.double_sided, "back faces are not hidden, these materials show from both sides"),
+        ];
+        for (_, message) in asked.iter().filter(|(asked, _)| *asked) {
+            self.report.not_honoured(message, &material.name);
+        }
+    }
+}
+
+fn is_mirror(material: &gltf::Material) -> bool {
+    material.metallic == 1.0 && material.roughness == 0.0
+}
+
+fn material(material: &gltf::Material) -> Material {
+    let [r, g, b, _] = material.base_color;
+    let color = Rgb::new(r, g, b);
+    let (base_color, mirror) = if is_mirror(material) { (Rgb::ZERO, color) } else { (color, Rgb::ZERO) };
+    Material {
+        name: material.name.clone(),
+        base_color,
+        base_color_texture: material.base_color_texture,
+        mirror,
+        emission: material.emission,
+        alpha_mode: match material.alpha_mode {
+            gltf::AlphaMode::Opaque => AlphaMode::Opaque,
+            gltf::AlphaMode::Mask(cutoff) => AlphaMode::Mask { cutoff },
+            gltf::AlphaMode::Blend => AlphaMode::Blend,
+        },
+    }
+}
+
+fn texture(texture: gltf::Texture) -> Texture {
+    Texture {
+        name: texture.name,
+        width: texture.image.width,
+        height: texture.image.height,
+        texels: texture.image.texels,
+        wrap: match texture.wrap {
+            gltf::Wrap::Repeat => Wrap::Repeat,
+            gltf::Wrap::Clamp => Wrap::Clamp,
+            gltf::Wrap::Mirror => Wrap::Mirror,
+        },
+    }
+}

@@ -1,0 +1,265 @@
+//! Damaged and hostile glTF files: each is refused with a message that names the reason, whatever is
+//! changed in a good file nothing panics. The files under tests/data/invalid/gltf are
+//! tests/data/valid/gltf/leaf.gltf with one thing wrong.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use sunfleck::description::{self, Description, Files, SceneSource, gltf};
+use sunfleck::scene;
+
+/// File and what its message must hold.
+const CASES: [(&str, &str); 80] = [
+    (
+        "accessor_beyond_view.gltf",
+        "accessors[0].count: error: 4 elements, 12 bytes apart, from byte 0 on reach beyond the 36 bytes",
+    ),
+    ("accessor_count_huge.gltf", "accessors[0].count: error"),
+    ("accessor_count_huge_without_view.gltf", "far more than a file of this size holds"),
+    ("accessor_empty.gltf", "accessors[0].count: error: the accessor is empty"),
+    ("accessor_missing.gltf", "attributes.POSITION: error: accessor 99 does not exist"),
+    ("accessor_offset_huge.gltf", "accessors[0].count: error"),
+    ("albedo_above_one.gltf", "baseColorFactor: error: 1.5 is out of range"),
+    ("alpha_mode_unknown.gltf", "materials[0].alphaMode: error: `SOFT` is no alpha mode"),
+    ("animation_key_time_nan.gltf", "of these key times is not finite"),
+    ("animation_key_times_decrease.gltf", "accessors[2]: error: key time 1 is not after the one before it"),
+    ("animation_node_missing.gltf", "target.node: error: node 25 does not exist"),
+    ("animation_of_matrix_node.gltf", "node 1 is animated and has a matrix"),
+    ("animation_output_count.gltf", "2 keys cannot have 1 values"),
+    ("animation_path_unknown.gltf", "`colour` cannot be animated"),
+    ("animation_rotation_zero.gltf", "rotation 1 has no length"),
+    ("animation_sampler_missing.gltf", "sampler 3 does not exist"),
+    ("buffer_cut_short.gltf", "buffers[0].byteLength: error: the buffer is to have 100 bytes and has 84"),
+    ("buffer_file_missing.gltf", "nowhere.bin: error: cannot be read"),
+    ("buffer_missing.gltf", "bufferViews[0].buffer: error: buffer 7 does not exist"),
+    ("buffer_uri_damaged.gltf", "buffers[0].uri: error: the data URI is damaged"),
+    ("buffer_uri_on_the_web.gltf", "is not a file beside this one"),
+    ("buffer_view_beyond_buffer.gltf", "bufferViews[3]: error: the view spans 400 bytes from 52"),
+    ("buffer_view_overflows.gltf", "bufferViews[3]: error: the view spans"),
+    ("camera_fov_zero.gltf", "cameras[0].perspective.yfov: error: the vertical field of view is 0"),
+    ("camera_missing.gltf", "nodes[2].camera: error: camera 4 does not exist"),
+    ("camera_named_but_missing.gltf", "there is no camera `other`"),
+    ("component_type_of_indices.gltf", "indices cannot be of component type 5126"),
+    (
+        "component_type_unknown.gltf",
+        "accessors[0].componentType: error: positions cannot be of component type 5130",
+    ),
+    ("empty.glb", "the file is empty"),
+    ("empty.gltf", "the file is empty"),
+    ("extension_required_draco.gltf", "KHR_draco_mesh_compression"),
+    ("extension_required_unknown.gltf", "the file requires the extension `ACME_leaves`, which is not read"),
+    ("fog_albedo_above_one.gltf", "sunfleck_fog_volume.albedo: error: the albedo is out of range"),
+    ("fog_anisotropy_one.gltf", "sunfleck_fog_volume.anisotropy: error: the anisotropy is 1"),
+    ("fog_density_negative.gltf", "sunfleck_fog_volume.density: error: the density is negative"),
+    ("fog_density_text.gltf", "sunfleck_fog_volume.density: error: expected a number, or three"),
+    ("fog_shape_sphere.gltf", "`sphere` is no shape of fog"),
+    ("fog_without_bounds.gltf", "fog without bounds would swallow all sunlight"),
+    ("frame_rate_zero.gltf", "0 over 1 is no frame rate"),
+    ("frames_backwards.gltf", "frame 3 comes before frame 9"),
+    ("glb_chunk_too_long.glb", "the GLB container is damaged"),
+    ("glb_cut_short.glb", "the file is cut short: it has 200 bytes"),
+    ("glb_header_only.glb", "the file is cut short"),
+    ("glb_length_zero.glb", "says 0 in its header"),
+    ("glb_magic_wrong.glb", "this is no glTF file"),
+    ("glb_version_one.glb", "version 1 of the GLB container"),
+    ("glb_without_binary.glb", "buffers[0]: error: the buffer has no data"),
+    ("image_is_no_image.gltf", "images[0]: error"),
+    ("image_missing.gltf", "image 5 does not exist"),
+    ("index_out_of_range.gltf", "index 2 is 9, and there are 3 vertices"),
+    ("json_cut_short.gltf", "the JSON is damaged"),
+    ("json_negative_index.gltf", "nodes[1].mesh: error: invalid value: integer `-1`"),
+    ("json_type.gltf", "nodes[1].mesh: error: invalid type: string \"leaf\""),
+    ("leaf_id_negative.gltf", "nodes[1].extras.leaf_id: error: -4 is no leaf id"),
+    ("light_intensity_negative.gltf", "lights[0].intensity: error: the intensity is -1"),
+    ("light_missing.gltf", "KHR_lights_punctual.light: error: light 8 does not exist"),
+    ("light_spot_angles.gltf", "lights[0].spot: error: the cone's angles are 1 and 0.5"),
+    ("light_units_unknown.gltf", "`candles` are no light units"),
+    ("material_missing.gltf", "primitives[0].material: error: material 3 does not exist"),
+    ("matrix_projective.gltf", "nodes[4].matrix: error: the matrix is not affine"),
+    ("mesh_empty.gltf", "meshes[0].primitives: error: the mesh is empty"),
+    ("mesh_missing.gltf", "nodes[1].mesh: error: mesh 2 does not exist"),
+    ("mesh_without_positions.gltf", "the mesh has no positions"),
+    ("node_child_missing.gltf", "nodes[0].children[0]: error: node 77 does not exist"),
+    ("node_cycle.gltf", "the node is its own ancestor"),
+    ("node_is_its_own_child.gltf", "the node is its own ancestor"),
+    ("node_rotation_zero.gltf", "nodes[1].rotation: error: the rotation has length 0"),
+    ("node_with_two_parents.gltf", "node 1 is a child of node 0 already"),
+    ("normals_fewer_than_positions.gltf", "there are 3 positions and 2 of these"),
+    ("position_nan.gltf", "element 1 of these positions is not finite"),
+    ("position_scalar.gltf", "positions cannot be of type `SCALAR`"),
+    ("resolution_zero.gltf", "0 is not usable"),
+    ("root_is_a_child_too.gltf", "node 1 is a root of the scene and a child too"),
+    ("scene_missing.gltf", "scene 4 does not exist"),
+    ("sparse_index_out_of_range.gltf", "element 9 does not exist"),
+    ("stride_too_small.gltf", "a byteStride of 4 is less than the element"),
+    ("triangles_not_whole.gltf", "2 vertices of mode 4"),
+    ("version_missing.gltf", "asset.version: error"),
+    ("version_one.gltf", "asset.version: error: this is glTF version `1.0`"),
+    ("version_three.gltf", "asset.version: error: this is glTF version `3.0`"),
+];
+
+fn data(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// What is said about a file; `None` if it makes a scene.
+fn refusal(path: &Path) -> Option<String> {
+    match description::load(path) {
+        Err(error) => Some(error.to_string()),
+        Ok(description) => scene::resolve(description, None).err().map(|diagnostics| diagnostics.to_string()),
+    }
+}
+
+/// Reads and resolves bytes; the outcome does not matter, that there is one does.
+fn survives(bytes: &[u8]) {
+    let path = data("blender/changed.glb");
+    let mut files = Files::default();
+    let Ok(scene) = gltf::parse(bytes, &path, &mut files) else { return };
+    let scene = SceneSource::Gltf(scene);
+    let description = Description { path, scene, sequence: None, content_hash: files.content_hash() };
+    let Ok((scene, settings)) = scene::resolve(description, None) else { return };
+    let time_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
+    assert_eq!(scene.placements(time_s).len(), scene.nodes.len());
+}
+
+#[test]
+fn every_invalid_file_is_refused_with_its_reason() {
+    for (name, reason) in CASES {
+        let message =
+            refusal(&data("invalid/gltf").join(name)).unwrap_or_else(|| panic!("{name} is not refused"));
+        assert!(message.contains(reason), "{name}: {reason} is not in\n{message}");
+        assert!(
+            message.contains(name) || message.contains("nowhere.bin"),
+            "{name} is not named in\n{message}"
+        );
+        assert!(
+            message.contains("expected:") || message.contains("remedy:"),
+            "{name}: no way out in\n{message}"
+        );
+    }
+}
+
+#[test]
+fn every_invalid_file_is_in_the_table() {
+    let listed: BTreeSet<String> = CASES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let entries = std::fs::read_dir(data("invalid/gltf")).unwrap();
+    let files: BTreeSet<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    assert_eq!(files, listed);
+}
+
+#[test]
+fn the_file_they_were_made_from_is_good() {
+    for name in ["leaf.gltf", "leaf.glb"] {
+        assert_eq!(refusal(&data("valid/gltf").join(name)), None);
+    }
+}
+
+/// Good files of every kind, small ones.
+fn good_files() -> Vec<Vec<u8>> {
+    let names = [
+        "valid/gltf/leaf.gltf",
+        "valid/gltf/leaf.glb",
+        "blender/d_skin.glb",
+        "blender/c_morph.glb",
+        "blender/g_pbr.glb",
+        "blender/h_lights_pointer_scene.glb",
+        "blender/i_conventions_nopointer.glb",
+    ];
+    names.iter().map(|name| std::fs::read(data(name)).unwrap()).collect()
+}
+
+/// Puts `value` in place of the `nth` value of a JSON tree, counted depth first.
+fn replace(tree: &mut Value, nth: &mut usize, value: &Value) {
+    if *nth == 0 {
+        *tree = value.clone();
+    }
+    *nth = nth.wrapping_sub(1);
+    match tree {
+        Value::Array(items) => items.iter_mut().for_each(|item| replace(item, nth, value)),
+        Value::Object(fields) => fields.values_mut().for_each(|item| replace(item, nth, value)),
+        _ => {}
+    }
+}
+
+fn count(tree: &Value) -> usize {
+    1 + match tree {
+        Value::Array(items) => items.iter().map(count).sum(),
+        Value::Object(fields) => fields.values().map(count).sum(),
+        _ => 0,
+    }
+}
+
+fn odd_value() -> impl Strategy<Value = Value> {
+    let values = [
+        "null",
+        "true",
+        "-1",
+        "0",
+        "1",
+        "2",
+        "3",
+        "5",
+        "4294967295",
+        "18446744073709551615",
+        "1e300",
+        "-1e300",
+        "1e-300",
+        "0.5",
+        "\"\"",
+        "\"box\"",
+        "\"STEP\"",
+        "\"CUBICSPLINE\"",
+        "\"MASK\"",
+        "\"VEC4\"",
+        "5121",
+        "5126",
+        "[]",
+        "{}",
+        "[0]",
+        "[0,0,0]",
+        "[1e300,1e300,1e300]",
+        "[0,0,0,0]",
+        "[[1]]",
+    ];
+    prop::sample::select(values.to_vec()).prop_map(|text| serde_json::from_str(text).unwrap())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn changed_bytes_never_panic(
+        file in 0..7_usize,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        kept in prop::option::weighted(0.2, any::<prop::sample::Index>()),
+    ) {
+        let mut bytes = good_files().swap_remove(file);
+        for (at, byte) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if let Some(kept) = kept {
+            bytes.truncate(kept.index(bytes.len()));
+        }
+        survives(&bytes);
+    }
+
+    #[test]
+    fn changed_json_never_panics(
+        file in 1..7_usize,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), odd_value()), 1..4),
+    ) {
+        let bytes = good_files().swap_remove(file);
+        let mut glb = ::gltf::Glb::from_slice(&bytes).unwrap();
+        let mut json: Value = serde_json::from_slice(&glb.json).unwrap();
+        for (at, value) in changes {
+            let mut nth = at.index(count(&json));
+            replace(&mut json, &mut nth, &value);
+        }
+        glb.json = serde_json::to_vec(&json).unwrap().into();
+        survives(&glb.to_vec().unwrap());
+    }
+}
