@@ -18,7 +18,8 @@ fn snippets(page: &str) -> Vec<(String, usize, String)> {
     let mut lines = page.lines().enumerate();
     while let Some((number, line)) = lines.next() {
         if let Some(kind) = line.strip_prefix("```").filter(|kind| !kind.is_empty()) {
-            let text: Vec<_> = lines.by_ref().map(|(_, line)| line).take_while(|line| *line != "```").collect();
+            let text: Vec<_> =
+                lines.by_ref().map(|(_, line)| line).take_while(|line| *line != "```").collect();
             snippets.push((kind.to_owned(), number + 1, text.join("\n")));
         }
     }
@@ -32,7 +33,7 @@ fn scene_with(fields: &str) -> String {
         r#"materials: { "gold": (base_color: 0.5) }"#,
         r#"cameras: { "main": (position_m: (0.0, 1.0, 4.0)) }"#,
     ];
-    let missing = others.iter().filter(|other| !fields.contains(other.split('{').next().unwrap()));
+    let missing = others.iter().filter(|other| !fields.contains(other.split_inclusive('{').next().unwrap()));
     let missing: Vec<_> = missing.map(|other| format!("{other},")).collect();
     format!("Scene(version: 1, {} {fields})", missing.join(" "))
 }
@@ -76,7 +77,10 @@ fn every_field_is_described() {
         for line in source.lines() {
             let field = line.strip_prefix("    pub ").or_else(|| line.strip_prefix("        "));
             let Some((name, rest)) = field.and_then(|field| field.split_once(": ")) else { continue };
-            if rest.ends_with(',') && !rest.contains(['(', '{', '=']) && name.chars().all(|c| c.is_lowercase() || c == '_' || c.is_ascii_digit()) {
+            if rest.ends_with(',')
+                && !rest.contains(['(', '{', '='])
+                && name.chars().all(|c| c.is_lowercase() || c == '_' || c.is_ascii_digit())
+            {
                 assert!(page.contains(&format!("`{name}`")), "{file}: `{name}` is not described");
                 count += 1;
             }
