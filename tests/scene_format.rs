@@ -33,7 +33,7 @@ fn scene_with(fields: &str) -> String {
         r#"materials: { "gold": (base_color: 0.5) }"#,
         r#"cameras: { "main": (position_m: (0.0, 1.0, 4.0)) }"#,
     ];
-    let missing = others.iter().filter(|other| !fields.contains(other.split('{').next().unwrap()));
+    let missing = others.iter().filter(|other| !fields.contains(other.split_inclusive('{').next().unwrap()));
     let missing: Vec<_> = missing.map(|other| format!("{other},")).collect();
     format!("Scene(version: 1, {} {fields})", missing.join(" "))
 }

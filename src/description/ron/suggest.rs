@@ -17,8 +17,7 @@ pub(crate) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>
 
 /// `a`, `b`, `c`, for a message.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let quoted: Vec<_> = names.into_iter().map(|name| format!("`{name}`")).collect();
-    if quoted.is_empty() { String::from("none") } else { quoted.join(", ") }
+    names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

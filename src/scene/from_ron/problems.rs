@@ -36,7 +36,10 @@ impl Problems {
     ) -> Option<V> {
         let found = known.get(name).copied();
         if found.is_none() {
-            let expected = format!("one of {}", suggest::list(known.keys().copied()));
+            let expected = match known.len() {
+                0 => format!("the name of a {kind}; the scene has none"),
+                _ => format!("one of {}", suggest::list(known.keys().copied())),
+            };
             let remedy = suggest::remedy(name, known.keys().copied());
             self.error(field, format!("there is no {kind} named `{name}`"), &expected, &remedy);
         }
