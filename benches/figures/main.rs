@@ -1,0 +1,25 @@
+//! Figures that the documents quote: `cargo bench --bench figures -- <figure> [count]`.
+#![allow(missing_docs, unreachable_pub, clippy::print_stdout, clippy::print_stderr, clippy::unwrap_used)]
+
+mod brute_force;
+mod inputs;
+mod leaks;
+mod lit_segments;
+mod ray_scenes;
+mod rays;
+
+fn main() {
+    // Cargo adds `--bench`.
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let count = |default: u64| arguments.get(1).and_then(|count| count.parse().ok()).unwrap_or(default);
+    match arguments.first().map(String::as_str) {
+        Some("leaks") => leaks::run(count(100_000_000)),
+        Some("rays") => rays::run(count(7) as usize),
+        Some("segments") => lit_segments::run(count(2000) as u32),
+        _ => {
+            println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
+            println!("rays [rounds]     time of a ray and of a shadow query, one thread");
+            println!("segments [rays]   lit segments against brute force in double precision");
+        }
+    }
+}
