@@ -2,7 +2,7 @@
 
 use crate::math::Ray;
 use crate::scene::{Camera, Lens};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// Where the camera stands and what it sees.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +46,16 @@ impl View {
         let y = (1.0 - 2.0 * film_y) * self.half_height;
         let direction = (x * self.right + y * self.up - self.backward).normalize();
         Ray { origin: DVec3::ZERO, direction }
+    }
+
+    /// Unit vectors to the right, up and forward.
+    pub fn axes(&self) -> (DVec3, DVec3, DVec3) {
+        (self.right, self.up, -self.backward)
+    }
+
+    /// Half width and height of the picture at distance 1.
+    pub fn half_extents(&self) -> DVec2 {
+        DVec2::new(self.half_width, self.half_height)
     }
 
     /// Distance of a point of relative space along the view axis (planar Z), metres.

@@ -1,0 +1,202 @@
+//! The half planes through camera and light, and the lines that they are in the picture. In goes
+//! an angle about the axis, out come directions and areas. Invariant: the density of a slice's
+//! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
+//! picture, beside it, behind the camera or at infinity.
+
+use crate::film::Window;
+use crate::scattering::Source;
+use crate::scene::Size;
+use crate::snapshot::View;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// All slices of one light.
+#[derive(Clone, Copy, Debug)]
+pub struct Fan {
+    /// Unit vector from the camera to the light.
+    pub axis: DVec3,
+    /// Unit vectors at right angles to the axis: the half planes at angle 0 and a quarter turn.
+    zero: DVec3,
+    quarter: DVec3,
+    picture: Picture,
+    /// First angle and how many radians, so that every half plane that meets the window is there.
+    pub angles: (f64, f64),
+}
+
+/// The image plane at distance 1, and the window in it.
+#[derive(Clone, Copy, Debug)]
+struct Picture {
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    /// Pixels per unit of the image plane.
+    pixels_per_unit: f64,
+    /// Film pixel (0, 0)'s corner in the image plane.
+    corner: DVec2,
+    low: DVec2,
+    high: DVec2,
+}
+
+/// One slice: a half plane and the part of its image that lies in the window.
+#[derive(Clone, Copy, Debug)]
+pub struct Slice {
+    /// Unit vector at right angles to the axis.
+    pub outward: DVec3,
+    /// In the image plane: a point of the line, and its unit direction, away from the light's image.
+    start: DVec2,
+    along: DVec2,
+    length: f64,
+    /// Picture area per radian of turn and unit of length, pixels^2: at the start, and its growth per unit of length.
+    density: (f64, f64),
+    /// Picture area per radian of turn, pixels^2.
+    pub area_per_rad: f64,
+    picture: Picture,
+}
+
+impl Fan {
+    /// The slices of a light; `None` if the light is at the camera.
+    pub fn new(view: &View, size: Size, window: Window, source: Source) -> Option<Self> {
+        let axis = match source {
+            Source::Towards(to_light) => to_light,
+            Source::At(position) => position.try_normalize()?,
+        };
+        let picture = Picture::new(view, size, window);
+        let zero = axis.any_orthonormal_vector();
+        let quarter = axis.cross(zero);
+        let mut fan = Self { axis, zero, quarter, picture, angles: (0.0, TAU) };
+        if !picture.sees(axis) && !picture.sees(-axis) {
+            // A convex window that does not hold the axis is seen from it under less than half a turn.
+            let middle = fan.angle(picture.direction(0.5 * (picture.low + picture.high)));
+            let turns = picture.corners().map(|corner| {
+                let turn = fan.angle(picture.direction(corner)) - middle;
+                turn - TAU * (turn / TAU).round()
+            });
+            let low = turns.into_iter().fold(PI, f64::min);
+            let high = turns.into_iter().fold(-PI, f64::max);
+            fan.angles = (middle + low, high - low);
+        }
+        Some(fan)
+    }
+
+    /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over the window.
+    pub fn mean_separation_px(&self) -> f64 {
+        let area = (self.picture.high - self.picture.low) * self.picture.pixels_per_unit;
+        // Area per radian, over the mean length of a slice, found from a few of them.
+        let probes = 64;
+        let mut length = 0.0;
+        for probe in 0..probes {
+            let angle = self.angles.0 + self.angles.1 * (f64::from(probe) + 0.5) / f64::from(probes);
+            length += self.slice(angle).map_or(0.0, |slice| slice.length * self.picture.pixels_per_unit);
+        }
+        area.x * area.y / self.angles.1 / (length / f64::from(probes)).max(1.0)
+    }
+
+    /// The slice at an angle; `None` if it misses the window.
+    pub fn slice(&self, angle: f64) -> Option<Slice> {
+        let (sin, cos) = angle.sin_cos();
+        let outward = cos * self.zero + sin * self.quarter;
+        let normal = cos * self.quarter - sin * self.zero;
+        let picture = self.picture;
+        // The image line: normal . (x right + y up + forward) = 0.
+        let across = DVec2::new(normal.dot(picture.right), normal.dot(picture.up));
+        let steepness = across.length();
+        let across = across.try_normalize()?;
+        let foot = -normal.dot(picture.forward) / steepness * across;
+        let mut along = across.perp();
+        // Away from the light: the slope axis / outward falls along the line.
+        let components = |v: DVec3| (v.dot(picture.direction(foot)), v.dot(picture.vector(along)));
+        let (a0, a1) = components(self.axis);
+        let (o0, mut o1) = components(outward);
+        if a1 * o0 - a0 * o1 > 0.0 {
+            (along, o1) = (-along, -o1);
+        }
+        // The part within the window and on this side of the axis.
+        let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut keep = |value: f64, growth: f64| {
+            if growth > 0.0 {
+                from = from.max(-value / growth);
+            } else if growth < 0.0 {
+                to = to.min(-value / growth);
+            } else if value < 0.0 {
+                to = f64::NEG_INFINITY;
+            }
+        };
+        for i in 0..2 {
+            keep(foot[i] - picture.low[i], along[i]);
+            keep(picture.high[i] - foot[i], -along[i]);
+        }
+        keep(o0, o1);
+        if from >= to {
+            return None;
+        }
+        let scale = picture.pixels_per_unit * picture.pixels_per_unit / steepness;
+        let density = ((o0 + o1 * from).max(0.0) * scale, o1 * scale);
+        let length = to - from;
+        let area_per_rad = length * (density.0 + 0.5 * density.1 * length);
+        let start = foot + from * along;
+        (area_per_rad > 0.0).then_some(Slice { outward, start, along, length, density, area_per_rad, picture })
+    }
+
+    fn angle(&self, direction: DVec3) -> f64 {
+        direction.dot(self.quarter).atan2(direction.dot(self.zero))
+    }
+}
+
+impl Slice {
+    /// The place at which the slice has passed so much of its [`Slice::area_per_rad`].
+    pub fn place(&self, area_per_rad: f64) -> Place {
+        let (density, growth) = self.density;
+        // density x + growth x^2 / 2 = area, in the form that does not cancel.
+        let root = (density * density + 2.0 * growth * area_per_rad).max(0.0).sqrt();
+        let passed = (2.0 * area_per_rad / (density + root)).clamp(0.0, self.length);
+        let point = self.start + passed * self.along;
+        let film = (point - self.picture.corner) * self.picture.pixels_per_unit;
+        Place { film_px: DVec2::new(film.x, -film.y), direction: self.picture.direction(point).normalize() }
+    }
+
+    /// Direction of the far end: of all of the slice's directions the farthest from the light.
+    pub fn far_end(&self) -> DVec3 {
+        self.picture.direction(self.start + self.length * self.along)
+    }
+}
+
+/// Where a sample lies in the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// In pixels of the full picture, y downwards.
+    pub film_px: DVec2,
+    /// Unit direction of its ray.
+    pub direction: DVec3,
+}
+
+impl Picture {
+    fn new(view: &View, size: Size, window: Window) -> Self {
+        let (right, up, forward) = view.axes();
+        let half = view.half_extents();
+        let pixels_per_unit = size.width as f64 / (2.0 * half.x);
+        let corner = DVec2::new(-half.x, half.y);
+        let at = |x: usize, y: usize| corner + DVec2::new(x as f64, -(y as f64)) / pixels_per_unit;
+        let (a, b) = (at(window.x, window.y), at(window.x + window.width, window.y + window.height));
+        Self { right, up, forward, pixels_per_unit, corner, low: a.min(b), high: a.max(b) }
+    }
+
+    fn vector(&self, v: DVec2) -> DVec3 {
+        v.x * self.right + v.y * self.up
+    }
+
+    /// Towards a point of the image plane; not of unit length.
+    fn direction(&self, point: DVec2) -> DVec3 {
+        self.vector(point) + self.forward
+    }
+
+    fn corners(&self) -> [DVec2; 4] {
+        let (low, high) = (self.low, self.high);
+        [low, high, DVec2::new(low.x, high.y), DVec2::new(high.x, low.y)]
+    }
+
+    fn sees(&self, direction: DVec3) -> bool {
+        let depth = direction.dot(self.forward);
+        let point = DVec2::new(direction.dot(self.right), direction.dot(self.up)) / depth;
+        depth > 0.0 && point.cmpge(self.low).all() && point.cmple(self.high).all()
+    }
+}

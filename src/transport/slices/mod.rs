@@ -1,0 +1,13 @@
+//! Whole pictures from epipolar slices. Every camera ray lies in a half plane through the camera
+//! and a light; what such a *slice* cuts of the scene is a set of segments in two dimensions, and
+//! one sweep over the directions in it solves visibility, shadow and shafts together, without a
+//! single ray. In go a snapshot and one of its lights, out come weighted samples. Invariant: a
+//! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
+
+mod fan;
+mod fog_profile;
+mod solve;
+mod sweep;
+
+pub use fan::Fan;
+pub use solve::{SliceSample, SliceScratch, solve};
