@@ -10,7 +10,7 @@ use super::{
     instance_tree::Instance,
     mesh_tree::MeshTree,
     rounding::{UNIT_ROUNDOFF, round_down, round_up},
-    simd::{Lanes, Mask, Simd, WIDTH},
+    simd::{Eight, Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
     wide_tree::{Bounds, LEAF, WideTree, plane},
 };
@@ -42,18 +42,22 @@ impl<L: Lanes> BoxRay<L> {
         padding: f32,
         t_min: f32,
     ) -> Self {
-        let backwards = direction.map(|d| d < 0.0);
-        let moved = |sign: f32| {
-            std::array::from_fn(|axis| {
-                simd.splat(origin[axis] + if backwards[axis] { -sign } else { sign } * padding)
-            })
-        };
+        let shift = direction.map(|d| if d < 0.0 { -padding } else { padding });
         Self {
-            origin_entering: moved(1.0),
-            origin_leaving: moved(-1.0),
+            origin_entering: three(
+                #[inline(always)]
+                |axis| simd.splat(origin[axis] + shift[axis]),
+            ),
+            origin_leaving: three(
+                #[inline(always)]
+                |axis| simd.splat(origin[axis] - shift[axis]),
+            ),
             // Adding 0 turns -0 into 0, whose inverse then has the sign that `entering` assumes.
-            inverse_direction: direction.map(|d| simd.splat(1.0 / (d + 0.0))),
-            entering: std::array::from_fn(|axis| plane(axis, backwards[axis])),
+            inverse_direction: three(
+                #[inline(always)]
+                |axis| simd.splat(1.0 / (direction[axis] + 0.0)),
+            ),
+            entering: three(|axis| plane(axis, direction[axis] < 0.0)),
             t_min: simd.splat(t_min),
         }
     }
@@ -318,11 +322,28 @@ impl<L: Lanes> Shear<L> {
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let inverse = 1.0 / direction[z];
         let origin = origin.as_vec3();
+        let axes = [x, y, z];
         Self {
-            axes: [x, y, z],
-            origin: [x, y, z].map(|axis| simd.splat(origin[axis])),
-            shear: [direction[x] * inverse, direction[y] * inverse, inverse].map(|s| simd.splat(s)),
+            axes,
+            origin: three(
+                #[inline(always)]
+                |i| simd.splat(origin[axes[i]]),
+            ),
+            shear: [
+                simd.splat(direction[x] * inverse),
+                simd.splat(direction[y] * inverse),
+                simd.splat(inverse),
+            ],
         }
+    }
+
+    /// A vertex of each triangle with the ray as third axis.
+    #[inline(always)]
+    fn sheared<S: Simd<Lanes = L>>(&self, simd: S, vertex: &[Eight; 3]) -> [L; 3] {
+        let x = simd.load(&vertex[self.axes[0]]) - self.origin[0];
+        let y = simd.load(&vertex[self.axes[1]]) - self.origin[1];
+        let z = simd.load(&vertex[self.axes[2]]) - self.origin[2];
+        [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 
     /// The triangles that the ray meets, as bits: surely inside their edges, and between the distances
@@ -330,11 +351,9 @@ impl<L: Lanes> Shear<L> {
     #[inline(always)]
     fn candidates<S: Simd<Lanes = L>>(&self, simd: S, block: &Block, t_min: L, t_max: L) -> u32 {
         let zero = simd.splat(0.0);
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = [0, 1, 2].map(|vertex: usize| {
-            let corner = &block.vertices[vertex];
-            let [x, y, z] = std::array::from_fn(|i| simd.load(&corner[self.axes[i]]) - self.origin[i]);
-            [x - self.shear[0] * z, y - self.shear[1] * z, z]
-        });
+        let [ax, ay, az] = self.sheared(simd, &block.vertices[0]);
+        let [bx, by, bz] = self.sheared(simd, &block.vertices[1]);
+        let [cx, cy, cz] = self.sheared(simd, &block.vertices[2]);
         // Edge functions: their signs are right or zero, because rounding is monotonic.
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
@@ -349,12 +368,15 @@ impl<L: Lanes> Shear<L> {
         let mut hits = (inside & in_range).bits();
         let mut undecided = on_edge.bits();
         if undecided != 0 {
-            let corners = [ax, ay, bx, by, cx, cy].map(|lanes| simd.store(lanes).map(f64::from));
+            let (ax, ay) = (simd.store(ax), simd.store(ay));
+            let (bx, by) = (simd.store(bx), simd.store(by));
+            let (cx, cy) = (simd.store(cx), simd.store(cy));
             hits &= !undecided;
             while undecided != 0 {
                 let lane = undecided.trailing_zeros() as usize;
                 undecided &= undecided - 1;
-                hits |= u32::from(contains_origin(corners.map(|c| c[lane]))) << lane;
+                let corners = [ax[lane], ay[lane], bx[lane], by[lane], cx[lane], cy[lane]];
+                hits |= u32::from(contains_origin(corners)) << lane;
             }
         }
         hits
@@ -363,7 +385,8 @@ impl<L: Lanes> Shear<L> {
 
 /// Whether the triangle contains the origin. Products of singles are exact in double precision.
 #[cold]
-fn contains_origin([ax, ay, bx, by, cx, cy]: [f64; 6]) -> bool {
+fn contains_origin(corners: [f32; 6]) -> bool {
+    let [ax, ay, bx, by, cx, cy] = corners.map(f64::from);
     let edges = [cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax];
     let same_side = edges.iter().all(|edge| *edge >= 0.0) || edges.iter().all(|edge| *edge <= 0.0);
     same_side && edges != [0.0; 3]

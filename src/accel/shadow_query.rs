@@ -6,9 +6,9 @@ use super::{
     instance_tree::Instance,
     light_plane::{Functional, LightPlane},
     rounding::UNIT_ROUNDOFF,
-    simd::{Lanes, Mask, Simd, WIDTH},
+    simd::{Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
-    triangle_cut::{Crossing, Shadow},
+    triangle_cut::{Corners, Crossing, Shadow},
     wide_tree::{Bounds, LEAF, Node, WideTree, plane},
 };
 use crate::math::IntervalSet;
@@ -30,7 +30,10 @@ impl<L: Lanes> LaneFunctional<L> {
     #[inline(always)]
     fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
         Self {
-            gradient: functional.gradient.as_vec3().to_array().map(|g| simd.splat(g)),
+            gradient: three(
+                #[inline(always)]
+                |axis| simd.splat(functional.gradient[axis] as f32),
+            ),
             offset: simd.splat(functional.offset as f32),
         }
     }
@@ -38,6 +41,18 @@ impl<L: Lanes> LaneFunctional<L> {
     #[inline(always)]
     fn at(&self, [x, y, z]: [L; 3]) -> L {
         self.gradient[0] * x + self.gradient[1] * y + self.gradient[2] * z + self.offset
+    }
+
+    /// At the vertices of each triangle.
+    #[inline(always)]
+    fn at_corners<S: Simd<Lanes = L>>(&self, simd: S, block: &Block) -> Corners<L> {
+        three(
+            #[inline(always)]
+            |vertex| {
+                let [x, y, z] = &block.vertices[vertex];
+                self.at([simd.load(x), simd.load(y), simd.load(z)])
+            },
+        )
     }
 }
 
@@ -53,13 +68,16 @@ impl<L: Lanes> BoxLimit<L> {
         let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
         let padding = PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms;
         let padded = Functional { offset: functional.offset + padding, ..*functional };
-        let corner = std::array::from_fn(|axis| plane(axis, functional.gradient[axis] >= 0.0));
+        let corner = three(|axis| plane(axis, functional.gradient[axis] >= 0.0));
         Self { functional: LaneFunctional::new(simd, &padded), corner }
     }
 
     #[inline(always)]
     fn at<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> L {
-        self.functional.at(self.corner.map(|plane| simd.load(&node.planes[plane])))
+        self.functional.at(three(
+            #[inline(always)]
+            |axis| simd.load(&node.planes[self.corner[axis]]),
+        ))
     }
 }
 
@@ -92,8 +110,13 @@ impl<L: Lanes> BoxRegion<L> {
     fn new<S: Simd<Lanes = L>>(simd: S, region: &Region, bounds: Bounds) -> Self {
         let above = region.out_of_plane;
         let below = Functional { gradient: -above.gradient, offset: -above.offset };
-        let functionals = [above, below, region.after_start, region.before_end, region.towards_light];
-        Self(functionals.map(|functional| BoxLimit::new(simd, &functional, bounds)))
+        Self([
+            BoxLimit::new(simd, &above, bounds),
+            BoxLimit::new(simd, &below, bounds),
+            BoxLimit::new(simd, &region.after_start, bounds),
+            BoxLimit::new(simd, &region.before_end, bounds),
+            BoxLimit::new(simd, &region.towards_light, bounds),
+        ])
     }
 
     /// The children that may hold something of the region, as bits.
@@ -204,15 +227,14 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
             visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
         } else {
             let zero = simd.splat(0.0);
-            let lanes = |functional| LaneFunctional::new(simd, functional);
             let mut query = LaneQuery {
                 blocks: &mesh.blocks,
                 zero,
                 one: simd.splat(1.0),
-                out_of_plane: lanes(&cut.out_of_plane),
-                along: lanes(&cut.along),
-                depth: self.plane.is_fan.then(|| lanes(&cut.depth)),
-                towards_light: lanes(&cut.towards_light),
+                out_of_plane: LaneFunctional::new(simd, &cut.out_of_plane),
+                along: LaneFunctional::new(simd, &cut.along),
+                depth: if self.plane.is_fan { Some(LaneFunctional::new(simd, &cut.depth)) } else { None },
+                towards_light: LaneFunctional::new(simd, &cut.towards_light),
                 limits: (cut.t_range.0 as f32, cut.t_range.1 as f32),
                 sink,
             };
@@ -266,22 +288,18 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack) {
         let block = &self.blocks[leaf as usize];
-        let corners = |functional: &LaneFunctional<S::Lanes>| {
-            std::array::from_fn(|vertex| {
-                functional.at(std::array::from_fn(|axis| simd.load(&block.vertices[vertex][axis])))
-            })
-        };
-        let crossing = Crossing::new(self.zero, corners(&self.out_of_plane));
+        let crossing = Crossing::new(self.zero, self.out_of_plane.at_corners(simd, block));
         if crossing.exists.bits() == 0 {
             return;
         }
         let limits = (simd.splat(self.limits.0), simd.splat(self.limits.1));
-        let (along, towards_light) = (corners(&self.along), corners(&self.towards_light));
+        let along = self.along.at_corners(simd, block);
+        let towards_light = self.towards_light.at_corners(simd, block);
         let shadow = match &self.depth {
             None => crossing.strip_shadow(self.zero, limits, along, towards_light),
             Some(depth) => {
                 let ones = (self.zero, self.one);
-                crossing.fan_shadow(ones, limits, along, corners(depth), towards_light)
+                crossing.fan_shadow(ones, limits, along, depth.at_corners(simd, block), towards_light)
             }
         };
         let mut lanes = shadow.bits();

@@ -15,6 +15,13 @@ pub(super) const WIDTH: usize = 8;
 #[repr(C, align(32))]
 pub(super) struct Eight(pub(super) [f32; WIDTH]);
 
+/// `[f(0), f(1), f(2)]`. Kernels use this rather than `array::map`, and closures marked to be inlined,
+/// because code that is left standing on its own is compiled without the vector instructions.
+#[inline(always)]
+pub(super) fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
 /// A number, or several of them handled alike.
 pub(super) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>

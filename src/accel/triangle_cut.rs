@@ -28,7 +28,7 @@ pub(super) struct Crossing<L: Lanes> {
 impl<L: Lanes> Crossing<L> {
     #[inline(always)]
     pub(super) fn new(zero: L, heights: Corners<L>) -> Self {
-        let [a, b, c] = heights.map(|height| zero.le(height));
+        let (a, b, c) = (zero.le(heights[0]), zero.le(heights[1]), zero.le(heights[2]));
         let crossing =
             Self { exists: (a ^ b) | (b ^ c), first_is_alone: !(b ^ c), second_is_alone: !(a ^ c), heights };
         Self { heights: crossing.alone_first(heights), ..crossing }
@@ -36,10 +36,12 @@ impl<L: Lanes> Crossing<L> {
 
     #[inline(always)]
     fn alone_first(&self, [a, b, c]: Corners<L>) -> Corners<L> {
-        let pick = |first: L, second: L, third: L| {
-            first.or_else(self.first_is_alone, second.or_else(self.second_is_alone, third))
-        };
-        [pick(a, b, c), pick(b, c, a), pick(c, a, b)]
+        [self.pick(a, b, c), self.pick(b, c, a), self.pick(c, a, b)]
+    }
+
+    #[inline(always)]
+    fn pick(&self, first: L, second: L, third: L) -> L {
+        first.or_else(self.first_is_alone, second.or_else(self.second_is_alone, third))
     }
 
     /// A function's values where the two edges cross the plane. Exchanging an edge's ends negates both
@@ -47,11 +49,9 @@ impl<L: Lanes> Crossing<L> {
     /// numbers of different sign, never 0.
     #[inline(always)]
     fn at_ends(&self, values: Corners<L>) -> [L; 2] {
-        let [value, others @ ..] = self.alone_first(values);
-        let [height, other_heights @ ..] = self.heights;
-        std::array::from_fn(|end| {
-            (value * other_heights[end] - others[end] * height) / (other_heights[end] - height)
-        })
+        let [va, vb, vc] = self.alone_first(values);
+        let [ha, hb, hc] = self.heights;
+        [(va * hb - vb * ha) / (hb - ha), (va * hc - vc * ha) / (hc - ha)]
     }
 
     /// The shadow within `[t0, t1]` under a directional light.
@@ -75,8 +75,7 @@ impl<L: Lanes> Crossing<L> {
         Shadow { exists: self.exists & start.lt(end) & zero.lt(height), start, end }
     }
 
-    /// The shadow within `[t0, t1]` under a point light. `after` and `before` are not negative at or
-    /// after `t0` and at or before `t1`.
+    /// The shadow within `[t0, t1]` under a point light.
     #[inline(always)]
     pub(super) fn fan_shadow(
         &self,
@@ -94,16 +93,14 @@ impl<L: Lanes> Crossing<L> {
         // Where the way from one end to the other crosses the two limits.
         let after_at = after[0] / (after[0] - after[1]);
         let before_at = before[0] / (before[0] - before[1]);
-        // The end itself, or the limit by which it is cut off.
-        let clip = |end: usize, after_is_stricter: L::Mask| {
-            let out_after = after[end].lt(zero);
-            let out_before = before[end].lt(zero);
-            let t = (n[end] / d[end]).min(t1).max(t0);
-            let by_after = out_after & (!out_before | after_is_stricter);
-            (t0.or_else(by_after, t1.or_else(out_before, t)), by_after, out_before)
-        };
-        let (ta, a_after, a_before) = clip(0, before_at.lt(after_at));
-        let (tb, b_after, b_before) = clip(1, after_at.lt(before_at));
+        // The end itself, or the limit by which it is cut off: the one that the way in crosses last.
+        let a_before = before[0].lt(zero);
+        let b_before = before[1].lt(zero);
+        let a_after = after[0].lt(zero) & (!a_before | before_at.lt(after_at));
+        let b_after = after[1].lt(zero) & (!b_before | after_at.lt(before_at));
+        // An end at the light itself is 0 / 0; the limits take it in.
+        let ta = t0.or_else(a_after, t1.or_else(a_before, (n[0] / d[0]).min(t1).max(t0)));
+        let tb = t0.or_else(b_after, t1.or_else(b_before, (n[1] / d[1]).min(t1).max(t0)));
         let from = after_at.or_else(a_after, before_at.or_else(a_before, zero));
         let to = after_at.or_else(b_after, before_at.or_else(b_before, one));
         let middle = from + to;
