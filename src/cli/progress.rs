@@ -39,6 +39,8 @@ struct State {
     skipped: usize,
     /// Frames begun, the current one included.
     begun: usize,
+    /// Frames on the disk; one fewer than those rendered while the last is being written.
+    written: usize,
     fraction: f64,
     first_begun: Option<Instant>,
     /// The last whole per cent told; machines need not hear of less.
@@ -67,6 +69,7 @@ impl Progress {
             frames: 0,
             skipped: 0,
             begun: 0,
+            written: 0,
             fraction: 0.0,
             first_begun: None,
             percent_told: None,
@@ -157,7 +160,8 @@ impl State {
             // Threads may tell of their shares out of order.
             Event::FrameProgress { fraction, .. } => self.fraction = self.fraction.max(*fraction),
             Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
-            Event::FrameWritten { .. } | Event::AbandonedRemoved { .. } | Event::Finished(_) => {}
+            Event::FrameWritten { .. } => self.written += 1,
+            Event::AbandonedRemoved { .. } | Event::Finished(_) => {}
         }
     }
 
@@ -197,7 +201,7 @@ impl State {
                     0 => String::new(),
                     _ => format!("; {clamped} values too bright for half precision were clamped to 65504"),
                 };
-                let count = format!("{} of {}", self.skipped + self.begun, self.frames);
+                let count = format!("{} of {}", self.skipped + self.written, self.frames);
                 let path = path.display();
                 format!(
                     "frame {frame} written to {path}, {seconds:.1} s ({count}{}){clamping}",
@@ -325,7 +329,7 @@ mod tests {
         let lines = lines(ProgressStyle::Plain);
         assert_eq!(lines.len(), 4, "{lines:#?}");
         assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
-        assert!(lines[1].starts_with("frame 2 written to x.2.exr, 0.5 s (3 of 4, about "), "{}", lines[1]);
+        assert!(lines[1].starts_with("frame 2 written to x.2.exr, 0.5 s (2 of 4, about "), "{}", lines[1]);
         assert_eq!(
             lines[3],
             "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go"
