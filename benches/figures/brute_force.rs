@@ -15,7 +15,8 @@ pub fn triangles(scene: &Scene, eye: DVec3) -> Vec<[DVec3; 3]> {
         let mesh = &scene.meshes[instance.mesh];
         for triangle in &mesh.triangles {
             let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
-            triangles.push(triangle.vertices.map(|vertex| relative_from_mesh.transform_point3(corner(vertex))));
+            triangles
+                .push(triangle.vertices.map(|vertex| relative_from_mesh.transform_point3(corner(vertex))));
         }
     }
     triangles

@@ -53,10 +53,8 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = (usize, &str, std::
 pub(super) fn comment_out_lines_and_points(bytes: &mut [u8]) {
     for line in bytes.split_mut(|&byte| byte == b'\n') {
         let start = line.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        if let [b'l' | b'p', after, ..] = &line[start..] {
-            if after.is_ascii_whitespace() {
-                line[start] = b'#';
-            }
+        if matches!(&line[start..], [b'l' | b'p', after, ..] if after.is_ascii_whitespace()) {
+            line[start] = b'#';
         }
     }
 }
