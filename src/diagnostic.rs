@@ -50,9 +50,9 @@ pub struct Diagnostic {
     /// What was found, as a sentence without a full stop.
     pub found: String,
     /// What was expected instead.
-    pub expected: Option<String>,
+    pub expected: Option<Box<str>>,
     /// What the author can do.
-    pub remedy: Option<String>,
+    pub remedy: Option<Box<str>>,
 }
 
 impl Diagnostic {
@@ -78,14 +78,14 @@ impl Diagnostic {
     /// Adds what was expected.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
-        self.expected = Some(expected.into());
+        self.expected = Some(expected.into().into_boxed_str());
         self
     }
 
     /// Adds what the author can do.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
-        self.remedy = Some(remedy.into());
+        self.remedy = Some(remedy.into().into_boxed_str());
         self
     }
 }

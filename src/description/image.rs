@@ -55,8 +55,10 @@ pub fn decode(bytes: &[u8], place: Place) -> Result<DecodedImage, Diagnostic> {
     if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MAX_TEXELS {
         return Err(reject(format!("the image has {width}x{height} texels")));
     }
-    let decoded = reader.decode().map_err(|error| reject(format!("the image cannot be decoded: {error}")))?;
-    Ok(linear(decoded))
+    let decoded = reader
+        .decode()
+        .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
+    Ok(linear_light(decoded))
 }
 
 fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
@@ -64,10 +66,10 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
         .with_guessed_format()
         .map_err(|error| format!("the image cannot be read: {error}"))?
         .into_dimensions()
-        .map_err(|error| format!("the image cannot be decoded: {error}"))
+        .map_err(|error| format!("the image cannot be decoded: {}", error.to_string().trim_end()))
 }
 
-fn linear(decoded: DynamicImage) -> DecodedImage {
+fn linear_light(decoded: DynamicImage) -> DecodedImage {
     let rgba = decoded.into_rgba16();
     let curve = LINEAR_FROM_CODE.as_slice();
     let texels = rgba
@@ -79,4 +81,59 @@ fn linear(decoded: DynamicImage) -> DecodedImage {
         })
         .collect();
     DecodedImage { width: rgba.width() as usize, height: rgba.height() as usize, texels }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use ::image::{ImageBuffer, Luma, Rgb, Rgba};
+
+    fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.into().write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
+        decode(bytes, Place::Nowhere).unwrap().texels
+    }
+
+    fn linear(encoded: f64) -> f32 {
+        linear_from_srgb(encoded) as f32
+    }
+
+    #[test]
+    fn plain_and_binary_ppm_are_top_row_first_and_linear() {
+        let expected = [[1.0, 0.0, linear(51.0 / 255.0), 1.0], [0.0, 0.0, 0.0, 1.0]];
+        for bytes in [&b"P3\n# by hand\n1 2\n255\n255 0 51 0 0 0\n"[..], b"P6\n1 2\n255\n\xff\x00\x33\0\0\0"]
+        {
+            let image = decode(bytes, Place::Nowhere).unwrap();
+            assert_eq!((image.width, image.height), (1, 2));
+            assert_eq!(image.texels, expected);
+        }
+    }
+
+    #[test]
+    fn png_keeps_its_16_bits_and_its_linear_alpha() {
+        let image = ImageBuffer::from_pixel(1, 1, Rgba([12_345_u16, 0, 65_535, 32_768]));
+        let expected = [linear(12_345.0 / 65_535.0), 0.0, 1.0, 32_768.0 / 65_535.0];
+        assert_eq!(texels(&encoded(image, ImageFormat::Png)), [expected]);
+    }
+
+    #[test]
+    fn grey_png_is_grey() {
+        let image = ImageBuffer::from_pixel(1, 1, Luma([128_u8]));
+        let grey = linear(128.0 / 255.0);
+        assert_eq!(texels(&encoded(image, ImageFormat::Png)), [[grey, grey, grey, 1.0]]);
+    }
+
+    #[test]
+    fn jpeg_comes_near() {
+        let image = ImageBuffer::from_pixel(16, 16, Rgb([200_u8, 100, 50]));
+        let [r, g, b, alpha] = texels(&encoded(image, ImageFormat::Jpeg))[100];
+        let expected = [200.0, 100.0, 50.0].map(|code| linear(code / 255.0));
+        assert!([r, g, b].iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.02));
+        assert_eq!(alpha, 1.0);
+    }
 }

@@ -52,6 +52,16 @@ pub enum LoadError {
     Invalid(Diagnostics),
 }
 
+impl LoadError {
+    /// Says who asked for a file that cannot be read, unless that is known already.
+    fn asked_for_by(mut self, asker: &str) -> Self {
+        if let Self::Io { referrer, .. } = &mut self {
+            referrer.get_or_insert_with(|| asker.to_owned());
+        }
+        self
+    }
+}
+
 impl From<Diagnostic> for LoadError {
     fn from(diagnostic: Diagnostic) -> Self {
         Self::Invalid(Diagnostics(vec![diagnostic]))
@@ -68,7 +78,8 @@ pub fn load(path: &Path) -> Result<Description, LoadError> {
         "ron" => match ron::load(path, &mut files)? {
             ron::RonFile::Scene(scene) => (SceneSource::Ron(scene), None),
             ron::RonFile::Sequence(sequence) => {
-                let scene = load_scene(&sequence.scene_path, &mut files)?;
+                let scene = load_scene(&sequence.scene_path, &mut files)
+                    .map_err(|error| error.asked_for_by(&format!("{}: scene", path.display())))?;
                 (scene, Some(sequence))
             }
         },

@@ -49,6 +49,16 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = (usize, &str, std::
     })
 }
 
+/// Turns lines and points into comments of the same length: tobj takes a line of three points for a face.
+pub(super) fn comment_out_lines_and_points(bytes: &mut [u8]) {
+    for line in bytes.split_mut(|&byte| byte == b'\n') {
+        let start = line.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        if matches!(&line[start..], [b'l' | b'p', after, ..] if after.is_ascii_whitespace()) {
+            line[start] = b'#';
+        }
+    }
+}
+
 /// The first line with one of the keywords and a number that is not finite as `f32`.
 pub(super) fn not_finite(text: &str, keywords: &[&str]) -> Option<usize> {
     statements(text)

@@ -48,8 +48,9 @@ pub struct ObjTriangle {
 /// # Errors
 /// [`LoadError`] if a file cannot be read or does not hold a valid mesh.
 pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, LoadError> {
-    let bytes = files.read(path, Some(referrer))?;
-    let text = String::from_utf8_lossy(&bytes);
+    let mut bytes = files.read(path, Some(referrer))?;
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    locate::comment_out_lines_and_points(&mut bytes);
     let files = RefCell::new(files);
     let material_problem = RefCell::new(None);
     let mut materials = RefCell::new(material::Library::default());
@@ -131,7 +132,7 @@ fn parse_error(path: &Path, text: &str, error: tobj::LoadError, line: usize) -> 
 fn remark_census(path: &Path, text: &str, model: &mut ObjModel) {
     let census = Census::of(text);
     for (keyword, (count, line)) in &census.ignored {
-        let found = format!("`{keyword}` is not used here and elsewhere, {count} lines in all");
+        let found = format!("`{keyword}` is not used ({count} in all)");
         model.remarks.push(match keyword.as_str() {
             "s" => Diagnostic::note(
                 at_line(path, *line),
@@ -270,5 +271,65 @@ fn merge(mut parts: Vec<Part>, model: &mut ObjModel) {
             vertices: triangle.map(|vertex| base + vertex),
             material: part.material,
         }));
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn load_text(obj: &str) -> ObjModel {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mesh.obj");
+        std::fs::write(&path, obj).unwrap();
+        load(&path, "test", &mut Files::default()).unwrap()
+    }
+
+    fn area(model: &ObjModel) -> f64 {
+        let corner = |index: u32| model.positions[index as usize].as_dvec3();
+        let twice = |t: &ObjTriangle| triangulate::newell_normal(&t.vertices.map(corner)).length();
+        model.triangles.iter().map(twice).sum::<f64>() / 2.0
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn all_forms_of_a_face_are_read() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/valid/obj/all_forms.obj");
+        let model = load(&path, "test", &mut Files::default()).unwrap();
+        // A square, two halves, a third half by negative indices, and the arrow.
+        assert!((area(&model) - (1.0 + 0.5 + 0.5 + 0.5 + 1.5)).abs() < 1e-6);
+        assert_eq!(model.normals.len(), model.positions.len());
+        assert_eq!(model.uvs.len(), model.positions.len());
+        let materials: Vec<_> = model.triangles.iter().map(|triangle| triangle.material).collect();
+        assert_eq!(materials, [Some(0), Some(0), Some(0), Some(0), Some(1), None, None]);
+        assert_eq!(model.materials[0].emission, DVec3::Z);
+        assert_eq!(model.materials[1].diffuse_texture.as_deref(), Some(Path::new("checker.ppm")));
+    }
+
+    #[test]
+    fn negative_indices_count_back_from_where_they_stand() {
+        let model = load_text(&format!("{SQUARE}f -4 -3 -2 -1\nv 9 9 9\n"));
+        assert!((area(&model) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn texture_coordinates_point_down() {
+        let model = load_text(&format!("{SQUARE}vt 0.25 0.75\nf 1/1 2/1 3/1\n"));
+        assert_eq!(model.uvs, [Vec2::new(0.25, 0.25); 3]);
+    }
+
+    #[test]
+    fn lines_of_three_points_are_no_face() {
+        let model = load_text(&format!("{SQUARE}l 1 2 3\nf 1 2 3\n"));
+        assert_eq!(model.triangles.len(), 1);
+        assert_eq!(model.remarks.0.len(), 1);
+    }
+
+    #[test]
+    fn line_ends_of_windows_and_faces_without_area_do_no_harm() {
+        let model = load_text(&format!("{SQUARE}f 1 2 3 4\nf 1 2 1\n").replace('\n', "\r\n"));
+        assert_eq!(model.triangles.len(), 2);
     }
 }

@@ -16,9 +16,7 @@ pub(super) struct Triangulated {
 /// Triangulates a polygon of at least three corners; `None` if it has no area.
 pub(super) fn triangulate(corners: &[DVec3]) -> Option<Triangulated> {
     let normal = newell_normal(corners);
-    if normal.try_normalize().is_none() {
-        return None;
-    }
+    normal.try_normalize()?;
     if corners.len() == 3 {
         return Some(Triangulated { triangles: vec![[0, 1, 2]], simple: true });
     }

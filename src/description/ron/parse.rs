@@ -43,9 +43,10 @@ fn not_utf8(path: &Path, bytes: &[u8], valid_up_to: usize) -> Diagnostic {
 fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
     let start = error.span.start;
     let place = Place::Text { file: path.to_owned(), line: start.line, column: start.col };
-    let inside = |outer: &Option<String>| match outer {
+    // `Document` is a name of ours that no file contains.
+    let inside = |outer: &Option<String>| match outer.as_deref() {
+        None | Some("Document") => String::new(),
         Some(outer) => format!(" in `{outer}`"),
-        None => String::new(),
     };
     match &error.code {
         Error::NoSuchStructField { expected, found, outer } => {

@@ -3,7 +3,7 @@
 
 use super::number::{NonNegative, Number, Positive, Whole};
 use super::version::Version;
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -70,21 +70,18 @@ pub enum Pass {
 const MAX_FRAME: i64 = 1_000_000_000;
 
 /// First and last frame, `(1, 48)`; the last is not before the first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(try_from = "(i64, i64)")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frames(pub(crate) i64, pub(crate) i64);
 
-impl TryFrom<(i64, i64)> for Frames {
-    type Error = String;
-
-    fn try_from((first, last): (i64, i64)) -> Result<Self, String> {
-        if first > last {
-            Err(format!("the last frame, {last}, comes before the first, {first}"))
-        } else if first < -MAX_FRAME || last > MAX_FRAME {
-            Err(format!("frames {first} to {last} go beyond {MAX_FRAME}"))
-        } else {
-            Ok(Self(first, last))
+impl<'de> Deserialize<'de> for Frames {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (first, last) = <(i64, i64)>::deserialize(deserializer)?;
+        if first <= last && -MAX_FRAME <= first && last <= MAX_FRAME {
+            return Ok(Self(first, last));
         }
+        let found = format!("frames {first} to {last}");
+        let expected = format!("(first, last), the last not before the first, both within {MAX_FRAME} of 0");
+        Err(D::Error::invalid_value(Unexpected::Other(&found), &expected.as_str()))
     }
 }
 
@@ -118,7 +115,7 @@ impl<'de> Visitor<'de> for FrameRateVisitor {
     fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
         match u32::try_from(value) {
             Ok(numerator @ 1..=MAX_RATE) => Ok(FrameRate { numerator, denominator: 1 }),
-            _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(value), &self)),
+            _ => Err(E::invalid_value(Unexpected::Unsigned(value), &self)),
         }
     }
 

@@ -7,6 +7,9 @@ mod lights;
 mod problems;
 mod sequence;
 mod shapes;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
 mod tracks;
 
 use super::{

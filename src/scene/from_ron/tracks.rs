@@ -67,13 +67,13 @@ fn check<T: Keyable<Si: Animate>>(keys: &Keys<T>, field: &str, problems: &mut Pr
             continue;
         }
         let path = format!("{field}.keys[{index}].to_next");
-        if let ToNext::Bezier { leave, arrive } = pair[0].to_next {
-            if leave.at_s.si() < from_s || arrive.at_s.si() > to_s {
-                valid = false;
-                let expected = format!("`leave` not before {from_s} s, and `arrive` not after {to_s} s");
-                let found = "a handle lies on the wrong side of its key";
-                problems.error(&path, found, &expected, "move the handle to the side of its curve");
-            }
+        if let ToNext::Bezier { leave, arrive } = pair[0].to_next
+            && (leave.at_s.si() < from_s || arrive.at_s.si() > to_s)
+        {
+            valid = false;
+            let expected = format!("`leave` not before {from_s} s, and `arrive` not after {to_s} s");
+            let found = "a handle lies on the wrong side of its key";
+            problems.error(&path, found, &expected, "move the handle to the side of its curve");
         }
         if !inner_control_points(&pair[0], &pair[1]).into_iter().flatten().all(T::admits) {
             valid = false;

@@ -1,0 +1,121 @@
+//! Small scenes in, and what becomes of them.
+
+use super::*;
+use crate::description::Files;
+use crate::scene::{Extend, Segment};
+use glam::DVec3;
+
+fn resolved(fields: &str) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, format!("Scene(version: 1, cameras: {{ \"main\": () }}, {fields})")).unwrap();
+    let loaded = ron::load_scene(&path, &mut Files::default()).unwrap();
+    resolve(loaded, None).unwrap().0
+}
+
+const LEAF: &str = r#"meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.05) },"#;
+
+fn leaves(count: u32, motion: &str) -> Scene {
+    resolved(&format!(
+        r#"{LEAF} leaves: {{ "fall": (count: {count}, seed: 5, meshes: ["leaf"], min_m: (-1.0, 1.0, 2.0),
+        max_m: (1.0, 3.0, 5.0), scale: (0.5, 2.0), motion: {motion}) }}"#
+    ))
+}
+
+#[test]
+fn parents_come_before_their_children_whatever_the_order_in_the_file() {
+    let scene = resolved(
+        r#"objects: { "c": (parent: "b", translation_m: (1.0, 0.0, 0.0)), "b": (parent: "a", scale: 2.0),
+        "a": (rotation_deg: (0.0, 0.0, 90.0)) }"#,
+    );
+    let names: Vec<_> = scene.nodes.iter().map(|node| node.name.as_str()).take(3).collect();
+    assert_eq!(names, ["a", "b", "c"]);
+    let origin = scene.placements(0.0)[2].world_from_node.translation;
+    assert!((origin - DVec3::new(0.0, 2.0, 0.0)).length() < 1e-12, "{origin}");
+}
+
+#[test]
+fn leaves_lie_in_their_box_with_ids_from_one() {
+    let scene = leaves(200, "Still");
+    assert_eq!(scene.instances.iter().map(|leaf| leaf.leaf_id).collect::<Vec<_>>(), Vec::from_iter(1..=200));
+    for leaf in &scene.instances {
+        let Motion::Still(place) = scene.nodes[leaf.node].motion else { panic!("it moves") };
+        let (low, high) = (DVec3::new(-1.0, 1.0, 2.0), DVec3::new(1.0, 3.0, 5.0));
+        assert!(place.translation.cmpge(low).all() && place.translation.cmple(high).all());
+        let scale = place.matrix3.determinant().cbrt();
+        assert!((0.5..=2.0).contains(&scale), "{scale}");
+    }
+}
+
+#[test]
+fn more_leaves_leave_the_others_where_they_are() {
+    let motion = "Falling(speed_m_per_s: (0.5, 1.0), swing_m: (0.1, 0.2), swing_hz: 0.5, spin_deg_per_s: (-90.0, 90.0))";
+    let (few, many) = (leaves(10, motion), leaves(1000, motion));
+    assert_eq!(format!("{:?}", few.nodes[..10].to_vec()), format!("{:?}", many.nodes[..10].to_vec()));
+}
+
+#[test]
+fn falling_leaves_take_their_values_from_the_ranges() {
+    let scene =
+        leaves(100, "Falling(speed_m_per_s: (0.5, 1.0), swing_m: 0.25, wind_m_per_s: (0.3, 0.1, 0.0))");
+    for leaf in &scene.instances {
+        let Motion::Falling(path) = &scene.nodes[leaf.node].motion else { panic!("it does not fall") };
+        assert!((-0.9..=-0.4).contains(&path.velocity.y) && path.velocity.x == 0.3);
+        assert!((path.swing.length() - 0.25).abs() < 1e-12 && path.swing.y == 0.0);
+        assert!(path.spin_axis.is_normalized() && path.attitude.is_normalized());
+    }
+}
+
+#[test]
+fn keys_keep_every_digit_and_become_radians() {
+    let scene = resolved(
+        r#"objects: { "a": (rotation_deg: Keyed(extend: Cycle, keys: [
+        (at_s: 0.1, value: (180, 0.0, 0.0), to_next: Hermite(leave_per_s: (90.0, 0.0, 0.0), arrive_per_s: (0.0, 0.0, 0.0))),
+        (at_s: 0.3, value: (0.0, 0.0, 0.0))])) }"#,
+    );
+    let Motion::Keyed { rotation: super::super::Rotation::EulerXyz(track), .. } = &scene.nodes[0].motion
+    else {
+        panic!("not keyed")
+    };
+    assert_eq!(track.extend(), Extend::Cycle);
+    assert_eq!(track.keys()[0].time_s.to_bits(), 0.1_f64.to_bits());
+    assert!((track.keys()[0].value.x - std::f64::consts::PI).abs() < 1e-15);
+    let Segment::Hermite { leave, .. } = track.keys()[0].to_next else { panic!("not a cubic") };
+    assert!((leave.x - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+}
+
+#[test]
+fn the_sun_shines_the_same_way_however_it_is_written() {
+    for sun in ["direction: (1.0, -2.0, 0.5)", "to_sun: (-1.0, 2.0, -0.5)"] {
+        let scene = resolved(&format!(r#"lights: {{ "sun": Sun({sun}, irradiance_w_per_m2: 1.0) }}"#));
+        let world_from_light = scene.nodes[scene.lights[0].node].motion.parent_from_node(0.0);
+        let shines = world_from_light.transform_vector3(DVec3::NEG_Z);
+        assert!((shines - DVec3::new(1.0, -2.0, 0.5).normalize()).length() < 1e-12);
+    }
+}
+
+#[test]
+fn fog_fills_its_box() {
+    let scene =
+        resolved(r#"fog: { "haze": (min_m: (0.0, 1.0, 2.0), max_m: (4.0, 3.0, 8.0), density_per_m: 0.1) }"#);
+    let world_from_cube = scene.nodes[scene.fogs[0].node].motion.parent_from_node(0.0);
+    assert_eq!(world_from_cube.transform_point3(DVec3::NEG_ONE), DVec3::new(0.0, 1.0, 2.0));
+    assert_eq!(world_from_cube.transform_point3(DVec3::ONE), DVec3::new(4.0, 3.0, 8.0));
+}
+
+#[test]
+fn what_nothing_shows_is_not_read() {
+    let scene = resolved(
+        r#"meshes: { "gone": Obj("gone.obj") }, materials: { "lost": (texture: "lost.png") },
+        objects: { "hidden": (mesh: "gone", material: "lost", visible: false) }"#,
+    );
+    assert!(scene.meshes.is_empty() && scene.textures.is_empty() && scene.instances.is_empty());
+    assert!(scene.remarks.0.iter().any(|remark| remark.to_string().contains("meshes.gone")));
+}
+
+#[test]
+fn scenes_are_called_like_their_file_or_folder() {
+    assert_eq!(name_of(Path::new("scenes/one_leaf/scene.ron")), "one_leaf");
+    assert_eq!(name_of(Path::new("scenes/birch.ron")), "birch");
+    assert_eq!(name_of(Path::new("scene.ron")), "scene");
+}
