@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn data_uris_are_decoded() {
         assert_eq!(data_uri("image/png;base64,AQID").unwrap(), [1, 2, 3]);
-        assert_eq!(data_uri(";base64,").unwrap(), []);
+        assert!(data_uri(";base64,").unwrap().is_empty());
         assert!(data_uri("text/plain,leaf").is_err());
     }
 

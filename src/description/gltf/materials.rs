@@ -38,20 +38,25 @@ pub(super) fn read(
             report_unused(material, &converted.name, report);
             if let Some(info) = &material.pbr_metallic_roughness.base_color_texture {
                 let user = format!("materials[{index}].pbrMetallicRoughness.baseColorTexture.index");
-                if !texture_numbers.contains_key(&info.index) {
-                    let texture = read_texture(document, info.index, &user, buffers, file, files, report)?;
-                    let texels = textures.iter().map(|texture| texture.image.texels.len()).sum::<usize>();
-                    if texels > MAX_TEXELS {
-                        report.error(user, "the textures are too large together", "2^27 texels in all");
-                        break;
+                let number = match texture_numbers.get(&info.index) {
+                    Some(number) => *number,
+                    None => {
+                        let texels = textures.iter().map(|texture| texture.image.texels.len()).sum::<usize>();
+                        if texels > MAX_TEXELS {
+                            report.error(user, "the textures are too large together", "2^27 texels in all");
+                            break;
+                        }
+                        let texture =
+                            read_texture(document, info.index, &user, buffers, file, files, report)?;
+                        let number = report.keep(texture).map(|texture| {
+                            textures.push(texture);
+                            textures.len() - 1
+                        });
+                        texture_numbers.insert(info.index, number);
+                        number
                     }
-                    let number = report.keep(texture).map(|texture| {
-                        textures.push(texture);
-                        textures.len() - 1
-                    });
-                    texture_numbers.insert(info.index, number);
-                }
-                converted.base_color_texture = texture_numbers[&info.index];
+                };
+                converted.base_color_texture = number;
             }
         }
         materials.push(converted);
