@@ -23,11 +23,12 @@ POSES = {
     "oak": Pose(fold_rad=0.22, curl_rad=0.95, cup=0.45, ripple=0.022),
     "beech": Pose(fold_rad=0.42, curl_rad=0.70, cup=0.35, ripple=0.016),
 }
-# How far an outline may err, in blade lengths: fine teeth vanish in the distance, lobes must not.
+# How far an outline may err, in blade lengths: fine teeth vanish in the distance, lobes must not. Every
+# triangle between the camera's rays and the sun costs time, so the canopy is as coarse as looks allow.
 TOLERANCES = {
     NEAR: {"maple": 0.0015, "birch": 0.0015, "oak": 0.0015, "beech": 0.0015},
     FAR: {"maple": 0.020, "birch": 0.045, "oak": 0.020, "beech": 0.012},
-    CANOPY: {"maple": 0.120, "birch": 0.080, "oak": 0.080, "beech": 0.060},
+    CANOPY: {"maple": 0.180, "birch": 0.080, "oak": 0.080, "beech": 0.060},
 }
 COLORS = {
     "maple": ["green_yellow", "yellow", "orange_red", "brown"],
@@ -46,10 +47,9 @@ def make_meshes(folder: Path) -> None:
         for detail, tolerances in TOLERANCES.items():
             leaf = make_leaf(blade, detail, tolerances[name], POSES[name])
             meshes[f"{name}_{detail.suffix}"] = (leaf, detail.smooth)
-    coarse_leaf, _ = meshes["maple_canopy"]
-    meshes["bough_near"] = (make_bough(coarse_leaf, "bough 1", 3.2, 6, 36, 0.55), False)
-    meshes["bough_far"] = (make_bough(coarse_leaf, "bough 2", 3.2, 2, 20, 0.85), False)
-    meshes["tree_a"] = (make_tree("tree 1", 15.0, 0.34, 6), True)
+    silhouette, _ = meshes["maple_canopy"]
+    meshes["bough"] = (make_bough(silhouette, "bough 1", 3.2, 4, 20, 0.68), False)
+    meshes["tree_a"] = (make_tree("tree 1", 15.0, 0.34, 5), True)
     meshes["tree_b"] = (make_tree("tree 2", 13.0, 0.24, 5), True)
     meshes["ground"] = (make_ground(30.0, 16.0, -44.0, 20, 20, 2.6), True)
     for name, (mesh, smooth) in meshes.items():

@@ -66,18 +66,17 @@ def make_tree(seed: str, height: float, girth: float, branch_count: int) -> Mesh
     steps = 11
     path = wander((0.0, -0.3, 0.0), (rng.uniform(-0.1, 0.1), 1.0, rng.uniform(-0.1, 0.1)), height, steps, 0.10, 0.10, rng)
     radii = [girth * (1.0 - 0.88 * i / steps) * (1.55 if i == 0 else 1.0) for i in range(steps + 1)]
-    mesh = tube(path, radii, 9, (2.0, 2.5))
+    mesh = tube(path, radii, 8, (2.0, 2.5))
     for i in range(branch_count):
         ring = 4 + i * (steps - 5) // branch_count
         angle = i * 2.4 + rng.uniform(-0.4, 0.4)  # About the golden angle, so that branches spread.
         outward = unit((math.cos(angle), rng.uniform(0.25, 0.6), math.sin(angle)))
         length = height * rng.uniform(0.20, 0.34) * (1.2 - 0.6 * ring / steps)
-        branch = wander(path[ring], outward, length, 5, 0.32, 0.10, rng)
-        mesh.add(tube(branch, [radii[ring] * 0.42 * (1.0 - 0.85 * k / 5) for k in range(6)], 5, (1.0, 2.5)))
-        for fork in (2, 3):
-            turn = angle + rng.choice((-0.9, 0.9))
-            twig = wander(branch[fork], unit((math.cos(turn), 0.35, math.sin(turn))), length * 0.5, 3, 0.35, 0.08, rng)
-            mesh.add(tube(twig, [radii[ring] * 0.16 * (1.0 - 0.8 * k / 3) for k in range(4)], 3, (1.0, 2.5)))
+        branch = wander(path[ring], outward, length, 4, 0.32, 0.10, rng)
+        mesh.add(tube(branch, [radii[ring] * 0.42 * (1.0 - 0.85 * k / 4) for k in range(5)], 4, (1.0, 2.5)))
+        turn = angle + rng.choice((-0.9, 0.9))
+        twig = wander(branch[2], unit((math.cos(turn), 0.35, math.sin(turn))), length * 0.5, 3, 0.35, 0.08, rng)
+        mesh.add(tube(twig, [radii[ring] * 0.16 * (1.0 - 0.8 * k / 3) for k in range(4)], 3, (1.0, 2.5)))
     return mesh
 
 
@@ -102,7 +101,7 @@ def make_bough(leaf: Mesh, seed: str, length: float, twig_count: int, leaf_count
         angle = rng.uniform(-0.5, 0.5) + (0.9 if k % 2 else -0.9)
         start = stem[1 + k * 3 // twig_count]
         outward = unit((math.sin(angle), rng.uniform(-0.15, 0.35), math.cos(angle)))
-        twigs.append(wander(start, outward, length * rng.uniform(0.25, 0.42), 2, 0.3, 0.0, rng))
+        twigs.append(wander(start, outward, length * rng.uniform(0.25, 0.42), 1, 0.3, 0.0, rng))
     mesh = Mesh()
     for twig in twigs:
         thickness = 0.010 * length if twig is stem else 0.005 * length
