@@ -2,9 +2,9 @@
 //! Invariant: every pixel is a pure function of (snapshot, pixel, sample, seed), so neither the
 //! number of threads nor the order of tiles reaches the picture.
 
-use crate::film::{Film, Window};
+use crate::film::Film;
 use crate::math::Sampler;
-use crate::scene::{Pass, Size};
+use crate::scene::{Pass, Size, Window};
 use crate::snapshot::Snapshot;
 use crate::transport::{Scratch, Transport, radiance};
 use rayon::prelude::*;

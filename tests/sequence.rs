@@ -6,7 +6,8 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use sunfleck::film::{Channel, Frame, Precision, Window};
+use sunfleck::film::{Channel, Frame, Precision};
+use sunfleck::scene::Window;
 use sunfleck::frame_file::{self, Provenance};
 use sunfleck::scene::{FrameRate, Size};
 use sunfleck::sequence::{

@@ -3,9 +3,9 @@
 #![allow(unsafe_code, reason = "vector instructions, behind a proof that the processor has them")]
 
 use super::{
-    Hit, LightPlane, PrimitiveId,
+    Cut, HalfPlane, Hit, LightPlane, PrimitiveId,
     instance_tree::Instance,
-    ray_query, shadow_query,
+    ray_query, shadow_query, slice_query,
     simd::{Eight, Lanes, Mask, Simd, WIDTH},
     wide_tree::WideTree,
 };
@@ -195,5 +195,27 @@ impl Avx2 {
         }
         // SAFETY: `self` proves AVX2.
         unsafe { kernel(self, tree, instances, plane, shadows) }
+    }
+
+    /// [`InstanceTree::add_cuts`](super::InstanceTree::add_cuts).
+    pub(super) fn add_cuts(
+        self,
+        tree: &WideTree,
+        instances: &[Instance],
+        half_plane: &HalfPlane,
+        cuts: &mut Vec<Cut>,
+    ) {
+        #[target_feature(enable = "avx2")]
+        fn kernel(
+            simd: Avx2,
+            tree: &WideTree,
+            instances: &[Instance],
+            half_plane: &HalfPlane,
+            cuts: &mut Vec<Cut>,
+        ) {
+            slice_query::add_cuts(simd, tree, instances, half_plane, cuts);
+        }
+        // SAFETY: `self` proves AVX2.
+        unsafe { kernel(self, tree, instances, half_plane, cuts) }
     }
 }

@@ -2,10 +2,10 @@
 //! instance numbers of answers are positions in the list the tree was made of.
 
 use super::{
-    Hit, LightPlane, MeshTree, PrimitiveId, ray_query,
+    Cut, HalfPlane, Hit, LightPlane, MeshTree, PrimitiveId, ray_query,
     rounding::{round_down, round_up},
     shadow_query,
-    simd::Level,
+    simd::Level, slice_query,
     wide_tree::{Bounds, WideTree},
 };
 use crate::math::{IntervalSet, Ray};
@@ -143,6 +143,17 @@ impl InstanceTree {
             }
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(simd) => simd.add_shadows(&self.tree, &self.instances, plane, shadows),
+        }
+    }
+
+    /// Appends what the half plane cuts, in an order that depends on the tree alone.
+    pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
+        match self.level {
+            Level::Portable(simd) => {
+                slice_query::add_cuts(simd, &self.tree, &self.instances, half_plane, cuts);
+            }
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(simd) => simd.add_cuts(&self.tree, &self.instances, half_plane, cuts),
         }
     }
 

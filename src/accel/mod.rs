@@ -19,6 +19,7 @@ mod ray_query;
 mod rounding;
 mod shadow_query;
 mod simd;
+mod slice_query;
 mod stack;
 mod triangle_cut;
 mod wide_tree;
@@ -26,6 +27,7 @@ mod wide_tree;
 pub use instance_tree::{InstanceTree, PlacedMesh};
 pub use light_plane::LightPlane;
 pub use mesh_tree::MeshTree;
+pub use slice_query::{Cut, HalfPlane};
 
 /// A triangle of a placed mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

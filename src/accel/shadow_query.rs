@@ -21,14 +21,14 @@ const PADDING_ROUNDOFFS: f64 = 16.0;
 
 /// An affine function in single precision.
 #[derive(Clone, Copy)]
-struct LaneFunctional<L> {
+pub(super) struct LaneFunctional<L> {
     gradient: [L; 3],
     offset: L,
 }
 
 impl<L: Lanes> LaneFunctional<L> {
     #[inline(always)]
-    fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
+    pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
         Self {
             gradient: three(
                 #[inline(always)]
@@ -39,13 +39,13 @@ impl<L: Lanes> LaneFunctional<L> {
     }
 
     #[inline(always)]
-    fn at(&self, [x, y, z]: [L; 3]) -> L {
+    pub(super) fn at(&self, [x, y, z]: [L; 3]) -> L {
         self.gradient[0] * x + self.gradient[1] * y + self.gradient[2] * z + self.offset
     }
 
     /// At the vertices of each triangle.
     #[inline(always)]
-    fn at_corners<S: Simd<Lanes = L>>(&self, simd: S, block: &Block) -> Corners<L> {
+    pub(super) fn at_corners<S: Simd<Lanes = L>>(&self, simd: S, block: &Block) -> Corners<L> {
         three(
             #[inline(always)]
             |vertex| {
@@ -57,14 +57,14 @@ impl<L: Lanes> LaneFunctional<L> {
 }
 
 /// The upper limit of an affine function over a box.
-struct BoxLimit<L> {
+pub(super) struct BoxLimit<L> {
     functional: LaneFunctional<L>,
     corner: [usize; 3],
 }
 
 impl<L: Lanes> BoxLimit<L> {
     #[inline(always)]
-    fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional, bounds: Bounds) -> Self {
+    pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional, bounds: Bounds) -> Self {
         let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
         let padding = PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms;
         let padded = Functional { offset: functional.offset + padding, ..*functional };
@@ -137,13 +137,13 @@ impl<L: Lanes> BoxRegion<L> {
 }
 
 /// What happens at the leaves of a tree.
-trait LeafVisitor<S: Simd> {
+pub(super) trait LeafVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
 }
 
 /// Visits the leaves whose boxes may hold something of the region.
 #[inline(always)]
-fn visit_leaves<S: Simd>(
+pub(super) fn visit_leaves<S: Simd>(
     simd: S,
     tree: &WideTree,
     region: &BoxRegion<S::Lanes>,

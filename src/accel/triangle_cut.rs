@@ -48,7 +48,7 @@ impl<L: Lanes> Crossing<L> {
     /// numerator and denominator exactly, as nothing is fused. The denominator is the difference of two
     /// numbers of different sign, never 0.
     #[inline(always)]
-    fn at_ends(&self, values: Corners<L>) -> [L; 2] {
+    pub(super) fn at_ends(&self, values: Corners<L>) -> [L; 2] {
         let [va, vb, vc] = self.alone_first(values);
         let [ha, hb, hc] = self.heights;
         [(va * hb - vb * ha) / (hb - ha), (va * hc - vc * ha) / (hc - ha)]

@@ -7,11 +7,11 @@ mod frame;
 mod holes;
 mod pass_layout;
 
-use crate::scene::{Pass, Size};
+use crate::scene::{Pass, Size, Window};
 use crate::transport::Sample;
 use pass_layout::{PixelRule, layout, value};
 
-pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision, Window};
+pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 
 /// Names of the beauty's channels, in the order of the sums.
 const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];

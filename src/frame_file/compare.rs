@@ -1,7 +1,8 @@
 //! Two frames against each other. Invariant: values that are not finite count as such and enter
 //! no mean.
 
-use crate::film::{Channel, Frame, PixelPlace, Window};
+use crate::film::{Channel, Frame, PixelPlace};
+use crate::scene::Window;
 use std::fmt;
 
 /// How far one frame is from another.

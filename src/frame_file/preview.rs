@@ -69,7 +69,8 @@ fn filmic(x: f64) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::film::{Channel, Precision, Window};
+    use crate::film::{Channel, Precision};
+    use crate::scene::Window;
     use crate::scene::Size;
 
     fn flat(value: f32) -> Vec<u8> {

@@ -19,6 +19,12 @@ impl IntervalSet {
         &self.intervals
     }
 
+    /// Whether a number lies strictly inside one of the intervals.
+    pub fn contains(&self, number: f64) -> bool {
+        let after = self.intervals.partition_point(|interval| interval.1 <= number);
+        self.intervals.get(after).is_some_and(|interval| interval.0 < number)
+    }
+
     /// Adds `[start, end]`, merging whatever it touches. Empty intervals (`start >= end`) add nothing.
     pub fn insert(&mut self, start: f64, end: f64) {
         // Anything but Less: a NaN is dropped too.

@@ -28,6 +28,42 @@ pub struct Size {
     pub height: usize,
 }
 
+/// A rectangle of pixels of the full picture, y downwards (EXR: the data window).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl Window {
+    /// All of a picture.
+    pub fn whole(full: Size) -> Self {
+        Self { x: 0, y: 0, width: full.width, height: full.height }
+    }
+
+    /// Where pixel (`x`, `y`) of the full picture stands in a channel; `None` outside the window.
+    pub fn index(self, x: usize, y: usize) -> Option<usize> {
+        let (column, row) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
+        (column < self.width && row < self.height).then_some(row * self.width + column)
+    }
+
+    /// The pixel of the full picture that stands at `index` in a channel.
+    pub fn pixel(self, index: usize) -> (usize, usize) {
+        (self.x + index % self.width, self.y + index / self.width)
+    }
+
+    /// Its pixels in the order of a channel's values.
+    pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.width * self.height).map(move |index| self.pixel(index))
+    }
+}
+
 /// What a frame can hold beside its beauty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {

@@ -29,6 +29,25 @@ pub struct SurfacePoint {
 }
 
 impl Snapshot<'_> {
+    /// Where a ray meets the plane of a triangle that it is known to meet; `None` if it runs within that plane.
+    pub fn hit_on(&self, ray: &Ray, primitive: PrimitiveId) -> Option<Hit> {
+        let placed = &self.placed[primitive.instance as usize];
+        let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
+        let corners = mesh.triangles[primitive.triangle as usize].vertices;
+        let [a, b, c] = corners.map(|corner| {
+            let position = mesh.positions[corner as usize].as_dvec3();
+            placed.relative_from_mesh.transform_point3(position) - ray.origin
+        });
+        // Moeller & Trumbore 1997, without asking whether the point lies inside.
+        let (ab, ac) = (b - a, c - a);
+        let p = ray.direction.cross(ac);
+        let determinant = ab.dot(p);
+        let q = ab.cross(a);
+        let (t, v, w) = (ac.dot(q), -a.dot(p), ray.direction.dot(q));
+        let hit = Hit { t: t / determinant, primitive, barycentrics: [v / determinant, w / determinant] };
+        hit.t.is_finite().then_some(hit)
+    }
+
     /// Looks up everything about a hit of `ray`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let placed = &self.placed[hit.primitive.instance as usize];

@@ -3,25 +3,36 @@
 
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::snapshot::{Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
+use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
 /// Lambert: `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
-pub(super) fn reflected(snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
-    if point.albedo == Rgb::ZERO {
+pub(super) fn reflected(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
+    lights
+        .iter()
+        .map(|light| {
+            reflected_from(snapshot, light, point, |to_light, distance| {
+                let shadow_ray = Ray { origin: point.position, direction: to_light };
+                !snapshot.tree.any_hit(&shadow_ray, distance, Some(point.primitive))
+            })
+        })
+        .sum()
+}
+
+/// The same of one light; `is_visible` is asked only where the answer matters, with direction and distance of the light.
+pub(super) fn reflected_from(
+    snapshot: &Snapshot,
+    light: &FrozenLight,
+    point: &SurfacePoint,
+    is_visible: impl FnOnce(DVec3, f64) -> bool,
+) -> Rgb {
+    let (to_light, distance, arriving) = light.arriving_at(point.position);
+    let cos = point.shading_normal.dot(to_light);
+    let faces_light = cos > 0.0 && point.geometric_normal.dot(to_light) > 0.0;
+    if !faces_light || arriving == Rgb::ZERO || point.albedo == Rgb::ZERO || !is_visible(to_light, distance) {
         return Rgb::ZERO;
     }
-    let mut irradiance = Rgb::ZERO;
-    for light in &snapshot.lights {
-        let (to_light, distance, arriving) = light.arriving_at(point.position);
-        let cos = point.shading_normal.dot(to_light);
-        if cos <= 0.0 || point.geometric_normal.dot(to_light) <= 0.0 || arriving == Rgb::ZERO {
-            continue;
-        }
-        let shadow_ray = Ray { origin: point.position, direction: to_light };
-        if !snapshot.tree.any_hit(&shadow_ray, distance, Some(point.primitive)) {
-            irradiance += cos * arriving * snapshot.medium.transmittance(point.position, to_light, distance);
-        }
-    }
-    FRAC_1_PI * point.albedo * irradiance
+    let through = snapshot.medium.transmittance(point.position, to_light, distance);
+    FRAC_1_PI * cos * point.albedo * arriving * through
 }

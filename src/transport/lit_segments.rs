@@ -22,6 +22,15 @@ impl LitSegments {
         Self { shadows, range }
     }
 
+    /// Starts over from shadows that are known.
+    pub(super) fn set(&mut self, shadows: impl Iterator<Item = (f64, f64)>, range: (f64, f64)) {
+        self.shadows.clear();
+        self.range = range;
+        for (start, end) in shadows {
+            self.shadows.insert(start, end);
+        }
+    }
+
     /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
     pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         self.shadows.clear();

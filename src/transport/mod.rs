@@ -9,6 +9,7 @@ mod march;
 mod radiance;
 mod sample;
 mod shafts;
+pub mod slices;
 
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;

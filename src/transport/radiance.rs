@@ -7,7 +7,7 @@ use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::scattering::Stretch;
-use crate::snapshot::{Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 
 /// How rays are to be followed.
 #[derive(Clone, Copy, Debug)]
@@ -28,12 +28,32 @@ pub struct Scratch {
     pub(super) stretches: Vec<Stretch>,
 }
 
+/// Which light is being followed: a picture may be made of one picture a light, added up.
+#[derive(Clone, Copy)]
+pub(super) struct Illumination<'a> {
+    pub(super) lights: &'a [FrozenLight],
+    /// Whether surfaces that shine by themselves, and the background, belong to it.
+    pub(super) self_luminous: bool,
+}
+
+impl<'a> Illumination<'a> {
+    /// Everything.
+    fn all(snapshot: &'a Snapshot) -> Self {
+        Self { lights: &snapshot.lights, self_luminous: true }
+    }
+
+    /// What lies behind everything.
+    pub(super) fn background(&self, snapshot: &Snapshot) -> Rgb {
+        if self.self_luminous { snapshot.background } else { Rgb::ZERO }
+    }
+}
+
 /// One leg of a path: from its origin to the first surface.
-struct Leg {
-    radiance: Rgb,
-    shafts: Rgb,
-    transmittance: Rgb,
-    surface: Option<SurfacePoint>,
+pub(super) struct Leg {
+    pub(super) radiance: Rgb,
+    pub(super) shafts: Rgb,
+    pub(super) transmittance: Rgb,
+    pub(super) surface: Option<SurfacePoint>,
 }
 
 /// Follows a camera ray: single scattering in the fog, plus direct light on the surface behind it,
@@ -45,25 +65,36 @@ pub fn radiance(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let leg = follow(snapshot, transport, ray, None, transport.mirror_depth, sampler, scratch);
-    let alpha = if leg.surface.is_some() || snapshot.background != Rgb::ZERO {
-        1.0
-    } else {
-        1.0 - leg.transmittance.element_sum() / 3.0
-    };
-    let surface = leg.surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
-        depth_m: snapshot.view.depth(point.position),
-        normal: point.shading_normal,
-        position: snapshot.world_from_relative(point.position),
-        albedo: point.albedo,
-        leaf_id: point.leaf_id,
-    });
-    Sample { radiance: leg.radiance, shafts: leg.shafts, transmittance: leg.transmittance, alpha, surface }
+    let light = Illumination::all(snapshot);
+    let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
+    leg.sample(snapshot, transport)
 }
 
+impl Leg {
+    /// What the film is to know of it.
+    pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport) -> Sample {
+        let alpha = if self.surface.is_some() || snapshot.background != Rgb::ZERO {
+            1.0
+        } else {
+            1.0 - self.transmittance.element_sum() / 3.0
+        };
+        let surface = self.surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
+            depth_m: snapshot.view.depth(point.position),
+            normal: point.shading_normal,
+            position: snapshot.world_from_relative(point.position),
+            albedo: point.albedo,
+            leaf_id: point.leaf_id,
+        });
+        let Self { radiance, shafts, transmittance, .. } = self;
+        Sample { radiance, shafts, transmittance, alpha, surface }
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
 fn follow(
     snapshot: &Snapshot,
     transport: &Transport,
+    light: Illumination,
     ray: &Ray,
     leaving: Option<PrimitiveId>,
     mirrors_left: u32,
@@ -78,24 +109,42 @@ fn follow(
         (Rgb::ZERO, Rgb::ONE)
     } else {
         (
-            in_scattered(snapshot, transport.volume, ray, distance, sampler, scratch),
+            in_scattered(snapshot, transport.volume, light.lights, ray, distance, sampler, scratch),
             snapshot.medium.transmittance(ray.origin, ray.direction, distance),
         )
     };
-    let behind_fog = surface.map_or(snapshot.background, |point| {
-        let mut leaving = point.emission + direct::reflected(snapshot, &point);
-        if mirrors_left > 0 && point.mirror.max_element() > 0.0 {
-            let normal = point.shading_normal;
-            let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
-            // An interpolated normal may send light through the surface: no mirror does.
-            if reflected.dot(point.geometric_normal) > 0.0 {
-                let ray = Ray { origin: point.position, direction: reflected.normalize() };
-                let skip = Some(point.primitive);
-                let seen = follow(snapshot, transport, &ray, skip, mirrors_left - 1, sampler, scratch);
-                leaving += point.mirror * seen.radiance;
-            }
-        }
-        leaving
-    });
+    let behind_fog = surface.map_or_else(
+        || light.background(snapshot),
+        |point| {
+            direct::reflected(snapshot, light.lights, &point)
+                + own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch)
+        },
+    );
     Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface }
+}
+
+/// Light that a surface emits, and what is seen in it if it is a mirror.
+#[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
+pub(super) fn own_and_mirrored(
+    snapshot: &Snapshot,
+    transport: &Transport,
+    light: Illumination,
+    ray: &Ray,
+    point: &SurfacePoint,
+    mirrors_left: u32,
+    sampler: &mut Sampler,
+    scratch: &mut Scratch,
+) -> Rgb {
+    let own = if light.self_luminous { point.emission } else { Rgb::ZERO };
+    let normal = point.shading_normal;
+    let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
+    // An interpolated normal may send light through the surface: no mirror does.
+    let leaves = reflected.dot(point.geometric_normal) > 0.0;
+    if mirrors_left == 0 || point.mirror.max_element() <= 0.0 || !leaves {
+        return own;
+    }
+    let ray = Ray { origin: point.position, direction: reflected.normalize() };
+    let skip = Some(point.primitive);
+    let seen = follow(snapshot, transport, light, &ray, skip, mirrors_left - 1, sampler, scratch);
+    own + point.mirror * seen.radiance
 }

@@ -6,7 +6,7 @@ use super::march::{self, MarchSteps};
 use super::radiance::Scratch;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
-use crate::snapshot::Snapshot;
+use crate::snapshot::{FrozenLight, Snapshot};
 
 /// How the integral along the ray is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,17 +22,18 @@ pub enum VolumeMethod {
     },
 }
 
-/// Radiance scattered into the ray by every light, up to `distance`, W m^-2 sr^-1.
+/// Radiance scattered into the ray by all `lights`, up to `distance`, W m^-2 sr^-1.
 pub(super) fn in_scattered(
     snapshot: &Snapshot,
     method: VolumeMethod,
+    lights: &[FrozenLight],
     ray: &Ray,
     distance: f64,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Rgb {
     let mut sum = Rgb::ZERO;
-    for light in &snapshot.lights {
+    for light in lights {
         sum += match method {
             VolumeMethod::Segments => {
                 let Scratch { lit, cuts, stretches } = scratch;

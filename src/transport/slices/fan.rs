@@ -3,9 +3,8 @@
 //! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
 //! picture, beside it, behind the camera or at infinity.
 
-use crate::film::Window;
 use crate::scattering::Source;
-use crate::scene::Size;
+use crate::scene::{Size, Window};
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};

@@ -5,9 +5,8 @@
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 
 mod fan;
-mod fog_profile;
 mod solve;
 mod sweep;
 
-pub use fan::Fan;
-pub use solve::{SliceSample, SliceScratch, solve};
+pub use fan::{Fan, Slice};
+pub use solve::{SliceJob, SliceSample, SliceScratch, solve};
