@@ -220,11 +220,15 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
             towards_light: region.towards_light,
             t_range: (t0 - t_centre, t1 - t_centre),
         };
-        let sink = ShadowSink { t_range: (t0, t1), t_centre, shadows: self.shadows };
+        let limits = cut.t_range;
+        let single_limits = (limits.0 as f32, limits.1 as f32);
+        let sink =
+            ShadowSink { t_range: (t0, t1), t_centre, limits, pending: NOTHING, shadows: self.shadows };
         if self.plane.needs_doubles {
             let is_fan = self.plane.is_fan;
             let mut query = DoubleQuery { blocks: &mesh.blocks, cut, is_fan, sink };
             visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
+            query.sink.flush();
         } else {
             let zero = simd.splat(0.0);
             let mut query = LaneQuery {
@@ -235,10 +239,11 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
                 along: LaneFunctional::new(simd, &cut.along),
                 depth: if self.plane.is_fan { Some(LaneFunctional::new(simd, &cut.depth)) } else { None },
                 towards_light: LaneFunctional::new(simd, &cut.towards_light),
-                limits: (cut.t_range.0 as f32, cut.t_range.1 as f32),
-                sink,
+                limits: single_limits,
+                sink: ShadowSink { limits: (f64::from(single_limits.0), f64::from(single_limits.1)), ..sink },
             };
             visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
+            query.sink.flush();
         }
     }
 }
@@ -247,19 +252,37 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
 struct ShadowSink<'a> {
     t_range: (f64, f64),
     t_centre: f64,
+    /// Ends of the asked range as the cut knows them.
+    limits: (f64, f64),
+    /// Shadows seen so far that touch one another: neighbouring triangles mostly do.
+    pending: (f64, f64),
     shadows: &'a mut IntervalSet,
 }
 
 impl ShadowSink<'_> {
-    /// Ends that were clipped to `limits` become the ends of the asked range, exactly.
     #[inline(always)]
-    fn add(&mut self, (start, end): (f64, f64), limits: (f64, f64)) {
+    fn add(&mut self, start: f64, end: f64) {
+        if start <= self.pending.1 && end >= self.pending.0 {
+            self.pending = (self.pending.0.min(start), self.pending.1.max(end));
+        } else {
+            self.flush();
+            self.pending = (start, end);
+        }
+    }
+
+    /// Hands on what is pending. Ends that were clipped become the ends of the asked range, exactly.
+    fn flush(&mut self) {
+        let (start, end) = self.pending;
         let (t0, t1) = self.t_range;
-        let start = if start <= limits.0 { t0 } else { (self.t_centre + start).max(t0) };
-        let end = if end >= limits.1 { t1 } else { (self.t_centre + end).min(t1) };
+        let start = if start <= self.limits.0 { t0 } else { (self.t_centre + start).max(t0) };
+        let end = if end >= self.limits.1 { t1 } else { (self.t_centre + end).min(t1) };
         self.shadows.insert(start, end);
+        self.pending = NOTHING;
     }
 }
+
+/// An interval that touches no other.
+const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// A light plane's functions in a mesh's space.
 struct PlaneCut {
@@ -307,11 +330,10 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
             return;
         }
         let (starts, ends) = (simd.store(shadow.start), simd.store(shadow.end));
-        let limits = (f64::from(self.limits.0), f64::from(self.limits.1));
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % WIDTH;
             lanes &= lanes - 1;
-            self.sink.add((f64::from(starts[lane]), f64::from(ends[lane])), limits);
+            self.sink.add(f64::from(starts[lane]), f64::from(ends[lane]));
         }
     }
 }
@@ -342,7 +364,7 @@ impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
                 crossing.strip_shadow(0.0, limits, along, towards_light)
             };
             if exists {
-                self.sink.add((start, end), limits);
+                self.sink.add(start, end);
             }
         }
     }
