@@ -4,7 +4,7 @@
 use super::{
     block::Block,
     instance_tree::Instance,
-    light_plane::{Functional, LightPlane},
+    light_plane::{Functional, LightPlane, PlaneFunctions},
     rounding::UNIT_ROUNDOFF,
     simd::{Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
@@ -81,41 +81,24 @@ impl<L: Lanes> BoxLimit<L> {
     }
 }
 
-/// A light plane's functions, in some space: what shadows the asked part of the ray has
-/// `out_of_plane = 0` and the others not negative.
-#[derive(Clone, Copy)]
-struct Region {
-    out_of_plane: Functional,
-    after_start: Functional,
-    before_end: Functional,
-    towards_light: Functional,
-}
-
-impl Region {
-    fn of(plane: &LightPlane) -> Self {
-        Self {
-            out_of_plane: plane.out_of_plane,
-            after_start: plane.at_or_after(plane.t_range.0),
-            before_end: plane.at_or_before(plane.t_range.1),
-            towards_light: plane.towards_light,
-        }
-    }
-}
-
-/// The box test of a [`Region`].
+/// Whether boxes may hold what shadows the asked part of the ray: there `out_of_plane = 0`, and four
+/// functions, of which two follow from the part's ends, are not negative.
 struct BoxRegion<L>([BoxLimit<L>; 5]);
 
 impl<L: Lanes> BoxRegion<L> {
     #[inline(always)]
-    fn new<S: Simd<Lanes = L>>(simd: S, region: &Region, bounds: Bounds) -> Self {
-        let above = region.out_of_plane;
-        let below = Functional { gradient: -above.gradient, offset: -above.offset };
+    fn new<S: Simd<Lanes = L>>(
+        simd: S,
+        functions: &PlaneFunctions,
+        (t0, t1): (f64, f64),
+        bounds: Bounds,
+    ) -> Self {
         Self([
-            BoxLimit::new(simd, &above, bounds),
-            BoxLimit::new(simd, &below, bounds),
-            BoxLimit::new(simd, &region.after_start, bounds),
-            BoxLimit::new(simd, &region.before_end, bounds),
-            BoxLimit::new(simd, &region.towards_light, bounds),
+            BoxLimit::new(simd, &functions.out_of_plane, bounds),
+            BoxLimit::new(simd, &functions.out_of_plane.negated(), bounds),
+            BoxLimit::new(simd, &functions.at_or_after(t0), bounds),
+            BoxLimit::new(simd, &functions.at_or_after(t1).negated(), bounds),
+            BoxLimit::new(simd, &functions.towards_light, bounds),
         ])
     }
 
@@ -180,16 +163,14 @@ pub(super) fn add_shadows<S: Simd>(
     if !(plane.t_range.0 < plane.t_range.1) {
         return;
     }
-    let region = Region::of(plane);
-    let box_region = BoxRegion::new(simd, &region, tree.bounds);
-    let mut query = ShadowQuery { plane, region, instances, shadows };
+    let box_region = BoxRegion::new(simd, &plane.functions, plane.t_range, tree.bounds);
+    let mut query = ShadowQuery { plane, instances, shadows };
     visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
 }
 
 /// A query that goes through the instances.
 struct ShadowQuery<'a> {
     plane: &'a LightPlane,
-    region: Region,
     instances: &'a [Instance],
     shadows: &'a mut IntervalSet,
 }
@@ -199,28 +180,15 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
-        let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
-        let region = Region {
-            out_of_plane: here(&self.region.out_of_plane),
-            after_start: here(&self.region.after_start),
-            before_end: here(&self.region.before_end),
-            towards_light: here(&self.region.towards_light),
-        };
-        let box_region = BoxRegion::new(simd, &region, mesh.tree.bounds);
+        let here = self.plane.functions.pulled_back(&instance.relative_from_mesh);
+        let box_region = BoxRegion::new(simd, &here, self.plane.t_range, mesh.tree.bounds);
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
         // the mesh's magnitude.
         let (t0, t1) = self.plane.t_range;
-        let (along, depth) = (here(&self.plane.along), here(&self.plane.depth));
-        let at_centre = along.at(instance.mesh_centre) / depth.at(instance.mesh_centre);
+        let at_centre = here.along.at(instance.mesh_centre) / here.depth.at(instance.mesh_centre);
         let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
-        let cut = PlaneCut {
-            out_of_plane: region.out_of_plane,
-            along: along.plus(-t_centre, &depth),
-            depth,
-            towards_light: region.towards_light,
-            t_range: (t0 - t_centre, t1 - t_centre),
-        };
-        let limits = cut.t_range;
+        let cut = PlaneFunctions { along: here.at_or_after(t_centre), ..here };
+        let limits = (t0 - t_centre, t1 - t_centre);
         let single_limits = (limits.0 as f32, limits.1 as f32);
         let sink =
             ShadowSink { t_range: (t0, t1), t_centre, limits, pending: NOTHING, shadows: self.shadows };
@@ -284,15 +252,6 @@ impl ShadowSink<'_> {
 /// An interval that touches no other.
 const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
-/// A light plane's functions in a mesh's space.
-struct PlaneCut {
-    out_of_plane: Functional,
-    along: Functional,
-    depth: Functional,
-    towards_light: Functional,
-    t_range: (f64, f64),
-}
-
 /// A query that goes through one instance's mesh in single precision.
 struct LaneQuery<'a, L> {
     blocks: &'a [Block],
@@ -341,7 +300,7 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
 /// The same in double precision, a triangle at a time.
 struct DoubleQuery<'a> {
     blocks: &'a [Block],
-    cut: PlaneCut,
+    cut: PlaneFunctions,
     is_fan: bool,
     sink: ShadowSink<'a>,
 }
@@ -357,7 +316,7 @@ impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
                 continue;
             }
             let (along, towards_light) = (corners(&self.cut.along), corners(&self.cut.towards_light));
-            let limits = self.cut.t_range;
+            let limits = self.sink.limits;
             let Shadow { exists, start, end } = if self.is_fan {
                 crossing.fan_shadow((0.0, 1.0), limits, along, corners(&self.cut.depth), towards_light)
             } else {
