@@ -107,7 +107,7 @@ impl LightPlane {
     pub fn towards_direction(ray: &Ray, to_light: DVec3, t_range: (f64, f64)) -> Option<Self> {
         let normal = exact_cross(ray.direction, to_light);
         let sine = normal.length();
-        if !(sine > COLLINEAR) {
+        if sine.is_nan() || sine <= COLLINEAR {
             return None;
         }
         let normal = normal / sine;
@@ -133,7 +133,7 @@ impl LightPlane {
         let to_light = light - ray.origin;
         let normal = exact_cross(ray.direction, to_light);
         let height = normal.length();
-        if !(height > COLLINEAR * to_light.length()) {
+        if height.is_nan() || height <= COLLINEAR * to_light.length() {
             return None;
         }
         let normal = normal / height;

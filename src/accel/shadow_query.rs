@@ -160,7 +160,7 @@ pub(super) fn add_shadows<S: Simd>(
     plane: &LightPlane,
     shadows: &mut IntervalSet,
 ) {
-    if !(plane.t_range.0 < plane.t_range.1) {
+    if plane.t_range.0 >= plane.t_range.1 {
         return;
     }
     let box_region = BoxRegion::new(simd, &plane.functions, plane.t_range, tree.bounds);
