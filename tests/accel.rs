@@ -359,7 +359,6 @@ fn sun_shadows_equal_brute_force() {
         Scene::instanced(&mut random, DVec3::ZERO),
     ] {
         let error = sun_error(&scene, &mut random, 1000, None);
-        println!("sun {error:e}");
         assert!(error < 1e-6, "{error:e}");
     }
 }
@@ -373,7 +372,6 @@ fn point_shadows_equal_brute_force() {
         Scene::instanced(&mut random, DVec3::ZERO),
     ] {
         let error = point_error(&scene, &mut random, 1000, None);
-        println!("point {error:e}");
         assert!(error < 2e-6, "{error:e}");
     }
 }
@@ -389,7 +387,6 @@ fn shadows_hold_up_as_ray_and_light_become_parallel() {
         let tolerance = 1e-6 + 2e-15 / angle;
         let sun = sun_error(&scene, &mut random, 300, Some(angle));
         let point = point_error(&scene, &mut random, 300, Some(angle));
-        println!("{angle:e}: sun {sun:e} point {point:e}");
         assert!(sun < tolerance, "sun {angle:e}: {sun:e}");
         assert!(point < tolerance, "point {angle:e}: {point:e}");
     }

@@ -69,7 +69,7 @@ pub fn both() -> Vec<RayScene> {
     let numbers: Numbers = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let few = numbers.instances.iter().map(|rows| {
         let column = |j: usize| DVec3::new(rows[0][j], rows[1][j], rows[2][j]);
-        DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)).into(), translation: column(3) }
+        DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
     });
     let few: Vec<DAffine3> = few.collect();
     let many = (0..20_000).map(|leaf| {

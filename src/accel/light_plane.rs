@@ -32,6 +32,10 @@ impl Functional {
         self.gradient.dot(point) + self.offset
     }
 
+    pub(super) fn negated(&self) -> Self {
+        Self { gradient: -self.gradient, offset: -self.offset }
+    }
+
     /// `self + factor * other`.
     pub(super) fn plus(&self, factor: f64, other: &Self) -> Self {
         Self {
@@ -49,13 +53,13 @@ impl Functional {
     }
 }
 
-/// The plane through a ray and a light, and the part of the ray that is asked about.
+/// Functions of position that tell where on the ray its shadow falls.
 ///
 /// A point `p` of the plane (`out_of_plane(p) = 0`) that lies on the light's side of the ray
 /// (`towards_light(p) > 0`) shadows the ray at `t = along(p) / depth(p)`; points with
 /// `depth(p) <= 0` lie beyond a point light and shadow nothing.
 #[derive(Clone, Copy, Debug)]
-pub struct LightPlane {
+pub(super) struct PlaneFunctions {
     /// Distance out of the plane, in metres.
     pub(super) out_of_plane: Functional,
     /// Numerator of the shadow's distance along the ray.
@@ -64,6 +68,31 @@ pub struct LightPlane {
     pub(super) depth: Functional,
     /// Height above the ray, towards the light, in metres.
     pub(super) towards_light: Functional,
+}
+
+impl PlaneFunctions {
+    /// The same functions of positions in the space that `to_here` maps from.
+    #[inline(always)]
+    pub(super) fn pulled_back(&self, to_here: &DAffine3) -> Self {
+        Self {
+            out_of_plane: self.out_of_plane.pulled_back(to_here),
+            along: self.along.pulled_back(to_here),
+            depth: self.depth.pulled_back(to_here),
+            towards_light: self.towards_light.pulled_back(to_here),
+        }
+    }
+
+    /// Not negative where the shadow falls at or after distance `t`.
+    #[inline(always)]
+    pub(super) fn at_or_after(&self, t: f64) -> Functional {
+        self.along.plus(-t, &self.depth)
+    }
+}
+
+/// The plane through a ray and a light, and the part of the ray that is asked about.
+#[derive(Clone, Copy, Debug)]
+pub struct LightPlane {
+    pub(super) functions: PlaneFunctions,
     /// The part of the ray, in metres.
     pub(super) t_range: (f64, f64),
     /// Whether `depth` varies.
@@ -78,7 +107,7 @@ impl LightPlane {
     pub fn towards_direction(ray: &Ray, to_light: DVec3, t_range: (f64, f64)) -> Option<Self> {
         let normal = exact_cross(ray.direction, to_light);
         let sine = normal.length();
-        if !(sine > COLLINEAR) {
+        if sine.is_nan() || sine <= COLLINEAR {
             return None;
         }
         let normal = normal / sine;
@@ -87,10 +116,12 @@ impl LightPlane {
         let along = to_light.cross(normal) / sine;
         let towards_light = normal.cross(ray.direction) / sine;
         Some(Self {
-            out_of_plane: Functional::vanishing_at(ray.origin, normal),
-            along: Functional::vanishing_at(ray.origin, along),
-            depth: Functional { gradient: DVec3::ZERO, offset: 1.0 },
-            towards_light: Functional::vanishing_at(ray.origin, towards_light),
+            functions: PlaneFunctions {
+                out_of_plane: Functional::vanishing_at(ray.origin, normal),
+                along: Functional::vanishing_at(ray.origin, along),
+                depth: Functional { gradient: DVec3::ZERO, offset: 1.0 },
+                towards_light: Functional::vanishing_at(ray.origin, towards_light),
+            },
             t_range: finite(t_range),
             is_fan: false,
             needs_doubles: sine < NEARLY_COLLINEAR,
@@ -102,7 +133,7 @@ impl LightPlane {
         let to_light = light - ray.origin;
         let normal = exact_cross(ray.direction, to_light);
         let height = normal.length();
-        if !(height > COLLINEAR * to_light.length()) {
+        if height.is_nan() || height <= COLLINEAR * to_light.length() {
             return None;
         }
         let normal = normal / height;
@@ -115,25 +146,16 @@ impl LightPlane {
         let y = Functional::vanishing_at(ray.origin, up);
         let one = Functional { gradient: DVec3::ZERO, offset: 1.0 };
         Some(Self {
-            out_of_plane: Functional::vanishing_at(ray.origin, normal),
-            along: x.plus(-foot / height, &y),
-            depth: one.plus(-1.0 / height, &y),
-            towards_light: y,
+            functions: PlaneFunctions {
+                out_of_plane: Functional::vanishing_at(ray.origin, normal),
+                along: x.plus(-foot / height, &y),
+                depth: one.plus(-1.0 / height, &y),
+                towards_light: y,
+            },
             t_range: finite(t_range),
             is_fan: true,
             needs_doubles: height < NEARLY_COLLINEAR * to_light.length(),
         })
-    }
-
-    /// Not negative where the shadow falls at or after distance `t`.
-    pub(super) fn at_or_after(&self, t: f64) -> Functional {
-        self.along.plus(-t, &self.depth)
-    }
-
-    /// Not negative where the shadow falls at or before distance `t`.
-    pub(super) fn at_or_before(&self, t: f64) -> Functional {
-        let after = self.at_or_after(t);
-        Functional { gradient: -after.gradient, offset: -after.offset }
     }
 }
 

@@ -289,10 +289,12 @@ impl<L: Lanes> MeshQuery<'_, '_, L> {
 #[cold]
 fn settle_at_edge(ray: &Ray, instance: &Instance, [a, b, c]: [DVec3; 3], u: f64, v: f64) -> (f64, [f64; 2]) {
     let (mut u, mut v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
-    if !(u + v <= 1.0) {
-        // The triangle is edge-on when these are NaN.
-        let sum = u + v;
-        (u, v) = if sum.is_nan() { (1.0 / 3.0, 1.0 / 3.0) } else { (u / sum, 1.0 - u / sum) };
+    let sum = u + v;
+    if sum.is_nan() {
+        // The triangle is edge-on.
+        (u, v) = (1.0 / 3.0, 1.0 / 3.0);
+    } else if sum > 1.0 {
+        (u, v) = (u / sum, 1.0 - u / sum);
     }
     let point = instance.relative_from_mesh.transform_point3(a + u * (b - a) + v * (c - a));
     ((point - ray.origin).dot(ray.direction), [u, v])

@@ -4,7 +4,7 @@
 use super::{
     block::Block,
     instance_tree::Instance,
-    light_plane::{Functional, LightPlane},
+    light_plane::{Functional, LightPlane, PlaneFunctions},
     rounding::UNIT_ROUNDOFF,
     simd::{Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
@@ -81,41 +81,24 @@ impl<L: Lanes> BoxLimit<L> {
     }
 }
 
-/// A light plane's functions, in some space: what shadows the asked part of the ray has
-/// `out_of_plane = 0` and the others not negative.
-#[derive(Clone, Copy)]
-struct Region {
-    out_of_plane: Functional,
-    after_start: Functional,
-    before_end: Functional,
-    towards_light: Functional,
-}
-
-impl Region {
-    fn of(plane: &LightPlane) -> Self {
-        Self {
-            out_of_plane: plane.out_of_plane,
-            after_start: plane.at_or_after(plane.t_range.0),
-            before_end: plane.at_or_before(plane.t_range.1),
-            towards_light: plane.towards_light,
-        }
-    }
-}
-
-/// The box test of a [`Region`].
+/// Whether boxes may hold what shadows the asked part of the ray: there `out_of_plane = 0`, and four
+/// functions, of which two follow from the part's ends, are not negative.
 struct BoxRegion<L>([BoxLimit<L>; 5]);
 
 impl<L: Lanes> BoxRegion<L> {
     #[inline(always)]
-    fn new<S: Simd<Lanes = L>>(simd: S, region: &Region, bounds: Bounds) -> Self {
-        let above = region.out_of_plane;
-        let below = Functional { gradient: -above.gradient, offset: -above.offset };
+    fn new<S: Simd<Lanes = L>>(
+        simd: S,
+        functions: &PlaneFunctions,
+        (t0, t1): (f64, f64),
+        bounds: Bounds,
+    ) -> Self {
         Self([
-            BoxLimit::new(simd, &above, bounds),
-            BoxLimit::new(simd, &below, bounds),
-            BoxLimit::new(simd, &region.after_start, bounds),
-            BoxLimit::new(simd, &region.before_end, bounds),
-            BoxLimit::new(simd, &region.towards_light, bounds),
+            BoxLimit::new(simd, &functions.out_of_plane, bounds),
+            BoxLimit::new(simd, &functions.out_of_plane.negated(), bounds),
+            BoxLimit::new(simd, &functions.at_or_after(t0), bounds),
+            BoxLimit::new(simd, &functions.at_or_after(t1).negated(), bounds),
+            BoxLimit::new(simd, &functions.towards_light, bounds),
         ])
     }
 
@@ -177,19 +160,17 @@ pub(super) fn add_shadows<S: Simd>(
     plane: &LightPlane,
     shadows: &mut IntervalSet,
 ) {
-    if !(plane.t_range.0 < plane.t_range.1) {
+    if plane.t_range.0 >= plane.t_range.1 {
         return;
     }
-    let region = Region::of(plane);
-    let box_region = BoxRegion::new(simd, &region, tree.bounds);
-    let mut query = ShadowQuery { plane, region, instances, shadows };
+    let box_region = BoxRegion::new(simd, &plane.functions, plane.t_range, tree.bounds);
+    let mut query = ShadowQuery { plane, instances, shadows };
     visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
 }
 
 /// A query that goes through the instances.
 struct ShadowQuery<'a> {
     plane: &'a LightPlane,
-    region: Region,
     instances: &'a [Instance],
     shadows: &'a mut IntervalSet,
 }
@@ -199,32 +180,23 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
-        let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
-        let region = Region {
-            out_of_plane: here(&self.region.out_of_plane),
-            after_start: here(&self.region.after_start),
-            before_end: here(&self.region.before_end),
-            towards_light: here(&self.region.towards_light),
-        };
-        let box_region = BoxRegion::new(simd, &region, mesh.tree.bounds);
+        let here = self.plane.functions.pulled_back(&instance.relative_from_mesh);
+        let box_region = BoxRegion::new(simd, &here, self.plane.t_range, mesh.tree.bounds);
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
         // the mesh's magnitude.
         let (t0, t1) = self.plane.t_range;
-        let (along, depth) = (here(&self.plane.along), here(&self.plane.depth));
-        let at_centre = along.at(instance.mesh_centre) / depth.at(instance.mesh_centre);
+        let at_centre = here.along.at(instance.mesh_centre) / here.depth.at(instance.mesh_centre);
         let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
-        let cut = PlaneCut {
-            out_of_plane: region.out_of_plane,
-            along: along.plus(-t_centre, &depth),
-            depth,
-            towards_light: region.towards_light,
-            t_range: (t0 - t_centre, t1 - t_centre),
-        };
-        let sink = ShadowSink { t_range: (t0, t1), t_centre, shadows: self.shadows };
+        let cut = PlaneFunctions { along: here.at_or_after(t_centre), ..here };
+        let limits = (t0 - t_centre, t1 - t_centre);
+        let single_limits = (limits.0 as f32, limits.1 as f32);
+        let sink =
+            ShadowSink { t_range: (t0, t1), t_centre, limits, pending: NOTHING, shadows: self.shadows };
         if self.plane.needs_doubles {
             let is_fan = self.plane.is_fan;
             let mut query = DoubleQuery { blocks: &mesh.blocks, cut, is_fan, sink };
             visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
+            query.sink.flush();
         } else {
             let zero = simd.splat(0.0);
             let mut query = LaneQuery {
@@ -235,10 +207,11 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
                 along: LaneFunctional::new(simd, &cut.along),
                 depth: if self.plane.is_fan { Some(LaneFunctional::new(simd, &cut.depth)) } else { None },
                 towards_light: LaneFunctional::new(simd, &cut.towards_light),
-                limits: (cut.t_range.0 as f32, cut.t_range.1 as f32),
-                sink,
+                limits: single_limits,
+                sink: ShadowSink { limits: (f64::from(single_limits.0), f64::from(single_limits.1)), ..sink },
             };
             visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);
+            query.sink.flush();
         }
     }
 }
@@ -247,28 +220,37 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
 struct ShadowSink<'a> {
     t_range: (f64, f64),
     t_centre: f64,
+    /// Ends of the asked range as the cut knows them.
+    limits: (f64, f64),
+    /// Shadows seen so far that touch one another: neighbouring triangles mostly do.
+    pending: (f64, f64),
     shadows: &'a mut IntervalSet,
 }
 
 impl ShadowSink<'_> {
-    /// Ends that were clipped to `limits` become the ends of the asked range, exactly.
     #[inline(always)]
-    fn add(&mut self, (start, end): (f64, f64), limits: (f64, f64)) {
+    fn add(&mut self, start: f64, end: f64) {
+        if start <= self.pending.1 && end >= self.pending.0 {
+            self.pending = (self.pending.0.min(start), self.pending.1.max(end));
+        } else {
+            self.flush();
+            self.pending = (start, end);
+        }
+    }
+
+    /// Hands on what is pending. Ends that were clipped become the ends of the asked range, exactly.
+    fn flush(&mut self) {
+        let (start, end) = self.pending;
         let (t0, t1) = self.t_range;
-        let start = if start <= limits.0 { t0 } else { (self.t_centre + start).max(t0) };
-        let end = if end >= limits.1 { t1 } else { (self.t_centre + end).min(t1) };
+        let start = if start <= self.limits.0 { t0 } else { (self.t_centre + start).max(t0) };
+        let end = if end >= self.limits.1 { t1 } else { (self.t_centre + end).min(t1) };
         self.shadows.insert(start, end);
+        self.pending = NOTHING;
     }
 }
 
-/// A light plane's functions in a mesh's space.
-struct PlaneCut {
-    out_of_plane: Functional,
-    along: Functional,
-    depth: Functional,
-    towards_light: Functional,
-    t_range: (f64, f64),
-}
+/// An interval that touches no other.
+const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// A query that goes through one instance's mesh in single precision.
 struct LaneQuery<'a, L> {
@@ -307,11 +289,10 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
             return;
         }
         let (starts, ends) = (simd.store(shadow.start), simd.store(shadow.end));
-        let limits = (f64::from(self.limits.0), f64::from(self.limits.1));
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % WIDTH;
             lanes &= lanes - 1;
-            self.sink.add((f64::from(starts[lane]), f64::from(ends[lane])), limits);
+            self.sink.add(f64::from(starts[lane]), f64::from(ends[lane]));
         }
     }
 }
@@ -319,7 +300,7 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
 /// The same in double precision, a triangle at a time.
 struct DoubleQuery<'a> {
     blocks: &'a [Block],
-    cut: PlaneCut,
+    cut: PlaneFunctions,
     is_fan: bool,
     sink: ShadowSink<'a>,
 }
@@ -335,14 +316,14 @@ impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
                 continue;
             }
             let (along, towards_light) = (corners(&self.cut.along), corners(&self.cut.towards_light));
-            let limits = self.cut.t_range;
+            let limits = self.sink.limits;
             let Shadow { exists, start, end } = if self.is_fan {
                 crossing.fan_shadow((0.0, 1.0), limits, along, corners(&self.cut.depth), towards_light)
             } else {
                 crossing.strip_shadow(0.0, limits, along, towards_light)
             };
             if exists {
-                self.sink.add((start, end), limits);
+                self.sink.add(start, end);
             }
         }
     }
