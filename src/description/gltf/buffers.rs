@@ -57,7 +57,8 @@ pub(super) fn load<'a>(
                     format!("{path}.byteLength"),
                     format!("the buffer is to have {} bytes and has {}", buffer.byte_length, bytes.len()),
                 )
-                .remedy("export the file again; it is cut short"))
+                .expected("a buffer of that length")
+                .remedy("export or copy the file again; it is cut short"))
             } else {
                 Ok(bytes)
             }
@@ -149,8 +150,9 @@ impl Buffers<'_> {
         Ok((&buffer[view.byte_offset..end], view.byte_stride))
     }
 
+    /// An error at a place in this file.
     pub(super) fn invalid(&self, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
-        invalid(self.file, path, found).remedy("export the file again")
+        invalid(self.file, path, found)
     }
 }
 

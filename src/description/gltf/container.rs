@@ -74,7 +74,9 @@ fn parse(json: &[u8], path: &Path, is_text_file: bool) -> Result<Document, Diagn
             field(path, at)
         };
         if damaged {
-            Diagnostic::error(place, format!("the JSON is damaged: {error}")).remedy("export the file again")
+            Diagnostic::error(place, format!("the JSON is damaged: {error}"))
+                .expected("whole JSON")
+                .remedy("export or copy the file again")
         } else {
             Diagnostic::error(place, error.to_string())
                 .expected("JSON as the glTF 2.0 specification describes it")

@@ -311,8 +311,12 @@ fn field(file: &Path, path: impl Into<String>) -> Place {
     Place::Field { file: file.to_owned(), path: path.into() }
 }
 
+/// An error at a place in a file. What was expected and the remedy are those for damage, which the
+/// caller may put more precisely.
 fn invalid(file: &Path, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
     Diagnostic::error(field(file, path), found)
+        .expected("what the glTF 2.0 specification describes")
+        .remedy("export the file again; the Khronos glTF validator says more")
 }
 
 /// The author's name, else what it is and which.

@@ -43,7 +43,9 @@ impl Report {
 
     /// An error at a place in this file.
     pub(crate) fn error(&mut self, path: impl Into<String>, found: impl Into<String>, expected: &str) {
-        let error = Diagnostic::error(self.at(path), found).expected(expected);
+        let error = Diagnostic::error(self.at(path), found)
+            .expected(expected)
+            .remedy("correct this in the scene and export it again");
         self.push(error);
     }
 

@@ -60,7 +60,7 @@ pub(super) struct Fog {
 
 /// One number for all colour channels, or one for each.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a number, or three for red, green and blue")]
+#[serde(untagged, expecting = "neither a number nor three, for red, green and blue")]
 pub(super) enum Channels {
     Same(f64),
     Each([f64; 3]),
@@ -105,6 +105,7 @@ pub(super) fn read<T: DeserializeOwned>(
             part => format!("{path}.{part}"),
         };
         Diagnostic::error(report.at(at), error.into_inner().to_string())
+            .expected("a custom property as sunfleck defines it")
             .remedy("correct this custom property and export the file again")
     });
     report.keep(read)
