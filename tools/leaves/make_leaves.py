@@ -14,7 +14,7 @@ from leaf import CANOPY, FAR, NEAR, Pose, make_leaf
 from mesh import write_obj
 from outlines import SPECIES
 from paint import PALETTES, leaf_maps, paint_bark, paint_leaf, paint_litter
-from plants import make_bough, make_ground, make_tree
+from plants import make_bough, make_clump, make_ground, make_tree
 from png import write_png
 
 POSES = {
@@ -49,6 +49,7 @@ def make_meshes(folder: Path) -> None:
             meshes[f"{name}_{detail.suffix}"] = (leaf, detail.smooth)
     silhouette, _ = meshes["maple_canopy"]
     meshes["bough"] = (make_bough(silhouette, "bough 1", 3.2, 4, 20, 0.68), False)
+    meshes["clump"] = (make_clump("clump 1", 11), False)
     meshes["tree_a"] = (make_tree("tree 1", 15.0, 0.34, 5), True)
     meshes["tree_b"] = (make_tree("tree 2", 13.0, 0.24, 5), True)
     meshes["ground"] = (make_ground(30.0, 16.0, -44.0, 20, 20, 2.6), True)

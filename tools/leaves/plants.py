@@ -4,6 +4,7 @@ import math
 import random
 
 from mesh import Mesh, Vector, cross, subtract
+from triangulate import clip_ears, flip_to_delaunay
 
 
 def unit(a: Vector) -> Vector:
@@ -120,6 +121,25 @@ def make_bough(leaf: Mesh, seed: str, length: float, twig_count: int, leaf_count
         back = (-tip[0], -tip[1], -tip[2])
         mesh.add(transformed(leaf, [across, cross(back, across), back], leaf_size * rng.uniform(0.7, 1.25), spot))
     return mesh
+
+
+def make_clump(seed: str, sprays: int) -> Mesh:
+    """Foliage far away: one bent sheet about a metre across whose ragged outline looks like many leaves."""
+    rng = random.Random(seed)
+    outline = []
+    for i in range(sprays):
+        angle = math.tau * i / sprays
+        reach = 0.36 + 0.10 * math.sin(3 * angle + 1.0) + rng.uniform(-0.05, 0.05)
+        # A spray of leaves: a notch, a side tip, the main tip.
+        for turn, factor in ((0.0, 0.62), (0.30, 1.0), (0.48, 0.84), (0.66, 1.18)):
+            theta = angle + math.tau * (turn + rng.uniform(-0.05, 0.05)) / sprays
+            outline.append((reach * factor * math.cos(theta), reach * factor * math.sin(theta)))
+    return Mesh(
+        # The half turn about x that takes (x, z) to the sheet keeps its front towards +y.
+        positions=[(x, 0.12 * math.sin(5 * x) + 0.4 * z * z, -z) for x, z in outline],
+        uvs=[(0.5 + 0.3 * x, 0.5 + 0.3 * z) for x, z in outline],
+        faces=list(flip_to_delaunay(outline, clip_ears(outline))),
+    )
 
 
 def ground_height(x: float, z: float) -> float:
