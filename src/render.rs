@@ -1,14 +1,15 @@
-//! The one loop that joins transport and film. In go a snapshot and a job, out comes a film.
-//! Invariant: every pixel is a pure function of (snapshot, pixel, sample, seed), so neither the
-//! number of threads nor the order of tiles reaches the picture.
+//! The one loop that joins transport and film. In go a snapshot and a job, out comes a frame.
+//! Invariant: every picture is a pure function of (snapshot, job), so neither the number of threads
+//! nor their order reaches it.
 
-use crate::film::Film;
-use crate::math::Sampler;
+mod slices;
+mod tiles;
+
+use crate::film::Frame;
 use crate::scene::{Pass, Size, Window};
 use crate::snapshot::Snapshot;
-use crate::transport::{Scratch, Transport, radiance};
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use crate::transport::Transport;
+use std::sync::atomic::AtomicBool;
 
 /// What is to be rendered of a snapshot.
 #[derive(Clone, Debug)]
@@ -19,67 +20,37 @@ pub struct Job {
     pub window: Window,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
-    /// Samples a pixel, at least 1. A single one goes through the pixel's centre.
+    /// Samples a pixel, at least 1.
     pub samples: u32,
     /// Seed of the sample points.
     pub seed: u32,
     /// How rays are followed.
     pub transport: Transport,
+    /// Where the samples lie.
+    pub placement: Placement,
 }
 
-/// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
-const TILE: usize = 32;
+/// Where the samples of a picture lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// In each pixel, each a ray of its own; a single one at the pixel's centre.
+    Pixels,
+    /// On epipolar slices, each slice solved as a whole; a picture for each light, added up.
+    Slices,
+}
 
 /// Renders on the current rayon pool. `progress` is told the finished fraction now and then;
-/// once `cancelled` is true the film comes back unfinished.
+/// once `cancelled` is true the frame comes back unfinished.
 pub fn render(
     snapshot: &Snapshot,
     job: &Job,
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
-) -> Film {
-    let tiles = tiles(job.window);
-    let finished = AtomicUsize::new(0);
-    let films: Vec<Film> = tiles
-        .par_iter()
-        .map_init(Scratch::default, |scratch, &tile| {
-            let mut film = Film::new(job.size, tile, &job.passes);
-            if !cancelled.load(Ordering::Relaxed) {
-                render_tile(snapshot, job, tile, scratch, &mut film);
-                progress((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
-            }
-            film
-        })
-        .collect();
-    let mut whole = Film::new(job.size, job.window, &job.passes);
-    for film in &films {
-        whole.paste(film);
-    }
-    whole
-}
-
-fn render_tile(snapshot: &Snapshot, job: &Job, tile: Window, scratch: &mut Scratch, film: &mut Film) {
-    let (width, height) = (job.size.width as f64, job.size.height as f64);
-    for y in tile.y..tile.y + tile.height {
-        for x in tile.x..tile.x + tile.width {
-            for sample in 0..job.samples {
-                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, sample);
-                let (right, down) = if job.samples == 1 { (0.5, 0.5) } else { sampler.next_2d() };
-                let ray = snapshot.view.ray((x as f64 + right) / width, (y as f64 + down) / height);
-                let value = radiance(snapshot, &job.transport, &ray, &mut sampler, scratch);
-                film.add(x, y, 1.0, (right - 0.5).hypot(down - 0.5), &value);
-            }
+) -> Frame {
+    match job.placement {
+        Placement::Slices if slices::can_serve(snapshot) => {
+            slices::render(snapshot, job, progress, cancelled)
         }
+        Placement::Slices | Placement::Pixels => tiles::render(snapshot, job, progress, cancelled),
     }
-}
-
-fn tiles(window: Window) -> Vec<Window> {
-    let (right, bottom) = (window.x + window.width, window.y + window.height);
-    let mut tiles = Vec::new();
-    for y in (window.y..bottom).step_by(TILE) {
-        for x in (window.x..right).step_by(TILE) {
-            tiles.push(Window { x, y, width: TILE.min(right - x), height: TILE.min(bottom - y) });
-        }
-    }
-    tiles
 }

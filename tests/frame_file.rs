@@ -4,9 +4,8 @@
 use glam::{DAffine3, DVec3};
 use std::path::{Path, PathBuf};
 use sunfleck::film::{Channel, Frame, Precision};
-use sunfleck::scene::Window;
 use sunfleck::frame_file::{self, FrameFileError, Provenance, compare, is_valid};
-use sunfleck::scene::{FrameRate, Size};
+use sunfleck::scene::{FrameRate, Size, Window};
 
 fn provenance() -> Provenance {
     Provenance {

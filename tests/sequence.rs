@@ -7,9 +7,8 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use sunfleck::film::{Channel, Frame, Precision};
-use sunfleck::scene::Window;
 use sunfleck::frame_file::{self, Provenance};
-use sunfleck::scene::{FrameRate, Size};
+use sunfleck::scene::{FrameRate, Size, Window};
 use sunfleck::sequence::{
     Event, FrameList, Job, OutputPattern, SequenceError, Skip, SkipReason, Summary, run,
 };

@@ -5,8 +5,9 @@
 use super::{
     Cut, HalfPlane, Hit, LightPlane, PrimitiveId,
     instance_tree::Instance,
-    ray_query, shadow_query, slice_query,
+    ray_query, shadow_query,
     simd::{Eight, Lanes, Mask, Simd, WIDTH},
+    slice_query,
     wide_tree::WideTree,
 };
 use crate::math::{IntervalSet, Ray};

@@ -5,7 +5,8 @@ use super::{
     Cut, HalfPlane, Hit, LightPlane, MeshTree, PrimitiveId, ray_query,
     rounding::{round_down, round_up},
     shadow_query,
-    simd::Level, slice_query,
+    simd::Level,
+    slice_query,
     wide_tree::{Bounds, WideTree},
 };
 use crate::math::{IntervalSet, Ray};

@@ -81,42 +81,42 @@ impl<L: Lanes> BoxLimit<L> {
     }
 }
 
-/// Whether boxes may hold what shadows the asked part of the ray: there `out_of_plane = 0`, and four
-/// functions, of which two follow from the part's ends, are not negative.
-struct BoxRegion<L>([BoxLimit<L>; 5]);
+/// Whether boxes may hold something of a region: where the first two limits, a plane from both its
+/// sides, and all the others are not negative.
+pub(super) struct BoxRegion<L, const N: usize>(pub(super) [BoxLimit<L>; N]);
 
-impl<L: Lanes> BoxRegion<L> {
-    #[inline(always)]
-    fn new<S: Simd<Lanes = L>>(
-        simd: S,
-        functions: &PlaneFunctions,
-        (t0, t1): (f64, f64),
-        bounds: Bounds,
-    ) -> Self {
-        Self([
-            BoxLimit::new(simd, &functions.out_of_plane, bounds),
-            BoxLimit::new(simd, &functions.out_of_plane.negated(), bounds),
-            BoxLimit::new(simd, &functions.at_or_after(t0), bounds),
-            BoxLimit::new(simd, &functions.at_or_after(t1).negated(), bounds),
-            BoxLimit::new(simd, &functions.towards_light, bounds),
-        ])
-    }
-
+impl<L: Lanes, const N: usize> BoxRegion<L, N> {
     /// The children that may hold something of the region, as bits.
     #[inline(always)]
     fn meets<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> u32 {
         let zero = simd.splat(0.0);
-        let [above, below, after, before, towards] = &self.0;
-        let in_plane = zero.le(above.at(simd, node)) & zero.le(below.at(simd, node));
-        if in_plane.bits() == 0 {
+        let mut met = zero.le(self.0[0].at(simd, node)) & zero.le(self.0[1].at(simd, node));
+        if met.bits() == 0 {
             return 0;
         }
-        (in_plane
-            & zero.le(after.at(simd, node))
-            & zero.le(before.at(simd, node))
-            & zero.le(towards.at(simd, node)))
-        .bits()
+        for limit in &self.0[2..] {
+            met = met & zero.le(limit.at(simd, node));
+        }
+        met.bits()
     }
+}
+
+/// What shadows the asked part of a ray lies in the plane, between the light's rays to the part's
+/// ends and on the light's side.
+#[inline(always)]
+fn shadowing<S: Simd>(
+    simd: S,
+    functions: &PlaneFunctions,
+    (t0, t1): (f64, f64),
+    bounds: Bounds,
+) -> BoxRegion<S::Lanes, 5> {
+    BoxRegion([
+        BoxLimit::new(simd, &functions.out_of_plane, bounds),
+        BoxLimit::new(simd, &functions.out_of_plane.negated(), bounds),
+        BoxLimit::new(simd, &functions.at_or_after(t0), bounds),
+        BoxLimit::new(simd, &functions.at_or_after(t1).negated(), bounds),
+        BoxLimit::new(simd, &functions.towards_light, bounds),
+    ])
 }
 
 /// What happens at the leaves of a tree.
@@ -126,10 +126,10 @@ pub(super) trait LeafVisitor<S: Simd> {
 
 /// Visits the leaves whose boxes may hold something of the region.
 #[inline(always)]
-pub(super) fn visit_leaves<S: Simd>(
+pub(super) fn visit_leaves<S: Simd, const N: usize>(
     simd: S,
     tree: &WideTree,
-    region: &BoxRegion<S::Lanes>,
+    region: &BoxRegion<S::Lanes, N>,
     stack: &mut Stack,
     visitor: &mut impl LeafVisitor<S>,
 ) {
@@ -163,7 +163,7 @@ pub(super) fn add_shadows<S: Simd>(
     if plane.t_range.0 >= plane.t_range.1 {
         return;
     }
-    let box_region = BoxRegion::new(simd, &plane.functions, plane.t_range, tree.bounds);
+    let box_region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
     let mut query = ShadowQuery { plane, instances, shadows };
     visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
 }
@@ -181,7 +181,7 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
         let here = self.plane.functions.pulled_back(&instance.relative_from_mesh);
-        let box_region = BoxRegion::new(simd, &here, self.plane.t_range, mesh.tree.bounds);
+        let box_region = shadowing(simd, &here, self.plane.t_range, mesh.tree.bounds);
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
         // the mesh's magnitude.
         let (t0, t1) = self.plane.t_range;

@@ -3,15 +3,15 @@
 //! closed mesh has a closed outline.
 
 use super::{
+    PrimitiveId,
     block::Block,
     instance_tree::Instance,
     light_plane::Functional,
-    shadow_query::{BoxLimit, LaneFunctional, LeafVisitor, visit_leaves},
-    simd::{Lanes, Mask, Simd, WIDTH},
+    shadow_query::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, visit_leaves},
+    simd::{Mask, Simd, WIDTH},
     stack::Stack,
     triangle_cut::Crossing,
-    wide_tree::WideTree,
-    PrimitiveId,
+    wide_tree::{Bounds, WideTree},
 };
 use glam::{DVec2, DVec3};
 
@@ -68,10 +68,13 @@ struct Region {
 
 impl Region {
     #[inline(always)]
-    fn limits<S: Simd>(&self, simd: S, bounds: super::wide_tree::Bounds) -> [BoxLimit<S::Lanes>; 4] {
-        let below = Functional { gradient: -self.out_of_plane.gradient, offset: -self.out_of_plane.offset };
-        [self.out_of_plane, below, self.reach, self.above]
-            .map(|functional| BoxLimit::new(simd, &functional, bounds))
+    fn limits<S: Simd>(&self, simd: S, bounds: Bounds) -> BoxRegion<S::Lanes, 4> {
+        BoxRegion([
+            BoxLimit::new(simd, &self.out_of_plane, bounds),
+            BoxLimit::new(simd, &self.out_of_plane.negated(), bounds),
+            BoxLimit::new(simd, &self.reach, bounds),
+            BoxLimit::new(simd, &self.above, bounds),
+        ])
     }
 }
 
@@ -95,7 +98,8 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
         };
         let limits = region.limits(simd, mesh.tree.bounds);
         // Coordinates are counted from the middle of the mesh: single precision has to resolve a leaf.
-        let centre = DVec2::new(region.reach.at(instance.mesh_centre), region.height.at(instance.mesh_centre));
+        let centre =
+            DVec2::new(region.reach.at(instance.mesh_centre), region.height.at(instance.mesh_centre));
         let from_centre = |functional: &Functional, at_centre: f64| {
             LaneFunctional::new(simd, &Functional { offset: functional.offset - at_centre, ..*functional })
         };
@@ -129,18 +133,15 @@ impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: u32, _: &mut Stack) {
         let block = &self.blocks[leaf as usize];
-        let corners = |functional: &LaneFunctional<S::Lanes>| {
-            std::array::from_fn(|vertex| {
-                functional.at(std::array::from_fn(|axis| simd.load(&block.vertices[vertex][axis])))
-            })
-        };
-        let crossing = Crossing::new(self.zero, corners(&self.out_of_plane));
+        let crossing = Crossing::new(self.zero, self.out_of_plane.at_corners(simd, block));
         let mut lanes = crossing.exists.bits();
         if lanes == 0 {
             return;
         }
-        let reach = crossing.at_ends(corners(&self.reach)).map(|lanes| simd.store(lanes));
-        let height = crossing.at_ends(corners(&self.height)).map(|lanes| simd.store(lanes));
+        let [reach_a, reach_b] = crossing.at_ends(self.reach.at_corners(simd, block));
+        let [height_a, height_b] = crossing.at_ends(self.height.at_corners(simd, block));
+        let reach = [simd.store(reach_a), simd.store(reach_b)];
+        let height = [simd.store(height_a), simd.store(height_b)];
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % WIDTH;
             lanes &= lanes - 1;

@@ -127,10 +127,12 @@ pub(super) struct Crop {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Volume {
-    /// The best for the scene: exact segments.
+    /// The best for the scene: slices wherever they serve, else segments.
     #[default]
     Auto,
-    /// Exact visibility intervals along every ray.
+    /// Samples on epipolar slices, each slice solved as a whole; exact.
+    Slices,
+    /// Samples in pixels, with exact visibility intervals along every ray.
     Segments,
     /// Shadow rays at equal steps.
     March,

@@ -5,7 +5,7 @@ use super::CliError;
 use super::arguments::{Crop, RenderArguments, SizeArgument, Volume, passes};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place, Severity};
-use crate::render::Job;
+use crate::render::{Job, Placement};
 use crate::scene::{self, RenderSettings, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::snapshot::{Shutter, View, shows_surfaces};
@@ -63,6 +63,10 @@ impl Plan {
                 mirror_depth: settings.mirror_depth,
                 features: shows_surfaces(&settings.passes),
             },
+            placement: match arguments.volume {
+                Volume::Auto | Volume::Slices => Placement::Slices,
+                Volume::Segments | Volume::March | Volume::Equiangular => Placement::Pixels,
+            },
         };
         let output = find_output(arguments.out.as_deref(), &settings.name, &frames)?;
         let settings_hash = hash(&format!(
@@ -102,9 +106,10 @@ impl fmt::Display for Plan {
         let first = frames.first().map_or_else(PathBuf::new, |frame| self.output.path(*frame));
         writeln!(
             f,
-            "{} frames of {width}x{height} pixels, {} samples a pixel, {:?}, passes {:?}",
+            "{} frames of {width}x{height} pixels, {} samples a pixel on {:?}, fog by {:?}, passes {:?}",
             frames.len(),
             self.job.samples,
+            self.job.placement,
             self.job.transport.volume,
             self.job.passes
         )?;
@@ -167,7 +172,7 @@ fn find_window(crop: Option<Crop>, size: Size) -> Result<Window, CliError> {
 
 fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> VolumeMethod {
     match (arguments.volume, arguments.volume_steps) {
-        (Volume::Auto | Volume::Segments, _) => VolumeMethod::Segments,
+        (Volume::Auto | Volume::Slices | Volume::Segments, _) => VolumeMethod::Segments,
         (Volume::March, Some(steps)) => VolumeMethod::March(MarchSteps::Count(steps)),
         (Volume::March, None) => VolumeMethod::March(MarchSteps::Planes {
             depth_m: settings.march_depth_m,

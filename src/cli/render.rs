@@ -59,14 +59,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
             if let Some(same) = &still_frame {
                 return Ok(same.clone());
             }
-            let film = pool.install(|| {
+            let picture = pool.install(|| {
                 let snapshot = plan.snapshot(&trees, frame);
                 render::render(&snapshot, &plan.job, progress, &signal.stop)
             });
             if signal.stop.load(Ordering::Relaxed) {
                 return Err(Stopped);
             }
-            let picture = film.resolve();
             // Where nothing moves, every frame is this one.
             if plan.scene.is_still() {
                 still_frame = Some(picture.clone());

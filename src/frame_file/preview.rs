@@ -70,8 +70,7 @@ fn filmic(x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::film::{Channel, Precision};
-    use crate::scene::Window;
-    use crate::scene::Size;
+    use crate::scene::{Size, Window};
 
     fn flat(value: f32) -> Vec<u8> {
         let full = Size { width: 8, height: 8 };

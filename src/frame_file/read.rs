@@ -5,7 +5,7 @@ use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
 use super::{Attributes, FrameFileError, Provenance};
 use crate::film::{Channel, Frame, Precision};
-use crate::scene::Size;
+use crate::scene::{Size, Window};
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
 use exr::image::{AnyChannel, FlatSamples};

@@ -22,27 +22,35 @@ impl LitSegments {
         Self { shadows, range }
     }
 
-    /// Starts over from shadows that are known.
-    pub(super) fn set(&mut self, shadows: impl Iterator<Item = (f64, f64)>, range: (f64, f64)) {
-        self.shadows.clear();
-        self.range = range;
+    /// Takes what the scene's `shadows` leave, where they are known already.
+    pub(super) fn set(
+        &mut self,
+        ray: &Ray,
+        light: &FrozenLight,
+        range: (f64, f64),
+        shadows: impl Iterator<Item = (f64, f64)>,
+    ) {
+        self.start(ray, light, range);
         for (start, end) in shadows {
             self.shadows.insert(start, end);
         }
     }
 
-    /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
-    pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
+    /// Everything is lit, but for what lies outside a spot's cone.
+    fn start(&mut self, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         self.shadows.clear();
         self.range = range;
+        if let FrozenLight::Point { position, cone: Some(cone), .. } = light {
+            self.shade_outside(cone, ray, *position);
+        }
+    }
+
+    /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
+    pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
+        self.start(ray, light, range);
         let plane = match *light {
             FrozenLight::Sun { to_light, .. } => LightPlane::towards_direction(ray, to_light, range),
-            FrozenLight::Point { position, cone, .. } => {
-                if let Some(cone) = cone {
-                    self.shade_outside(&cone, ray, position);
-                }
-                LightPlane::towards_point(ray, position, range)
-            }
+            FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
         };
         match plane {
             Some(plane) => snapshot.tree.add_shadows(&plane, &mut self.shadows),

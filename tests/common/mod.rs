@@ -9,13 +9,14 @@ use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
 
 /// An instant at time 0.
-pub const INSTANT: Shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+pub(crate) const INSTANT: Shutter = Shutter { open_s: 0.0, close_s: 0.0 };
 
 /// The exact method with everything on.
-pub const EXACT: Transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 4, features: true };
+pub(crate) const EXACT: Transport =
+    Transport { volume: VolumeMethod::Segments, mirror_depth: 4, features: true };
 
 /// A scene with nothing but a camera at `eye` that looks along -Z with a right angle of view.
-pub fn camera_at(eye: DVec3) -> Scene {
+pub(crate) fn camera_at(eye: DVec3) -> Scene {
     let mut scene = Scene::default();
     let node = place(&mut scene, DAffine3::from_translation(eye));
     let lens = Lens::Perspective { fov_y: Track::from(std::f64::consts::FRAC_PI_2) };
@@ -24,7 +25,7 @@ pub fn camera_at(eye: DVec3) -> Scene {
 }
 
 /// Adds a still node.
-pub fn place(scene: &mut Scene, world_from_node: DAffine3) -> usize {
+pub(crate) fn place(scene: &mut Scene, world_from_node: DAffine3) -> usize {
     scene.nodes.push(Node {
         name: format!("node {}", scene.nodes.len()),
         parent: None,
@@ -35,7 +36,7 @@ pub fn place(scene: &mut Scene, world_from_node: DAffine3) -> usize {
 }
 
 /// Adds fog between two corners.
-pub fn add_fog(scene: &mut Scene, low: DVec3, high: DVec3, sigma_t: Rgb, albedo: Rgb, g: f64) {
+pub(crate) fn add_fog(scene: &mut Scene, low: DVec3, high: DVec3, sigma_t: Rgb, albedo: Rgb, g: f64) {
     let world_from_cube =
         DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));
     let node = place(scene, world_from_cube);
@@ -49,14 +50,14 @@ pub fn add_fog(scene: &mut Scene, low: DVec3, high: DVec3, sigma_t: Rgb, albedo:
 }
 
 /// Adds a light at `position` that shines along `beam`.
-pub fn add_light(scene: &mut Scene, kind: LightKind, position: DVec3, beam: DVec3, power: Rgb) {
+pub(crate) fn add_light(scene: &mut Scene, kind: LightKind, position: DVec3, beam: DVec3, power: Rgb) {
     let turn = DQuat::from_rotation_arc(DVec3::NEG_Z, beam.normalize());
     let node = place(scene, DAffine3::from_rotation_translation(turn, position));
     scene.lights.push(Light { name: "light".into(), node, power: Track::from(power), kind });
 }
 
 /// The value of the camera ray through a film position.
-pub fn look(scene: &Scene, transport: &Transport, film_x: f64, film_y: f64) -> Sample {
+pub(crate) fn look(scene: &Scene, transport: &Transport, film_x: f64, film_y: f64) -> Sample {
     let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
     let ray = snapshot.view.ray(film_x, film_y);
     radiance(&snapshot, transport, &ray, &mut Sampler::new(0, 0, 0, 0), &mut Scratch::default())

@@ -133,7 +133,15 @@ impl Fan {
         let length = to - from;
         let area_per_rad = length * (density.0 + 0.5 * density.1 * length);
         let start = foot + from * along;
-        (area_per_rad > 0.0).then_some(Slice { outward, start, along, length, density, area_per_rad, picture })
+        (area_per_rad > 0.0).then_some(Slice {
+            outward,
+            start,
+            along,
+            length,
+            density,
+            area_per_rad,
+            picture,
+        })
     }
 
     fn angle(&self, direction: DVec3) -> f64 {

@@ -8,10 +8,9 @@ use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
-use crate::transport::direct::reflected_from;
-use crate::transport::lit_segments::LitSegments;
-use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, own_and_mirrored};
 use crate::transport::Sample;
+use crate::transport::direct::reflected_from;
+use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, own_and_mirrored};
 use glam::{DVec2, DVec3};
 
 /// Memory that the slices of one thread share.
@@ -100,13 +99,13 @@ fn leg(
     let (mut shafts, mut transmittance) = (Rgb::ZERO, Rgb::ONE);
     if let Some(range) = snapshot.medium.range(ray, distance) {
         let Scratch { lit, cuts, stretches } = scratch;
-        lit.set(shadows.as_slice().iter().map(|&(a, b)| (distance_of(a), distance_of(b))), range);
+        let known = shadows.as_slice().iter().map(|&(start, end)| (distance_of(start), distance_of(end)));
+        lit.set(ray, light, range, known);
         snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
         shafts = lit.integrate(&snapshot.medium, stretches, ray, light);
         transmittance = snapshot.medium.transmittance(ray.origin, ray.direction, distance);
     }
-    let illumination =
-        Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
+    let illumination = Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
     let behind_fog = surface.zip(meeting).map_or_else(
         || illumination.background(snapshot),
         |(point, meeting)| {
@@ -114,7 +113,17 @@ fn leg(
             let mut sampler = Sampler::new(index, 0, 0, 0);
             let mirrors = job.transport.mirror_depth;
             let transport = job.transport;
-            direct + own_and_mirrored(snapshot, transport, illumination, ray, &point, mirrors, &mut sampler, scratch)
+            direct
+                + own_and_mirrored(
+                    snapshot,
+                    transport,
+                    illumination,
+                    ray,
+                    &point,
+                    mirrors,
+                    &mut sampler,
+                    scratch,
+                )
         },
     );
     Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface }

@@ -94,8 +94,6 @@ pub(super) struct Sweep {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub(super) primitive: PrimitiveId,
-    /// Distance from the axis, metres.
-    pub(super) reach: f64,
     /// Whether the light reaches the place where it is met.
     pub(super) is_lit: bool,
 }
@@ -113,7 +111,12 @@ impl Sweep {
 
     /// Goes on to a ray of a lower slope, says what it meets first, and leaves in `shadows` the names
     /// of all of the light's rays that do not reach it before that.
-    pub(super) fn advance(&mut self, slope: f64, rays: LightRays, shadows: &mut IntervalSet) -> Option<Meeting> {
+    pub(super) fn advance(
+        &mut self,
+        slope: f64,
+        rays: LightRays,
+        shadows: &mut IntervalSet,
+    ) -> Option<Meeting> {
         while let Some(segment) = self.segments.get(self.next).filter(|s| s.upper_slope() >= slope) {
             self.active.push(*segment);
             self.next += 1;
@@ -147,7 +150,7 @@ impl Sweep {
             shadows.insert(start, end);
             is_lit &= index == met || !(start < name && name < end);
         }
-        Some(Meeting { primitive, reach, is_lit })
+        Some(Meeting { primitive, is_lit })
     }
 }
 

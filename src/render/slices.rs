@@ -1,0 +1,107 @@
+//! Pictures from slices: for each light a lattice of samples on its slices, then the lights added
+//! up. Invariant: samples reach the film in the order of their slices, whatever thread solved them.
+//!
+//! The lattice: slices at equal angles, and on each slice samples at equal steps of picture area,
+//! shifted from slice to slice by the golden ratio (a rank-1 lattice). Every sample stands for the
+//! same area, so a pixel is the plain mean of its samples.
+
+use super::Job;
+use crate::film::{Film, Frame};
+use crate::math::Sampler;
+use crate::snapshot::{FrozenLight, Snapshot};
+use crate::transport::slices::{Fan, Slice, SliceJob, SliceSample, SliceScratch, solve};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
+const BATCH: usize = 128;
+
+/// The golden ratio less one: neighbouring slices' samples are shifted by it (Korobov's lattice in two dimensions).
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Whether slices can render a frame: there must be a light for each picture, and none at the eye.
+pub(super) fn can_serve(snapshot: &Snapshot) -> bool {
+    let at_eye = |light: &FrozenLight| match light {
+        FrozenLight::Sun { .. } => false,
+        FrozenLight::Point { position, .. } => position.length_squared() == 0.0,
+    };
+    !snapshot.lights.is_empty() && !snapshot.lights.iter().any(at_eye)
+}
+
+/// See [`super::render`].
+pub(super) fn render(
+    snapshot: &Snapshot,
+    job: &Job,
+    progress: &(dyn Fn(f64) + Sync),
+    cancelled: &AtomicBool,
+) -> Frame {
+    let lights = snapshot.lights.len() as f64;
+    let pictures = (0..snapshot.lights.len()).map(|light| {
+        let progress = |fraction: f64| progress((light as f64 + fraction) / lights);
+        render_light(snapshot, job, light, &progress, cancelled)
+    });
+    pictures
+        .reduce(|mut sum, picture| {
+            sum.add_light(&picture);
+            sum
+        })
+        .unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve())
+}
+
+fn render_light(
+    snapshot: &Snapshot,
+    job: &Job,
+    light: usize,
+    progress: &(dyn Fn(f64) + Sync),
+    cancelled: &AtomicBool,
+) -> Frame {
+    let mut film = Film::new(job.size, job.window, &job.passes);
+    let Some(fan) = Fan::new(&snapshot.view, job.size, job.window, snapshot.lights[light].source()) else {
+        return film.resolve();
+    };
+    let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, 0).next_2d();
+    // As many slices across as samples along: the lattice's cells are square on average.
+    let density = f64::from(job.samples);
+    let wanted_rad = 1.0 / (density.sqrt() * fan.mean_separation_px());
+    let count = (fan.angles.1 / wanted_rad).ceil().max(1.0);
+    let step_rad = fan.angles.1 / count;
+    // The cell of the slice before the first reaches into the window, unless that is the last one again.
+    let count = count as usize + usize::from(fan.angles.1 < TAU);
+    let step_area = 1.0 / (density * step_rad);
+    let slice_job =
+        SliceJob { snapshot, transport: &job.transport, light, self_luminous: light == 0, fan: &fan };
+
+    for first in (0..count).step_by(BATCH) {
+        if cancelled.load(Ordering::Relaxed) {
+            break;
+        }
+        let solved: Vec<Vec<SliceSample>> = (first..count.min(first + BATCH))
+            .into_par_iter()
+            .map_init(SliceScratch::default, |scratch, number| {
+                let angle = fan.angles.0 + (number as f64 - 1.0 + shift_across) * step_rad;
+                let mut samples = Vec::new();
+                if let Some(slice) = fan.slice(angle) {
+                    let shift = (shift_along + GOLDEN * number as f64).fract();
+                    let areas = lattice(&slice, shift, step_area);
+                    solve(&slice_job, &slice, areas, scratch, |sample| samples.push(sample));
+                }
+                samples
+            })
+            .collect();
+        for sample in solved.iter().flatten() {
+            // The far edge of the last pixel belongs to it.
+            let x = (sample.film_px.x.max(0.0) as usize).min(job.window.x + job.window.width - 1);
+            let y = (sample.film_px.y.max(0.0) as usize).min(job.window.y + job.window.height - 1);
+            let from_centre = sample.film_px - glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            film.add(x, y, 1.0, from_centre.length(), &sample.value);
+        }
+        progress(count.min(first + BATCH) as f64 / count as f64);
+    }
+    film.resolve()
+}
+
+fn lattice(slice: &Slice, shift: f64, step_area: f64) -> impl Iterator<Item = f64> + use<> {
+    let count = (slice.area_per_rad / step_area - shift).ceil().max(0.0) as usize;
+    (0..count).map(move |index| (index as f64 + shift) * step_area)
+}
