@@ -94,7 +94,8 @@ impl FogBox {
         }
     }
 
-    fn in_cube(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+    /// A point and a direction in the space in which the box is `[-1, 1]^3`.
+    pub fn in_cube(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
         (
             self.cube_from_relative.transform_point3(origin),
             self.cube_from_relative.transform_vector3(direction),

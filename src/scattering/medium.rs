@@ -40,6 +40,11 @@ impl Medium {
         Self { boxes }
     }
 
+    /// The boxes.
+    pub fn boxes(&self) -> &[FogBox] {
+        &self.boxes
+    }
+
     /// True if there is no fog at all.
     pub fn is_empty(&self) -> bool {
         self.boxes.is_empty()

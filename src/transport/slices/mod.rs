@@ -5,6 +5,7 @@
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 
 mod fan;
+mod fog_profile;
 mod solve;
 mod sweep;
 

@@ -3,7 +3,8 @@
 
 use super::Fan;
 use super::fan::{Place, Slice};
-use super::sweep::{LightRays, Meeting, Sweep};
+use super::fog_profile::FogProfile;
+use super::sweep::{LightRays, Sweep};
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray, Sampler};
@@ -19,6 +20,7 @@ pub struct SliceScratch {
     cuts: Vec<Cut>,
     sweep: Sweep,
     shadows: IntervalSet,
+    fog: FogProfile,
     rays: Scratch,
 }
 
@@ -62,69 +64,73 @@ pub fn solve(
     };
     let slope_of = |direction: DVec3| direction.dot(job.fan.axis) / direction.dot(slice.outward);
     let lowest_slope = slope_of(slice.far_end());
-    let SliceScratch { cuts, sweep, shadows, rays: ray_scratch } = scratch;
+    let SliceScratch { cuts, sweep, shadows, fog, rays: ray_scratch } = scratch;
     cuts.clear();
     let half_plane = HalfPlane { axis: job.fan.axis, outward: slice.outward, lowest_slope };
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, rays, lowest_slope);
+    fog.start(&snapshot.medium, &half_plane);
 
     for (index, area) in areas_per_rad.enumerate() {
         let Place { film_px, direction } = slice.place(area);
         let slope = slope_of(direction);
-        let meeting = sweep.advance(slope, rays, shadows);
         let spread = direction.dot(slice.outward);
-        let distance_of = |name: f64| rays.reach(name, slope) / spread;
+        let meeting = sweep.advance(slope, rays, shadows);
         let ray = Ray { origin: DVec3::ZERO, direction };
-        let leg = leg(job, light, &ray, meeting, shadows, distance_of, index as u32, ray_scratch);
+        let hit = meeting.and_then(|meeting| snapshot.hit_on(&ray, meeting.primitive));
+        let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
+        let (shafts, transmittance) = match *light {
+            FrozenLight::Sun { irradiance, .. } => {
+                let passage = fog.follow(slope, spread, distance * spread, shadows);
+                (passage.scattered * irradiance, passage.transmittance)
+            }
+            FrozenLight::Point { .. } => {
+                let names = shadows.as_slice().iter();
+                let distance_of = |name: f64| rays.reach(name, slope) / spread;
+                let known = names.map(|&(start, end)| (distance_of(start), distance_of(end)));
+                near_light(snapshot, light, &ray, distance, known, ray_scratch)
+            }
+        };
+        let surface = hit.map(|hit| snapshot.surface(&ray, &hit));
+        let illumination =
+            Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
+        let behind_fog = surface.zip(meeting).map_or_else(
+            || illumination.background(snapshot),
+            |(point, meeting)| {
+                let mut sampler = Sampler::new(index as u32, 0, 0, 0);
+                let (transport, mirrors) = (job.transport, job.transport.mirror_depth);
+                reflected_from(snapshot, light, &point, |_, _| meeting.is_lit)
+                    + own_and_mirrored(
+                        snapshot,
+                        transport,
+                        illumination,
+                        &ray,
+                        &point,
+                        mirrors,
+                        &mut sampler,
+                        ray_scratch,
+                    )
+            },
+        );
+        let leg = Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface };
         sample(SliceSample { film_px, value: leg.sample(snapshot, job.transport) });
     }
 }
 
-#[allow(clippy::too_many_arguments, reason = "the inner loop, split for reading")]
-fn leg(
-    job: &SliceJob,
+/// Light of a near light scattered on the way, and transmittance.
+fn near_light(
+    snapshot: &Snapshot,
     light: &FrozenLight,
     ray: &Ray,
-    meeting: Option<Meeting>,
-    shadows: &IntervalSet,
-    distance_of: impl Fn(f64) -> f64,
-    index: u32,
+    distance: f64,
+    shadows: impl Iterator<Item = (f64, f64)>,
     scratch: &mut Scratch,
-) -> Leg {
-    let snapshot = job.snapshot;
-    let hit = meeting.and_then(|meeting| snapshot.hit_on(ray, meeting.primitive));
-    let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
-    let surface = hit.map(|hit| snapshot.surface(ray, &hit));
-
-    let (mut shafts, mut transmittance) = (Rgb::ZERO, Rgb::ONE);
-    if let Some(range) = snapshot.medium.range(ray, distance) {
-        let Scratch { lit, cuts, stretches } = scratch;
-        let known = shadows.as_slice().iter().map(|&(start, end)| (distance_of(start), distance_of(end)));
-        lit.set(ray, light, range, known);
-        snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
-        shafts = lit.integrate(&snapshot.medium, stretches, ray, light);
-        transmittance = snapshot.medium.transmittance(ray.origin, ray.direction, distance);
-    }
-    let illumination = Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
-    let behind_fog = surface.zip(meeting).map_or_else(
-        || illumination.background(snapshot),
-        |(point, meeting)| {
-            let direct = reflected_from(snapshot, light, &point, |_, _| meeting.is_lit);
-            let mut sampler = Sampler::new(index, 0, 0, 0);
-            let mirrors = job.transport.mirror_depth;
-            let transport = job.transport;
-            direct
-                + own_and_mirrored(
-                    snapshot,
-                    transport,
-                    illumination,
-                    ray,
-                    &point,
-                    mirrors,
-                    &mut sampler,
-                    scratch,
-                )
-        },
-    );
-    Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface }
+) -> (Rgb, Rgb) {
+    let medium = &snapshot.medium;
+    let Some(range) = medium.range(ray, distance) else { return (Rgb::ZERO, Rgb::ONE) };
+    let Scratch { lit, cuts, stretches } = scratch;
+    lit.set(ray, light, range, shadows);
+    medium.stretches(ray, distance, light.source(), cuts, stretches);
+    let shafts = lit.integrate(medium, stretches, ray, light);
+    (shafts, medium.transmittance(ray.origin, ray.direction, distance))
 }
