@@ -2,7 +2,7 @@
 //! always says what was found; errors also say what was expected and how to get there.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -94,9 +94,11 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nowhere => Ok(()),
-            Self::File(file) => write!(f, "{}: ", file.display()),
-            Self::Text { file, line, column } => write!(f, "{}:{line}:{column}: ", file.display()),
-            Self::Field { file, path } => write!(f, "{}: {path}: ", file.display()),
+            Self::File(file) => write!(f, "{}: ", readable(file).display()),
+            Self::Text { file, line, column } => {
+                write!(f, "{}:{line}:{column}: ", readable(file).display())
+            }
+            Self::Field { file, path } => write!(f, "{}: {path}: ", readable(file).display()),
         }
     }
 }
@@ -119,6 +121,24 @@ impl fmt::Display for Diagnostic {
     }
 }
 
+/// The path as a person would write it: `sequences/../scenes/x` is `scenes/x`. For reading only, as
+/// a symbolic link may make the two differ.
+pub fn readable(path: &Path) -> PathBuf {
+    let mut readable = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::ParentDir
+                if matches!(readable.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                readable.pop();
+            }
+            Component::CurDir => {}
+            other => readable.push(other),
+        }
+    }
+    readable
+}
+
 /// Every problem found in one input, in the order found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics(pub Vec<Diagnostic>);
@@ -135,6 +155,17 @@ impl Diagnostics {
     }
 }
 
+impl Diagnostics {
+    /// The errors alone, if there are any: who has to put something right need not read the rest.
+    #[must_use]
+    pub fn worst(mut self) -> Self {
+        if self.has_errors() {
+            self.0.retain(|diagnostic| diagnostic.severity == Severity::Error);
+        }
+        self
+    }
+}
+
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, diagnostic) in self.0.iter().enumerate() {
@@ -144,5 +175,31 @@ impl fmt::Display for Diagnostics {
             write!(f, "{diagnostic}")?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_told_without_detours() {
+        for (path, told) in [
+            ("sequences/../scenes/a/scene.ron", "scenes/a/scene.ron"),
+            ("../scenes/./b.ron", "../scenes/b.ron"),
+            ("../../b.ron", "../../b.ron"),
+            ("/a/b/../../c", "/c"),
+        ] {
+            assert_eq!(readable(Path::new(path)), Path::new(told));
+        }
+    }
+
+    #[test]
+    fn warnings_do_not_stand_in_the_way_of_errors() {
+        let warning = Diagnostic::warning(Place::Nowhere, "a");
+        let error = Diagnostic::error(Place::Nowhere, "b");
+        let both = Diagnostics(vec![warning.clone(), error.clone()]);
+        assert_eq!(both.worst().0, [error]);
+        assert_eq!(Diagnostics(vec![warning.clone()]).worst().0, [warning]);
     }
 }

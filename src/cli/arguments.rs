@@ -37,41 +37,41 @@ pub(super) struct RenderArguments {
     /// Output: a folder, or a name with ####, %04d or $F4 [default: out/NAME/NAME.####.exr].
     #[arg(long, value_name = "PATTERN|DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Picture size: 960x540, or a percentage of the sequence's, 50%.
+    /// Picture size: 960x540, or a percentage of the sequence's, 50% [default: the sequence's, else 960x540].
     #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
     pub(super) size: Option<SizeArgument>,
-    /// Samples a pixel; 1 goes through the pixel's centre.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    /// Samples a pixel [default: the sequence's, else 16]; 1 goes through the pixel's centre.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), allow_negative_numbers = true)]
     pub(super) samples: Option<u32>,
     /// How light in fog is found.
     #[arg(long, value_enum, default_value_t)]
     pub(super) volume: Volume,
-    /// Points a ray and light for --volume march and equiangular; march steps as the sequence says without it.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000), value_name = "N")]
+    /// Points a ray and light, for --volume march [default: the sequence's steps] and equiangular [default: 1].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000), value_name = "N", allow_negative_numbers = true)]
     pub(super) volume_steps: Option<u32>,
-    /// Name of the camera.
+    /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
     /// Only these pixels, x1 and y1 excluded; the frame keeps its full display window.
     #[arg(long, value_parser = parse_crop, value_name = "x0,y0,x1,y1")]
     pub(super) crop: Option<Crop>,
-    /// Passes beside the beauty, or `all` or `none`.
+    /// Passes beside the beauty, or `all` or `none` [default: the sequence's].
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
     pub(super) passes: Option<Vec<PassArgument>>,
-    /// Frames a second, such as 24 or 24000/1001; overrides the input's.
-    #[arg(long, value_parser = parse_frame_rate)]
+    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
+    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
     pub(super) fps: Option<crate::scene::FrameRate>,
-    /// What the lights of a glTF file are measured in; overrides what it says.
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnitsArgument>,
     /// Which frames that exist already are kept.
     #[arg(long, value_enum, default_value_t)]
     pub(super) skip: SkipArgument,
-    /// Seed of the sample points.
-    #[arg(long)]
+    /// Seed of the sample points [default: the sequence's, else 0].
+    #[arg(long, allow_negative_numbers = true)]
     pub(super) seed: Option<u32>,
     /// Threads to render with [default: all cores].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
     /// How progress is told.
     #[arg(long, value_enum, default_value_t)]
@@ -92,9 +92,9 @@ pub(super) struct InspectArguments {
     #[arg(long)]
     pub(super) json: bool,
     /// Frames to look at; fractions are allowed [default: the first].
-    #[arg(long, allow_hyphen_values = true, value_delimiter = ',')]
+    #[arg(long, allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_frame)]
     pub(super) frames: Vec<f64>,
-    /// What the lights of a glTF file are measured in; overrides what it says.
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnitsArgument>,
 }
@@ -244,6 +244,16 @@ fn parse_size(text: &str) -> Result<SizeArgument, String> {
         _ => Err(expected()),
     };
     Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
+}
+
+/// Frames so far from 0 are a slip of the finger.
+const FARTHEST_FRAME: f64 = 1e9;
+
+fn parse_frame(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(frame) if frame.abs() <= FARTHEST_FRAME => Ok(frame),
+        _ => Err("expected a frame such as 12 or 12.5, or several separated by commas".into()),
+    }
 }
 
 fn parse_crop(text: &str) -> Result<Crop, String> {

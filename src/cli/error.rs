@@ -48,13 +48,13 @@ impl From<LoadError> for CliError {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Io { .. } => Self::InputOutput(error.to_string()),
-            LoadError::Invalid(diagnostics) => Self::Scene(diagnostics),
+            LoadError::Invalid(diagnostics) => Self::Scene(diagnostics.worst()),
         }
     }
 }
 
 impl From<Diagnostics> for CliError {
     fn from(diagnostics: Diagnostics) -> Self {
-        Self::Scene(diagnostics)
+        Self::Scene(diagnostics.worst())
     }
 }

@@ -9,6 +9,7 @@ mod plan;
 mod progress;
 mod render;
 
+use crate::scene::Pass;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
@@ -42,6 +43,23 @@ pub fn run() -> ExitCode {
             error.exit_code()
         }
     }
+}
+
+/// Passes for reading, as `--passes` takes them.
+fn pass_names(passes: &[Pass]) -> String {
+    if passes.is_empty() {
+        return String::from("beauty alone");
+    }
+    let names = passes.iter().map(|pass| match pass {
+        Pass::Shafts => "shafts",
+        Pass::Transmittance => "transmittance",
+        Pass::Depth => "depth",
+        Pass::Normal => "normal",
+        Pass::Position => "position",
+        Pass::Albedo => "albedo",
+        Pass::LeafId => "leaf-id",
+    });
+    format!("beauty and {}", names.collect::<Vec<_>>().join(","))
 }
 
 /// A line on the error stream.

@@ -14,6 +14,9 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+/// 16384 x 8192.
+const MOST_PIXELS: usize = 1 << 27;
+
 /// Everything that a run needs to know.
 pub(super) struct Plan {
     pub(super) scene: Scene,
@@ -51,7 +54,7 @@ impl Plan {
         let camera = find_camera(&scene, settings.camera.as_deref())?;
         let frames = find_frames(arguments.frames.as_deref(), &settings)?;
         let window = find_window(arguments.crop, settings.size)?;
-        let volume = volume(arguments, &settings);
+        let volume = volume(arguments, &settings)?;
         let job = Job {
             size: settings.size,
             window,
@@ -106,12 +109,13 @@ impl fmt::Display for Plan {
         let first = frames.first().map_or_else(PathBuf::new, |frame| self.output.path(*frame));
         writeln!(
             f,
-            "{} frames of {width}x{height} pixels, {} samples a pixel on {:?}, fog by {:?}, passes {:?}",
+            "{} frame{} of {width}x{height} pixels, {} samples a pixel on {:?}, fog by {:?}, {}",
             frames.len(),
+            if frames.len() == 1 { "" } else { "s" },
             self.job.samples,
             self.job.placement,
             self.job.transport.volume,
-            self.job.passes
+            super::pass_names(&self.job.passes)
         )?;
         writeln!(f, "camera `{}`, seed {}", self.scene.cameras[self.camera].name, self.job.seed)?;
         write!(f, "the first would be {}; nothing was rendered", first.display())
@@ -160,7 +164,17 @@ fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<FrameLis
     Ok(frames)
 }
 
+/// The window, unless its film would not fit into the memory of common machines.
 fn find_window(crop: Option<Crop>, size: Size) -> Result<Window, CliError> {
+    let window = cropped(crop, size)?;
+    if window.width * window.height > MOST_PIXELS {
+        let found = format!("{} x {} pixels are too many at once", window.width, window.height);
+        return Err(usage("--size", found, &format!("at most {MOST_PIXELS} pixels; --crop renders a part")));
+    }
+    Ok(window)
+}
+
+fn cropped(crop: Option<Crop>, size: Size) -> Result<Window, CliError> {
     let Some(Crop { x0, y0, x1, y1 }) = crop else { return Ok(Window::whole(size)) };
     if x1 > size.width || y1 > size.height {
         let Size { width, height } = size;
@@ -170,8 +184,13 @@ fn find_window(crop: Option<Crop>, size: Size) -> Result<Window, CliError> {
     Ok(Window { x: x0, y: y0, width: x1 - x0, height: y1 - y0 })
 }
 
-fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> VolumeMethod {
-    match (arguments.volume, arguments.volume_steps) {
+fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> Result<VolumeMethod, CliError> {
+    let stepped = matches!(arguments.volume, Volume::March | Volume::Equiangular);
+    if arguments.volume_steps.is_some() && !stepped {
+        let found = String::from("the exact methods take no steps");
+        return Err(usage("--volume-steps", found, "--volume march or --volume equiangular beside it"));
+    }
+    Ok(match (arguments.volume, arguments.volume_steps) {
         (Volume::Auto | Volume::Slices | Volume::Segments, _) => VolumeMethod::Segments,
         (Volume::March, Some(steps)) => VolumeMethod::March(MarchSteps::Count(steps)),
         (Volume::March, None) => VolumeMethod::March(MarchSteps::Planes {
@@ -179,7 +198,7 @@ fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> VolumeMetho
             step_m: settings.march_step_m,
         }),
         (Volume::Equiangular, points) => VolumeMethod::Equiangular { points: points.unwrap_or(1) },
-    }
+    })
 }
 
 fn usage(flag: &str, found: String, expected: &str) -> CliError {

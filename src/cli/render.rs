@@ -135,9 +135,12 @@ impl From<SequenceError<Stopped>> for CliError {
             SequenceError::Defective { .. } => Self::Frame(format!(
                 "error: {error}\n  expected: finite light everywhere\n  remedy: report this scene; `--crop` around the pixel shows it"
             )),
-            SequenceError::Write { .. } | SequenceError::Render { .. } => {
-                Self::InputOutput(format!("error: {error}"))
+            SequenceError::Write { frame, source } => {
+                let mut diagnostic = source.diagnostic();
+                diagnostic.found = format!("frame {frame}: {}", diagnostic.found);
+                Self::InputOutput(diagnostic.to_string())
             }
+            SequenceError::Render { .. } => Self::InputOutput(format!("error: {error}")),
         }
     }
 }

@@ -7,7 +7,7 @@ pub mod image;
 pub mod obj;
 pub mod ron;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable};
 use std::path::{Path, PathBuf};
 
 pub use files::Files;
@@ -38,7 +38,7 @@ pub enum SceneSource {
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// A file is missing or cannot be read.
-    #[error("{}: error: cannot be read: {source}\n  expected: a readable file\n  remedy: check the path{}", path.display(), referrer.as_deref().map(|r| format!(" in {r}")).unwrap_or_default())]
+    #[error("{}: error: cannot be read: {source}\n  expected: a readable file\n  remedy: check the path{}", readable(path).display(), referrer.as_deref().map(|r| format!(" in {r}")).unwrap_or_default())]
     Io {
         /// The file.
         path: PathBuf,
@@ -92,14 +92,25 @@ fn load_scene(path: &Path, files: &mut Files) -> Result<SceneSource, LoadError> 
     match extension(path).as_str() {
         "ron" => ron::load_scene(path, files).map(SceneSource::Ron),
         "glb" | "gltf" => gltf::load(path, files).map(SceneSource::Gltf),
-        other => Err(Diagnostic::error(
-            Place::File(path.to_owned()),
-            format!("the extension `{other}` is not one that is read"),
-        )
-        .expected("a .ron, .glb or .gltf file")
-        .remedy("export the scene as .glb, or describe it in RON (docs/scene-format.md)")
-        .into()),
+        other => Err(not_a_scene(path, other)),
     }
+}
+
+fn not_a_scene(path: &Path, extension: &str) -> LoadError {
+    let found = match std::fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => String::from("this is a folder"),
+        Ok(_) if extension.is_empty() => {
+            String::from("the name has no extension that says what is in the file")
+        }
+        Err(source) if extension.is_empty() => {
+            return LoadError::Io { path: path.to_owned(), referrer: None, source };
+        }
+        _ => format!("the extension `{extension}` is not one that is read"),
+    };
+    Diagnostic::error(Place::File(path.to_owned()), found)
+        .expected("a .ron, .glb or .gltf file")
+        .remedy("name such a file; export a scene as .glb, or describe it in RON (docs/scene-format.md)")
+        .into()
 }
 
 fn extension(path: &Path) -> String {

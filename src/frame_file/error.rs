@@ -88,6 +88,19 @@ impl FrameFileError {
         }
     }
 
+    /// What was expected instead.
+    pub fn expected(&self) -> &'static str {
+        match self {
+            Self::IsFolder { .. } => "the name of a file",
+            Self::CreateFolder { .. } => "a folder, or a place where one can be made",
+            Self::Write { .. } => "a folder that can be written to, with room for the frame",
+            Self::Encode { .. } => "a frame that EXR can hold",
+            Self::Read { .. } => "a readable file",
+            Self::Invalid { .. } | Self::TooLarge { .. } => "a whole EXR file",
+            Self::Unsupported { .. } => "an EXR file with one flat part of scan lines or tiles",
+        }
+    }
+
     /// What the user can do.
     pub fn remedy(&self) -> &'static str {
         match self {
@@ -123,6 +136,6 @@ impl FrameFileError {
 
     /// The same for the user's eyes.
     pub fn diagnostic(&self) -> Diagnostic {
-        Diagnostic::error(Place::Nowhere, self.to_string()).remedy(self.remedy())
+        Diagnostic::error(Place::Nowhere, self.to_string()).expected(self.expected()).remedy(self.remedy())
     }
 }

@@ -1,8 +1,10 @@
 //! An input as text for people. Invariant: both the file's photometric numbers and our
 //! radiometric ones are shown for every light.
 
+use super::super::pass_names;
 use super::Inspected;
 use crate::scene::{Lens, LightKind, Scene};
+use glam::DVec3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -24,19 +26,28 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
     writeln!(out, "{input}: `{}`, content {}", settings.name, &scene_hash[..12])?;
     let (first, last) = (*settings.frames.start(), *settings.frames.end());
     let seconds = |frame: i64| rate.seconds(frame as f64);
-    writeln!(
+    let a_second = match rate.denominator {
+        1 => rate.numerator.to_string(),
+        denominator => format!("{}/{denominator}", rate.numerator),
+    };
+    write!(
         out,
-        "  frames     {first} to {last} at {}/{} a second; frame {first} is {:.6} s, frame {last} is {:.6} s",
-        rate.numerator,
-        rate.denominator,
-        seconds(first),
-        seconds(last)
+        "  frames     {first} to {last} at {a_second} a second; frame {first} is {:.6} s",
+        seconds(first)
     )?;
+    if last > first {
+        write!(out, ", frame {last} is {:.6} s", seconds(last))?;
+    }
+    writeln!(out)?;
     let size = settings.size;
     writeln!(
         out,
-        "  picture    {} x {}, {} samples a pixel, seed {}, passes {:?}",
-        size.width, size.height, settings.samples, settings.seed, settings.passes
+        "  picture    {} x {}, {} samples a pixel, seed {}, {}",
+        size.width,
+        size.height,
+        settings.samples,
+        settings.seed,
+        pass_names(&settings.passes)
     )?;
     write_geometry(out, scene)?;
     for &frame in frames {
@@ -60,12 +71,11 @@ fn write_geometry(out: &mut String, scene: &Scene) -> std::fmt::Result {
         scene.instances.iter().map(|instance| scene.meshes[instance.mesh].triangles.len()).sum();
     writeln!(
         out,
-        "  geometry   {} meshes with {stored} triangles, {} of them placed {} times: {placed} triangles; {} nodes, {} textures",
-        scene.meshes.len(),
-        used.len(),
-        scene.instances.len(),
-        scene.nodes.len(),
-        scene.textures.len()
+        "  geometry   {placed} triangles: {} placed {} ({stored} triangles stored); {}, {}",
+        count(used.len(), "mesh", "meshes"),
+        count(scene.instances.len(), "time", "times"),
+        count(scene.nodes.len(), "node", "nodes"),
+        count(scene.textures.len(), "texture", "textures")
     )
 }
 
@@ -89,14 +99,16 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         match &light.kind {
             LightKind::Sun => writeln!(
                 out,
-                "    sun      `{}` along {beam:.3}: {power:.4} W/m2 (brightest channel {photometric:.1} lux)",
-                light.name
+                "    sun      `{}` along {beam:.3}: {} W/m2 (brightest channel {photometric:.1} lux)",
+                light.name,
+                color(power)
             )?,
             LightKind::Point | LightKind::Spot { .. } => writeln!(
                 out,
-                "    {}    `{}` at {place:.3}: {power:.4} W/sr (brightest channel {photometric:.1} cd, {:.3} W to all sides)",
+                "    {}    `{}` at {place:.3}: {} W/sr (brightest channel {photometric:.1} cd, {:.3} W to all sides)",
                 if matches!(light.kind, LightKind::Point) { "point" } else { "spot " },
                 light.name,
+                color(power),
                 4.0 * PI * power.max_element()
             )?,
         }
@@ -107,20 +119,33 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
             world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
         writeln!(
             out,
-            "    fog      `{}` within {:.3} to {:.3}: {:.4} /m, albedo {:.4}, g {:.3}",
+            "    fog      `{}` within {:.3} to {:.3}: {} /m, albedo {}, g {:.3}",
             fog.name,
             world.translation - half_extents,
             world.translation + half_extents,
-            fog.density_per_m.at(time_s),
-            fog.albedo.at(time_s),
+            color(fog.density_per_m.at(time_s)),
+            color(fog.albedo.at(time_s)),
             fog.anisotropy.at(time_s)
         )?;
     }
     let hidden = placements.iter().filter(|placement| !placement.visible).count();
     if hidden > 0 {
-        writeln!(out, "    hidden   {hidden} nodes")?;
+        writeln!(out, "    hidden   {}", count(hidden, "node", "nodes"))?;
     }
     Ok(())
+}
+
+/// `1 mesh`, `2 meshes`.
+fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+/// One number for grey, three for a colour.
+fn color(color: DVec3) -> String {
+    match color.to_array() {
+        [red, green, blue] if red == green && green == blue => format!("{red:.4}"),
+        _ => format!("{color:.4}"),
+    }
 }
 
 /// What rendering leaves out because this scene does not need it.
@@ -136,8 +161,8 @@ fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
     }
     if used.len() < scene.meshes.len() {
         skips.push(format!(
-            "{} meshes that nothing places: no tree is built",
-            scene.meshes.len() - used.len()
+            "{} that nothing places: no tree is built",
+            count(scene.meshes.len() - used.len(), "mesh", "meshes")
         ));
     }
     if settings.passes.is_empty() {

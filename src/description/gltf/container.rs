@@ -97,10 +97,9 @@ pub(super) fn check_version(document: &Document, path: &Path) -> Result<(), Diag
     let readable = |version: &str| version == "2.0" || version.starts_with("2.") && version.len() > 2;
     let required = asset.min_version.as_deref();
     match required.filter(|version| *version != "2.0") {
-        Some(newer) => {
-            Err(invalid(path, "asset.minVersion", format!("glTF version `{newer}` is required"))
-                .expected("2.0"))
-        }
+        Some(newer) => Err(invalid(path, "asset.minVersion", format!("glTF version `{newer}` is required"))
+            .expected("2.0")
+            .remedy("export as glTF 2.0")),
         None if !readable(&asset.version) => {
             Err(invalid(path, "asset.version", format!("this is glTF version `{}`", asset.version))
                 .expected("2.0")

@@ -64,7 +64,11 @@ impl Report {
             self.error(
                 path,
                 format!("{what} {index} does not exist"),
-                &format!("a number below {count}, the number of {what}s in the file"),
+                &match count {
+                    0 => format!("none, as there is no {what} in the file"),
+                    1 => format!("0, as there is one {what} in the file"),
+                    _ => format!("a number from 0 to {}, as counted in the file", count - 1),
+                },
             );
         }
         index < count

@@ -77,7 +77,7 @@ fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
                 .remedy("take one of the two out")
         }
         Error::InvalidValueForType { expected, found } => {
-            Diagnostic::error(place, format!("{found} does not belong here"))
+            Diagnostic::error(place, format!("{} does not belong here", plain(found)))
                 .expected(expected.clone())
                 .remedy("change the value; docs/scene-format.md has every field's unit and range")
         }
@@ -86,6 +86,9 @@ fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
                 .expected(expected.clone())
                 .remedy("count the values between the brackets")
         }
+        Error::ExceededRecursionLimit => Diagnostic::error(place, "the brackets are nested too deeply")
+            .expected("at most 128 brackets within each other")
+            .remedy("close brackets that were left open before this place"),
         Error::Message(message) => Diagnostic::error(place, message.clone())
             .expected("what docs/scene-format.md says of this field")
             .remedy("change the value"),
@@ -93,6 +96,13 @@ fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
             .expected("RON as docs/scene-format.md describes it")
             .remedy("look for a missing comma, bracket, colon or quote at this place or just before it"),
     }
+}
+
+/// An author knows numbers, not the types that hold them.
+fn plain(found: &str) -> String {
+    let kinds = ["the unsigned integer ", "the integer ", "the floating point number "];
+    let number = kinds.iter().find_map(|kind| found.strip_prefix(kind));
+    number.map_or_else(|| found.to_owned(), |number| format!("the number {number}"))
 }
 
 fn lower_first(message: &str) -> String {

@@ -94,8 +94,8 @@ pub(super) fn settings(
         settings.samples = whole("samples", samples, 1.0, 1e6) as u32;
     }
     if let Some([width, height]) = sunfleck.resolution {
-        let side = |side| whole("resolution", side, 1.0, 65536.0) as usize;
-        let [width, height] = [width, height].map(side);
+        let width = whole("resolution[0]", width, 1.0, 65536.0) as usize;
+        let height = whole("resolution[1]", height, 1.0, 65536.0) as usize;
         settings.size = Size { width, height };
     }
     if end < start {

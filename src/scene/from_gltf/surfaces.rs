@@ -30,17 +30,20 @@ impl Builder<'_> {
         let asked = [
             (
                 material.metallic > 0.0 && !is_mirror,
-                "metals that are not perfectly smooth are drawn as Lambert in their base colour",
+                "metals are mirrors at roughness 0 only: these are drawn matte, in their base colour",
             ),
             (
                 material.metallic == 0.0 && material.specular > 0.0,
-                "glossy reflection of dielectrics is not honoured, these materials are drawn as pure Lambert",
+                "highlights (specular) are not honoured, these materials are drawn matte",
             ),
             (
                 material.alpha_mode != gltf::AlphaMode::Opaque,
                 "alpha is not yet honoured, these materials are drawn opaque",
             ),
-            (!material.double_sided, "back faces are not hidden, these materials show from both sides"),
+            (
+                !material.double_sided,
+                "backface culling is not honoured, these materials show from both sides",
+            ),
         ];
         for (_, message) in asked.iter().filter(|(asked, _)| *asked) {
             self.report.not_honoured(message, &material.name);
