@@ -1,0 +1,203 @@
+//! `render`: which frames there are afterwards, and what is in them.
+
+use crate::program::{Studio, repository};
+use serde_json::Value;
+use sunfleck::scene::Size;
+
+#[test]
+fn a_sequence_goes_where_nobody_said_otherwise() {
+    let studio = Studio::new();
+    let outcome = studio.succeed("render tiny.ron --frames 1-2");
+    assert_eq!(studio.names("out/tiny"), ["tiny.0001.exr", "tiny.0002.exr"]);
+    let last = outcome.err.lines().last().unwrap();
+    assert!(last.starts_with("2 frames written to out/tiny in "), "{last}");
+    assert_eq!(outcome.out, "", "what people read goes to the error stream");
+}
+
+#[test]
+fn a_scene_is_rendered_too() {
+    let studio = Studio::new();
+    studio.succeed("render scene.ron --size 16x9 --samples 1 --frames 1 --out still.exr");
+    assert_eq!(studio.frame("still.exr").frame.full, Size { width: 16, height: 9 });
+}
+
+#[test]
+fn a_file_made_by_blender_is_rendered_too() {
+    let studio = Studio::new();
+    let input = repository("tests/data/leaves500/leaves500.glb");
+    studio.succeed(&format!("render {} --size 5% --samples 1 --out a/", input.display()));
+    assert_eq!(studio.frame("a/leaves500.0001.exr").frame.full, Size { width: 24, height: 14 });
+}
+
+#[test]
+fn frames_are_chosen_by_lists() {
+    let studio = Studio::new();
+    for (list, frames) in [
+        ("3", &[3][..]),
+        ("1-3", &[1, 2, 3]),
+        ("1..3", &[1, 2, 3]),
+        ("1-9x4", &[1, 5, 9]),
+        ("1-9:4", &[1, 5, 9]),
+        ("2,12,4-5", &[2, 4, 5, 12]),
+        ("all", &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]),
+    ] {
+        studio.succeed(&format!("render tiny.ron --frames {list} --size 4x2 --samples 1 --out {list}/"));
+        let names: Vec<_> = frames.iter().map(|frame| format!("tiny.{frame:04}.exr")).collect();
+        assert_eq!(studio.names(list), names, "--frames {list}");
+    }
+}
+
+#[test]
+fn output_patterns_number_the_frames() {
+    let studio = Studio::new();
+    for (pattern, name) in [("a.#.exr", "a.7.exr"), ("b_%03d.exr", "b_007.exr"), ("c.$F5.exr", "c.00007.exr")]
+    {
+        studio.succeed(&format!("render tiny.ron --frames 7 --size 4x2 --samples 1 --out {pattern}"));
+        assert!(studio.path(name).is_file(), "{name} is missing");
+    }
+}
+
+#[test]
+fn flags_work_in_any_order() {
+    let studio = Studio::new();
+    studio.succeed("render --samples 1 tiny.ron --out a/ --frames 2 --size 8x4");
+    studio.succeed("render --size 8x4 --frames=2 --out b/ --samples=1 tiny.ron");
+    assert_eq!(studio.bytes("a/tiny.0002.exr"), studio.bytes("b/tiny.0002.exr"));
+}
+
+#[test]
+fn sizes_may_be_percentages_of_the_sequence() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --size 50% --out half.exr");
+    assert_eq!(studio.frame("half.exr").frame.full, Size { width: 16, height: 9 });
+}
+
+#[test]
+fn a_crop_is_a_part_of_the_whole() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --out whole.exr");
+    studio.succeed("render tiny.ron --frames 1 --crop 4,3,20,12 --out part.exr");
+    let (whole, part) = (studio.frame("whole.exr").frame, studio.frame("part.exr").frame);
+    assert_eq!(part.full, whole.full);
+    assert_eq!((part.window.x, part.window.y, part.window.width, part.window.height), (4, 3, 16, 9));
+    let pixel = |frame: &sunfleck::film::Frame, x, y| {
+        frame.channel("R").unwrap().pixels[frame.window.index(x, y).unwrap()]
+    };
+    for (x, y) in [(4, 3), (19, 11), (10, 7)] {
+        assert_eq!(pixel(&part, x, y), pixel(&whole, x, y));
+    }
+}
+
+#[test]
+fn all_passes_are_the_channels_that_compositors_know() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --size 8x4 --passes all --out a.exr");
+    let names: Vec<_> =
+        studio.frame("a.exr").frame.channels.iter().map(|channel| channel.name.to_string()).collect();
+    let mut expected = [
+        "R", "G", "B", "A", "Z", "Normal.X", "Normal.Y", "Normal.Z", "Position.X", "Position.Y",
+        "Position.Z", "albedo.R", "albedo.G", "albedo.B", "leaf_id.X", "shafts.R", "shafts.G", "shafts.B",
+        "transmittance.R", "transmittance.G", "transmittance.B",
+    ];
+    let mut names: Vec<&str> = names.iter().map(String::as_str).collect();
+    names.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn cameras_seeds_and_methods_change_the_picture() {
+    let studio = Studio::new();
+    let render = |flags: &str| {
+        studio.succeed(&format!("render tiny.ron --frames 1 --out a.exr {flags}"));
+        studio.frame("a.exr").frame.channels
+    };
+    let plain = render("");
+    for flags in ["--camera low", "--seed 7", "--volume march --volume-steps 8", "--volume equiangular"] {
+        assert_ne!(render(flags), plain, "{flags}");
+    }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_threads_or_company() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1-3 --passes all --threads 1 --out one/");
+    studio.succeed("render tiny.ron --frames 1-3 --passes all --threads 2 --out two/");
+    studio.succeed("render tiny.ron --frames 3 --passes all --threads 2 --out alone/");
+    for frame in ["tiny.0001.exr", "tiny.0002.exr", "tiny.0003.exr"] {
+        assert_eq!(studio.bytes(&format!("one/{frame}")), studio.bytes(&format!("two/{frame}")), "{frame}");
+    }
+    assert_eq!(studio.bytes("one/tiny.0003.exr"), studio.bytes("alone/tiny.0003.exr"));
+}
+
+#[test]
+fn a_dry_run_writes_nothing() {
+    let studio = Studio::new();
+    let before = studio.names(".");
+    let outcome = studio.succeed("render tiny.ron --dry-run --frames 1-9x4");
+    assert_eq!(studio.names("."), before);
+    for part in ["3 frames of 32x18 pixels", "camera `main`", "out/tiny/tiny.0001.exr"] {
+        assert!(outcome.out.contains(part), "{part} is not in\n{}", outcome.out);
+    }
+}
+
+#[test]
+fn valid_frames_are_skipped_and_damaged_ones_rendered_again() {
+    let studio = Studio::new();
+    let render = "render tiny.ron --frames 1-3 --out a/ --skip valid";
+    studio.succeed(render);
+    let whole: Vec<_> = (1..=3).map(|frame| studio.bytes(&format!("a/tiny.000{frame}.exr"))).collect();
+    let mut damaged = whole[1].clone();
+    let middle = damaged.len() * 3 / 4;
+    damaged[middle] ^= 0x40;
+    std::fs::write(studio.path("a/tiny.0002.exr"), damaged).unwrap();
+    std::fs::write(studio.path("a/tiny.0003.exr"), &whole[2][..whole[2].len() / 2]).unwrap();
+
+    let again = studio.succeed(render);
+    assert!(again.err.contains("2 frames written"), "{}", again.err);
+    assert!(again.err.contains("1 skipped (there already, and valid)"), "{}", again.err);
+    for (frame, bytes) in (1..=3).zip(&whole) {
+        assert_eq!(&studio.bytes(&format!("a/tiny.000{frame}.exr")), bytes, "frame {frame}");
+    }
+}
+
+#[test]
+fn frames_of_other_settings_are_not_valid_but_exist() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --out a/");
+    let other = studio.succeed("render tiny.ron --frames 1 --out a/ --seed 3 --skip exists");
+    assert!(other.err.contains("1 skipped (there already)"), "{}", other.err);
+    let other = studio.succeed("render tiny.ron --frames 1 --out a/ --seed 3 --skip valid");
+    assert!(other.err.contains("1 frame written"), "{}", other.err);
+}
+
+#[test]
+fn without_a_terminal_progress_is_plain_lines() {
+    let studio = Studio::new();
+    let outcome = studio.succeed("render tiny.ron --frames 1-2 --size 4x2 --out a/");
+    let lines: Vec<_> = outcome.err.lines().collect();
+    assert_eq!(lines.len(), 3, "{}", outcome.err);
+    assert!(lines[0].starts_with("frame 1 written to a/tiny.0001.exr"), "{}", lines[0]);
+    assert!(!outcome.err.contains(['\r', '\u{1b}']), "{:?}", outcome.err);
+}
+
+#[test]
+fn progress_for_programs_is_json() {
+    let studio = Studio::new();
+    let outcome = studio.succeed("render tiny.ron --frames 1-2 --size 4x2 --out a/ --progress jsonl");
+    let events: Vec<Value> =
+        outcome.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(events.first().unwrap()["event"], "started");
+    assert_eq!(events.last().unwrap()["event"], "finished");
+    assert_eq!(events.last().unwrap()["written"], 2);
+    assert_eq!(outcome.err, "");
+}
+
+#[test]
+fn previews_lie_beside_the_frames() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --size 8x4 --out a/ --preview png");
+    assert_eq!(studio.names("a"), ["tiny.0001.exr", "tiny.0001.png"]);
+    let preview = image::open(studio.path("a/tiny.0001.png")).unwrap();
+    assert_eq!((preview.width(), preview.height()), (8, 4));
+}

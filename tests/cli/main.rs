@@ -1,0 +1,9 @@
+//! The program as a user meets it: command lines in; exit codes, messages and files out.
+#![allow(clippy::unwrap_used)]
+
+mod documentation;
+mod failures;
+mod frames;
+mod interruption;
+mod program;
+mod questions;

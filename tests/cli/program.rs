@@ -1,0 +1,107 @@
+//! Runs the program in a folder of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use sunfleck::frame_file::{self, FrameFile};
+use tempfile::TempDir;
+
+/// A leaf that turns in the sun above the ground, in fog; a camera that keeps still and one that does not.
+const SCENE: &str = r#"Scene(
+    version: 1,
+    meshes: { "leaf": Leaf(length_m: 0.8, width_m: 0.5, curl_deg: 30.0), "ground": Quad(size_m: 8.0) },
+    objects: {
+        "leaf": (mesh: "leaf", translation_m: (0.0, 1.4, 0.0), rotation_deg: Keyed(
+            keys: [(at_s: 0.0, value: (20.0, 0.0, 10.0)), (at_s: 2.0, value: (20.0, 360.0, 10.0))], extend: Cycle)),
+        "ground": (mesh: "ground"),
+    },
+    cameras: {
+        "main": (position_m: (0.0, 1.2, 4.5), look_at_m: (0.0, 1.1, 0.0), fov_deg: 40.0),
+        "low": (position_m: (0.0, 0.3, 3.0), look_at_m: (0.0, 1.4, 0.0), fov_deg: 60.0),
+    },
+    lights: { "sun": Sun(to_sun: (0.4, 1.0, -0.6), irradiance_w_per_m2: (8.0, 7.2, 6.0)) },
+    fog: { "haze": (min_m: (-4.0, 0.0, -4.0), max_m: (4.0, 3.0, 4.0), density_per_m: 0.15, anisotropy: 0.5) },
+)"#;
+
+const SEQUENCE: &str = r#"Sequence(
+    version: 1, scene: "scene.ron", frames: (1, 12), frame_rate: 24, size: (32, 18), samples: 2,
+)"#;
+
+/// A folder with `scene.ron` and `tiny.ron`, a sequence of twelve frames of 32x18 pixels.
+pub(crate) struct Studio {
+    folder: TempDir,
+}
+
+/// What a command did.
+pub(crate) struct Outcome {
+    pub(crate) code: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+impl Studio {
+    pub(crate) fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.ron"), SCENE).unwrap();
+        std::fs::write(folder.path().join("tiny.ron"), SEQUENCE).unwrap();
+        Self { folder }
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The program, to be run in this folder with the words of `line` as arguments.
+    pub(crate) fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sunfleck"));
+        command.current_dir(self.folder.path()).args(line.split_whitespace());
+        command
+    }
+
+    pub(crate) fn run(&self, line: &str) -> Outcome {
+        outcome(self.command(line).output().unwrap())
+    }
+
+    /// Runs a command that is to succeed.
+    pub(crate) fn succeed(&self, line: &str) -> Outcome {
+        let outcome = self.run(line);
+        assert_eq!(outcome.code, 0, "sunfleck {line}\n{}", outcome.err);
+        outcome
+    }
+
+    /// Runs a command that is to fail with `code`; its message.
+    pub(crate) fn fail(&self, line: &str, code: i32) -> String {
+        let outcome = self.run(line);
+        assert_eq!(outcome.code, code, "sunfleck {line}\n{}", outcome.err);
+        outcome.err
+    }
+
+    pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub(crate) fn frame(&self, name: &str) -> FrameFile {
+        frame_file::read(&self.path(name)).unwrap()
+    }
+
+    /// Names in a folder, sorted; none if there is no such folder.
+    pub(crate) fn names(&self, folder: &str) -> Vec<String> {
+        let Ok(entries) = std::fs::read_dir(self.path(folder)) else { return Vec::new() };
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+pub(crate) fn outcome(output: Output) -> Outcome {
+    Outcome {
+        code: output.status.code().unwrap_or(-1),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// A file of the repository.
+pub(crate) fn repository(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}

@@ -1,0 +1,71 @@
+//! What the program answers without rendering: `inspect`, `diff`, `completions`, `--help`.
+
+use crate::program::{Studio, repository};
+use serde_json::Value;
+
+#[test]
+fn inspect_tells_people_what_an_input_holds() {
+    let answer = Studio::new().succeed("inspect tiny.ron").out;
+    for part in [
+        "tiny.ron: `tiny`",
+        "1 to 12 at 24 a second; frame 1 is 0.041667 s, frame 12 is 0.500000 s",
+        "32 x 18, 2 samples a pixel, seed 0, beauty alone",
+        "2 meshes placed 2 times",
+        "camera   `main`",
+        "sun      `sun`",
+        "fog      `haze`",
+        "everything that the input asks for is honoured",
+    ] {
+        assert!(answer.contains(part), "`{part}` is not in\n{answer}");
+    }
+}
+
+#[test]
+fn inspect_answers_programs_at_any_frame() {
+    let answer = Studio::new().succeed("inspect tiny.ron --json --frames 1,12.5").out;
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(answer["frame_rate"], serde_json::json!([24, 1]));
+    let frames = answer["frames"].as_array().unwrap();
+    let seconds: Vec<_> = frames.iter().map(|frame| frame["seconds"].as_f64().unwrap()).collect();
+    assert_eq!(seconds, [1.0 / 24.0, 12.5 / 24.0]);
+    let leaf = |frame: &Value| frame["nodes"]["leaf"]["world"].clone();
+    assert_ne!(leaf(&frames[0]), leaf(&frames[1]), "the leaf turns");
+    assert_eq!(leaf(&frames[0]).as_array().unwrap().len(), 16);
+}
+
+#[test]
+fn inspect_says_what_is_not_honoured() {
+    let input = repository("tests/data/blender/b_leafcards.glb");
+    let answer = Studio::new().succeed(&format!("inspect {}", input.display())).out;
+    assert!(answer.contains("warning: alpha is not yet honoured"), "{answer}");
+    assert!(answer.contains("give --fps"), "{answer}");
+}
+
+#[test]
+fn diff_measures_how_far_frames_are_apart() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --out a.exr");
+    studio.succeed("render tiny.ron --frames 1 --seed 9 --out b.exr");
+    let same = studio.succeed("diff a.exr a.exr").out;
+    let other = studio.succeed("diff a.exr b.exr").out;
+    assert_ne!(same, other);
+    studio.succeed("render tiny.ron --frames 1 --size 8x4 --out c.exr");
+    let refusal = studio.fail("diff a.exr c.exr", 3);
+    assert!(refusal.contains("a.exr") && refusal.contains("remedy: "), "{refusal}");
+}
+
+#[test]
+fn shells_get_completions() {
+    let studio = Studio::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = studio.succeed(&format!("completions {shell}")).out;
+        assert!(script.contains("volume-steps"), "{shell}");
+    }
+}
+
+#[test]
+fn help_and_version_are_answers() {
+    let studio = Studio::new();
+    assert!(studio.succeed("render --help").out.contains("--frames"));
+    assert_eq!(studio.succeed("--version").out.trim(), concat!("sunfleck ", env!("CARGO_PKG_VERSION")));
+}
