@@ -15,6 +15,51 @@
 //! 10. [`sequence`] decides which frames; [`cli`] is what a user types.
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
+//!
+//! # One ray, from file to colour
+//!
+//! ```
+//! use sunfleck::description;
+//! use sunfleck::math::Sampler;
+//! use sunfleck::scene;
+//! use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
+//! use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
+//!
+//! let description = description::load("scenes/one_leaf/scene.ron".as_ref())?;
+//! let (scene, settings) = scene::resolve(description, None)?;
+//!
+//! // Everything as the first camera sees it half a second into the animation.
+//! let trees = MeshTrees::new(&scene);
+//! let shutter = Shutter { open_s: 0.5, close_s: 0.5 };
+//! let aspect = settings.size.width as f64 / settings.size.height as f64;
+//! let snapshot = Snapshot::new(&scene, &trees, 0, aspect, shutter);
+//!
+//! // The ray through the middle of the picture meets the leaf.
+//! let transport =
+//!     Transport { volume: VolumeMethod::Segments, mirror_depth: settings.mirror_depth, features: true };
+//! let ray = snapshot.view.ray(0.5, 0.5);
+//! let mut sampler = Sampler::new(settings.seed, 0, 0, 0);
+//! let sample = radiance(&snapshot, &transport, &ray, &mut sampler, &mut Scratch::default());
+//!
+//! println!("radiance {} W/(m2 sr), of it {} from the fog", sample.radiance, sample.shafts);
+//! assert!(sample.shafts.min_element() > 0.0);
+//! assert!(sample.radiance.cmpge(sample.shafts).all());
+//! assert_eq!(sample.alpha, 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Nothing below [`scene`] can fail: what a file may get wrong is found by [`description::load`] and [`scene::resolve`].
+//!
+//! # Wording
+//!
+//! Transforms are named target first: `world_from_leaf` takes a leaf's points to the world. *Mesh*, *node*, *world* and
+//! *camera* are the spaces of a file; *relative* has the world's axes and the camera at its origin, and is the only one
+//! below [`snapshot`]. Units are metres, seconds and radians unless the name ends in another (`_deg`, `_per_m`).
+//! *Radiance* is W/(m² sr) in linear Rec. 709, *irradiance* W/m², *intensity* W/sr. A *medium* is all the fog there is;
+//! its `sigma_t` is what it takes from light in a metre, `tau` the optical depth of a stretch, `beta` the light that
+//! reaches a point in spite of both. *Shafts* are light scattered in the fog towards the eye. A *pass* is a picture
+//! beside the *beauty*; a *channel* is what EXR stores of it. A *sampler* gives low-discrepancy points, nothing else.
+//! *Exact* means that visibility is found from the geometry in closed form (docs/decisions/exactness.md).
 
 pub mod accel;
 pub mod cli;

@@ -95,9 +95,27 @@ fn all_passes_are_the_channels_that_compositors_know() {
     let names: Vec<_> =
         studio.frame("a.exr").frame.channels.iter().map(|channel| channel.name.to_string()).collect();
     let mut expected = [
-        "R", "G", "B", "A", "Z", "Normal.X", "Normal.Y", "Normal.Z", "Position.X", "Position.Y",
-        "Position.Z", "albedo.R", "albedo.G", "albedo.B", "leaf_id.X", "shafts.R", "shafts.G", "shafts.B",
-        "transmittance.R", "transmittance.G", "transmittance.B",
+        "R",
+        "G",
+        "B",
+        "A",
+        "Z",
+        "Normal.X",
+        "Normal.Y",
+        "Normal.Z",
+        "Position.X",
+        "Position.Y",
+        "Position.Z",
+        "albedo.R",
+        "albedo.G",
+        "albedo.B",
+        "leaf_id.X",
+        "shafts.R",
+        "shafts.G",
+        "shafts.B",
+        "transmittance.R",
+        "transmittance.G",
+        "transmittance.B",
     ];
     let mut names: Vec<&str> = names.iter().map(String::as_str).collect();
     names.sort_unstable();
@@ -185,8 +203,7 @@ fn without_a_terminal_progress_is_plain_lines() {
 fn progress_for_programs_is_json() {
     let studio = Studio::new();
     let outcome = studio.succeed("render tiny.ron --frames 1-2 --size 4x2 --out a/ --progress jsonl");
-    let events: Vec<Value> =
-        outcome.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let events: Vec<Value> = outcome.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(events.first().unwrap()["event"], "started");
     assert_eq!(events.last().unwrap()["event"], "finished");
     assert_eq!(events.last().unwrap()["written"], 2);

@@ -53,7 +53,7 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
     for &frame in frames {
         write_frame(out, inspected, frame)?;
     }
-    writeln!(out, "  method     segments: every light's visibility along every ray is found exactly")?;
+    writeln!(out, "  method     exact: every light's visibility along every ray is found from the geometry")?;
     write_skips(out, inspected)?;
     if scene.remarks.0.is_empty() {
         writeln!(out, "  remarks    none: everything that the input asks for is honoured")?;
