@@ -44,7 +44,7 @@ fn scene_showing(path: &Path, folder: &Path) -> PathBuf {
 
 /// What is wrong with the message for a case, if anything.
 fn complaint(path: &Path, message: Result<scene::Scene, String>) -> Option<String> {
-    let beside = path.with_added_extension("expect");
+    let beside = PathBuf::from(format!("{}.expect", path.display()));
     let fragment = if beside.exists() {
         std::fs::read_to_string(beside).unwrap().trim().to_owned()
     } else {
