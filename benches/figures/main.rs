@@ -7,6 +7,7 @@ mod leaks;
 mod lit_segments;
 mod ray_scenes;
 mod rays;
+mod shafts;
 
 fn main() {
     // Cargo adds `--bench`.
@@ -16,9 +17,11 @@ fn main() {
         Some("leaks") => leaks::run(count(100_000_000)),
         Some("rays") => rays::run(count(7) as usize),
         Some("segments") => lit_segments::run(count(2000) as u32),
+        Some("shafts") => shafts::run(count(3) as usize),
         _ => {
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
             println!("rays [rounds]     time of a ray and of a shadow query, one thread");
+            println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
             println!("segments [rays]   lit segments against brute force in double precision");
         }
     }
