@@ -81,7 +81,6 @@ fn nodes_are_where_blender_has_them_at_whole_frames() {
     for (file, truth, except) in cases {
         let worst =
             worst_difference(&format!("blender/{file}"), &format!("blender/{truth}"), RATE_24, except);
-        println!("{file}: {worst:.1e}");
         assert!(worst <= 2e-6, "{file}: {worst:.1e}");
     }
 }
@@ -213,7 +212,6 @@ fn reference_scene_is_what_it_was_made_from() {
             worst = worst.max((ours - affine(leaf).transform_point3(*theirs)).abs().max_element());
         }
     }
-    println!("leaves500: {worst:.1e} m");
     assert!(worst <= 5e-7, "{worst:.1e}");
     assert_eq!(scene.meshes[0].triangles.len(), truth["leaf_faces"].as_array().unwrap().len());
     assert!(scene.meshes.iter().all(|mesh| mesh.normals.is_empty()), "flat shading");

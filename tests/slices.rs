@@ -73,7 +73,6 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
 
 fn assert_equal(scene: &Scene) {
     let (differ, count, error) = compare(scene);
-    println!("{differ} of {count} rays differ, relRMSE of the shafts {error:.2e}");
     assert!(count > 2000, "{count}");
     // Rays through the very edge of a triangle may meet it in one way and miss it in the other.
     assert!(differ * 1000 <= count, "{differ} of {count}");

@@ -3,7 +3,7 @@
 
 use super::{RenderSettings, Scene, from_gltf, from_ron};
 use crate::description::{Description, SceneSource};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 
 /// Which photometric units a glTF file's lights are in; the file does not say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,17 +24,23 @@ pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
-    match description.scene {
-        SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence),
+    let file = Place::File(description.path);
+    let (mut scene, settings) = match description.scene {
+        SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence)?,
         SceneSource::Gltf(scene) => {
             let (scene, settings) = from_gltf::resolve(scene, light_units)?;
             match description.sequence {
-                None => Ok((scene, settings)),
+                None => (scene, settings),
                 Some(sequence) => {
                     let settings = from_ron::apply_sequence(sequence, &scene, settings)?;
-                    Ok((scene, settings))
+                    (scene, settings)
                 }
             }
         }
+    };
+    if settings.shutter > 0.0 {
+        let found = "motion blur is not yet honoured, every frame shows the middle of its shutter's time";
+        scene.remarks.push(Diagnostic::warning(file, found));
     }
+    Ok((scene, settings))
 }
