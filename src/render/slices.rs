@@ -10,6 +10,7 @@ use crate::film::{Film, Frame};
 use crate::math::Sampler;
 use crate::snapshot::{FrozenLight, Snapshot};
 use crate::transport::slices::{Fan, Slice, SliceJob, SliceSample, SliceScratch, solve};
+use glam::DVec2;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -72,28 +73,31 @@ fn render_light(
     let slice_job =
         SliceJob { snapshot, transport: &job.transport, light, self_luminous: light == 0, fan: &fan };
 
+    // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
+    let mut solved: Vec<Vec<SliceSample>> = vec![Vec::new(); BATCH];
     for first in (0..count).step_by(BATCH) {
         if cancelled.load(Ordering::Relaxed) {
             break;
         }
-        let solved: Vec<Vec<SliceSample>> = (first..count.min(first + BATCH))
-            .into_par_iter()
-            .map_init(SliceScratch::default, |scratch, number| {
+        solved.par_iter_mut().enumerate().for_each_init(
+            SliceScratch::default,
+            |scratch, (index, samples)| {
+                samples.clear();
+                let number = first + index;
                 let angle = fan.angles.0 + (number as f64 - 1.0 + shift_across) * step_rad;
-                let mut samples = Vec::new();
-                if let Some(slice) = fan.slice(angle) {
+                let slice = if number < count { fan.slice(angle) } else { None };
+                if let Some(slice) = slice {
                     let shift = (shift_along + GOLDEN * number as f64).fract();
                     let areas = lattice(&slice, shift, step_area);
                     solve(&slice_job, &slice, areas, scratch, |sample| samples.push(sample));
                 }
-                samples
-            })
-            .collect();
+            },
+        );
         for sample in solved.iter().flatten() {
             // The far edge of the last pixel belongs to it.
             let x = (sample.film_px.x.max(0.0) as usize).min(job.window.x + job.window.width - 1);
             let y = (sample.film_px.y.max(0.0) as usize).min(job.window.y + job.window.height - 1);
-            let from_centre = sample.film_px - glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let from_centre = sample.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             film.add(x, y, 1.0, from_centre.length(), &sample.value);
         }
         progress(count.min(first + BATCH) as f64 / count as f64);

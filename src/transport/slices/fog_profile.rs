@@ -19,6 +19,9 @@ pub(super) struct FogProfile {
     boxes: Vec<BoxProfile>,
     /// Reaches at which the light's way changes from one face of a box to another, in order.
     breaks: Vec<f64>,
+    /// The light's way between one break and the next: a row of all boxes before the first break, one
+    /// after each.
+    ways: Vec<Option<LightWay>>,
     /// Where the current ray's stretches begin and end.
     cuts: Vec<f64>,
 }
@@ -30,14 +33,22 @@ struct BoxProfile {
     at_eye: DVec3,
     per_reach: DVec3,
     per_height: DVec3,
-    upper: Vec<Line>,
-    lower: Vec<Line>,
     sigma_t: Rgb,
     sigma_s: Rgb,
     g: f64,
     /// Reaches between which the current ray is inside.
     span: (f64, f64),
 }
+
+/// Between which heights the light is in a box.
+#[derive(Clone, Copy, Debug)]
+struct LightWay {
+    upper: Line,
+    lower: Line,
+}
+
+/// A break too many costs one exponential, a break too few an error: rounding must not lose one.
+const EDGE_SLACK: f64 = 1e-9;
 
 /// `height = at_axis + growth * reach`.
 #[derive(Clone, Copy, Debug)]
@@ -64,26 +75,29 @@ pub(super) struct Passage {
 impl FogProfile {
     /// Starts over with another slice.
     pub(super) fn start(&mut self, medium: &Medium, half_plane: &HalfPlane) {
-        self.boxes.clear();
-        self.boxes.extend(medium.boxes().iter().map(|fog| BoxProfile::new(fog, half_plane)));
-        self.breaks.clear();
-        for profile in &self.boxes {
-            for lines in [&profile.upper, &profile.lower] {
-                for (index, a) in lines.iter().enumerate() {
-                    self.breaks.extend(lines[index + 1..].iter().map(|b| crossing(a, b)));
+        let Self { boxes, breaks, ways, .. } = self;
+        boxes.clear();
+        boxes.extend(medium.boxes().iter().map(|fog| BoxProfile::new(fog, half_plane)));
+        breaks.clear();
+        for profile in boxes.iter() {
+            profile.for_each_break(|reach| {
+                if reach > 0.0 && reach.is_finite() {
+                    breaks.push(reach);
                 }
-            }
-            for upper in &profile.upper {
-                self.breaks.extend(profile.lower.iter().map(|lower| crossing(upper, lower)));
-            }
+            });
         }
-        self.breaks.retain(|reach| *reach > 0.0 && reach.is_finite());
-        self.breaks.sort_unstable_by(f64::total_cmp);
+        breaks.sort_unstable_by(f64::total_cmp);
+        ways.clear();
+        for index in 0..=breaks.len() {
+            let before = if index == 0 { 0.0 } else { breaks[index - 1] };
+            let middle = breaks.get(index).map_or(before + 1.0, |after| 0.5 * (before + after));
+            ways.extend(boxes.iter().map(|profile| profile.light_way(middle)));
+        }
     }
 
     /// Follows a ray of the given slope up to a reach; `spread` is reach per metre of the ray.
     pub(super) fn follow(&mut self, slope: f64, spread: f64, end: f64, shadows: &IntervalSet) -> Passage {
-        let Self { boxes, breaks, cuts } = self;
+        let Self { boxes, breaks, ways, cuts } = self;
         cuts.clear();
         let (mut first, mut last) = (f64::INFINITY, 0.0_f64);
         let mut tau = Rgb::ZERO;
@@ -100,13 +114,15 @@ impl FogProfile {
         if first >= last {
             return passage;
         }
-        let from = breaks.partition_point(|reach| *reach <= first);
-        cuts.extend(breaks[from..].iter().take_while(|reach| **reach < last));
+        let mut row = breaks.partition_point(|reach| *reach <= first);
+        cuts.extend(breaks[row..].iter().take_while(|reach| **reach < last));
         cuts.sort_unstable_by(f64::total_cmp);
         for index in 1..cuts.len() {
             let (start, end) = (cuts[index - 1], cuts[index]);
             if start < end {
-                passage.scattered += stretch(boxes, slope, spread, (start, end), shadows);
+                row += usize::from(breaks.get(row).is_some_and(|reach| *reach <= start));
+                let ways = &ways[row * boxes.len()..][..boxes.len()];
+                passage.scattered += stretch(boxes, ways, slope, spread, (start, end), shadows);
             }
         }
         passage
@@ -116,6 +132,7 @@ impl FogProfile {
 /// Light scattered between two reaches between which nothing changes.
 fn stretch(
     boxes: &[BoxProfile],
+    ways: &[Option<LightWay>],
     slope: f64,
     spread: f64,
     (start, end): (f64, f64),
@@ -123,7 +140,7 @@ fn stretch(
 ) -> Rgb {
     let middle = 0.5 * (start + end);
     let (mut tau_start, mut tau_end, mut scattering) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
-    for profile in boxes {
+    for (profile, way) in boxes.iter().zip(ways) {
         let (enter, leave) = profile.span;
         let way_to_eye = |reach: f64| (reach.clamp(enter, leave) - enter) / spread;
         let (mut way_start, mut way_end) = (0.0, 0.0);
@@ -133,7 +150,16 @@ fn stretch(
                 scattering += profile.sigma_s * henyey_greenstein(slope * spread, profile.g);
             }
         }
-        let (light_start, light_end) = profile.way_to_light(slope, start, middle, end);
+        let (mut light_start, mut light_end) = (0.0, 0.0);
+        if let Some(LightWay { upper, lower }) = way {
+            // The way ends at the ray, or at the lower edge if the ray is below the box.
+            let ray = Line { at_axis: 0.0, growth: slope };
+            let lower = if lower.at(middle) < ray.at(middle) { &ray } else { lower };
+            if lower.at(middle) < upper.at(middle) {
+                light_start = upper.at(start) - lower.at(start);
+                light_end = upper.at(end) - lower.at(end);
+            }
+        }
         tau_start += profile.sigma_t * (way_start + light_start);
         tau_end += profile.sigma_t * (way_end + light_end);
     }
@@ -173,18 +199,61 @@ impl BoxProfile {
     fn new(fog: &FogBox, half_plane: &HalfPlane) -> Self {
         let (at_eye, per_reach) = fog.in_cube(DVec3::ZERO, half_plane.outward);
         let (_, per_height) = fog.in_cube(DVec3::ZERO, half_plane.axis);
-        let (mut upper, mut lower) = (Vec::with_capacity(3), Vec::with_capacity(3));
+        let (sigma_t, sigma_s, g) = (fog.sigma_t, fog.sigma_s, fog.g);
+        Self { at_eye, per_reach, per_height, sigma_t, sigma_s, g, span: (0.0, 0.0) }
+    }
+
+    /// The lines in which the slice cuts the two faces across an axis of the cube, the one where the
+    /// light enters first; `None` if they run along the light.
+    fn faces(&self, axis: usize) -> Option<[Line; 2]> {
+        let (c, r, h) = (self.at_eye[axis], self.per_reach[axis], self.per_height[axis]);
+        // Where c + r reach + h height = face.
+        let line = |face: f64| Line { at_axis: (face - c) / h, growth: -r / h };
+        (h != 0.0).then(|| [line(h.signum()), line(-h.signum())])
+    }
+
+    /// Every reach at which the light passes from one face to another, or along a face.
+    fn for_each_break(&self, mut reach: impl FnMut(f64)) {
         for axis in 0..3 {
-            let (c, r, h) = (at_eye[axis], per_reach[axis], per_height[axis]);
-            // Where c + r reach + h height = face.
-            let line = |face: f64| Line { at_axis: (face - c) / h, growth: -r / h };
-            if h != 0.0 {
-                upper.push(line(h.signum()));
-                lower.push(line(-h.signum()));
+            let Some(lines) = self.faces(axis) else {
+                for face in [-1.0, 1.0] {
+                    reach((face - self.at_eye[axis]) / self.per_reach[axis]);
+                }
+                continue;
+            };
+            for other in axis + 1..3 {
+                let third = 3 - axis - other;
+                let others = self.faces(other).into_iter().flatten();
+                for (b, a) in others.flat_map(|b| lines.map(|a| (b, a))) {
+                    let at = (b.at_axis - a.at_axis) / (a.growth - b.growth);
+                    let coordinate =
+                        self.at_eye[third] + at * self.per_reach[third] + a.at(at) * self.per_height[third];
+                    // Beyond the third pair of faces the lines cross, but the faces do not.
+                    if coordinate.abs() <= 1.0 + EDGE_SLACK {
+                        reach(at);
+                    }
+                }
             }
         }
-        let (sigma_t, sigma_s, g) = (fog.sigma_t, fog.sigma_s, fog.g);
-        Self { at_eye, per_reach, per_height, upper, lower, sigma_t, sigma_s, g, span: (0.0, 0.0) }
+    }
+
+    /// Where the light is in the box at a reach, and so on both sides of it up to the next breaks.
+    fn light_way(&self, reach: f64) -> Option<LightWay> {
+        let mut way: Option<LightWay> = None;
+        for axis in 0..3 {
+            let Some([upper, lower]) = self.faces(axis) else {
+                if (self.at_eye[axis] + reach * self.per_reach[axis]).abs() > 1.0 {
+                    return None;
+                }
+                continue;
+            };
+            let least = way
+                .map_or(upper, |way| if upper.at(reach) < way.upper.at(reach) { upper } else { way.upper });
+            let greatest = way
+                .map_or(lower, |way| if lower.at(reach) > way.lower.at(reach) { lower } else { way.lower });
+            way = Some(LightWay { upper: least, lower: greatest });
+        }
+        way.filter(|way| way.lower.at(reach) < way.upper.at(reach))
     }
 
     /// Reaches between which a ray is inside.
@@ -205,35 +274,4 @@ impl BoxProfile {
         }
         (enter, leave)
     }
-
-    /// Lengths of the light's way through the box to the ray at `start` and `end`; which edges it
-    /// crosses is told by `middle`.
-    fn way_to_light(&self, slope: f64, start: f64, middle: f64, end: f64) -> (f64, f64) {
-        // Faces along the light bound the reach.
-        for axis in 0..3 {
-            let within = (self.at_eye[axis] + middle * self.per_reach[axis]).abs() <= 1.0;
-            if self.per_height[axis] == 0.0 && !within {
-                return (0.0, 0.0);
-            }
-        }
-        let pick = |lines: &[Line], sign: f64, none: Line| {
-            lines
-                .iter()
-                .copied()
-                .reduce(|a, b| if sign * a.at(middle) < sign * b.at(middle) { a } else { b })
-                .unwrap_or(none)
-        };
-        let ray = Line { at_axis: 0.0, growth: slope };
-        let upper = pick(&self.upper, 1.0, ray);
-        let lower = pick(&self.lower, -1.0, ray);
-        let lower = if lower.at(middle) < ray.at(middle) { ray } else { lower };
-        if upper.at(middle) <= lower.at(middle) {
-            return (0.0, 0.0);
-        }
-        (upper.at(start) - lower.at(start), upper.at(end) - lower.at(end))
-    }
-}
-
-fn crossing(a: &Line, b: &Line) -> f64 {
-    (b.at_axis - a.at_axis) / (a.growth - b.growth)
 }
