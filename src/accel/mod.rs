@@ -6,7 +6,7 @@
 //! precision before anything is rounded. Inside, a query is re-centred once more on each instance it
 //! visits, so that single precision has to resolve a mesh, never a landscape.
 //!
-//! The kernels are written once over [`simd::Lanes`] and instantiated for AVX2 and for plain Rust;
+//! The kernels are written once over `simd::Lanes` and instantiated for AVX2 and for plain Rust;
 //! the processor is asked at run time.
 
 #[cfg(target_arch = "x86_64")]
