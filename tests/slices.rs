@@ -38,9 +38,16 @@ fn with_light(kind: LightKind, world_from_light: DAffine3, power: f64) -> Scene 
 fn compare(scene: &Scene) -> (usize, usize, f64) {
     let trees = MeshTrees::new(scene);
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
-    let fan =
-        Fan::new(&snapshot.view, SIZE, Window::whole(SIZE), snapshot.lights[0].source()).expect("a fan");
-    let job = SliceJob { snapshot: &snapshot, transport: &EXACT, light: 0, self_luminous: true, fan: &fan };
+    let fan = Fan::new(&snapshot.view, SIZE, snapshot.lights[0].source()).expect("a fan");
+    let job = SliceJob {
+        snapshot: &snapshot,
+        transport: &EXACT,
+        light: 0,
+        self_luminous: true,
+        fan: &fan,
+        size: SIZE,
+        window: Window::whole(SIZE),
+    };
     let (mut scratch, mut ray_scratch) = (SliceScratch::default(), Scratch::default());
     let (mut differ, mut count, mut squares, mut sum) = (0, 0, 0.0, 0.0);
     for number in 0..41 {
@@ -48,7 +55,7 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         let Some(slice) = fan.slice(angle) else { continue };
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
         solve(&job, &slice, areas, &mut scratch, |sample| {
-            let film = sample.film_px;
+            let film = sample.place.film_px;
             let ray = snapshot.view.ray(film.x / SIZE.width as f64, film.y / SIZE.height as f64);
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let truth = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut ray_scratch);

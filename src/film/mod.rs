@@ -128,9 +128,10 @@ impl Film {
         }
     }
 
-    /// How many pixels have no sample yet; [`Film::resolve`] fills them from their neighbours.
-    pub fn holes(&self) -> usize {
-        self.weights.iter().filter(|&&weight| weight == 0.0).count()
+    /// Pixels of the full picture that have no sample yet; [`Film::resolve`] would fill them from their neighbours.
+    pub fn holes(&self) -> Vec<(usize, usize)> {
+        let pixels = self.window.pixels().zip(&self.weights);
+        pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
     }
 
     /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
@@ -284,7 +285,7 @@ mod tests {
         let mut film = Film::new(SIZE, window, &[]);
         film.add(1, 1, 1.0, 0.0, &leaf(9.0, 1.0, 1));
         film.add(2, 1, 1.0, 0.0, &leaf(1.0, 1.0, 1));
-        assert_eq!(film.holes(), 3);
+        assert_eq!(film.holes().len(), 3);
         assert_eq!(pixel(&film.resolve(), "R", 2, 1), 1.0);
     }
 

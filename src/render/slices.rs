@@ -10,6 +10,7 @@ use crate::film::{Film, Frame};
 use crate::math::Sampler;
 use crate::snapshot::{FrozenLight, Snapshot};
 use crate::transport::slices::{Fan, Slice, SliceJob, SliceSample, SliceScratch, solve};
+use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -58,7 +59,7 @@ fn render_light(
     cancelled: &AtomicBool,
 ) -> Frame {
     let mut film = Film::new(job.size, job.window, &job.passes);
-    let Some(fan) = Fan::new(&snapshot.view, job.size, job.window, snapshot.lights[light].source()) else {
+    let Some(fan) = Fan::new(&snapshot.view, job.size, snapshot.lights[light].source()) else {
         return film.resolve();
     };
     let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, 0).next_2d();
@@ -70,8 +71,15 @@ fn render_light(
     // The cell of the slice before the first reaches into the window, unless that is the last one again.
     let count = count as usize + usize::from(fan.angles.1 < TAU);
     let step_area = 1.0 / (density * step_rad);
-    let slice_job =
-        SliceJob { snapshot, transport: &job.transport, light, self_luminous: light == 0, fan: &fan };
+    let slice_job = SliceJob {
+        snapshot,
+        transport: &job.transport,
+        light,
+        self_luminous: light == 0,
+        fan: &fan,
+        size: job.size,
+        window: job.window,
+    };
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
     let mut solved: Vec<Vec<SliceSample>> = vec![Vec::new(); BATCH];
@@ -94,13 +102,24 @@ fn render_light(
             },
         );
         for sample in solved.iter().flatten() {
-            // The far edge of the last pixel belongs to it.
-            let x = (sample.film_px.x.max(0.0) as usize).min(job.window.x + job.window.width - 1);
-            let y = (sample.film_px.y.max(0.0) as usize).min(job.window.y + job.window.height - 1);
-            let from_centre = sample.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let (x, y) = sample.place.pixel(job.size);
+            let from_centre = sample.place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             film.add(x, y, 1.0, from_centre.length(), &sample.value);
         }
         progress(count.min(first + BATCH) as f64 / count as f64);
+    }
+    // Few samples leave some pixels without: those get a ray of their own, through the centre.
+    let mut scratch = Scratch::default();
+    for (x, y) in film.holes() {
+        if cancelled.load(Ordering::Relaxed) {
+            break;
+        }
+        let (width, height) = (job.size.width as f64, job.size.height as f64);
+        let ray = snapshot.view.ray((x as f64 + 0.5) / width, (y as f64 + 0.5) / height);
+        let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
+        let own = light == 0;
+        let value = radiance_of_light(snapshot, &job.transport, light, own, &ray, &mut sampler, &mut scratch);
+        film.add(x, y, 1.0, 0.0, &value);
     }
     film.resolve()
 }

@@ -13,6 +13,6 @@ pub mod slices;
 
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;
-pub use radiance::{Scratch, Transport, radiance};
+pub use radiance::{Scratch, Transport, radiance, radiance_of_light};
 pub use sample::{Sample, SurfaceFeatures};
 pub use shafts::VolumeMethod;

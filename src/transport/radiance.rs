@@ -70,6 +70,21 @@ pub fn radiance(
     leg.sample(snapshot, transport)
 }
 
+/// The same of one of the snapshot's lights alone, with what shines by itself or without.
+pub fn radiance_of_light(
+    snapshot: &Snapshot,
+    transport: &Transport,
+    light: usize,
+    self_luminous: bool,
+    ray: &Ray,
+    sampler: &mut Sampler,
+    scratch: &mut Scratch,
+) -> Sample {
+    let light = Illumination { lights: &snapshot.lights[light..=light], self_luminous };
+    let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
+    leg.sample(snapshot, transport)
+}
+
 impl Leg {
     /// What the film is to know of it.
     pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport) -> Sample {

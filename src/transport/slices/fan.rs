@@ -4,7 +4,7 @@
 //! picture, beside it, behind the camera or at infinity.
 
 use crate::scattering::Source;
-use crate::scene::{Size, Window};
+use crate::scene::Size;
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -18,11 +18,11 @@ pub struct Fan {
     zero: DVec3,
     quarter: DVec3,
     picture: Picture,
-    /// First angle and how many radians, so that every half plane that meets the window is there.
+    /// First angle and how many radians, so that every half plane that meets the picture is there.
     pub angles: (f64, f64),
 }
 
-/// The image plane at distance 1, and the window in it.
+/// The image plane at distance 1, and the picture in it.
 #[derive(Clone, Copy, Debug)]
 struct Picture {
     right: DVec3,
@@ -36,7 +36,7 @@ struct Picture {
     high: DVec2,
 }
 
-/// One slice: a half plane and the part of its image that lies in the window.
+/// One slice: a half plane and the part of its image that lies in the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Slice {
     /// Unit vector at right angles to the axis.
@@ -53,18 +53,18 @@ pub struct Slice {
 }
 
 impl Fan {
-    /// The slices of a light; `None` if the light is at the camera.
-    pub fn new(view: &View, size: Size, window: Window, source: Source) -> Option<Self> {
+    /// The slices of a light over the whole picture; `None` if the light is at the camera.
+    pub fn new(view: &View, size: Size, source: Source) -> Option<Self> {
         let axis = match source {
             Source::Towards(to_light) => to_light,
             Source::At(position) => position.try_normalize()?,
         };
-        let picture = Picture::new(view, size, window);
+        let picture = Picture::new(view, size);
         let zero = axis.any_orthonormal_vector();
         let quarter = axis.cross(zero);
         let mut fan = Self { axis, zero, quarter, picture, angles: (0.0, TAU) };
         if !picture.sees(axis) && !picture.sees(-axis) {
-            // A convex window that does not hold the axis is seen from it under less than half a turn.
+            // A convex picture that does not hold the axis is seen from it under less than half a turn.
             let middle = fan.angle(picture.direction(0.5 * (picture.low + picture.high)));
             let turns = picture.corners().map(|corner| {
                 let turn = fan.angle(picture.direction(corner)) - middle;
@@ -77,7 +77,7 @@ impl Fan {
         Some(fan)
     }
 
-    /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over the window.
+    /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over the picture.
     pub fn mean_separation_px(&self) -> f64 {
         let area = (self.picture.high - self.picture.low) * self.picture.pixels_per_unit;
         // Area per radian, over the mean length of a slice, found from a few of them.
@@ -90,7 +90,7 @@ impl Fan {
         area.x * area.y / self.angles.1 / (length / f64::from(probes)).max(1.0)
     }
 
-    /// The slice at an angle; `None` if it misses the window.
+    /// The slice at an angle; `None` if it misses the picture.
     pub fn slice(&self, angle: f64) -> Option<Slice> {
         let (sin, cos) = angle.sin_cos();
         let outward = cos * self.zero + sin * self.quarter;
@@ -109,7 +109,7 @@ impl Fan {
         if a1 * o0 - a0 * o1 > 0.0 {
             (along, o1) = (-along, -o1);
         }
-        // The part within the window and on this side of the axis.
+        // The part within the picture and on this side of the axis.
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut keep = |value: f64, growth: f64| {
             if growth > 0.0 {
@@ -176,15 +176,21 @@ pub struct Place {
     pub direction: DVec3,
 }
 
+impl Place {
+    /// The pixel that it lies in; the picture's far edges belong to the last pixels.
+    pub fn pixel(&self, size: Size) -> (usize, usize) {
+        let index = |coordinate: f64, count: usize| (coordinate.max(0.0) as usize).min(count - 1);
+        (index(self.film_px.x, size.width), index(self.film_px.y, size.height))
+    }
+}
+
 impl Picture {
-    fn new(view: &View, size: Size, window: Window) -> Self {
+    fn new(view: &View, size: Size) -> Self {
         let (right, up, forward) = view.axes();
         let half = view.half_extents();
         let pixels_per_unit = size.width as f64 / (2.0 * half.x);
         let corner = DVec2::new(-half.x, half.y);
-        let at = |x: usize, y: usize| corner + DVec2::new(x as f64, -(y as f64)) / pixels_per_unit;
-        let (a, b) = (at(window.x, window.y), at(window.x + window.width, window.y + window.height));
-        Self { right, up, forward, pixels_per_unit, corner, low: a.min(b), high: a.max(b) }
+        Self { right, up, forward, pixels_per_unit, corner, low: -half, high: half }
     }
 
     fn vector(&self, v: DVec2) -> DVec3 {

@@ -8,11 +8,12 @@ use super::sweep::{LightRays, Sweep};
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray, Sampler};
+use crate::scene::{Size, Window};
 use crate::snapshot::{FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::direct::reflected_from;
 use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, own_and_mirrored};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// Memory that the slices of one thread share.
 #[derive(Default)]
@@ -27,8 +28,8 @@ pub struct SliceScratch {
 /// A sample and where it lies.
 #[derive(Clone, Copy, Debug)]
 pub struct SliceSample {
-    /// In pixels of the full picture, y downwards.
-    pub film_px: DVec2,
+    /// Where.
+    pub place: Place,
     /// Its value, of the slice's light alone.
     pub value: Sample,
 }
@@ -46,6 +47,10 @@ pub struct SliceJob<'a> {
     pub self_luminous: bool,
     /// All slices of the light.
     pub fan: &'a Fan,
+    /// The whole picture, and the part of it that is wanted: samples elsewhere are passed over.
+    pub size: Size,
+    /// See `size`.
+    pub window: Window,
 }
 
 /// Values of samples at ever larger areas of a slice (see [`Slice::place`]).
@@ -65,14 +70,26 @@ pub fn solve(
     let slope_of = |direction: DVec3| direction.dot(job.fan.axis) / direction.dot(slice.outward);
     let lowest_slope = slope_of(slice.far_end());
     let SliceScratch { cuts, sweep, shadows, fog, rays: ray_scratch } = scratch;
+    let is_wanted = |place: &Place| {
+        let (x, y) = place.pixel(job.size);
+        job.window.index(x, y).is_some()
+    };
+    let mut places = areas_per_rad
+        .map(|area| slice.place(area))
+        .enumerate()
+        .filter(|(_, place)| is_wanted(place))
+        .peekable();
+    if places.peek().is_none() {
+        return;
+    }
     cuts.clear();
     let half_plane = HalfPlane { axis: job.fan.axis, outward: slice.outward, lowest_slope };
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, rays, lowest_slope);
     fog.start(&snapshot.medium, &half_plane);
 
-    for (index, area) in areas_per_rad.enumerate() {
-        let Place { film_px, direction } = slice.place(area);
+    for (index, place) in places {
+        let direction = place.direction;
         let slope = slope_of(direction);
         let spread = direction.dot(slice.outward);
         let meeting = sweep.advance(slope, rays, shadows);
@@ -113,7 +130,7 @@ pub fn solve(
             },
         );
         let leg = Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface };
-        sample(SliceSample { film_px, value: leg.sample(snapshot, job.transport) });
+        sample(SliceSample { place, value: leg.sample(snapshot, job.transport) });
     }
 }
 
