@@ -28,16 +28,16 @@
 //! let description = description::load("scenes/one_leaf/scene.ron".as_ref())?;
 //! let (scene, settings) = scene::resolve(description, None)?;
 //!
-//! // Everything as the first camera sees it half a second into the animation.
+//! // Everything as the first camera sees it when the animation begins.
 //! let trees = MeshTrees::new(&scene);
-//! let shutter = Shutter { open_s: 0.5, close_s: 0.5 };
+//! let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
 //! let aspect = settings.size.width as f64 / settings.size.height as f64;
 //! let snapshot = Snapshot::new(&scene, &trees, 0, aspect, shutter);
 //!
-//! // The ray through the middle of the picture meets the leaf.
+//! // The ray a little above the middle of the picture meets the leaf.
 //! let transport =
 //!     Transport { volume: VolumeMethod::Segments, mirror_depth: settings.mirror_depth, features: true };
-//! let ray = snapshot.view.ray(0.5, 0.5);
+//! let ray = snapshot.view.ray(0.5, 0.41);
 //! let mut sampler = Sampler::new(settings.seed, 0, 0, 0);
 //! let sample = radiance(&snapshot, &transport, &ray, &mut sampler, &mut Scratch::default());
 //!
