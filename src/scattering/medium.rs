@@ -6,6 +6,7 @@ use super::fog_box::LightPlace;
 use super::{FogBox, henyey_greenstein};
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::scene::MOST_FOGS;
 use glam::DVec3;
 
 /// Boxes of fog; where they overlap their coefficients add up.
@@ -31,12 +32,9 @@ pub struct Stretch {
 }
 
 impl Medium {
-    /// Boxes beyond this number are refused when a scene is resolved: the sets of boxes are bit masks.
-    pub const MAX_BOXES: usize = 64;
-
     /// Fog of several boxes.
     pub fn new(boxes: Vec<FogBox>) -> Self {
-        debug_assert!(boxes.len() <= Self::MAX_BOXES);
+        debug_assert!(boxes.len() <= MOST_FOGS, "a scene that exists has no more");
         Self { boxes }
     }
 

@@ -3,6 +3,9 @@
 use super::{NodeIndex, Track};
 use crate::color::Rgb;
 
+/// More boxes of fog than this are refused: sets of boxes are bit masks in the inner loops.
+pub const MOST_FOGS: usize = 64;
+
 /// Homogeneous fog in the image of the cube `[-1, 1]^3` under its node's transform.
 #[derive(Clone, Debug)]
 pub struct Fog {

@@ -20,7 +20,7 @@ use crate::diagnostic::Diagnostics;
 use glam::DAffine3;
 
 pub use camera::{Camera, Lens};
-pub use fog::Fog;
+pub use fog::{Fog, MOST_FOGS};
 pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Material};
 pub use mesh::{Mesh, Triangle};

@@ -1,7 +1,7 @@
 //! A [`Description`] in, a [`Scene`] and its [`RenderSettings`] out. Invariant: what cannot be
 //! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
 
-use super::{RenderSettings, Scene, from_gltf, from_ron};
+use super::{MOST_FOGS, RenderSettings, Scene, from_gltf, from_ron};
 use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 
@@ -38,6 +38,13 @@ pub fn resolve(
             }
         }
     };
+    if scene.fogs.len() > MOST_FOGS {
+        let found = format!("there are {} boxes of fog", scene.fogs.len());
+        let error = Diagnostic::error(file, found)
+            .expected(format!("at most {MOST_FOGS}"))
+            .remedy("make one larger box of several, or render the scene in parts");
+        return Err(Diagnostics(vec![error]));
+    }
     if settings.shutter > 0.0 {
         let found = "motion blur is not yet honoured, every frame shows the middle of its shutter's time";
         scene.remarks.push(Diagnostic::warning(file, found));
