@@ -62,7 +62,7 @@ struct Placed {
 impl<'scene> Snapshot<'scene> {
     /// Freezes `scene` as its camera number `camera` sees it in the middle of `shutter`.
     ///
-    /// `aspect` is width / height of the whole picture. Passes that show no surface need none of the work for it.
+    /// `aspect` is width / height of the whole picture.
     pub fn new(
         scene: &'scene Scene,
         trees: &MeshTrees,
