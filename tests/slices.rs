@@ -38,7 +38,7 @@ fn with_light(kind: LightKind, world_from_light: DAffine3, power: f64) -> Scene 
 fn compare(scene: &Scene) -> (usize, usize, f64) {
     let trees = MeshTrees::new(scene);
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
-    let fan = Fan::new(&snapshot.view, SIZE, snapshot.lights[0].source()).expect("a fan");
+    let fan = Fan::new(&snapshot.view, SIZE, snapshot.lights[0].centre().source()).expect("a fan");
     let job = SliceJob {
         snapshot: &snapshot,
         transport: &EXACT,

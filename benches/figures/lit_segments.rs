@@ -35,7 +35,7 @@ fn row(scene_name: &str, light_name: &str, scene: &sunfleck::scene::Scene, rays:
     let trees = MeshTrees::new(scene);
     let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, shutter);
-    let light = snapshot.lights[0];
+    let light = snapshot.lights[0].centre();
     let place = match light {
         FrozenLight::Sun { to_light, .. } => Place::Towards(to_light),
         FrozenLight::Point { position, .. } => Place::At(position),

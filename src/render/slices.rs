@@ -8,7 +8,7 @@
 use super::Job;
 use crate::film::{Film, Frame};
 use crate::math::Sampler;
-use crate::snapshot::{FrozenLight, Snapshot};
+use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use crate::transport::slices::{Fan, Slice, SliceJob, SliceSample, SliceScratch, solve};
 use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
@@ -22,13 +22,14 @@ const BATCH: usize = 128;
 /// The golden ratio less one: neighbouring slices' samples are shifted by it (Korobov's lattice in two dimensions).
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Whether slices can render a frame: there must be a light for each picture, and none at the eye.
+/// Whether slices can render a frame: there must be a light for each picture, none of them with an
+/// extent and none at the eye.
 pub(super) fn can_serve(snapshot: &Snapshot) -> bool {
-    let at_eye = |light: &FrozenLight| match light {
-        FrozenLight::Sun { .. } => false,
-        FrozenLight::Point { position, .. } => position.length_squared() == 0.0,
+    let has_slices = |light: &Luminaire| match light.centre() {
+        FrozenLight::Sun { .. } => light.is_delta(),
+        FrozenLight::Point { position, .. } => light.is_delta() && position.length_squared() > 0.0,
     };
-    !snapshot.lights.is_empty() && !snapshot.lights.iter().any(at_eye)
+    !snapshot.lights.is_empty() && snapshot.lights.iter().all(has_slices)
 }
 
 /// See [`super::render`].
@@ -59,7 +60,7 @@ fn render_light(
     cancelled: &AtomicBool,
 ) -> Frame {
     let mut film = Film::new(job.size, job.window, &job.passes);
-    let Some(fan) = Fan::new(&snapshot.view, job.size, snapshot.lights[light].source()) else {
+    let Some(fan) = Fan::new(&snapshot.view, job.size, snapshot.lights[light].centre().source()) else {
         return film.resolve();
     };
     let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, 0).next_2d();

@@ -5,6 +5,7 @@
 
 mod lens;
 mod light;
+mod luminaire;
 mod mesh_trees;
 mod surface;
 
@@ -16,6 +17,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 pub use lens::View;
 pub use light::{Cone, FrozenLight};
+pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
 pub use surface::SurfacePoint;
 
@@ -44,7 +46,7 @@ pub struct Snapshot<'scene> {
     pub tree: InstanceTree,
     placed: Vec<Placed>,
     /// All lights that shine.
-    pub lights: Vec<FrozenLight>,
+    pub lights: Vec<Luminaire>,
     /// All fog.
     pub medium: Medium,
     /// Radiance of rays that leave the scene.
@@ -103,7 +105,7 @@ impl<'scene> Snapshot<'scene> {
             .lights
             .iter()
             .filter(|light| placements[light.node].visible)
-            .filter_map(|light| FrozenLight::new(light, relative_from(light.node), time_s))
+            .filter_map(|light| Luminaire::new(light, relative_from(light.node), time_s))
             .collect();
         let fog = scene
             .fogs

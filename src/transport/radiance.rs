@@ -7,7 +7,7 @@ use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::scattering::Stretch;
-use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenLight, Luminaire, Snapshot, SurfacePoint};
 
 /// How rays are to be followed.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,7 @@ pub struct Scratch {
     pub(super) lit: LitSegments,
     pub(super) cuts: Vec<f64>,
     pub(super) stretches: Vec<Stretch>,
+    lights: Vec<FrozenLight>,
 }
 
 /// Which light is being followed: a picture may be made of one picture a light, added up.
@@ -36,12 +37,7 @@ pub(super) struct Illumination<'a> {
     pub(super) self_luminous: bool,
 }
 
-impl<'a> Illumination<'a> {
-    /// Everything.
-    fn all(snapshot: &'a Snapshot) -> Self {
-        Self { lights: &snapshot.lights, self_luminous: true }
-    }
-
+impl Illumination<'_> {
     /// What lies behind everything.
     pub(super) fn background(&self, snapshot: &Snapshot) -> Rgb {
         if self.self_luminous { snapshot.background } else { Rgb::ZERO }
@@ -65,9 +61,7 @@ pub fn radiance(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let light = Illumination::all(snapshot);
-    let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
-    leg.sample(snapshot, transport)
+    radiance_of(&snapshot.lights, true, snapshot, transport, ray, sampler, scratch)
 }
 
 /// The same of one of the snapshot's lights alone, with what shines by itself or without.
@@ -80,8 +74,28 @@ pub fn radiance_of_light(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let light = Illumination { lights: &snapshot.lights[light..=light], self_luminous };
+    radiance_of(&snapshot.lights[light..=light], self_luminous, snapshot, transport, ray, sampler, scratch)
+}
+
+/// Of each light one point for the whole ray: fog, surface and mirrors then see the same light, and
+/// shafts fit the shadows they cast.
+fn radiance_of(
+    luminaires: &[Luminaire],
+    self_luminous: bool,
+    snapshot: &Snapshot,
+    transport: &Transport,
+    ray: &Ray,
+    sampler: &mut Sampler,
+    scratch: &mut Scratch,
+) -> Sample {
+    let mut lights = std::mem::take(&mut scratch.lights);
+    lights.clear();
+    lights.extend(luminaires.iter().map(|luminaire| {
+        if luminaire.is_delta() { luminaire.centre() } else { luminaire.point(sampler.next_2d().into()) }
+    }));
+    let light = Illumination { lights: &lights, self_luminous };
     let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
+    scratch.lights = lights;
     leg.sample(snapshot, transport)
 }
 

@@ -36,7 +36,7 @@ pub(super) fn in_scattered(
     for light in lights {
         sum += match method {
             VolumeMethod::Segments => {
-                let Scratch { lit, cuts, stretches } = scratch;
+                let Scratch { lit, cuts, stretches, .. } = scratch;
                 let Some(range) = snapshot.medium.range(ray, distance) else { continue };
                 snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
                 lit.find(snapshot, ray, light, range);

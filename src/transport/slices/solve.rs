@@ -62,7 +62,7 @@ pub fn solve(
     mut sample: impl FnMut(SliceSample),
 ) {
     let snapshot = job.snapshot;
-    let light = &snapshot.lights[job.light];
+    let light = &snapshot.lights[job.light].centre();
     let rays = match *light {
         FrozenLight::Sun { .. } => LightRays::Parallel,
         FrozenLight::Point { position, .. } => LightRays::From(position.length()),
@@ -145,7 +145,7 @@ fn near_light(
 ) -> (Rgb, Rgb) {
     let medium = &snapshot.medium;
     let Some(range) = medium.range(ray, distance) else { return (Rgb::ZERO, Rgb::ONE) };
-    let Scratch { lit, cuts, stretches } = scratch;
+    let Scratch { lit, cuts, stretches, .. } = scratch;
     lit.set(ray, light, range, shadows);
     medium.stretches(ray, distance, light.source(), cuts, stretches);
     let shafts = lit.integrate(medium, stretches, ray, light);
