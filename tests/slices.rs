@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
-use sunfleck::scene::{Light, LightKind, Motion, Node, Scene, Size, Track, Window};
+use sunfleck::scene::{Light, LightKind, Motion, Node, Scene, Size, Track};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
@@ -46,7 +46,7 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         self_luminous: true,
         fan: &fan,
         size: SIZE,
-        window: Window::whole(SIZE),
+        wanted: &|_, _| true,
     };
     let (mut scratch, mut ray_scratch) = (SliceScratch::default(), Scratch::default());
     let (mut differ, mut count, mut squares, mut sum) = (0, 0, 0.0, 0.0);

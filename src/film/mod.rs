@@ -5,6 +5,7 @@
 
 mod frame;
 mod holes;
+mod mask;
 mod pass_layout;
 
 use crate::scene::{Pass, Size, Window};
@@ -12,6 +13,7 @@ use crate::transport::Sample;
 use pass_layout::{PixelRule, layout, value};
 
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
+pub use mask::Mask;
 
 /// Names of the beauty's channels, in the order of the sums.
 const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];

@@ -6,7 +6,7 @@
 //! same area, so a pixel is the plain mean of its samples.
 
 use super::Job;
-use crate::film::{Film, Frame};
+use crate::film::{Film, Frame, Mask};
 use crate::math::Sampler;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use crate::transport::slices::{Fan, Slice, SliceJob, SliceSample, SliceScratch, solve};
@@ -52,6 +52,7 @@ pub(super) fn render(
         .unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve())
 }
 
+/// One light's part of the picture.
 fn render_light(
     snapshot: &Snapshot,
     job: &Job,
@@ -60,12 +61,41 @@ fn render_light(
     cancelled: &AtomicBool,
 ) -> Frame {
     let mut film = Film::new(job.size, job.window, &job.passes);
+    let wanted = Mask::all(job.window);
+    let pass = SlicePass { light, number: 0, samples: job.samples, wanted: &wanted };
+    add_pass(snapshot, job, &pass, &mut film, progress, cancelled);
+    fill_holes(snapshot, job, light, &mut film, cancelled);
+    film.resolve()
+}
+
+/// A lattice over one light's part of the picture.
+struct SlicePass<'a> {
+    /// The light, as its index in the snapshot.
+    light: usize,
+    /// Each pass has a lattice of its own.
+    number: u32,
+    /// Samples a pixel, at least 1.
+    samples: u32,
+    /// Which pixels are to have them.
+    wanted: &'a Mask,
+}
+
+/// Adds a pass's samples to the film.
+fn add_pass(
+    snapshot: &Snapshot,
+    job: &Job,
+    pass: &SlicePass,
+    film: &mut Film,
+    progress: &(dyn Fn(f64) + Sync),
+    cancelled: &AtomicBool,
+) {
+    let light = pass.light;
     let Some(fan) = Fan::new(&snapshot.view, job.size, snapshot.lights[light].centre().source()) else {
-        return film.resolve();
+        return;
     };
-    let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, 0).next_2d();
+    let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, pass.number).next_2d();
     // As many slices across as samples along: the lattice's cells are square on average.
-    let density = f64::from(job.samples);
+    let density = f64::from(pass.samples);
     let wanted_rad = 1.0 / (density.sqrt() * fan.mean_separation_px());
     let count = (fan.angles.1 / wanted_rad).ceil().max(1.0);
     let step_rad = fan.angles.1 / count;
@@ -79,7 +109,7 @@ fn render_light(
         self_luminous: light == 0,
         fan: &fan,
         size: job.size,
-        window: job.window,
+        wanted: &|x, y| pass.wanted.contains(x, y),
     };
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
@@ -109,7 +139,10 @@ fn render_light(
         }
         progress(count.min(first + BATCH) as f64 / count as f64);
     }
-    // Few samples leave some pixels without: those get a ray of their own, through the centre.
+}
+
+/// Few samples leave some pixels without: those get a ray of their own, through the centre.
+fn fill_holes(snapshot: &Snapshot, job: &Job, light: usize, film: &mut Film, cancelled: &AtomicBool) {
     let mut scratch = Scratch::default();
     for (x, y) in film.holes() {
         if cancelled.load(Ordering::Relaxed) {
@@ -122,7 +155,6 @@ fn render_light(
         let value = radiance_of_light(snapshot, &job.transport, light, own, &ray, &mut sampler, &mut scratch);
         film.add(x, y, 1.0, 0.0, &value);
     }
-    film.resolve()
 }
 
 fn lattice(slice: &Slice, shift: f64, step_area: f64) -> impl Iterator<Item = f64> + use<> {

@@ -8,7 +8,7 @@ use super::sweep::{LightRays, Sweep};
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray, Sampler};
-use crate::scene::{Size, Window};
+use crate::scene::Size;
 use crate::snapshot::{FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::direct::reflected_from;
@@ -47,10 +47,10 @@ pub struct SliceJob<'a> {
     pub self_luminous: bool,
     /// All slices of the light.
     pub fan: &'a Fan,
-    /// The whole picture, and the part of it that is wanted: samples elsewhere are passed over.
+    /// The whole picture.
     pub size: Size,
-    /// See `size`.
-    pub window: Window,
+    /// Samples at other pixels are passed over.
+    pub wanted: &'a (dyn Fn(usize, usize) -> bool + Sync),
 }
 
 /// Values of samples at ever larger areas of a slice (see [`Slice::place`]).
@@ -72,7 +72,7 @@ pub fn solve(
     let SliceScratch { cuts, sweep, shadows, fog, rays: ray_scratch } = scratch;
     let is_wanted = |place: &Place| {
         let (x, y) = place.pixel(job.size);
-        job.window.index(x, y).is_some()
+        (job.wanted)(x, y)
     };
     let mut places = areas_per_rad
         .map(|area| slice.place(area))
