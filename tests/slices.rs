@@ -3,13 +3,13 @@
 mod common;
 
 use common::{EXACT, INSTANT};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{Light, LightKind, Motion, Node, Scene, Size, Track};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Fan, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
 use sunfleck::{description, scene};
 
@@ -38,11 +38,12 @@ fn with_light(kind: LightKind, world_from_light: DAffine3, power: f64) -> Scene 
 fn compare(scene: &Scene) -> (usize, usize, f64) {
     let trees = MeshTrees::new(scene);
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
-    let fan = Fan::new(&snapshot.view, SIZE, snapshot.lights[0].centre().source()).expect("a fan");
+    let light = snapshot.lights[0].centre();
+    let fan = Fan::new(&snapshot.view, SIZE, DVec2::ZERO, light.source()).expect("a fan");
     let job = SliceJob {
         snapshot: &snapshot,
         transport: &EXACT,
-        light: 0,
+        light: &light,
         self_luminous: true,
         fan: &fan,
         size: SIZE,
@@ -52,7 +53,7 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
     let (mut differ, mut count, mut squares, mut sum) = (0, 0, 0.0, 0.0);
     for number in 0..41 {
         let angle = fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.4) / 41.0;
-        let Some(slice) = fan.slice(angle) else { continue };
+        let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
         solve(&job, &slice, areas, &mut scratch, |sample| {
             let film = sample.place.film_px;

@@ -24,7 +24,7 @@ pub(super) struct Functional {
 
 impl Functional {
     /// The function with this gradient that vanishes at `root`.
-    fn vanishing_at(root: DVec3, gradient: DVec3) -> Self {
+    pub(super) fn vanishing_at(root: DVec3, gradient: DVec3) -> Self {
         Self { gradient, offset: -gradient.dot(root) }
     }
 

@@ -15,11 +15,13 @@ use super::{
 };
 use glam::{DVec2, DVec3};
 
-/// The half plane `reach >= 0` of the plane through the origin that `axis` and `outward` span.
+/// The half plane `reach >= 0` of the plane through `eye` that `axis` and `outward` span.
 ///
-/// Its points have the coordinates `(reach, height) = (outward . p, axis . p)`.
+/// Its points have the coordinates `(reach, height) = (outward . (p - eye), axis . (p - eye))`.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfPlane {
+    /// A point of the edge, relative to the camera.
+    pub eye: DVec3,
     /// Unit vector along the edge.
     pub axis: DVec3,
     /// Unit vector at right angles to it.
@@ -47,7 +49,7 @@ pub(super) fn add_cuts<S: Simd>(
     half_plane: &HalfPlane,
     cuts: &mut Vec<Cut>,
 ) {
-    let linear = |gradient: DVec3| Functional { gradient, offset: 0.0 };
+    let linear = |gradient: DVec3| Functional::vanishing_at(half_plane.eye, gradient);
     let out_of_plane = linear(half_plane.axis.cross(half_plane.outward));
     let reach = linear(half_plane.outward);
     let height = linear(half_plane.axis);

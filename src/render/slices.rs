@@ -9,7 +9,7 @@ use super::Job;
 use crate::film::{Film, Frame, Mask};
 use crate::math::Sampler;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
-use crate::transport::slices::{Fan, Slice, SliceJob, SliceSample, SliceScratch, solve};
+use crate::transport::slices::{Fan, Ring, Slice, SliceJob, SliceSample, SliceScratch, solve};
 use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -90,13 +90,14 @@ fn add_pass(
     cancelled: &AtomicBool,
 ) {
     let light = pass.light;
-    let Some(fan) = Fan::new(&snapshot.view, job.size, snapshot.lights[light].centre().source()) else {
+    let centre = snapshot.lights[light].centre();
+    let Some(fan) = Fan::new(&snapshot.view, job.size, DVec2::ZERO, centre.source()) else {
         return;
     };
     let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, pass.number).next_2d();
     // As many slices across as samples along: the lattice's cells are square on average.
     let density = f64::from(pass.samples);
-    let wanted_rad = 1.0 / (density.sqrt() * fan.mean_separation_px());
+    let wanted_rad = 1.0 / (density.sqrt() * fan.mean_separation_px(Ring::WHOLE));
     let count = (fan.angles.1 / wanted_rad).ceil().max(1.0);
     let step_rad = fan.angles.1 / count;
     // The cell of the slice before the first reaches into the window, unless that is the last one again.
@@ -105,7 +106,7 @@ fn add_pass(
     let slice_job = SliceJob {
         snapshot,
         transport: &job.transport,
-        light,
+        light: &centre,
         self_luminous: light == 0,
         fan: &fan,
         size: job.size,
@@ -124,7 +125,7 @@ fn add_pass(
                 samples.clear();
                 let number = first + index;
                 let angle = fan.angles.0 + (number as f64 - 1.0 + shift_across) * step_rad;
-                let slice = if number < count { fan.slice(angle) } else { None };
+                let slice = if number < count { fan.slice(angle, Ring::WHOLE) } else { None };
                 if let Some(slice) = slice {
                     let shift = (shift_along + GOLDEN * number as f64).fract();
                     let areas = lattice(&slice, shift, step_area);

@@ -15,6 +15,8 @@ pub struct View {
     /// Half extents of the picture at distance 1.
     half_width: f64,
     half_height: f64,
+    /// Distance of the plane in focus, metres.
+    focus_distance_m: f64,
 }
 
 impl View {
@@ -37,6 +39,7 @@ impl View {
             backward,
             half_width: half_height * aspect,
             half_height,
+            focus_distance_m: f64::INFINITY,
         }
     }
 
@@ -56,6 +59,11 @@ impl View {
     /// Half width and height of the picture at distance 1.
     pub fn half_extents(&self) -> DVec2 {
         DVec2::new(self.half_width, self.half_height)
+    }
+
+    /// Distance of the plane that is in focus, metres; infinite without a lens.
+    pub fn focus_distance_m(&self) -> f64 {
+        self.focus_distance_m
     }
 
     /// Distance of a point of relative space along the view axis (planar Z), metres.

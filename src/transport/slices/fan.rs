@@ -7,12 +7,15 @@ use crate::scattering::Source;
 use crate::scene::Size;
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};
+use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 
-/// All slices of one light.
+/// All slices between one point of the lens and one light.
 #[derive(Clone, Copy, Debug)]
 pub struct Fan {
-    /// Unit vector from the camera to the light.
+    /// The point of the lens, in relative space.
+    pub eye: DVec3,
+    /// Unit vector from there to the light.
     pub axis: DVec3,
     /// Unit vectors at right angles to the axis: the half planes at angle 0 and a quarter turn.
     zero: DVec3,
@@ -22,7 +25,16 @@ pub struct Fan {
     pub angles: (f64, f64),
 }
 
-/// The image plane at distance 1, and the picture in it.
+/// Between which angles from the axis, radians in `0..=pi`, slices are wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct Ring(pub f64, pub f64);
+
+impl Ring {
+    /// No limits.
+    pub const WHOLE: Self = Self(0.0, PI);
+}
+
+/// The image plane at distance 1 from a point of the lens, and the picture in it.
 #[derive(Clone, Copy, Debug)]
 struct Picture {
     right: DVec3,
@@ -53,16 +65,18 @@ pub struct Slice {
 }
 
 impl Fan {
-    /// The slices of a light over the whole picture; `None` if the light is at the camera.
-    pub fn new(view: &View, size: Size, source: Source) -> Option<Self> {
+    /// The slices of a light over the whole picture, seen from a point of the lens (metres to the
+    /// right and up from its middle); `None` if the light is there.
+    pub fn new(view: &View, size: Size, lens_point: DVec2, source: Source) -> Option<Self> {
+        let picture = Picture::new(view, size, lens_point);
+        let eye = picture.vector(lens_point);
         let axis = match source {
             Source::Towards(to_light) => to_light,
-            Source::At(position) => position.try_normalize()?,
+            Source::At(position) => (position - eye).try_normalize()?,
         };
-        let picture = Picture::new(view, size);
         let zero = axis.any_orthonormal_vector();
         let quarter = axis.cross(zero);
-        let mut fan = Self { axis, zero, quarter, picture, angles: (0.0, TAU) };
+        let mut fan = Self { eye, axis, zero, quarter, picture, angles: (0.0, TAU) };
         if !picture.sees(axis) && !picture.sees(-axis) {
             // A convex picture that does not hold the axis is seen from it under less than half a turn.
             let middle = fan.angle(picture.direction(0.5 * (picture.low + picture.high)));
@@ -77,21 +91,24 @@ impl Fan {
         Some(fan)
     }
 
-    /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over the picture.
-    pub fn mean_separation_px(&self) -> f64 {
-        let area = (self.picture.high - self.picture.low) * self.picture.pixels_per_unit;
-        // Area per radian, over the mean length of a slice, found from a few of them.
+    /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over
+    /// the part of the picture in a ring; 0 if there is none.
+    pub fn mean_separation_px(&self, ring: Ring) -> f64 {
+        // Area per radian over length, found from a few slices.
         let probes = 64;
-        let mut length = 0.0;
+        let (mut area_per_rad, mut length_px) = (0.0, 0.0);
         for probe in 0..probes {
             let angle = self.angles.0 + self.angles.1 * (f64::from(probe) + 0.5) / f64::from(probes);
-            length += self.slice(angle).map_or(0.0, |slice| slice.length * self.picture.pixels_per_unit);
+            if let Some(slice) = self.slice(angle, ring) {
+                area_per_rad += slice.area_per_rad;
+                length_px += slice.length * self.picture.pixels_per_unit;
+            }
         }
-        area.x * area.y / self.angles.1 / (length / f64::from(probes)).max(1.0)
+        if length_px > 0.0 { area_per_rad / length_px } else { 0.0 }
     }
 
-    /// The slice at an angle; `None` if it misses the picture.
-    pub fn slice(&self, angle: f64) -> Option<Slice> {
+    /// The slice at an angle, as far as it lies in a ring; `None` if it misses the picture there.
+    pub fn slice(&self, angle: f64, ring: Ring) -> Option<Slice> {
         let (sin, cos) = angle.sin_cos();
         let outward = cos * self.zero + sin * self.quarter;
         let normal = cos * self.quarter - sin * self.zero;
@@ -104,10 +121,10 @@ impl Fan {
         let mut along = across.perp();
         // Away from the light: the slope axis / outward falls along the line.
         let components = |v: DVec3| (v.dot(picture.direction(foot)), v.dot(picture.vector(along)));
-        let (a0, a1) = components(self.axis);
+        let (a0, mut a1) = components(self.axis);
         let (o0, mut o1) = components(outward);
         if a1 * o0 - a0 * o1 > 0.0 {
-            (along, o1) = (-along, -o1);
+            (along, a1, o1) = (-along, -a1, -o1);
         }
         // The part within the picture and on this side of the axis.
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -125,7 +142,13 @@ impl Fan {
             keep(picture.high[i] - foot[i], -along[i]);
         }
         keep(o0, o1);
-        if from >= to {
+        // At an angle from the axis, `outward cos - axis sin` grows through 0.
+        for (angle, sign) in [(ring.0, 1.0), (ring.1, -1.0)] {
+            let (sin, cos) = angle.sin_cos();
+            keep(sign * (o0 * cos - a0 * sin), sign * (o1 * cos - a1 * sin));
+        }
+        // Not a number where the camera stares along the slice's edge.
+        if from.partial_cmp(&to) != Some(Ordering::Less) {
             return None;
         }
         let scale = picture.pixels_per_unit * picture.pixels_per_unit / steepness;
@@ -185,12 +208,14 @@ impl Place {
 }
 
 impl Picture {
-    fn new(view: &View, size: Size) -> Self {
+    fn new(view: &View, size: Size, lens_point: DVec2) -> Self {
         let (right, up, forward) = view.axes();
         let half = view.half_extents();
         let pixels_per_unit = size.width as f64 / (2.0 * half.x);
-        let corner = DVec2::new(-half.x, half.y);
-        Self { right, up, forward, pixels_per_unit, corner, low: -half, high: half }
+        // What is in focus stays in its pixel: the picture shifts against the lens.
+        let shift = -lens_point / view.focus_distance_m();
+        let corner = shift + DVec2::new(-half.x, half.y);
+        Self { right, up, forward, pixels_per_unit, corner, low: shift - half, high: shift + half }
     }
 
     fn vector(&self, v: DVec2) -> DVec3 {

@@ -197,8 +197,8 @@ fn integral_of_transmittance(width: f64, tau_start: f64, tau_end: f64) -> f64 {
 
 impl BoxProfile {
     fn new(fog: &FogBox, half_plane: &HalfPlane) -> Self {
-        let (at_eye, per_reach) = fog.in_cube(DVec3::ZERO, half_plane.outward);
-        let (_, per_height) = fog.in_cube(DVec3::ZERO, half_plane.axis);
+        let (at_eye, per_reach) = fog.in_cube(half_plane.eye, half_plane.outward);
+        let (_, per_height) = fog.in_cube(half_plane.eye, half_plane.axis);
         let (sigma_t, sigma_s, g) = (fog.sigma_t, fog.sigma_s, fog.g);
         Self { at_eye, per_reach, per_height, sigma_t, sigma_s, g, span: (0.0, 0.0) }
     }

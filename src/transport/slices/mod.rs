@@ -9,5 +9,5 @@ mod fog_profile;
 mod solve;
 mod sweep;
 
-pub use fan::{Fan, Place, Slice};
+pub use fan::{Fan, Place, Ring, Slice};
 pub use solve::{SliceJob, SliceSample, SliceScratch, solve};

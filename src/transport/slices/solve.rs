@@ -41,11 +41,11 @@ pub struct SliceJob<'a> {
     pub snapshot: &'a Snapshot<'a>,
     /// How rays that leave the slices are followed.
     pub transport: &'a Transport,
-    /// The slices' light, as its index in the snapshot.
-    pub light: usize,
+    /// The slices' light: a light of the snapshot, or a point of one.
+    pub light: &'a FrozenLight,
     /// Whether what shines by itself is counted with this light.
     pub self_luminous: bool,
-    /// All slices of the light.
+    /// All slices of the light, from where they are seen.
     pub fan: &'a Fan,
     /// The whole picture.
     pub size: Size,
@@ -62,10 +62,10 @@ pub fn solve(
     mut sample: impl FnMut(SliceSample),
 ) {
     let snapshot = job.snapshot;
-    let light = &snapshot.lights[job.light].centre();
+    let (light, eye) = (job.light, job.fan.eye);
     let rays = match *light {
         FrozenLight::Sun { .. } => LightRays::Parallel,
-        FrozenLight::Point { position, .. } => LightRays::From(position.length()),
+        FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
     };
     let slope_of = |direction: DVec3| direction.dot(job.fan.axis) / direction.dot(slice.outward);
     let lowest_slope = slope_of(slice.far_end());
@@ -83,7 +83,7 @@ pub fn solve(
         return;
     }
     cuts.clear();
-    let half_plane = HalfPlane { axis: job.fan.axis, outward: slice.outward, lowest_slope };
+    let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, rays, lowest_slope);
     fog.start(&snapshot.medium, &half_plane);
@@ -93,7 +93,7 @@ pub fn solve(
         let slope = slope_of(direction);
         let spread = direction.dot(slice.outward);
         let meeting = sweep.advance(slope, rays, shadows);
-        let ray = Ray { origin: DVec3::ZERO, direction };
+        let ray = Ray { origin: eye, direction };
         let hit = meeting.and_then(|meeting| snapshot.hit_on(&ray, meeting.primitive));
         let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
         let (shafts, transmittance) = match *light {
