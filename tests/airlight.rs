@@ -133,7 +133,11 @@ fn spot_equals_dense_quadrature() {
     let axis = DVec3::new(0.5, -1.0, 0.1).normalize();
     let (outer, blend) = (0.5_f64, 0.4);
     let mut scene = foggy(&fog, DVec3::ZERO);
-    let kind = LightKind::Spot { outer_angle: Track::from(outer), blend: Track::from(blend) };
+    let kind = LightKind::Spot {
+        outer_angle: Track::from(outer),
+        blend: Track::from(blend),
+        radius: Track::from(0.0),
+    };
     add_light(&mut scene, kind, position, axis, Rgb::splat(30.0));
     for (x, y) in [(0.5, 0.5), (0.45, 0.35), (0.52, 0.7), (0.1, 0.9)] {
         let expected = dense(&fog, film_direction(x, y), |p| {

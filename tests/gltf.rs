@@ -167,7 +167,7 @@ fn lights_have_blenders_watts() {
             _ => watts / (4.0 * std::f64::consts::PI),
         };
         assert!((light.power.at(0.0) / expected - 1.0).abs().max_element() < 1e-5, "{}", light.name);
-        if let LightKind::Spot { outer_angle, blend } = &light.kind {
+        if let LightKind::Spot { outer_angle, blend, .. } = &light.kind {
             assert!((outer_angle.at(0.0) - blender["spot_size"].as_f64().unwrap() / 2.0).abs() < 1e-6);
             assert!((blend.at(0.0) - blender["spot_blend"].as_f64().unwrap()).abs() < 1e-6);
         }

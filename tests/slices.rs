@@ -135,6 +135,7 @@ fn lamp_behind_the_camera() {
 fn spot() {
     let turn = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::new(-0.3, -1.0, -0.2).normalize());
     let place = DAffine3::from_rotation_translation(turn, DVec3::new(1.5, 6.0, 3.0));
-    let kind = LightKind::Spot { outer_angle: Track::from(0.6), blend: Track::from(0.3) };
+    let kind =
+        LightKind::Spot { outer_angle: Track::from(0.6), blend: Track::from(0.3), radius: Track::from(0.0) };
     assert_equal(&with_light(kind, place, 200.0));
 }

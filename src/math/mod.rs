@@ -1,11 +1,13 @@
 //! Geometry and numbers without any notion of scenes or light. Invariant: nothing here knows a
 //! unit other than metres, seconds and radians.
 
+mod disc;
 mod interval;
 mod quadrature;
 mod ray;
 mod sampler;
 
+pub use disc::disc_from_square;
 pub use interval::IntervalSet;
 pub use quadrature::gauss_legendre;
 pub use ray::Ray;

@@ -6,7 +6,7 @@
 pub struct Sampler {
     seed: u32,
     sample: u32,
-    next_dimension_pair: u32,
+    next_set: u32,
 }
 
 impl Sampler {
@@ -16,21 +16,32 @@ impl Sampler {
     /// The points of `sample` in pixel (`x`, `y`).
     pub fn new(seed: u32, x: u32, y: u32, sample: u32) -> Self {
         let seed = mix(seed ^ mix(x ^ mix(y)));
-        Self { seed, sample: sample % Self::MAX_SAMPLES, next_dimension_pair: 0 }
+        Self { seed, sample: sample % Self::MAX_SAMPLES, next_set: 0 }
     }
 
     /// The next two coordinates, each in `[0, 1)`.
     pub fn next_2d(&mut self) -> (f64, f64) {
-        // Padding: each pair of dimensions is a fresh two-dimensional sequence (Burley, section 5).
-        let seed = mix(self.seed.wrapping_add(self.next_dimension_pair));
-        self.next_dimension_pair += 1;
+        let seed = self.next_seed();
         let point = |dimension| f64::from(sobol_burley::sample(self.sample, dimension, seed));
         (point(0), point(1))
+    }
+
+    /// The next three coordinates, each in `[0, 1)`.
+    pub fn next_3d(&mut self) -> [f64; 3] {
+        let seed = self.next_seed();
+        [0, 1, 2].map(|dimension| f64::from(sobol_burley::sample(self.sample, dimension, seed)))
     }
 
     /// The next coordinate, in `[0, 1)`.
     pub fn next_1d(&mut self) -> f64 {
         self.next_2d().0
+    }
+
+    /// Padding: each set of dimensions is a fresh sequence (Burley, section 5).
+    fn next_seed(&mut self) -> u32 {
+        let seed = mix(self.seed.wrapping_add(self.next_set));
+        self.next_set += 1;
+        seed
     }
 }
 

@@ -1,8 +1,8 @@
 //! Lights: a node, a colour and a kind. Invariant: a light shines along its node's -Z
-//! (glTF and Blender); intensities are radiometric, per channel, never photometric.
+//! (glTF and Blender); powers are radiometric, per channel, never photometric.
 //!
-//! To add a light: a variant here, its reading in `from_ron` and `from_gltf`, its frozen form in
-//! `snapshot`, and its two answers in `transport`: light on a surface and light in fog along a ray.
+//! To add a light: a variant here, its reading in `from_ron` and `from_gltf`, and its frozen form in
+//! `snapshot`: a distribution over the two kinds of light without extent that `transport` knows.
 
 use super::{NodeIndex, Track};
 use crate::color::Rgb;
@@ -14,7 +14,8 @@ pub struct Light {
     pub name: String,
     /// Where it is and where it points.
     pub node: NodeIndex,
-    /// Sun: irradiance on a perpendicular plane, W/m^2. Point and spot: intensity, W/sr.
+    /// Suns: irradiance on a perpendicular plane, W/m^2. Point, sphere and spot: intensity, W/sr, seen
+    /// from afar. Area: radiant power, W.
     pub power: Track<Rgb>,
     /// What shape it has.
     pub kind: LightKind,
@@ -25,13 +26,60 @@ pub struct Light {
 pub enum LightKind {
     /// Parallel light from infinitely far away.
     Sun,
+    /// A disc infinitely far away.
+    SunDisc(SunDisc),
     /// The same intensity in all directions from one point.
     Point,
-    /// A point with a soft-edged cone.
+    /// A sphere, as bright in all places and directions.
+    Sphere {
+        /// Metres, whatever the node's scale.
+        radius: Track<f64>,
+    },
+    /// A point or sphere with a soft-edged cone.
     Spot {
         /// Half angle beyond which there is no light, radians, in `(0, pi/2]`.
         outer_angle: Track<f64>,
         /// Blender's edge softness, `0..=1`: 1 - inner/outer angle.
         blend: Track<f64>,
+        /// Of the sphere, metres; 0 is a point.
+        radius: Track<f64>,
     },
+    /// A flat light, as bright in all places and directions, from one side.
+    Area {
+        /// Its outline.
+        shape: AreaShape,
+        /// Along the node's x axis, metres before the node's scale.
+        width: Track<f64>,
+        /// Along the node's y axis, metres before the node's scale.
+        height: Track<f64>,
+    },
+}
+
+/// The outline of a flat light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AreaShape {
+    /// As wide and as high as the light.
+    Rectangle,
+    /// The ellipse within that rectangle.
+    Ellipse,
+}
+
+/// A sun that is seen as a disc.
+#[derive(Clone, Debug)]
+pub struct SunDisc {
+    /// The whole angle under which it is seen, radians, in `[0, pi)`.
+    pub angular_diameter: Track<f64>,
+}
+
+impl LightKind {
+    /// Every number of it that may be keyed.
+    pub fn numbers(&self) -> Vec<&Track<f64>> {
+        match self {
+            Self::Sun | Self::Point => vec![],
+            Self::SunDisc(disc) => vec![&disc.angular_diameter],
+            Self::Sphere { radius } => vec![radius],
+            Self::Spot { outer_angle, blend, radius } => vec![outer_angle, blend, radius],
+            Self::Area { width, height, .. } => vec![width, height],
+        }
+    }
 }

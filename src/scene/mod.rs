@@ -21,7 +21,7 @@ use glam::DAffine3;
 
 pub use camera::{Camera, Lens};
 pub use fog::{Fog, MOST_FOGS};
-pub use light::{Light, LightKind};
+pub use light::{AreaShape, Light, LightKind, SunDisc};
 pub use material::{AlphaMode, Material};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
@@ -125,13 +125,7 @@ impl Scene {
             fov_y.is_constant()
         });
         let lights = self.lights.iter().all(|light| {
-            light.power.is_constant()
-                && match &light.kind {
-                    LightKind::Sun | LightKind::Point => true,
-                    LightKind::Spot { outer_angle, blend } => {
-                        outer_angle.is_constant() && blend.is_constant()
-                    }
-                }
+            light.power.is_constant() && light.kind.numbers().iter().all(|number| number.is_constant())
         });
         let fogs = self.fogs.iter().all(|fog| {
             fog.density_per_m.is_constant() && fog.albedo.is_constant() && fog.anisotropy.is_constant()

@@ -1,27 +1,83 @@
-//! A frozen light of any shape. In go two uniform numbers, out comes a light without extent.
-//! Invariant: whatever is linear in the light has, over uniform numbers, the expectation of
-//! [`Luminaire::point`]'s value; so everything exact that is known of a light without extent holds
-//! for one with it, averaged.
+//! A frozen light of any shape. In go uniform numbers, out comes a light without extent. Invariant:
+//! over uniform numbers the irradiance of [`Luminaire::point`] anywhere is on average that of the
+//! light; so whatever is exact for lights without extent holds for the others, averaged.
+//!
+//! The points do not depend on who is lit, so that a whole slice of rays may share one.
 
-use super::light::FrozenLight;
-use crate::scene::Light;
-use glam::DAffine3;
+use super::{Cone, Emission, FrozenLight};
+use crate::color::Rgb;
+use crate::math::disc_from_square;
+use crate::scene::{AreaShape, Light, LightKind};
+use glam::{DAffine3, DVec2, DVec3};
+use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// A light of any shape at one time, in relative space: a distribution over lights without extent.
 #[derive(Clone, Debug)]
 pub struct Luminaire {
     centre: FrozenLight,
+    extent: Extent,
+}
+
+/// How the points of a light are spread about its centre.
+#[derive(Clone, Debug)]
+enum Extent {
+    /// Not at all.
+    None,
+    /// Directions of a disc: the sines of its radius along two unit vectors at right angles to its centre.
+    Disc { half_axes: [DVec3; 2] },
+    /// Places within a sphere.
+    Ball { radius: f64 },
+    /// Places of a parallelogram or of the ellipse within, from the middle to the middles of two edges.
+    Flat { shape: AreaShape, half_axes: [DVec3; 2] },
 }
 
 impl Luminaire {
     /// Freezes `light`; `None` if it gives no light at this time.
     pub fn new(light: &Light, relative_from_light: DAffine3, time_s: f64) -> Option<Self> {
-        FrozenLight::new(light, relative_from_light, time_s).map(|centre| Self { centre })
+        let power = light.power.at(time_s);
+        if power.max_element() <= 0.0 {
+            return None;
+        }
+        let axes = relative_from_light.matrix3;
+        let beam = (-axes.z_axis).try_normalize().unwrap_or(DVec3::NEG_Z);
+        let position = relative_from_light.translation;
+        let point = |intensity: Rgb, emission| FrozenLight::Point { position, intensity, emission };
+        let ball = |radius: f64| if radius > 0.0 { Extent::Ball { radius } } else { Extent::None };
+        let (centre, extent) = match &light.kind {
+            LightKind::Sun => (FrozenLight::Sun { to_light: -beam, irradiance: power }, Extent::None),
+            LightKind::SunDisc(disc) => {
+                let centre = FrozenLight::Sun { to_light: -beam, irradiance: power };
+                let sin_radius = (0.5 * disc.angular_diameter.at(time_s)).sin();
+                // As seen from below: facing the sun, right and up.
+                let up = (axes.y_axis - axes.y_axis.dot(beam) * beam).try_normalize();
+                let up = up.unwrap_or_else(|| beam.any_orthonormal_vector());
+                let half_axes = [up.cross(beam) * sin_radius, up * sin_radius];
+                (centre, if sin_radius > 0.0 { Extent::Disc { half_axes } } else { Extent::None })
+            }
+            LightKind::Point => (point(power, Emission::Even), Extent::None),
+            LightKind::Sphere { radius } => (point(power, Emission::Even), ball(radius.at(time_s))),
+            LightKind::Spot { outer_angle, blend, radius } => {
+                let cos_outer = outer_angle.at(time_s).cos();
+                let cos_inner = cos_outer + (1.0 - cos_outer) * blend.at(time_s);
+                let cone = Cone { axis: beam, cos_outer, cos_inner };
+                (point(power, Emission::Spot(cone)), ball(radius.at(time_s)))
+            }
+            LightKind::Area { shape, width, height } => {
+                let half_axes = [0.5 * width.at(time_s) * axes.x_axis, 0.5 * height.at(time_s) * axes.y_axis];
+                // A sheared light is flat all the same: what counts is the plane that it lies in.
+                let normal = half_axes[0].cross(half_axes[1]).try_normalize().unwrap_or(beam);
+                let normal = if normal.dot(beam) < 0.0 { -normal } else { normal };
+                // Lambert: the power is pi times the intensity along the normal.
+                let centre = point(power * FRAC_1_PI, Emission::Flat { normal });
+                (centre, Extent::Flat { shape: *shape, half_axes })
+            }
+        };
+        Some(Self { centre, extent })
     }
 
     /// Whether it has no extent: every [`Luminaire::point`] is [`Luminaire::centre`], which is all of it.
     pub fn is_delta(&self) -> bool {
-        true
+        matches!(self.extent, Extent::None)
     }
 
     /// The one in the middle: where it is seen from afar, and what it costs. Not its mean.
@@ -29,8 +85,48 @@ impl Luminaire {
         self.centre
     }
 
-    /// The one that two numbers in `[0, 1)` pick; uniform numbers make it all of the light on average.
-    pub fn point(&self, _u: [f64; 2]) -> FrozenLight {
-        self.centre
+    /// The one that three numbers in `[0, 1)` pick; uniform numbers make it all of the light on average.
+    pub fn point(&self, u: [f64; 3]) -> FrozenLight {
+        let in_square = DVec2::new(u[0], u[1]);
+        let offset = match &self.extent {
+            Extent::None => return self.centre,
+            Extent::Disc { half_axes } => span(half_axes, disc_from_square(in_square)),
+            Extent::Ball { radius } => *radius * in_ball(u),
+            Extent::Flat { shape: AreaShape::Rectangle, half_axes } => span(half_axes, 2.0 * in_square - 1.0),
+            Extent::Flat { shape: AreaShape::Ellipse, half_axes } => {
+                span(half_axes, disc_from_square(in_square))
+            }
+        };
+        match self.centre {
+            FrozenLight::Sun { to_light, irradiance } => {
+                // Uniform over the disc's projection along its axis, whose density per steradian is cos /
+                // (pi sin^2): on a plane perpendicular to the axis every point gives the same irradiance.
+                let cos = (1.0 - offset.length_squared()).max(0.0).sqrt();
+                let to_point = (cos * to_light + offset).normalize();
+                FrozenLight::Sun { to_light: to_point, irradiance: irradiance / cos.max(f64::MIN_POSITIVE) }
+            }
+            FrozenLight::Point { position, intensity, emission } => {
+                FrozenLight::Point { position: position + offset, intensity, emission }
+            }
+        }
     }
+}
+
+fn span(axes: &[DVec3; 2], along: DVec2) -> DVec3 {
+    along.x * axes[0] + along.y * axes[1]
+}
+
+/// A point of the unit ball, with a density in proportion to `1 / sqrt(1 - r^2)`.
+///
+/// Along a line that passes the middle at the distance `b` that density adds up to
+/// `integral ds / sqrt(1 - b^2 - s^2) = pi`, the same for all `b < 1`: seen from outside, points that
+/// shine evenly to all sides look together like a sphere of one radiance, which is what a sphere that
+/// shines at its surface looks like. Points on that surface would do as well, each lighting its own
+/// half of space; but then every second one would be dark to whoever is lit.
+///
+/// It is the density of a point on the sphere in four dimensions, seen in three (Shoemake 1992,
+/// "Uniform Random Rotations", for the point).
+fn in_ball(u: [f64; 3]) -> DVec3 {
+    let (inner, outer) = ((1.0 - u[0]).sqrt(), u[0].sqrt());
+    (inner * DVec2::from_angle(TAU * u[1])).extend(outer * (TAU * u[2]).sin())
 }

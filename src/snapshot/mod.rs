@@ -3,6 +3,7 @@
 //! and no absolute time; everything is in *relative space*, world axes with the camera at the
 //! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
 
+mod emission;
 mod lens;
 mod light;
 mod luminaire;
@@ -15,8 +16,9 @@ use crate::scattering::{FogBox, Medium};
 use crate::scene::{Pass, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 
+pub use emission::{Cone, Emission};
 pub use lens::View;
-pub use light::{Cone, FrozenLight};
+pub use light::FrozenLight;
 pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
 pub use surface::SurfacePoint;

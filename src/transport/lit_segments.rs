@@ -6,7 +6,7 @@ use crate::accel::LightPlane;
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray, gauss_legendre};
 use crate::scattering::{Medium, Source, Stretch, exp_minus};
-use crate::snapshot::{Cone, FrozenLight, Snapshot};
+use crate::snapshot::{Emission, FrozenLight, Snapshot};
 use glam::DVec3;
 
 /// The parts of a ray that one light reaches.
@@ -36,12 +36,12 @@ impl LitSegments {
         }
     }
 
-    /// Everything is lit, but for what lies outside a spot's cone.
+    /// Everything is lit, but for where the light does not shine.
     fn start(&mut self, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         self.shadows.clear();
         self.range = range;
-        if let FrozenLight::Point { position, cone: Some(cone), .. } = light {
-            self.shade_outside(cone, ray, *position);
+        if let FrozenLight::Point { position, emission, .. } = light {
+            self.shade_outside(emission, ray, *position);
         }
     }
 
@@ -88,9 +88,9 @@ impl LitSegments {
                 }
                 sum * irradiance
             }
-            FrozenLight::Point { position, intensity, cone } => {
+            FrozenLight::Point { position, intensity, emission } => {
                 for stretch in stretches {
-                    let near = NearLight::new(medium, stretch, ray, position, cone);
+                    let near = NearLight::new(medium, stretch, ray, position, emission);
                     self.for_each_within(stretch, |start, end| sum += near.integral(start, end));
                 }
                 sum * intensity
@@ -103,39 +103,18 @@ impl LitSegments {
         self.shadows.for_each_gap(start, end, lit);
     }
 
-    /// Everything outside a spot's cone counts as shadow.
-    ///
-    /// With `x(t) = ray.at(t) - apex`, the cone's surface is `(x . axis)^2 = cos^2 |x|^2`, a quadratic in `t`.
-    fn shade_outside(&mut self, cone: &Cone, ray: &Ray, apex: DVec3) {
-        let crossings = cone_crossings(cone.axis, cone.cos_outer, ray, apex);
+    /// What lies outside a spot's cone, or behind a flat light, counts as shadow.
+    fn shade_outside(&mut self, emission: &Emission, ray: &Ray, position: DVec3) {
+        let borders = emission.borders(ray, position);
         let mut start = self.range.0;
-        for end in crossings.into_iter().flatten().chain([self.range.1]) {
+        for end in borders.into_iter().flatten().chain([self.range.1]) {
             let end = end.clamp(start, self.range.1);
-            let middle = ray.at(0.5 * (start + end)) - apex;
-            if middle.dot(cone.axis) < cone.cos_outer * middle.length() {
+            if !emission.reaches(ray.at(0.5 * (start + end)) - position) {
                 self.shadows.insert(start, end);
             }
             start = end;
         }
     }
-}
-
-/// Where a ray crosses a (double) cone, in order.
-fn cone_crossings(axis: DVec3, cos: f64, ray: &Ray, apex: DVec3) -> [Option<f64>; 2] {
-    let x = ray.origin - apex;
-    let (da, xa) = (ray.direction.dot(axis), x.dot(axis));
-    let a = da * da - cos * cos;
-    let half_b = da * xa - cos * cos * x.dot(ray.direction);
-    let c = xa * xa - cos * cos * x.length_squared();
-    let discriminant = half_b * half_b - a * c;
-    if discriminant <= 0.0 {
-        return [None, None];
-    }
-    // The stable form of the quadratic's roots (Press et al., Numerical Recipes, section 5.6).
-    let q = -(half_b + discriminant.sqrt().copysign(half_b));
-    let (first, second) = (q / a, c / q);
-    let finite = |t: f64| t.is_finite().then_some(t);
-    if first < second { [finite(first), finite(second)] } else { [finite(second), finite(first)] }
 }
 
 /// Ray and light in one line: the whole range is lit or dark.
@@ -201,7 +180,8 @@ struct NearLight<'a> {
     stretch: &'a Stretch,
     ray: &'a Ray,
     light: DVec3,
-    cone: Option<(Cone, [Option<f64>; 2])>,
+    emission: Emission,
+    kinks: [Option<f64>; 2],
     nearest: f64,
     gap: f64,
 }
@@ -211,13 +191,13 @@ struct NearLight<'a> {
 const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
 
 impl<'a> NearLight<'a> {
-    fn new(medium: &'a Medium, stretch: &'a Stretch, ray: &'a Ray, light: DVec3, cone: Option<Cone>) -> Self {
+    fn new(medium: &'a Medium, stretch: &'a Stretch, ray: &'a Ray, light: DVec3, emission: Emission) -> Self {
         let to_light = light - ray.origin;
         let nearest = to_light.dot(ray.direction);
         let gap = ray.direction.cross(to_light).length();
         let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length()).max(f64::MIN_POSITIVE);
-        let cone = cone.map(|cone| (cone, cone_crossings(cone.axis, cone.cos_inner, ray, light)));
-        Self { medium, stretch, ray, light, cone, nearest, gap }
+        let kinks = emission.kinks(ray, light);
+        Self { medium, stretch, ray, light, emission, kinks, nearest, gap }
     }
 
     /// Over a lit interval, per unit of intensity, 1/(m^2 sr).
@@ -225,7 +205,7 @@ impl<'a> NearLight<'a> {
         // The falloff's slope jumps at the inner cone.
         let mut sum = Rgb::ZERO;
         let mut from = start;
-        for cut in self.cone.iter().flat_map(|(_, crossings)| crossings.iter().flatten()) {
+        for cut in self.kinks.iter().flatten() {
             if *cut > from && *cut < end {
                 sum += self.smooth_integral(from, *cut);
                 from = *cut;
@@ -254,14 +234,14 @@ impl<'a> NearLight<'a> {
         sum * half_width / self.gap
     }
 
-    /// Scattering, transmittance both ways and the cone's falloff, without the inverse square.
+    /// Scattering, transmittance both ways and the light's share, without the inverse square.
     fn integrand(&self, t: f64) -> Rgb {
         let point = self.ray.at(t);
         let way = self.light - point;
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
-        let falloff = self.cone.map_or(1.0, |(cone, _)| cone.falloff(-to_light.dot(cone.axis)));
+        let share = self.emission.share(-to_light);
         let tau = self.stretch.tau_to_eye(t) + self.medium.optical_depth_to(point, Source::At(self.light));
-        falloff * self.medium.scattering(self.stretch, to_light.dot(self.ray.direction)) * exp_minus(tau)
+        share * self.medium.scattering(self.stretch, to_light.dot(self.ray.direction)) * exp_minus(tau)
     }
 }
 

@@ -91,7 +91,7 @@ fn radiance_of(
     let mut lights = std::mem::take(&mut scratch.lights);
     lights.clear();
     lights.extend(luminaires.iter().map(|luminaire| {
-        if luminaire.is_delta() { luminaire.centre() } else { luminaire.point(sampler.next_2d().into()) }
+        if luminaire.is_delta() { luminaire.centre() } else { luminaire.point(sampler.next_3d()) }
     }));
     let light = Illumination { lights: &lights, self_luminous };
     let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);

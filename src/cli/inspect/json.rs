@@ -2,7 +2,7 @@
 //! by row, for column vectors, in glTF's space; numbers are SI.
 
 use super::Inspected;
-use crate::scene::{Lens, LightKind, Placement};
+use crate::scene::{AreaShape, Lens, LightKind, Placement};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
@@ -40,13 +40,33 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
         let world = world(light.node);
         let described = match &light.kind {
             LightKind::Sun => json!({ "kind": "sun", "world": world, "irradiance_w_per_m2": power }),
+            LightKind::SunDisc(disc) => json!({
+                "kind": "sun",
+                "world": world,
+                "irradiance_w_per_m2": power,
+                "angular_diameter_rad": disc.angular_diameter.at(seconds),
+            }),
             LightKind::Point => json!({ "kind": "point", "world": world, "intensity_w_per_sr": power }),
-            LightKind::Spot { outer_angle, blend } => json!({
+            LightKind::Sphere { radius } => json!({
+                "kind": "sphere",
+                "world": world,
+                "intensity_w_per_sr": power,
+                "radius_m": radius.at(seconds),
+            }),
+            LightKind::Area { shape, width, height } => json!({
+                "kind": if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" },
+                "world": world,
+                "power_w": power,
+                "width_m": width.at(seconds),
+                "height_m": height.at(seconds),
+            }),
+            LightKind::Spot { outer_angle, blend, radius } => json!({
                 "kind": "spot",
                 "world": world,
                 "intensity_w_per_sr": power,
                 "outer_rad": outer_angle.at(seconds),
                 "blend": blend.at(seconds),
+                "radius_m": radius.at(seconds),
             }),
         };
         (light.name.as_str(), described)

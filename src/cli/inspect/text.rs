@@ -3,7 +3,7 @@
 
 use super::super::pass_names;
 use super::Inspected;
-use crate::scene::{Lens, LightKind, Scene};
+use crate::scene::{AreaShape, Lens, Light, LightKind, Scene};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -92,26 +92,17 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         writeln!(out, "    camera   `{}` at {place:.3}, vertical field of view {angle:.3} deg", camera.name)?;
     }
     for light in &scene.lights {
-        let power = light.power.at(time_s);
         let world = placements[light.node].world_from_node;
         let (beam, place) = ((-world.matrix3.z_axis).normalize_or_zero(), world.translation);
-        let photometric = power.max_element() * LUMENS_PER_WATT;
+        write!(out, "    {:<8} `{}` ", kind(&light.kind), light.name)?;
         match &light.kind {
-            LightKind::Sun => writeln!(
-                out,
-                "    sun      `{}` along {beam:.3}: {} W/m2 (brightest channel {photometric:.1} lux)",
-                light.name,
-                color(power)
-            )?,
-            LightKind::Point | LightKind::Spot { .. } => writeln!(
-                out,
-                "    {}    `{}` at {place:.3}: {} W/sr (brightest channel {photometric:.1} cd, {:.3} W to all sides)",
-                if matches!(light.kind, LightKind::Point) { "point" } else { "spot " },
-                light.name,
-                color(power),
-                4.0 * PI * power.max_element()
-            )?,
+            LightKind::Sun | LightKind::SunDisc(_) => write!(out, "along {beam:.3}")?,
+            LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
+                write!(out, "at {place:.3}")?;
+            }
+            LightKind::Area { .. } => write!(out, "at {place:.3} along {beam:.3}")?,
         }
+        writeln!(out, ": {}", brightness(light, time_s))?;
     }
     for fog in &scene.fogs {
         let world = placements[fog.node].world_from_node;
@@ -174,5 +165,47 @@ fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
     match skips.is_empty() {
         true => writeln!(out, "  skipped    nothing"),
         false => writeln!(out, "  skipped    {}", skips.join("; ")),
+    }
+}
+
+fn kind(kind: &LightKind) -> &'static str {
+    match kind {
+        LightKind::Sun | LightKind::SunDisc(_) => "sun",
+        LightKind::Point => "point",
+        LightKind::Sphere { .. } => "sphere",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Area { shape: AreaShape::Rectangle, .. } => "rect",
+        LightKind::Area { shape: AreaShape::Ellipse, .. } => "ellipse",
+    }
+}
+
+/// How bright and how large a light is.
+fn brightness(light: &Light, time_s: f64) -> String {
+    let power = light.power.at(time_s);
+    let brightest = power.max_element();
+    let photometric = brightest * LUMENS_PER_WATT;
+    let radius = |radius: f64| if radius > 0.0 { format!(", radius {radius:.4} m") } else { String::new() };
+    let of_point = |size: f64| {
+        format!(
+            "{} W/sr (brightest channel {photometric:.1} cd, {:.3} W to all sides){}",
+            color(power),
+            4.0 * PI * brightest,
+            radius(size)
+        )
+    };
+    let of_sun = format!("{} W/m2 (brightest channel {photometric:.1} lux)", color(power));
+    match &light.kind {
+        LightKind::Sun => of_sun,
+        LightKind::SunDisc(disc) => {
+            format!("{of_sun}, a disc of {:.4} deg", disc.angular_diameter.at(time_s).to_degrees())
+        }
+        LightKind::Point => of_point(0.0),
+        LightKind::Sphere { radius } | LightKind::Spot { radius, .. } => of_point(radius.at(time_s)),
+        LightKind::Area { width, height, .. } => format!(
+            "{} W (brightest channel {photometric:.1} lm) from {:.4} x {:.4} m",
+            color(power),
+            width.at(time_s),
+            height.at(time_s)
+        ),
     }
 }

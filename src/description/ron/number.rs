@@ -40,6 +40,9 @@ pub enum Degrees {}
 /// A whole field of view in degrees: between 0 and 180, both excluded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FieldOfView {}
+/// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DiscAngle {}
 /// Half the opening of a cone in degrees: more than 0, at most 90.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HalfAngle {}
@@ -92,6 +95,14 @@ impl Range for FieldOfView {
     const UNIT: f64 = Degrees::UNIT;
     fn contains(value: f64) -> bool {
         0.0 < value && value < 180.0
+    }
+}
+
+impl Range for DiscAngle {
+    const EXPECTED: &'static str = "an angle of at least 0 and less than 180 degrees";
+    const UNIT: f64 = Degrees::UNIT;
+    fn contains(value: f64) -> bool {
+        (0.0..180.0).contains(&value)
     }
 }
 

@@ -5,8 +5,8 @@ use super::keyed::Keyed;
 use super::leaves::Leaves;
 use super::named::Named;
 use super::number::{
-    Anisotropy, Degrees, Direction, FieldOfView, Finite, HalfAngle, NonNegative, Number, Point, Positive,
-    Quaternion, Triple, UnitInterval, Vector,
+    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, NonNegative, Number, Point,
+    Positive, Quaternion, Triple, UnitInterval, Vector,
 };
 use super::version::Version;
 use glam::DVec3;
@@ -149,7 +149,7 @@ pub struct Camera {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Light {
-    /// Parallel light from infinitely far away.
+    /// Light from infinitely far away.
     Sun {
         /// Name of the object whose rotation the light follows.
         parent: Option<String>,
@@ -159,17 +159,23 @@ pub enum Light {
         to_sun: Option<Keyed<Direction>>,
         /// On a plane perpendicular to the light.
         irradiance_w_per_m2: Keyed<Triple<NonNegative>>,
+        /// The whole angle under which its disc is seen; 0 is parallel light.
+        #[serde(default = "no_disc")]
+        angular_diameter_deg: Keyed<Number<DiscAngle>>,
     },
-    /// Light from a point to all sides.
+    /// Light from a point or sphere to all sides.
     Point {
         /// Name of the object that the light follows.
         parent: Option<String>,
         /// Where it is in its parent's space.
         position_m: Keyed<Point>,
-        /// In every direction.
+        /// In every direction, seen from afar.
         intensity_w_per_sr: Keyed<Triple<NonNegative>>,
+        /// Of the sphere that shines; 0 is a point.
+        #[serde(default = "no_extent")]
+        radius_m: Keyed<Number<NonNegative>>,
     },
-    /// Light from a point into a cone.
+    /// Light from a point or sphere into a cone.
     Spot {
         /// Name of the object that the light follows.
         parent: Option<String>,
@@ -182,8 +188,42 @@ pub enum Light {
         /// Softness of the edge, as in Blender.
         #[serde(default = "soft_edge")]
         blend: Keyed<Number<UnitInterval>>,
-        /// On the axis.
+        /// On the axis, seen from afar.
         intensity_w_per_sr: Keyed<Triple<NonNegative>>,
+        /// Of the sphere that shines; 0 is a point.
+        #[serde(default = "no_extent")]
+        radius_m: Keyed<Number<NonNegative>>,
+    },
+    /// A flat rectangle that shines from one side.
+    Rectangle {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where its middle is in its parent's space.
+        position_m: Keyed<Point>,
+        /// Where it faces.
+        target_m: Keyed<Point>,
+        /// The way its height goes.
+        #[serde(default = "up")]
+        up: Direction,
+        /// Across.
+        width_m: Keyed<Number<Positive>>,
+        /// Along `up`.
+        height_m: Keyed<Number<Positive>>,
+        /// All light that it emits.
+        power_w: Keyed<Triple<NonNegative>>,
+    },
+    /// A flat disc that shines from one side.
+    Disc {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where its middle is in its parent's space.
+        position_m: Keyed<Point>,
+        /// Where it faces.
+        target_m: Keyed<Point>,
+        /// Of the disc.
+        diameter_m: Keyed<Number<Positive>>,
+        /// All light that it emits.
+        power_w: Keyed<Triple<NonNegative>>,
     },
 }
 
@@ -237,6 +277,14 @@ fn up() -> Direction {
 
 fn normal_lens() -> Keyed<Number<FieldOfView>> {
     Keyed::Plain(Number::new(45.0))
+}
+
+fn no_disc() -> Keyed<Number<DiscAngle>> {
+    Keyed::Plain(Number::new(0.0))
+}
+
+fn no_extent() -> Keyed<Number<NonNegative>> {
+    Keyed::Plain(Number::new(0.0))
 }
 
 fn soft_edge() -> Keyed<Number<UnitInterval>> {

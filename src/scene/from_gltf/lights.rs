@@ -65,6 +65,7 @@ impl Builder<'_> {
             gltf::LightKind::Spot { inner_angle, outer_angle } => LightKind::Spot {
                 outer_angle: Track::from(outer_angle),
                 blend: Track::from(1.0 - inner_angle / outer_angle),
+                radius: Track::from(0.0),
             },
         };
         let name = self.scene.nodes[node].name.clone();

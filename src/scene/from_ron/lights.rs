@@ -2,8 +2,8 @@
 //! never where it points.
 
 use super::{Resolver, track};
-use crate::description::ron::{self, Keyed, NonNegative, Point, Triple};
-use crate::scene::{Light, LightKind, Motion, Rotation, Track};
+use crate::description::ron::{self, Keyable, Keyed, Point};
+use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, SunDisc, Track};
 use glam::{DQuat, DVec3};
 
 impl Resolver<'_> {
@@ -12,32 +12,66 @@ impl Resolver<'_> {
         for (name, light) in self.file.lights.iter() {
             let owner = format!("lights.{name}");
             let (parent, motion, power, kind) = match light {
-                ron::Light::Sun { parent, direction, to_sun, irradiance_w_per_m2 } => (
-                    parent,
-                    self.sun_motion(&owner, direction.as_ref(), to_sun.as_ref()),
-                    self.power(&owner, "irradiance_w_per_m2", irradiance_w_per_m2),
-                    Some(LightKind::Sun),
-                ),
-                ron::Light::Point { parent, position_m, intensity_w_per_sr } => {
-                    let position = track(position_m, &format!("{owner}.position_m"), &mut self.problems);
+                ron::Light::Sun { parent, direction, to_sun, irradiance_w_per_m2, angular_diameter_deg } => {
+                    let diameter = self.keyed(&owner, "angular_diameter_deg", angular_diameter_deg);
+                    (
+                        parent,
+                        self.sun_motion(&owner, direction.as_ref(), to_sun.as_ref()),
+                        self.keyed(&owner, "irradiance_w_per_m2", irradiance_w_per_m2),
+                        diameter.map(sun),
+                    )
+                }
+                ron::Light::Point { parent, position_m, intensity_w_per_sr, radius_m } => {
+                    let position = self.keyed(&owner, "position_m", position_m);
                     let motion = position.map(|translation| Motion::Keyed {
                         translation,
                         rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
                         scale: DVec3::ONE.into(),
                     });
-                    let power = self.power(&owner, "intensity_w_per_sr", intensity_w_per_sr);
-                    (parent, motion, power, Some(LightKind::Point))
+                    let power = self.keyed(&owner, "intensity_w_per_sr", intensity_w_per_sr);
+                    (parent, motion, power, self.keyed(&owner, "radius_m", radius_m).map(point))
                 }
-                ron::Light::Spot { parent, position_m, target_m, outer_deg, blend, intensity_w_per_sr } => {
-                    let outer_angle = track(outer_deg, &format!("{owner}.outer_deg"), &mut self.problems);
-                    let blend = track(blend, &format!("{owner}.blend"), &mut self.problems);
+                ron::Light::Spot {
+                    parent,
+                    position_m,
+                    target_m,
+                    outer_deg,
+                    blend,
+                    intensity_w_per_sr,
+                    radius_m,
+                } => {
+                    let outer_angle = self.keyed(&owner, "outer_deg", outer_deg);
+                    let blend = self.keyed(&owner, "blend", blend);
+                    let radius = self.keyed(&owner, "radius_m", radius_m);
                     let kind = outer_angle
                         .zip(blend)
-                        .map(|(outer_angle, blend)| LightKind::Spot { outer_angle, blend });
+                        .zip(radius)
+                        .map(|((outer_angle, blend), radius)| LightKind::Spot { outer_angle, blend, radius });
                     // What is up does not show in a cone of light.
                     let motion =
                         self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), DVec3::Y);
-                    (parent, motion, self.power(&owner, "intensity_w_per_sr", intensity_w_per_sr), kind)
+                    (parent, motion, self.keyed(&owner, "intensity_w_per_sr", intensity_w_per_sr), kind)
+                }
+                ron::Light::Rectangle { parent, position_m, target_m, up, width_m, height_m, power_w } => {
+                    let width = self.keyed(&owner, "width_m", width_m);
+                    let height = self.keyed(&owner, "height_m", height_m);
+                    let shape = AreaShape::Rectangle;
+                    let kind =
+                        width.zip(height).map(|(width, height)| LightKind::Area { shape, width, height });
+                    let up = up.0.normalize();
+                    let motion = self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), up);
+                    (parent, motion, self.keyed(&owner, "power_w", power_w), kind)
+                }
+                ron::Light::Disc { parent, position_m, target_m, diameter_m, power_w } => {
+                    let shape = AreaShape::Ellipse;
+                    let kind = self.keyed(&owner, "diameter_m", diameter_m).map(|diameter| LightKind::Area {
+                        shape,
+                        width: diameter.clone(),
+                        height: diameter,
+                    });
+                    let motion =
+                        self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), DVec3::Y);
+                    (parent, motion, self.keyed(&owner, "power_w", power_w), kind)
                 }
             };
             let parent = self.parent(&owner, parent.as_deref());
@@ -48,8 +82,14 @@ impl Resolver<'_> {
         }
     }
 
-    fn power(&mut self, owner: &str, name: &str, power: &Keyed<Triple<NonNegative>>) -> Option<Track<DVec3>> {
-        track(power, &format!("{owner}.{name}"), &mut self.problems)
+    /// The track of a light's field.
+    fn keyed<T: Keyable<Si: Animate>>(
+        &mut self,
+        owner: &str,
+        name: &str,
+        value: &Keyed<T>,
+    ) -> Option<Track<T::Si>> {
+        track(value, &format!("{owner}.{name}"), &mut self.problems)
     }
 
     /// The sun shines from where `position` is to where `target` is; only the direction counts.
@@ -102,4 +142,22 @@ impl Resolver<'_> {
         }
         Some(Motion::Aimed { position, target, up })
     }
+}
+
+/// A sun of that size.
+fn sun(angular_diameter: Track<f64>) -> LightKind {
+    if is_always_zero(&angular_diameter) {
+        LightKind::Sun
+    } else {
+        LightKind::SunDisc(SunDisc { angular_diameter })
+    }
+}
+
+/// A point, or a sphere of that radius.
+fn point(radius: Track<f64>) -> LightKind {
+    if is_always_zero(&radius) { LightKind::Point } else { LightKind::Sphere { radius } }
+}
+
+fn is_always_zero(size: &Track<f64>) -> bool {
+    size.is_constant() && size.at(0.0) == 0.0
 }

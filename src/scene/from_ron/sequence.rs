@@ -3,7 +3,7 @@
 use super::problems::Problems;
 use crate::description::ron::{self, Frames, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Animate, Extend, FrameRate, LightKind, Motion, Pass, RenderSettings, Rotation, Scene};
+use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rotation, Scene};
 use crate::scene::{Lens, Size, Track};
 use std::collections::BTreeMap;
 
@@ -103,9 +103,8 @@ impl KeyTimes {
         }
         for light in &scene.lights {
             times.add(&light.power);
-            if let LightKind::Spot { outer_angle, blend } = &light.kind {
-                times.add(outer_angle);
-                times.add(blend);
+            for number in light.kind.numbers() {
+                times.add(number);
             }
         }
         for fog in &scene.fogs {

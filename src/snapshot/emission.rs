@@ -1,0 +1,149 @@
+//! How a light without extent spreads its intensity over directions, and where a ray enters and
+//! leaves what it lights. Invariant: between the crossings named here the share that reaches a ray is
+//! either nothing all along, or smooth.
+
+use crate::math::Ray;
+use glam::DVec3;
+
+/// The share of the greatest intensity that goes each way.
+#[derive(Clone, Copy, Debug)]
+pub enum Emission {
+    /// All of it, everywhere.
+    Even,
+    /// Within a soft-edged cone.
+    Spot(Cone),
+    /// From one side of a flat piece of surface of the same radiance everywhere: the cosine of the
+    /// angle to its normal (Lambert).
+    Flat {
+        /// Unit vector, to the side that shines.
+        normal: DVec3,
+    },
+}
+
+/// The soft-edged cone of a spot.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// Unit vector along the beam.
+    pub axis: DVec3,
+    /// Beyond this there is no light.
+    pub cos_outer: f64,
+    /// Within this there is all of it.
+    pub cos_inner: f64,
+}
+
+impl Emission {
+    /// The share that goes along a unit vector.
+    pub fn share(&self, away: DVec3) -> f64 {
+        match self {
+            Self::Even => 1.0,
+            Self::Spot(cone) => cone.falloff(away.dot(cone.axis)),
+            Self::Flat { normal } => away.dot(*normal).max(0.0),
+        }
+    }
+
+    /// Whether any light goes along a vector, of any length.
+    pub fn reaches(&self, away: DVec3) -> bool {
+        match self {
+            Self::Even => true,
+            Self::Spot(cone) => away.dot(cone.axis) >= cone.cos_outer * away.length(),
+            Self::Flat { normal } => away.dot(*normal) > 0.0,
+        }
+    }
+
+    /// Every `t` at which a ray may enter or leave what the light at `position` reaches, in order.
+    pub fn borders(&self, ray: &Ray, position: DVec3) -> [Option<f64>; 2] {
+        match self {
+            Self::Even => [None, None],
+            Self::Spot(cone) => cone.crossings(cone.cos_outer, ray, position),
+            Self::Flat { normal } => {
+                let t = (position - ray.origin).dot(*normal) / ray.direction.dot(*normal);
+                [t.is_finite().then_some(t), None]
+            }
+        }
+    }
+
+    /// Every `t` within what is lit at which the share of the light is not smooth, in order.
+    pub fn kinks(&self, ray: &Ray, position: DVec3) -> [Option<f64>; 2] {
+        match self {
+            Self::Even | Self::Flat { .. } => [None, None],
+            Self::Spot(cone) => cone.crossings(cone.cos_inner, ray, position),
+        }
+    }
+}
+
+impl Cone {
+    /// The share of the intensity at an angle from the axis, as Cycles does it:
+    /// `smoothstep((cos - cos_outer) / ((1 - cos_outer) * blend))`.
+    pub fn falloff(&self, cos_angle: f64) -> f64 {
+        let width = self.cos_inner - self.cos_outer;
+        if width <= 0.0 {
+            return if cos_angle >= self.cos_outer { 1.0 } else { 0.0 };
+        }
+        let x = ((cos_angle - self.cos_outer) / width).clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    }
+
+    /// Where a ray crosses the double cone of another angle about the same axis, in order.
+    ///
+    /// With `x(t) = ray.at(t) - apex` its surface is `(x . axis)^2 = cos^2 |x|^2`, a quadratic in `t`.
+    fn crossings(&self, cos: f64, ray: &Ray, apex: DVec3) -> [Option<f64>; 2] {
+        let x = ray.origin - apex;
+        let (da, xa) = (ray.direction.dot(self.axis), x.dot(self.axis));
+        let a = da * da - cos * cos;
+        let half_b = da * xa - cos * cos * x.dot(ray.direction);
+        let c = xa * xa - cos * cos * x.length_squared();
+        let discriminant = half_b * half_b - a * c;
+        if discriminant <= 0.0 {
+            return [None, None];
+        }
+        // The stable form of the quadratic's roots (Press et al., Numerical Recipes, section 5.6).
+        let q = -(half_b + discriminant.sqrt().copysign(half_b));
+        let (first, second) = (q / a, c / q);
+        let finite = |t: f64| t.is_finite().then_some(t);
+        if first < second { [finite(first), finite(second)] } else { [finite(second), finite(first)] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn falloff_is_a_smoothstep_between_the_cones() {
+        let cone = Cone { axis: DVec3::NEG_Z, cos_outer: 0.5, cos_inner: 0.7 };
+        assert_eq!(cone.falloff(0.4), 0.0);
+        assert_eq!(cone.falloff(0.9), 1.0);
+        assert!((cone.falloff(0.6) - 0.5).abs() < 1e-15);
+    }
+
+    proptest! {
+        /// Between two borders nothing changes: all of it is reached, or none.
+        #[test]
+        fn light_begins_and_ends_at_the_borders(
+            x in prop::array::uniform3(-2.0..2.0_f64), d in prop::array::uniform3(-1.0..1.0_f64),
+            n in prop::array::uniform3(-1.0..1.0_f64), angle in 0.05..1.5_f64, u in 0.001..0.999_f64, v in 0.001..0.999_f64
+        ) {
+            let (Some(direction), Some(axis)) = (DVec3::from(d).try_normalize(), DVec3::from(n).try_normalize()) else {
+                return Ok(());
+            };
+            let ray = Ray { origin: DVec3::from(x), direction };
+            let spot = Emission::Spot(Cone { axis, cos_outer: angle.cos(), cos_inner: 1.0 });
+            for emission in [spot, Emission::Flat { normal: axis }, Emission::Even] {
+                let mut start = -50.0;
+                for end in emission.borders(&ray, DVec3::ZERO).into_iter().flatten().chain([50.0]) {
+                    let end = end.clamp(start, 50.0);
+                    if end - start > 1e-6 {
+                        let reached = |u: f64| {
+                            let away = ray.at(start + u * (end - start));
+                            (emission.reaches(away), emission.share(away.normalize()) > 0.0)
+                        };
+                        prop_assert_eq!(reached(u).0, reached(v).0, "{:?} from {} to {}", emission, start, end);
+                        prop_assert_eq!(reached(u).0, reached(u).1);
+                    }
+                    start = end;
+                }
+            }
+        }
+    }
+}
