@@ -11,7 +11,7 @@ use sunfleck::description::{self, Description, Files, SceneSource, gltf};
 use sunfleck::scene;
 
 /// File and what its message must hold.
-const CASES: [(&str, &str); 85] = [
+const CASES: [(&str, &str); 94] = [
     (
         "accessor_beyond_view.gltf",
         "accessors[0].count: error: 4 elements, 12 bytes apart, from byte 0 on reach beyond the 36 bytes",
@@ -75,6 +75,18 @@ const CASES: [(&str, &str); 85] = [
     ("json_negative_index.gltf", "nodes[1].mesh: error: invalid value: integer `-1`"),
     ("json_type.gltf", "nodes[1].mesh: error: invalid type: string \"leaf\""),
     ("leaf_id_negative.gltf", "nodes[1].extras.leaf_id: error: -4 is no leaf id"),
+    (
+        "light_area_and_spot.gltf",
+        "sunfleck_light.type: error: the node is an area light and has another light as well",
+    ),
+    ("light_area_shape_unknown.gltf", "sunfleck_light.shape: error: `star` is no shape of light"),
+    ("light_area_size_text.gltf", "sunfleck_light.size: error: neither a number nor two, width and height"),
+    ("light_area_size_zero.gltf", "sunfleck_light.size: error: the size is 0"),
+    ("light_area_without_power.gltf", "sunfleck_light: error: the area light has no power"),
+    ("light_area_without_size.gltf", "sunfleck_light: error: the area light has no size"),
+    ("light_power_negative.gltf", "sunfleck_light.power_w: error: -1 W times [1, 1, 1] is no power"),
+    ("light_radius_negative.gltf", "nodes[3].extras.sunfleck_light.radius: error: the radius is -0.1"),
+    ("light_sun_angle_pi.gltf", "nodes[3].extras.sunfleck_light.angle: error: the angle is 3.2"),
     ("light_intensity_negative.gltf", "lights[0].intensity: error: the intensity is -1"),
     ("light_missing.gltf", "KHR_lights_punctual.light: error: light 8 does not exist"),
     ("light_spot_angles.gltf", "lights[0].spot: error: the cone's angles are 1 and 0.5"),

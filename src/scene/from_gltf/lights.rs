@@ -2,12 +2,11 @@
 //! lux or candela, the convention of Blender's exporter.
 
 use super::Builder;
-use super::extras;
+use super::light_extras::LightExtras;
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Light, LightKind, LightUnits, NodeIndex, Track};
-use serde_json::Value;
 use std::f64::consts::PI;
 
 /// Luminous efficacy of 555 nm light, lm/W, which Blender's exporter applies to all light.
@@ -20,10 +19,13 @@ impl Builder<'_> {
         let mut any = false;
         for (index, node) in self.source.nodes.iter().enumerate() {
             let Some(number) = self.node_numbers[index] else { continue };
-            self.report_light_extras(index, node);
+            let extras = self.light_extras(index, node);
+            let path = format!("nodes[{index}].extras.sunfleck_light");
             if let Some(light) = node.light {
                 any = true;
-                self.add_light(&self.source.lights[light], number, units);
+                self.add_light(&self.source.lights[light], number, units, extras.as_ref(), &path);
+            } else if let Some(extras) = extras {
+                self.add_area_light(&node.name, number, &extras, &path);
             }
         }
         if any && asked.is_none() && in_extras.is_none() {
@@ -50,7 +52,14 @@ impl Builder<'_> {
         })
     }
 
-    fn add_light(&mut self, light: &gltf::Light, node: NodeIndex, units: LightUnits) {
+    fn add_light(
+        &mut self,
+        light: &gltf::Light,
+        node: NodeIndex,
+        units: LightUnits,
+        extras: Option<&LightExtras>,
+        path: &str,
+    ) {
         if light.range_m.is_some() {
             self.report.not_honoured("a light's range is not honoured, it shines without limit", &light.name);
         }
@@ -68,32 +77,12 @@ impl Builder<'_> {
                 radius: Track::from(0.0),
             },
         };
+        let kind = match extras {
+            Some(extras) => self.extend(kind, extras, path),
+            None => kind,
+        };
         let name = self.scene.nodes[node].name.clone();
         self.scene.lights.push(Light { name, node, power: Track::from(power), kind });
-    }
-
-    fn report_light_extras(&mut self, index: usize, node: &gltf::Node) {
-        let path = format!("nodes[{index}]");
-        let Some(extras) = extras::read::<Value>(&node.extras, "sunfleck_light", &path, &mut self.report)
-        else {
-            return;
-        };
-        let size = |name: &str| extras.get(name).and_then(Value::as_f64).is_some_and(|size| size > 0.0);
-        let asked = [
-            (
-                extras.get("type").is_some_and(|kind| kind == "area"),
-                "area lights are not yet honoured, they are left out",
-            ),
-            (size("angle"), "a sun's angle is not yet honoured, its light is parallel"),
-            (size("radius"), "a light's radius is not yet honoured, it is a point"),
-            (
-                extras.get("casts_shafts").is_some_and(|casts| casts == false),
-                "lights that cast no shafts are not honoured, they cast them",
-            ),
-        ];
-        for (_, message) in asked.iter().filter(|(asked, _)| *asked) {
-            self.report.not_honoured(message, &node.name);
-        }
     }
 }
 

@@ -5,6 +5,7 @@ mod cameras;
 mod clock;
 mod extras;
 mod fog;
+mod light_extras;
 mod lights;
 mod meshes;
 mod nodes;

@@ -1,0 +1,165 @@
+//! What `sunfleck_light` says of a light: its size, and all of an area light, neither of which glTF
+//! knows. In go the custom property and the light that glTF has, out comes the light it really is.
+//! Invariant: sizes are finite and in range; what is not is an error at its own JSON path.
+
+use super::Builder;
+use super::extras::{self, Channels};
+use crate::color::Rgb;
+use crate::description::gltf;
+use crate::scene::{AreaShape, Light, LightKind, NodeIndex, SunDisc, Track};
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_4, PI};
+
+/// `sunfleck_light` of a node. Angles in radians, as Blender's Python has them.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct LightExtras {
+    /// Of a sun: the whole angle of its disc.
+    angle: Option<f64>,
+    /// Of a point or spot, metres.
+    radius: Option<f64>,
+    /// `area` makes a light of a node that has none.
+    #[serde(rename = "type")]
+    kind: Option<String>,
+    shape: Option<String>,
+    /// Of an area light, metres before the node's scale.
+    size: Option<Size>,
+    /// Of an area light, Blender's watts; those of other lights stand in the light itself.
+    power_w: Option<f64>,
+    color: Option<Channels>,
+    /// Of an area light's beam.
+    spread: Option<f64>,
+    casts_shafts: Option<bool>,
+    #[serde(flatten)]
+    unknown: BTreeMap<String, Value>,
+}
+
+/// One number for both, or width and height.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "neither a number nor two, width and height")]
+enum Size {
+    Square(f64),
+    Each([f64; 2]),
+}
+
+/// Sizes beyond this are refused, as everywhere in our own format.
+const LARGEST_M: f64 = 1e15;
+
+impl Builder<'_> {
+    /// Reads `sunfleck_light` of a node.
+    pub(super) fn light_extras(&mut self, index: usize, node: &gltf::Node) -> Option<LightExtras> {
+        let path = format!("nodes[{index}]");
+        let extras: LightExtras = extras::read(&node.extras, "sunfleck_light", &path, &mut self.report)?;
+        // A sun's strength stands in the light itself; Blender's own number beside it is for people.
+        for field in extras.unknown.keys().filter(|field| *field != "strength_w_m2") {
+            let field = format!("{path}.extras.sunfleck_light.{field}");
+            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+        }
+        if extras.casts_shafts == Some(false) {
+            let message = "lights that cast no shafts are not honoured, they cast them";
+            self.report.not_honoured(message, &node.name);
+        }
+        Some(extras)
+    }
+
+    /// Gives a light of glTF the size that its node's property says.
+    pub(super) fn extend(&mut self, kind: LightKind, extras: &LightExtras, path: &str) -> LightKind {
+        if extras.kind.as_deref() == Some("area") {
+            let found = "the node is an area light and has another light as well";
+            self.report.error(format!("{path}.type"), found, "one light a node");
+        }
+        let angle = extras.angle.filter(|angle| {
+            self.is_in_range(path, "angle", *angle, 0.0..PI, "radians, at least 0 and less than pi")
+        });
+        let radius = extras
+            .radius
+            .filter(|radius| self.is_in_range(path, "radius", *radius, 0.0..LARGEST_M, "metres, at least 0"));
+        let is_sun = matches!(kind, LightKind::Sun);
+        if if is_sun { radius.is_some() } else { angle.is_some() } {
+            let message =
+                "`angle` is a size of suns and `radius` one of points and spots, others are passed over";
+            self.report.not_honoured(message, path);
+        }
+        match (kind, angle, radius) {
+            (LightKind::Sun, Some(angle), _) if angle > 0.0 => {
+                LightKind::SunDisc(SunDisc { angular_diameter: Track::from(angle) })
+            }
+            (LightKind::Point, _, Some(radius)) if radius > 0.0 => {
+                LightKind::Sphere { radius: Track::from(radius) }
+            }
+            (LightKind::Spot { outer_angle, blend, .. }, _, Some(radius)) => {
+                LightKind::Spot { outer_angle, blend, radius: Track::from(radius) }
+            }
+            (kind, ..) => kind,
+        }
+    }
+
+    /// Adds the area light that a node without a light of glTF describes.
+    pub(super) fn add_area_light(&mut self, name: &str, node: NodeIndex, extras: &LightExtras, path: &str) {
+        if extras.kind.as_deref() != Some("area") {
+            self.report.not_honoured(
+                "`sunfleck_light` describes a light that the file does not hold, it is left out",
+                name,
+            );
+            return;
+        }
+        let shape = match extras.shape.as_deref().map(str::to_lowercase).as_deref() {
+            None | Some("rectangle" | "square") => AreaShape::Rectangle,
+            Some("disk" | "disc" | "ellipse") => AreaShape::Ellipse,
+            Some(other) => {
+                let found = format!("`{other}` is no shape of light");
+                self.report.error(format!("{path}.shape"), found, "square, rectangle, disk or ellipse");
+                return;
+            }
+        };
+        let [width, height] = match extras.size {
+            Some(Size::Square(size)) => [size; 2],
+            Some(Size::Each(sizes)) => sizes,
+            None => {
+                let found = "the area light has no size";
+                self.report.error(path, found, "`size`: width and height in metres");
+                return;
+            }
+        };
+        for size in [width, height] {
+            self.is_in_range(path, "size", size, f64::MIN_POSITIVE..LARGEST_M, "metres, more than 0");
+        }
+        let color = extras.color.map_or(Rgb::ONE, Rgb::from);
+        let Some(power_w) = extras.power_w else {
+            self.report.error(path, "the area light has no power", "`power_w`: Blender's watts");
+            return;
+        };
+        let power = color * power_w * EMITTED_PER_BLENDER_WATT;
+        if !power.is_finite() || power.min_element() < 0.0 {
+            let found = format!("{power_w} W times {color} is no power");
+            self.report.error(format!("{path}.power_w"), found, "finite numbers of at least 0");
+        }
+        if extras.spread.is_some_and(|spread| spread < PI) {
+            let message = "an area light's spread is not honoured, it shines to all of its side";
+            self.report.not_honoured(message, name);
+        }
+        let kind = LightKind::Area { shape, width: Track::from(width), height: Track::from(height) };
+        self.scene.lights.push(Light { name: name.to_owned(), node, power: Track::from(power), kind });
+    }
+
+    fn is_in_range(
+        &mut self,
+        path: &str,
+        field: &str,
+        value: f64,
+        range: std::ops::Range<f64>,
+        expected: &str,
+    ) -> bool {
+        let is_in_range = range.contains(&value);
+        if !is_in_range {
+            self.report.error(format!("{path}.{field}"), format!("the {field} is {value}"), expected);
+        }
+        is_in_range
+    }
+}
+
+/// Of one of its watts Blender gives an area light the radiance `1 / (4 area)` (Cycles,
+/// `kernel/light/area.h`, `eval_fac`), which is pi / 4 of light.
+const EMITTED_PER_BLENDER_WATT: f64 = FRAC_PI_4;
