@@ -12,7 +12,7 @@
 //! 7. [`film`] turns samples into pixels and passes.
 //! 8. [`render`] is the one loop that joins transport and film.
 //! 9. [`frame_file`] writes a film as EXR, whole or not at all.
-//! 10. [`sequence`] decides which frames; [`cli`] is what a user types.
+//! 10. [`sequence`] decides which frames, [`bench`] measures error against time; [`cli`] is what a user types.
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 //!
@@ -62,6 +62,7 @@
 //! *Exact* means that visibility is found from the geometry in closed form (docs/decisions/exactness.md).
 
 pub mod accel;
+pub mod bench;
 pub mod cli;
 pub mod color;
 pub mod description;

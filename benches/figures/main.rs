@@ -1,7 +1,6 @@
 //! Figures that the documents quote: `cargo bench --bench figures -- <figure> [count]`.
 #![allow(missing_docs, unreachable_pub, clippy::print_stdout, clippy::print_stderr, clippy::unwrap_used)]
 
-mod brute_force;
 mod inputs;
 mod leaks;
 mod lit_segments;

@@ -18,6 +18,8 @@ pub(super) enum Command {
     Render(RenderArguments),
     /// Say what an input holds, and what of it is not honoured.
     Inspect(InspectArguments),
+    /// Measure what error each method reaches in which time.
+    Bench(BenchArguments),
     /// Compare two EXR frames.
     Diff(DiffArguments),
     /// Print a completion script for a shell.
@@ -100,6 +102,57 @@ pub(super) struct InspectArguments {
 }
 
 #[derive(Args, Debug)]
+pub(super) struct BenchArguments {
+    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    pub(super) input: PathBuf,
+    /// Which frame [default: the first].
+    #[arg(long, allow_negative_numbers = true)]
+    pub(super) frame: Option<i64>,
+    /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270, with --quick 240x135].
+    #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
+    pub(super) size: Option<SizeArgument>,
+    /// Name of the camera [default: the sequence's, else the first].
+    #[arg(long)]
+    pub(super) camera: Option<String>,
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
+    /// Which methods.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "all")]
+    pub(super) methods: Vec<MethodArgument>,
+    /// How often each point is measured; the least time counts [default: 3, with --quick 2].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100), value_name = "N", allow_negative_numbers = true)]
+    pub(super) rounds: Option<u32>,
+    /// A method takes no more effort than fits into so many seconds [default: 8, with --quick 0.5].
+    #[arg(long, value_parser = parse_seconds, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(super) longest: Option<f64>,
+    /// Samples a pixel of the reference [default: 256, with --quick 32].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(4..=65536), value_name = "N", allow_negative_numbers = true)]
+    pub(super) reference_samples: Option<u32>,
+    /// Measure against this picture instead of rendering a reference.
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "reference_samples")]
+    pub(super) reference: Option<PathBuf>,
+    /// That picture's own noise (root mean square of its standard error).
+    #[arg(long, value_parser = parse_noise, value_name = "X", requires = "reference", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(super) reference_noise: f64,
+    /// Points of other renderers to show beside: a CSV file.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(super) peers: Option<PathBuf>,
+    /// Where the points go as CSV [default: out/bench/NAME.csv].
+    #[arg(long, value_name = "FILE")]
+    pub(super) csv: Option<PathBuf>,
+    /// Where the plot goes as SVG [default: out/bench/NAME.svg].
+    #[arg(long, value_name = "FILE")]
+    pub(super) svg: Option<PathBuf>,
+    /// Less of everything: a first look.
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Threads for the reference; what is timed has one [default: all cores].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
+    pub(super) threads: Option<u32>,
+}
+
+#[derive(Args, Debug)]
 pub(super) struct DiffArguments {
     /// The frame to judge.
     pub(super) output: PathBuf,
@@ -138,6 +191,18 @@ pub(super) enum Volume {
     March,
     /// Shadow rays at points spread over the angle seen from the light.
     Equiangular,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum MethodArgument {
+    All,
+    /// Every pixel against every triangle at every step; a part of the picture is measured.
+    Literal,
+    March,
+    MarchJittered,
+    Equiangular,
+    Segments,
+    Slices,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -253,6 +318,20 @@ fn parse_frame(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(frame) if frame.abs() <= FARTHEST_FRAME => Ok(frame),
         _ => Err("expected a frame such as 12 or 12.5, or several separated by commas".into()),
+    }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e6 => Ok(seconds),
+        _ => Err("expected seconds, more than 0 and at most 1000000, such as 8 or 0.5".into()),
+    }
+}
+
+fn parse_noise(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(noise) if noise >= 0.0 && noise.is_finite() => Ok(noise),
+        _ => Err("expected the root mean square of a standard error, 0 or more, such as 0.0014".into()),
     }
 }
 

@@ -2,6 +2,7 @@
 //! remedy on the error stream, and has the exit code of its kind.
 
 mod arguments;
+mod bench;
 mod diff;
 mod error;
 mod inspect;
@@ -29,6 +30,7 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Completions { shell } => {
             let mut command = Arguments::command();

@@ -135,7 +135,7 @@ fn find_output(out: Option<&Path>, name: &str, frames: &FrameList) -> Result<Out
     Ok(pattern)
 }
 
-fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliError> {
+pub(super) fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliError> {
     match argument {
         SizeArgument::Pixels(size) => Ok(size),
         SizeArgument::Percent(percent) => {
@@ -149,7 +149,7 @@ fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliError> {
     }
 }
 
-fn find_camera(scene: &Scene, name: Option<&str>) -> Result<usize, CliError> {
+pub(super) fn find_camera(scene: &Scene, name: Option<&str>) -> Result<usize, CliError> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
         let names: Vec<_> = scene.cameras.iter().map(|camera| format!("`{}`", camera.name)).collect();
@@ -201,7 +201,7 @@ fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> Result<Volu
     })
 }
 
-fn usage(flag: &str, found: String, expected: &str) -> CliError {
+pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {
     CliError::Usage(
         Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))
             .expected(expected)

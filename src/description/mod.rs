@@ -5,12 +5,14 @@ mod files;
 pub mod gltf;
 pub mod image;
 pub mod obj;
+mod peers;
 pub mod ron;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable};
 use std::path::{Path, PathBuf};
 
 pub use files::Files;
+pub use peers::{PeerRow, load_peers};
 
 /// One input as read: a scene, and perhaps the sequence that wraps it.
 #[derive(Debug)]

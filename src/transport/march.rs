@@ -1,8 +1,9 @@
 //! The method that this renderer grew from: an image plane moved away from the camera step by
-//! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness.
+//! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness,
+//! but for one number a ray where the steps are jittered.
 
 use crate::color::Rgb;
-use crate::math::Ray;
+use crate::math::{Ray, Sampler};
 use crate::scattering::exp_minus;
 use crate::snapshot::{FrozenLight, Snapshot};
 
@@ -16,23 +17,31 @@ pub enum MarchSteps {
         /// By how much.
         step_m: f64,
     },
-    /// So many equal steps over the foggy part of the ray.
+    /// So many equal steps over the foggy part of the ray, a shadow ray in the middle of each.
     Count(u32),
+    /// The same, all shadow rays moved by one random part of a step: what is banding above is noise here
+    /// (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
+    Jittered(u32),
 }
 
-/// In-scattered radiance of one light by the midpoint rule.
+/// In-scattered radiance of one light by the midpoint rule, or a jittered one.
 pub(super) fn in_scattered(
     snapshot: &Snapshot,
     steps: MarchSteps,
     ray: &Ray,
     distance: f64,
     light: &FrozenLight,
+    sampler: &mut Sampler,
 ) -> Rgb {
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
     let (first, step, count) = match steps {
         MarchSteps::Count(count) => {
             let step = (end - start) / f64::from(count);
             (start + 0.5 * step, step, count as usize)
+        }
+        MarchSteps::Jittered(count) => {
+            let step = (end - start) / f64::from(count);
+            (start + sampler.next_1d() * step, step, count as usize)
         }
         MarchSteps::Planes { depth_m, step_m } => {
             // Mirrored rays do not start at the eye: there the steps are taken along the ray.

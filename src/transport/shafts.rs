@@ -42,7 +42,7 @@ pub(super) fn in_scattered(
                 lit.find(snapshot, ray, light, range);
                 lit.integrate(&snapshot.medium, stretches, ray, light)
             }
-            VolumeMethod::March(steps) => march::in_scattered(snapshot, steps, ray, distance, light),
+            VolumeMethod::March(steps) => march::in_scattered(snapshot, steps, ray, distance, light, sampler),
             VolumeMethod::Equiangular { points } => {
                 equiangular::in_scattered(snapshot, points, ray, distance, light, sampler)
             }

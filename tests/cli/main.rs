@@ -1,6 +1,7 @@
 //! The program as a user meets it: command lines in; exit codes, messages and files out.
 #![allow(clippy::unwrap_used)]
 
+mod bench;
 mod documentation;
 mod failures;
 mod frames;

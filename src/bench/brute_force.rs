@@ -1,15 +1,21 @@
 //! The slow truth: every triangle of a scene against a ray and a light, in double precision,
-//! without any tree. In go world-space triangles, out come shadow intervals.
+//! without any tree. In go triangles relative to the camera, out come shadow intervals, and how far
+//! the exact method is from what follows from them. Invariant: shares no code with the trees.
 
+use crate::color::Rgb;
+use crate::math::{IntervalSet, Ray, Sampler};
+use crate::scattering::Source;
+use crate::scene::Scene;
+use crate::snapshot::{Luminaire, Snapshot};
+use crate::transport::LitSegments;
 use glam::DVec3;
-use sunfleck::math::{IntervalSet, Ray};
-use sunfleck::scene::Scene;
+use rayon::prelude::*;
 
-/// All triangles of the scene at time 0, relative to `eye`.
-pub fn triangles(scene: &Scene, eye: DVec3) -> Vec<[DVec3; 3]> {
-    let placements = scene.placements(0.0);
+/// All triangles that the scene shows at `time_s`, relative to `eye`.
+pub fn triangles(scene: &Scene, eye: DVec3, time_s: f64) -> Vec<[DVec3; 3]> {
+    let placements = scene.placements(time_s);
     let mut triangles = Vec::new();
-    for instance in &scene.instances {
+    for instance in scene.instances.iter().filter(|instance| placements[instance.node].visible) {
         let mut relative_from_mesh = placements[instance.node].world_from_node;
         relative_from_mesh.translation -= eye;
         let mesh = &scene.meshes[instance.mesh];
@@ -22,24 +28,65 @@ pub fn triangles(scene: &Scene, eye: DVec3) -> Vec<[DVec3; 3]> {
     triangles
 }
 
-/// Where the light comes from.
-#[derive(Clone, Copy)]
-pub enum Place {
-    /// Unit vector towards a distant light.
-    Towards(DVec3),
-    /// A near light.
-    At(DVec3),
+/// How far the exact method is from brute force.
+#[derive(Clone, Copy, Debug)]
+pub struct Deviation {
+    /// Rays that met fog.
+    pub rays: usize,
+    /// Root mean square of the differences, relative to the mean.
+    pub relative_rmse: f64,
+    /// The largest difference, relative to the mean.
+    pub largest: f64,
+}
+
+/// Light scattered into `rays` rays through random places of the picture, each from a random point of the light: the tree's
+/// shadows against all `triangles`.
+pub fn deviation(
+    snapshot: &Snapshot,
+    triangles: &[[DVec3; 3]],
+    light: &Luminaire,
+    rays: u32,
+    seed: u32,
+) -> Deviation {
+    let pairs: Vec<(f64, f64)> = (0..rays)
+        .into_par_iter()
+        .filter_map(|index| {
+            let mut sampler = Sampler::new(seed, 0, 0, index);
+            let (x, y) = sampler.next_2d();
+            let light = &light.point(sampler.next_3d());
+            let ray = snapshot.view.ray(x, y);
+            let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None);
+            let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
+            let range = snapshot.medium.range(&ray, distance)?;
+            let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
+            snapshot.medium.stretches(&ray, distance, light.source(), &mut cuts, &mut stretches);
+            let mut found = LitSegments::default();
+            found.find(snapshot, &ray, light, range);
+            let truth = shadows(triangles, &ray, light.source(), range);
+            let truth = LitSegments::from_shadows(truth, range);
+            let value = |lit: &LitSegments| {
+                let scattered: Rgb = lit.integrate(&snapshot.medium, &stretches, &ray, light);
+                scattered.element_sum() / 3.0
+            };
+            Some((value(&found), value(&truth)))
+        })
+        .collect();
+    let count = pairs.len() as f64;
+    let mean = pairs.iter().map(|pair| pair.1).sum::<f64>() / count;
+    let square = pairs.iter().map(|pair| (pair.0 - pair.1).powi(2)).sum::<f64>() / count;
+    let largest = pairs.iter().map(|pair| (pair.0 - pair.1).abs()).fold(0.0, f64::max);
+    Deviation { rays: pairs.len(), relative_rmse: square.sqrt() / mean, largest: largest / mean }
 }
 
 /// What the triangles shade of the ray within `range`.
 ///
 /// Each triangle is cut by the plane through ray and light; the cut's ends are projected from the
 /// light onto the ray by solving the 2 x 2 system in an orthonormal basis of that plane.
-pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: Place, range: (f64, f64)) -> IntervalSet {
+pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: Source, range: (f64, f64)) -> IntervalSet {
     let along = ray.direction;
     let towards = match light {
-        Place::Towards(direction) => direction,
-        Place::At(position) => position - ray.origin,
+        Source::Towards(direction) => direction,
+        Source::At(position) => position - ray.origin,
     };
     let up = (towards - towards.dot(along) * along).normalize();
     let normal = along.cross(up);
@@ -58,8 +105,8 @@ pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: Place, range: (f64, f
         }
         if let [a, b] = cut[..] {
             let shaded = match light {
-                Place::Towards(_) => shade_from_afar(a, b, light_in_plane, range),
-                Place::At(_) => shade_from_near(a, b, light_in_plane, range),
+                Source::Towards(_) => shade_from_afar(a, b, light_in_plane, range),
+                Source::At(_) => shade_from_near(a, b, light_in_plane, range),
             };
             if let Some((start, end)) = shaded {
                 set.insert(start, end);

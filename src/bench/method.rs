@@ -1,0 +1,127 @@
+//! The methods that are compared, and what effort each may take. In goes a method and an effort,
+//! out comes a picture. Invariant: all methods make the picture of the same scene, to the same film.
+
+use crate::film::Frame;
+use crate::render::{Job, Placement, render};
+use crate::scene::{Size, Window};
+use crate::snapshot::Snapshot;
+use crate::transport::{MarchSteps, Transport, VolumeMethod};
+use cpu_time::ProcessTime;
+use std::sync::atomic::AtomicBool;
+
+/// A way to make the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Every pixel against every triangle at every step of the image plane: where this renderer came from.
+    Literal,
+    /// Shadow rays at equal steps, through a tree.
+    March,
+    /// The same, moved by a random part of a step.
+    JitteredMarch,
+    /// Shadow rays at points spread evenly over the angle seen from the light.
+    Equiangular,
+    /// Exact visibility intervals along every ray.
+    Segments,
+    /// Exact, on epipolar slices.
+    Slices,
+}
+
+/// How much of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Shadow rays a sample and light; `None` for the exact methods.
+    pub steps: Option<u32>,
+}
+
+/// What all pictures have in common.
+#[derive(Clone, Copy)]
+pub struct Stage<'a> {
+    /// The scene at one moment.
+    pub snapshot: &'a Snapshot<'a>,
+    /// Picture size.
+    pub size: Size,
+    /// How often a ray may be reflected.
+    pub mirror_depth: u32,
+    /// How far the literal method moves its image plane, and by how much a step, metres.
+    pub planes: (f64, f64),
+}
+
+impl Method {
+    /// All, the baselines first.
+    pub const ALL: [Self; 6] =
+        [Self::Literal, Self::March, Self::JitteredMarch, Self::Equiangular, Self::Segments, Self::Slices];
+
+    /// For tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Literal => "literal",
+            Self::March => "march",
+            Self::JitteredMarch => "march-jittered",
+            Self::Equiangular => "equiangular",
+            Self::Segments => "segments",
+            Self::Slices => "slices",
+        }
+    }
+
+    /// Every effort worth trying, cheap ones before dear ones.
+    pub(super) fn ladder(self) -> Vec<Effort> {
+        let powers =
+            |base: u32, highest: u32| (0..).map(move |n| base.pow(n)).take_while(move |&p| p <= highest);
+        let grid = |steps: [u32; 4]| {
+            let mut efforts: Vec<Effort> = powers(4, 1024)
+                .flat_map(|samples| steps.map(|steps| Effort { samples, steps: Some(steps) }))
+                .collect();
+            efforts.sort_by_key(|effort| effort.samples * effort.steps.unwrap_or(1));
+            efforts
+        };
+        match self {
+            Self::Literal => Vec::new(),
+            Self::March | Self::JitteredMarch => grid([4, 16, 64, 256]),
+            Self::Equiangular => grid([1, 4, 16, 64]),
+            Self::Segments | Self::Slices => {
+                powers(2, 4096).map(|samples| Effort { samples, steps: None }).collect()
+            }
+        }
+    }
+
+    fn volume(self, effort: Effort, stage: &Stage) -> VolumeMethod {
+        let steps = effort.steps.unwrap_or(1);
+        match self {
+            Self::Literal => {
+                let (depth_m, step_m) = stage.planes;
+                VolumeMethod::March(MarchSteps::Planes { depth_m, step_m })
+            }
+            Self::March => VolumeMethod::March(MarchSteps::Count(steps)),
+            Self::JitteredMarch => VolumeMethod::March(MarchSteps::Jittered(steps)),
+            Self::Equiangular => VolumeMethod::Equiangular { points: steps },
+            Self::Segments | Self::Slices => VolumeMethod::Segments,
+        }
+    }
+
+    /// The picture, on the current rayon pool. The literal method's is made through a tree: the same picture, sooner.
+    pub fn picture(self, stage: &Stage, effort: Effort, seed: u32) -> Frame {
+        let job = Job {
+            size: stage.size,
+            window: Window::whole(stage.size),
+            passes: Vec::new(),
+            samples: effort.samples,
+            seed,
+            transport: Transport {
+                volume: self.volume(effort, stage),
+                mirror_depth: stage.mirror_depth,
+                features: false,
+            },
+            placement: if self == Self::Slices { Placement::Slices } else { Placement::Pixels },
+        };
+        render(stage.snapshot, &job, &|_| {}, &AtomicBool::new(false))
+    }
+}
+
+/// What `work` gives, and the processor time that the whole process spent meanwhile, seconds.
+pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let started = ProcessTime::now();
+    let result = work();
+    (result, started.elapsed().as_secs_f64())
+}

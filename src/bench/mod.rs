@@ -1,0 +1,22 @@
+//! Error against run time, on any scene. In goes a snapshot, out come data: what each method costs
+//! and how far it is from a converged picture. Invariant: nothing here prints or writes; methods
+//! that are compared take turns in one run.
+
+pub mod brute_force;
+mod cost;
+mod error;
+mod literal;
+mod method;
+mod plot;
+mod reference;
+mod report;
+mod study;
+
+pub use cost::{Cost, PowerLaw, cost_of, front};
+pub use error::{RelativeErrors, percentile};
+pub use literal::{Literal, depth_m};
+pub use method::{Effort, Method, Stage};
+pub use plot::{Plot, Series, Style};
+pub use reference::Reference;
+pub use report::{csv, plot, table};
+pub use study::{Peer, Point, Study, StudyPlan, run};

@@ -1,0 +1,366 @@
+//! A plot with logarithmic axes, as SVG. In go series of points, out comes the text of a file.
+//! Invariant: every series is told by its label, its marker and its colour, never by colour alone.
+
+use std::fmt::Write;
+
+/// Picture size and the margins of the axes, pixels.
+const WIDTH: f64 = 860.0;
+const HEIGHT: f64 = 560.0;
+const LEFT: f64 = 74.0;
+const RIGHT: f64 = 30.0;
+const TOP: f64 = 72.0;
+const BOTTOM: f64 = 62.0;
+
+/// Labels: height, width of a letter, distance from their point, and the room that is kept for them on the right.
+const LINE_HEIGHT: f64 = 16.0;
+const LETTER_WIDTH: f64 = 7.3;
+const LABEL_GAP: f64 = 11.0;
+const LABEL_ROOM: f64 = 110.0;
+
+/// Labels that are as far apart as this allows do not cover each other, whatever rounding says.
+const ROUNDING: f64 = 0.01;
+
+/// Colours that the colour-blind can tell apart (Okabe & Ito 2008), darkened where they are text on white.
+const COLORS: [&str; 8] =
+    ["#d55e00", "#0072b2", "#00815d", "#b07a00", "#b0508a", "#000000", "#6b6b6b", "#3d8fc4"];
+
+/// How a series looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// Markers joined by a line; the number picks colour and marker.
+    Line(usize),
+    /// The same, thin and dashed: not measured here.
+    Dashed(usize),
+    /// Markers alone, hollow: an estimate.
+    Hollow(usize),
+}
+
+/// Points that belong together.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Its label.
+    pub name: String,
+    /// Its looks.
+    pub style: Style,
+    /// In order of x, both positive.
+    pub points: Vec<(f64, f64)>,
+    /// Points of the same series that are off the line, drawn faint.
+    pub aside: Vec<(f64, f64)>,
+}
+
+/// A plot.
+#[derive(Clone, Debug)]
+pub struct Plot {
+    /// Heading.
+    pub title: String,
+    /// Smaller, below.
+    pub subtitle: String,
+    /// What is on the horizontal axis, with its unit.
+    pub x_label: String,
+    /// What is on the vertical axis, with its unit.
+    pub y_label: String,
+    /// The points.
+    pub series: Vec<Series>,
+}
+
+/// One axis: logarithms to pixels.
+struct Axis {
+    low: f64,
+    high: f64,
+    from_px: f64,
+    to_px: f64,
+}
+
+impl Axis {
+    /// From a little below the least value to a little above the largest, at least a decade.
+    fn around(values: impl Iterator<Item = f64>, from_px: f64, to_px: f64) -> Self {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value.log10()), high.max(value.log10()))
+        });
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+        let spare = 0.06 * (high - low) + (0.5 - 0.5 * (high - low)).max(0.05);
+        Self { low: low - spare, high: high + spare, from_px, to_px }
+    }
+
+    /// The same scale, going on to another pixel.
+    fn reaching(self, to_px: f64) -> Self {
+        let per_px = (self.high - self.low) / (self.to_px - self.from_px);
+        Self { high: self.high + per_px * (to_px - self.to_px), to_px, ..self }
+    }
+
+    fn px(&self, value: f64) -> f64 {
+        self.from_px + (value.log10() - self.low) / (self.high - self.low) * (self.to_px - self.from_px)
+    }
+
+    /// Places of lines, and whether each has a number. On a short axis 2 and 5 have one too.
+    fn ticks(&self) -> Vec<(f64, bool)> {
+        let decades = self.low.floor() as i32..=self.high.floor() as i32;
+        let short = self.high - self.low < 2.2;
+        let all = decades.flat_map(|decade| (1..10).map(move |digit| (digit, decade)));
+        all.map(|(digit, decade)| {
+            // Read, not multiplied: 0.2 is to be 0.2.
+            let value: f64 = format!("{digit}e{decade}").parse().unwrap_or(f64::NAN);
+            (value, digit == 1 || short && [2, 5].contains(&digit))
+        })
+        .filter(|&(value, _)| (self.low..=self.high).contains(&value.log10()))
+        .collect()
+    }
+}
+
+impl Plot {
+    /// The plot as an SVG file.
+    pub fn to_svg(&self) -> String {
+        let values =
+            || self.series.iter().flat_map(|series| series.points.iter().chain(&series.aside)).copied();
+        let x = Axis::around(values().map(|point| point.0), LEFT, WIDTH - RIGHT - LABEL_ROOM)
+            .reaching(WIDTH - RIGHT);
+        let y = Axis::around(values().map(|point| point.1), HEIGHT - BOTTOM, TOP);
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" \
+             height=\"{HEIGHT}\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" font-size=\"13\">\n\
+             <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n"
+        );
+        let heading = [(30.0, 18, "#111111", &self.title), (51.0, 13, "#555555", &self.subtitle)];
+        for (at, size, color, text) in heading {
+            let weight = if size > 13 { "bold" } else { "normal" };
+            let text = escaped(text);
+            let _ = writeln!(
+                svg,
+                r#"<text x="{LEFT}" y="{at}" font-size="{size}" font-weight="{weight}" fill="{color}">{text}</text>"#
+            );
+        }
+        self.draw_axes(&mut svg, &x, &y);
+        for series in &self.series {
+            draw_series(&mut svg, series, &x, &y);
+        }
+        self.draw_labels(&mut svg, &x, &y);
+        svg.push_str("</svg>\n");
+        svg
+    }
+
+    fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis) {
+        let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
+        let color = |labelled| if labelled { "#d4d4d4" } else { "#f0f0f0" };
+        for (value, labelled) in x.ticks() {
+            let at = x.px(value);
+            let _ = writeln!(
+                svg,
+                r#"<path d="M{at:.1} {TOP}V{bottom}" stroke="{}" fill="none"/>"#,
+                color(labelled)
+            );
+            if labelled {
+                let (below, number) = (bottom + 20.0, number(value));
+                let _ = writeln!(
+                    svg,
+                    r##"<text x="{at:.1}" y="{below}" text-anchor="middle" fill="#333333">{number}</text>"##
+                );
+            }
+        }
+        for (value, labelled) in y.ticks() {
+            let at = y.px(value);
+            let _ = writeln!(
+                svg,
+                r#"<path d="M{LEFT} {at:.1}H{right}" stroke="{}" fill="none"/>"#,
+                color(labelled)
+            );
+            if labelled {
+                let (left, base, number) = (LEFT - 8.0, at + 4.5, number(value));
+                let _ = writeln!(
+                    svg,
+                    r##"<text x="{left}" y="{base:.1}" text-anchor="end" fill="#333333">{number}</text>"##
+                );
+            }
+        }
+        let _ = writeln!(
+            svg,
+            r##"<path d="M{LEFT} {TOP}V{bottom}H{right}" stroke="#333333" stroke-width="1.2" fill="none"/>"##
+        );
+        let (middle, below) = (0.5 * (LEFT + right), HEIGHT - 16.0);
+        let (x_label, y_label) = (escaped(&self.x_label), escaped(&self.y_label));
+        let _ = writeln!(
+            svg,
+            r##"<text x="{middle}" y="{below}" text-anchor="middle" fill="#333333">{x_label}</text>"##
+        );
+        let middle = 0.5 * (TOP + bottom);
+        let _ = writeln!(
+            svg,
+            r##"<text transform="translate(20 {middle}) rotate(-90)" text-anchor="middle" fill="#333333">{y_label}</text>"##
+        );
+    }
+
+    /// A label at the end of each series, to the right of it where there is room; moved down where it would cover another.
+    fn draw_labels(&self, svg: &mut String, x: &Axis, y: &Axis) {
+        let mut labels: Vec<Label> = self
+            .series
+            .iter()
+            .filter_map(|series| {
+                let &(last_x, last_y) = series.points.last()?;
+                let width = LETTER_WIDTH * series.name.chars().count() as f64;
+                let (at, base) = (x.px(last_x), y.px(last_y) + 4.5);
+                let fits = at + LABEL_GAP + width < WIDTH - 4.0;
+                let left = if fits { at + LABEL_GAP } else { at - LABEL_GAP - width };
+                Some(Label { left, base, width, series })
+            })
+            .collect();
+        labels.sort_by(|a, b| a.base.total_cmp(&b.base));
+        for index in 0..labels.len() {
+            while let Some(other) = labels[..index].iter().find(|other| labels[index].covers(other)) {
+                labels[index].base = other.base + LINE_HEIGHT;
+            }
+            let Label { left, base, width, series } = &labels[index];
+            let (name, (color, _)) = (escaped(&series.name), series.style.look());
+            let place = format!(r#"x="{left:.1}" y="{base:.1}" textLength="{width:.0}" font-weight="bold""#);
+            // A white rim keeps it legible on lines.
+            let _ = writeln!(
+                svg,
+                r##"<text {place} stroke="#ffffff" stroke-width="4" stroke-linejoin="round">{name}</text>"##
+            );
+            let _ = writeln!(svg, r#"<text {place} fill="{color}">{name}</text>"#);
+        }
+    }
+}
+
+/// The name of a series on its way to its place.
+struct Label<'a> {
+    left: f64,
+    base: f64,
+    width: f64,
+    series: &'a Series,
+}
+
+impl Label<'_> {
+    fn covers(&self, other: &Self) -> bool {
+        let across = self.left < other.left + other.width && other.left < self.left + self.width;
+        across && (self.base - other.base).abs() < LINE_HEIGHT - ROUNDING
+    }
+}
+
+impl Style {
+    /// Colour and marker.
+    fn look(self) -> (&'static str, usize) {
+        let (Self::Line(number) | Self::Dashed(number) | Self::Hollow(number)) = self;
+        (COLORS[number % COLORS.len()], number)
+    }
+}
+
+fn draw_series(svg: &mut String, series: &Series, x: &Axis, y: &Axis) {
+    let (color, kind) = series.style.look();
+    let place = |&(a, b): &(f64, f64)| (x.px(a), y.px(b));
+    for point in &series.aside {
+        let _ = writeln!(svg, r#"<g opacity="0.28">{}</g>"#, marker(kind, place(point), color, color));
+    }
+    let line = match series.style {
+        Style::Line(_) => Some(r#"stroke-width="2.4""#),
+        Style::Dashed(_) => Some(r#"stroke-width="1.6" stroke-dasharray="5 4""#),
+        Style::Hollow(_) => None,
+    };
+    if let Some(looks) = line {
+        let path: String = series
+            .points
+            .iter()
+            .map(place)
+            .enumerate()
+            .map(|(index, (a, b))| format!("{}{a:.1} {b:.1}", if index == 0 { 'M' } else { 'L' }))
+            .collect();
+        let _ = writeln!(
+            svg,
+            r#"<path d="{path}" stroke="{color}" {looks} fill="none" stroke-linejoin="round"/>"#
+        );
+    }
+    for point in &series.points {
+        let fill = if matches!(series.style, Style::Line(_)) { color } else { "#ffffff" };
+        let _ = writeln!(svg, "{}", marker(kind, place(point), color, fill));
+    }
+}
+
+/// A circle, square, triangle, diamond or triangle on its head around a place.
+fn marker(kind: usize, (x, y): (f64, f64), stroke: &str, fill: &str) -> String {
+    let looks = format!(r#"stroke="{stroke}" stroke-width="1.6" fill="{fill}""#);
+    let polygon = |corners: &[(f64, f64)]| {
+        let corners: Vec<String> =
+            corners.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + dx, y + dy)).collect();
+        format!(r#"<polygon points="{}" {looks}/>"#, corners.join(" "))
+    };
+    match kind % 5 {
+        0 => format!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="4.2" {looks}/>"#),
+        1 => polygon(&[(-3.8, -3.8), (3.8, -3.8), (3.8, 3.8), (-3.8, 3.8)]),
+        2 => polygon(&[(0.0, -5.0), (4.6, 3.6), (-4.6, 3.6)]),
+        3 => polygon(&[(0.0, -5.4), (5.4, 0.0), (0.0, 5.4), (-5.4, 0.0)]),
+        _ => polygon(&[(0.0, 5.0), (4.6, -3.6), (-4.6, -3.6)]),
+    }
+}
+
+/// A number as people write it: 0.02, 5, 10,000.
+pub(super) fn number(value: f64) -> String {
+    if value < 1000.0 {
+        return format!("{value}");
+    }
+    let digits = format!("{value:.0}");
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Text that is safe within XML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decades_are_evenly_spaced() {
+        let axis = Axis { low: -2.0, high: 2.0, from_px: 100.0, to_px: 500.0 };
+        assert!((axis.px(0.1) - 200.0).abs() < 1e-9);
+        assert!((axis.px(100.0) - 500.0).abs() < 1e-9);
+        let labelled: Vec<f64> = axis.ticks().into_iter().filter(|tick| tick.1).map(|tick| tick.0).collect();
+        assert_eq!(labelled, [0.01, 0.1, 1.0, 10.0, 100.0]);
+    }
+
+    #[test]
+    fn a_short_axis_has_numbers_too() {
+        let axis = Axis::around([3.0, 4.0].into_iter(), 0.0, 100.0);
+        assert!(axis.ticks().iter().filter(|tick| tick.1).count() >= 2);
+        assert!(axis.px(3.0) > 0.0 && axis.px(4.0) < 100.0);
+        // No values at all make no picture, and no panic.
+        assert!(Axis::around([].into_iter(), 0.0, 100.0).px(2.0).is_finite());
+    }
+
+    #[test]
+    fn numbers_are_for_reading() {
+        assert_eq!([0.02, 5.0, 100.0, 1e4, 1.5e6].map(number), ["0.02", "5", "100", "10,000", "1,500,000"]);
+    }
+
+    #[test]
+    fn labels_do_not_cover_each_other() {
+        let series = |name: &str| Series {
+            name: name.into(),
+            style: Style::Line(0),
+            points: vec![(1.0, 1.0)],
+            aside: vec![],
+        };
+        let plot = Plot {
+            title: "a < b & c".into(),
+            subtitle: String::new(),
+            x_label: String::new(),
+            y_label: String::new(),
+            series: ["one", "two", "three"].map(series).into(),
+        };
+        let svg = plot.to_svg();
+        assert!(svg.contains("a &lt; b &amp; c"));
+        let heights: Vec<f64> = svg
+            .lines()
+            .filter(|line| line.contains("textLength") && line.contains("fill"))
+            .filter_map(|line| line.split(" y=\"").nth(1)?.split('"').next()?.parse().ok())
+            .collect();
+        assert_eq!(heights.len(), 3);
+        assert!(heights.windows(2).all(|pair| pair[1] - pair[0] >= LINE_HEIGHT - 0.1), "{heights:?}");
+    }
+}

@@ -1,0 +1,154 @@
+//! Error against run time. In goes a scene at one moment, out comes a [`Study`]: every method at a
+//! ladder of efforts. Invariant: in each round every point is measured once, the methods taking
+//! turns, so that whatever disturbs the machine disturbs all.
+
+use super::method::timed;
+use super::{Effort, Literal, Method, Reference, RelativeErrors, Stage};
+use glam::DVec3;
+
+/// What is to be measured.
+pub struct StudyPlan<'a> {
+    /// The picture.
+    pub stage: Stage<'a>,
+    /// What the picture is made of, for the literal method: see [`super::brute_force::triangles`].
+    pub triangles: &'a [[DVec3; 3]],
+    /// Which methods.
+    pub methods: Vec<Method>,
+    /// How often each point is measured, at least once.
+    pub rounds: usize,
+    /// A method's ladder ends before a point that would take longer, seconds.
+    pub longest_s: f64,
+    /// Seed of the measured pictures.
+    pub seed: u32,
+}
+
+/// One method at one effort.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Which method.
+    pub method: Method,
+    /// How much of it.
+    pub effort: Effort,
+    /// Processor time of one thread for the picture: the least of all rounds, seconds.
+    pub cpu_s: f64,
+    /// The longest round over the shortest, less one.
+    pub spread: f64,
+    /// Against the reference, its noise included.
+    pub errors: RelativeErrors,
+    /// The RMSE without the reference's noise; `None` where there is little else.
+    pub net_rmse: Option<f64>,
+    /// Set where `cpu_s` is extrapolated from a part of the picture.
+    pub literal: Option<Literal>,
+}
+
+/// A point that was measured elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Peer {
+    /// Which renderer, with its version.
+    pub renderer: String,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Processor time, seconds.
+    pub cpu_s: f64,
+    /// RMSE, relative to the mean of the reference.
+    pub rmse: f64,
+}
+
+/// Everything that was measured.
+pub struct Study {
+    /// What was rendered.
+    pub title: String,
+    /// Method by method, efforts from cheap to dear.
+    pub points: Vec<Point>,
+    /// Points from elsewhere.
+    pub peers: Vec<Peer>,
+    /// What all were measured against; the frame itself is kept by the caller.
+    pub reference_note: String,
+}
+
+/// A point on its way: its times so far.
+struct Run {
+    method: Method,
+    effort: Effort,
+    seconds: Vec<f64>,
+    errors: RelativeErrors,
+    literal: Option<Literal>,
+}
+
+/// Measures all points on the current rayon pool, which should have one thread. `report` hears of each round.
+pub fn run(plan: &StudyPlan, reference: &Reference, report: &dyn Fn(&str)) -> Vec<Point> {
+    let mut runs: Vec<Run> = Vec::new();
+    report(&format!("round 1 of {}", plan.rounds));
+    let ladders: Vec<(Method, Vec<Effort>)> =
+        plan.methods.iter().map(|&method| (method, method.ladder())).collect();
+    if plan.methods.contains(&Method::Literal) {
+        runs.push(literal(plan, reference));
+    }
+    for rung in 0..ladders.iter().map(|(_, ladder)| ladder.len()).max().unwrap_or(0) {
+        for (method, ladder) in &ladders {
+            let Some(&effort) = ladder.get(rung) else { continue };
+            if expected_s(&runs, *method, effort).is_none_or(|seconds| seconds <= plan.longest_s) {
+                runs.push(first_run(plan, reference, *method, effort));
+            }
+        }
+    }
+    for round in 1..plan.rounds {
+        report(&format!("round {} of {}", round + 1, plan.rounds));
+        for run in &mut runs {
+            run.seconds.push(match run.method {
+                Method::Literal => literal(plan, reference).seconds[0],
+                method => timed(|| method.picture(&plan.stage, run.effort, plan.seed)).1,
+            });
+        }
+    }
+    let mut points: Vec<Point> = runs.iter().map(|run| point(run, reference)).collect();
+    let order = |method: Method| Method::ALL.iter().position(|&other| other == method);
+    points.sort_by(|a, b| order(a.method).cmp(&order(b.method)).then(a.cpu_s.total_cmp(&b.cpu_s)));
+    points
+}
+
+fn first_run(plan: &StudyPlan, reference: &Reference, method: Method, effort: Effort) -> Run {
+    let (picture, seconds) = timed(|| method.picture(&plan.stage, effort, plan.seed));
+    let errors = RelativeErrors::new(&picture, &reference.frame);
+    Run { method, effort, seconds: vec![seconds], errors, literal: None }
+}
+
+fn literal(plan: &StudyPlan, reference: &Reference) -> Run {
+    let (depth_m, step_m) = plan.stage.planes;
+    let effort = Effort { samples: 1, steps: Some((depth_m / step_m).ceil() as u32) };
+    let measured = Literal::measure(&plan.stage, plan.triangles, 0.5 * plan.longest_s);
+    let picture = Method::Literal.picture(&plan.stage, effort, plan.seed);
+    let errors = RelativeErrors::new(&picture, &reference.frame);
+    Run {
+        method: Method::Literal,
+        effort,
+        seconds: vec![measured.picture_s],
+        errors,
+        literal: Some(measured),
+    }
+}
+
+/// How long an effort would take at most, from cheaper ones of the same method; `None` for the cheapest.
+fn expected_s(runs: &[Run], method: Method, effort: Effort) -> Option<f64> {
+    let work = |effort: Effort| f64::from(effort.samples) * f64::from(effort.steps.unwrap_or(1));
+    // Only points with no more of either say something; the one nearest in work says most.
+    let cheaper = runs.iter().filter(|run| {
+        run.method == method && run.effort.samples <= effort.samples && run.effort.steps <= effort.steps
+    });
+    let nearest = cheaper.max_by(|a, b| work(a.effort).total_cmp(&work(b.effort)))?;
+    Some(nearest.seconds[0] * work(effort) / work(nearest.effort))
+}
+
+fn point(run: &Run, reference: &Reference) -> Point {
+    let shortest = run.seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    let longest = run.seconds.iter().copied().fold(0.0, f64::max);
+    Point {
+        method: run.method,
+        effort: run.effort,
+        cpu_s: shortest,
+        spread: longest / shortest - 1.0,
+        errors: run.errors,
+        net_rmse: reference.net(run.errors.rmse),
+        literal: run.literal,
+    }
+}

@@ -1,0 +1,201 @@
+//! `sunfleck bench`: error against run time. In go a file and an effort, out come a table, CSV and
+//! a plot. Invariant: loading and building are told, but count for no method.
+
+use super::arguments::{BenchArguments, MethodArgument, SizeArgument};
+use super::plan::{find_camera, resized, usage};
+use super::{CliError, answer, tell};
+use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
+use crate::description;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::frame_file;
+use crate::scene::{self, RenderSettings, Scene, Size};
+use crate::snapshot::{MeshTrees, Shutter, Snapshot};
+use rayon::ThreadPool;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Pictures of more pixels are made smaller unless `--size` asks for them: 480 x 270.
+const MOST_PIXELS: f64 = 480.0 * 270.0;
+const QUICK_PIXELS: f64 = 240.0 * 135.0;
+
+/// What is measured: a scene at one moment, seen by one camera.
+struct Subject {
+    scene: Scene,
+    settings: RenderSettings,
+    camera: usize,
+    size: Size,
+    shutter: Shutter,
+    load_s: f64,
+}
+
+impl Subject {
+    fn new(arguments: &BenchArguments) -> Result<Self, CliError> {
+        let started = Instant::now();
+        let description = description::load(&arguments.input)?;
+        let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+        let load_s = started.elapsed().as_secs_f64();
+        settings.camera = arguments.camera.clone().or(settings.camera);
+        let camera = find_camera(&scene, settings.camera.as_deref())?;
+        let most = if arguments.quick { QUICK_PIXELS } else { MOST_PIXELS };
+        let size = arguments.size.unwrap_or_else(|| SizeArgument::Percent(fitting(settings.size, most)));
+        let size = resized(settings.size, size)?;
+        let frame = arguments.frame.unwrap_or(*settings.frames.start());
+        if !settings.frames.contains(&frame) {
+            let (first, last) = (settings.frames.start(), settings.frames.end());
+            return Err(usage(
+                "--frame",
+                format!("there is no frame {frame}"),
+                &format!("{first} to {last}"),
+            ));
+        }
+        let middle_s = settings.frame_rate.seconds(frame as f64);
+        let shutter = Shutter { open_s: middle_s, close_s: middle_s };
+        Ok(Self { scene, settings, camera, size, shutter, load_s })
+    }
+
+    fn snapshot(&self, trees: &MeshTrees) -> Snapshot<'_> {
+        let aspect = self.size.width as f64 / self.size.height as f64;
+        Snapshot::new(&self.scene, trees, self.camera, aspect, self.shutter)
+    }
+}
+
+/// The percentage that leaves no more than so many pixels.
+fn fitting(size: Size, most: f64) -> f64 {
+    let pixels = size.width as f64 * size.height as f64;
+    100.0 * (most / pixels).sqrt().min(1.0)
+}
+
+pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
+    let subject = Subject::new(arguments)?;
+    let peers = arguments.peers.as_deref().map(description::load_peers).transpose()?.unwrap_or_default();
+    let known =
+        arguments.reference.as_deref().map(|path| read_reference(path, arguments, &subject)).transpose()?;
+    for path in
+        [output(arguments.csv.as_deref(), &subject, "csv"), output(arguments.svg.as_deref(), &subject, "svg")]
+    {
+        // Minutes of measuring are not to be lost for a folder that cannot be made.
+        create_folder(&path)?;
+    }
+    let many = pool(arguments.threads.unwrap_or(0) as usize)?;
+    let one = pool(1)?;
+
+    let started = Instant::now();
+    let trees = MeshTrees::new(&subject.scene);
+    let snapshot = subject.snapshot(&trees);
+    let build_s = started.elapsed().as_secs_f64();
+    let stage = Stage {
+        snapshot: &snapshot,
+        size: subject.size,
+        mirror_depth: subject.settings.mirror_depth,
+        planes: (bench::depth_m(&snapshot), subject.settings.march_step_m),
+    };
+    let triangles = brute_force::triangles(&subject.scene, snapshot.view.eye, subject.shutter.middle_s());
+    tell(&format!(
+        "{} triangles; loaded in {:.3} s, trees built in {build_s:.3} s (in no row below)",
+        triangles.len(),
+        subject.load_s
+    ));
+    let quick = arguments.quick;
+    let reference = many.install(|| {
+        let mut reference = known.unwrap_or_else(|| {
+            let samples = arguments.reference_samples.unwrap_or(if quick { 32 } else { 256 });
+            tell(&format!("the reference: {samples} samples a pixel"));
+            Reference::render(&stage, samples)
+        });
+        reference.check(&stage, &triangles);
+        reference
+    });
+    let plan = StudyPlan {
+        stage,
+        triangles: &triangles,
+        methods: methods(&arguments.methods),
+        rounds: arguments.rounds.unwrap_or(if quick { 2 } else { 3 }) as usize,
+        longest_s: arguments.longest.unwrap_or(if quick { 0.5 } else { 8.0 }),
+        seed: subject.settings.seed,
+    };
+    let points = one.install(|| bench::run(&plan, &reference, &tell));
+    let mean = reference.mean();
+    let Size { width, height } = subject.size;
+    let study = Study {
+        title: format!("{}, {width} x {height} pixels, one thread", subject.settings.name),
+        reference_note: reference.to_string(),
+        points,
+        peers: peers
+            .into_iter()
+            .map(|row| Peer {
+                renderer: format!("{} {}", row.renderer, row.version).trim_end().to_owned(),
+                samples: row.samples,
+                cpu_s: row.cpu_s,
+                rmse: row.rmse / mean,
+            })
+            .collect(),
+    };
+    answer(bench::table(&study).trim_end());
+    write(&output(arguments.csv.as_deref(), &subject, "csv"), &bench::csv(&study))?;
+    write(&output(arguments.svg.as_deref(), &subject, "svg"), &bench::plot(&study).to_svg())
+}
+
+fn methods(arguments: &[MethodArgument]) -> Vec<Method> {
+    let asked = |method: Method| {
+        arguments.iter().any(|argument| match argument {
+            MethodArgument::All => true,
+            MethodArgument::Literal => method == Method::Literal,
+            MethodArgument::March => method == Method::March,
+            MethodArgument::MarchJittered => method == Method::JitteredMarch,
+            MethodArgument::Equiangular => method == Method::Equiangular,
+            MethodArgument::Segments => method == Method::Segments,
+            MethodArgument::Slices => method == Method::Slices,
+        })
+    };
+    Method::ALL.into_iter().filter(|&method| asked(method)).collect()
+}
+
+fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) -> Result<Reference, CliError> {
+    let frame =
+        frame_file::read(path).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?.frame;
+    let Size { width, height } = subject.size;
+    let whole = frame.full == subject.size && frame.window == scene::Window::whole(subject.size);
+    let colored = ["R", "G", "B"].iter().all(|name| frame.channel(name).is_some());
+    if !whole || !colored {
+        let Size { width: found_width, height: found_height } = frame.full;
+        let found = format!("{found_width} x {found_height} pixels, or a crop, or no colour");
+        let diagnostic = Diagnostic::error(Place::File(path.to_owned()), found)
+            .expected(format!("a whole picture of {width} x {height} pixels with R, G and B"))
+            .remedy(format!("give --size {found_width}x{found_height}, or render a reference of this size"));
+        return Err(CliError::Usage(diagnostic));
+    }
+    Ok(Reference::known(frame, arguments.reference_noise))
+}
+
+fn pool(threads: usize) -> Result<ThreadPool, CliError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))
+}
+
+fn output(asked: Option<&Path>, subject: &Subject, extension: &str) -> PathBuf {
+    asked.map_or_else(
+        || Path::new("out/bench").join(format!("{}.{extension}", subject.settings.name)),
+        Path::to_owned,
+    )
+}
+
+fn create_folder(path: &Path) -> Result<(), CliError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|error| cannot_write(path, &error))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    create_folder(path)?;
+    std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
+    answer(&format!("{} was written", path.display()));
+    Ok(())
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> CliError {
+    let diagnostic = Diagnostic::error(Place::File(path.to_owned()), format!("cannot be written: {error}"))
+        .expected("a place where files can be written")
+        .remedy("choose another with --csv and --svg");
+    CliError::InputOutput(diagnostic.to_string())
+}

@@ -1,0 +1,159 @@
+//! Points that other renderers reached, as `bench --peers` draws them. In goes a CSV file, out come
+//! its rows. Invariant: every number is positive and finite.
+
+use super::{Files, LoadError};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use std::path::Path;
+
+/// Columns that must be there, and those that may be.
+const NEEDED: [&str; 4] = ["renderer", "spp", "cpu_s", "rmse"];
+const WELCOME: [&str; 3] = ["version", "date", "machine"];
+
+/// One picture of another renderer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeerRow {
+    /// Which renderer.
+    pub renderer: String,
+    /// Its version, or nothing.
+    pub version: String,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Processor time without loading, seconds.
+    pub cpu_s: f64,
+    /// Root mean square error against the converged picture, in its units.
+    pub rmse: f64,
+}
+
+/// Reads a table: a heading, then a row a point; lines that begin with `#` are remarks.
+///
+/// # Errors
+/// If the file cannot be read, or with everything that is wrong in it.
+pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
+    let bytes = Files::default().read(path, Some("--peers"))?;
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(&bytes[..]);
+    let mut problems = Vec::new();
+    let mut problem = |line: u64, found: String, expected: &str| {
+        let place = Place::Text { file: path.to_owned(), line: line as usize, column: 1 };
+        let remedy = "correct the line; docs/command-line.md says what a table of peers holds";
+        problems.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
+    };
+    let headings = match reader.headers() {
+        Ok(headings) => headings.clone(),
+        Err(error) => {
+            problem(1, error.to_string(), "text in UTF-8");
+            csv::StringRecord::new()
+        }
+    };
+    for heading in headings.iter().filter(|name| !NEEDED.contains(name) && !WELCOME.contains(name)) {
+        problem(
+            1,
+            format!("there is no column `{heading}`"),
+            &format!("one of {}", [&NEEDED[..], &WELCOME].concat().join(", ")),
+        );
+    }
+    for missing in NEEDED.into_iter().filter(|name| !headings.iter().any(|heading| heading == *name)) {
+        problem(
+            1,
+            format!("the column `{missing}` is missing"),
+            "a heading with renderer, spp, cpu_s and rmse",
+        );
+    }
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = match record {
+            Ok(record) => record,
+            Err(error) => {
+                problem(
+                    error.position().map_or(1, csv::Position::line),
+                    error.to_string(),
+                    "a row of values separated by commas",
+                );
+                continue;
+            }
+        };
+        let line = record.position().map_or(1, csv::Position::line);
+        if record.len() != headings.len() {
+            problem(
+                line,
+                format!("{} values below {} headings", record.len(), headings.len()),
+                "as many values as headings",
+            );
+            continue;
+        }
+        let value = |name: &str| {
+            let column = headings.iter().position(|heading| heading == name);
+            column.and_then(|column| record.get(column)).unwrap_or("")
+        };
+        let mut positive = |name: &str| {
+            let number = value(name).parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+            if number.is_none() {
+                problem(line, format!("{name} is `{}`", value(name)), "a number above 0");
+            }
+            number
+        };
+        if let (Some(samples), Some(cpu_s), Some(rmse)) =
+            (positive("spp"), positive("cpu_s"), positive("rmse"))
+        {
+            let text = |name: &str| value(name).to_owned();
+            rows.push(PeerRow {
+                renderer: text("renderer"),
+                version: text("version"),
+                samples: samples as u32,
+                cpu_s,
+                rmse,
+            });
+        }
+    }
+    if problems.is_empty() { Ok(rows) } else { Err(LoadError::Invalid(Diagnostics(problems))) }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<Vec<PeerRow>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("peers.csv");
+        std::fs::write(&path, text).unwrap();
+        load_peers(&path).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn columns_stand_in_any_order_and_remarks_are_passed_over() {
+        let rows = load("# measured on a Tuesday\nrmse, renderer, cpu_s, spp\n0.05, Some Tracer, 3.5, 16\n")
+            .unwrap();
+        let expected = PeerRow {
+            renderer: "Some Tracer".into(),
+            version: String::new(),
+            samples: 16,
+            cpu_s: 3.5,
+            rmse: 0.05,
+        };
+        assert_eq!(rows, [expected]);
+    }
+
+    #[test]
+    fn everything_wrong_is_said_at_once_with_its_line() {
+        let said = load("renderer,spp,cpu_s,colour\nA,1,-2,red\nB,1\nC,x,1,blue\n").unwrap_err();
+        for part in [
+            "peers.csv:1:1: error: there is no column `colour`",
+            "the column `rmse` is missing",
+            "peers.csv:2:1: error: cpu_s is `-2`",
+            "peers.csv:3:1: error: 2 values below 4 headings",
+            "peers.csv:4:1: error: spp is `x`",
+        ] {
+            assert!(said.contains(part), "`{part}` is not in\n{said}");
+        }
+    }
+
+    #[test]
+    fn no_table_is_no_table() {
+        assert!(load("").unwrap_err().contains("the column `renderer` is missing"));
+        assert!(load("\u{0}\u{0}").is_err());
+    }
+}
