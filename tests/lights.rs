@@ -3,11 +3,12 @@
 mod common;
 
 use common::{EXACT, add_fog, add_light, camera_at, look, place};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
-use sunfleck::scene::{AreaShape, Light, LightKind, SunDisc, Track};
+use sunfleck::scene::{AreaShape, DiscPicture, Julia, Light, LightKind, SunDisc, SunPicture, Track};
 use sunfleck::snapshot::Luminaire;
 
 /// A light of power 1 at the origin that shines along -Z.
@@ -37,7 +38,7 @@ fn area(shape: AreaShape, width: f64, height: f64) -> LightKind {
 }
 
 fn sun_disc(angular_diameter: f64) -> LightKind {
-    LightKind::SunDisc(SunDisc { angular_diameter: Track::from(angular_diameter) })
+    LightKind::SunDisc(SunDisc::even(Track::from(angular_diameter)))
 }
 
 /// `E = pi L R^2 / (R^2 + h^2)` on the axis of a disc of radiance `L = 1 W / (pi A)`.
@@ -91,6 +92,90 @@ fn sun_disc_above_and_on_the_horizon() {
         let expected = (alpha - alpha.sin() * alpha.cos()) / (PI * alpha.sin().powi(2));
         assert_close(irradiance(&light, DVec3::ZERO, DVec3::X), expected, 1e-3);
     }
+}
+
+/// A fractal with a darker limb on a wide disc that the camera sees.
+fn fractal_sun(angular_diameter: f64, picture_rotation: f64) -> LightKind {
+    let julia = Julia { real: Track::from(-0.012375), imaginary: Track::from(0.56805), iterations: 100 };
+    LightKind::SunDisc(SunDisc {
+        picture: SunPicture::Julia { julia, limb_darkening: 0.5 },
+        picture_rotation: Track::from(picture_rotation),
+        visible_to_camera: true,
+        ..SunDisc::even(Track::from(angular_diameter))
+    })
+}
+
+/// What the points of a sun give, quarter by quarter, is the integral of what the camera sees of it.
+/// (A Julia set's opposite quarters are alike.)
+#[test]
+fn what_is_seen_of_a_sun_is_what_lights() {
+    let alpha: f64 = 0.3;
+    let sun = luminaire(fractal_sun(2.0 * alpha, 0.7));
+    let count = 1 << 14;
+    let (mut lit, mut seen) = ([Rgb::ZERO; 2], [Rgb::ZERO; 2]);
+    for sample in 0..count {
+        let u = Sampler::new(8, 0, 0, sample).next_3d();
+        let (to_sun, _, arriving) = sun.point(u).arriving_at(DVec3::ZERO);
+        lit[usize::from(to_sun.x * to_sun.y > 0.0)] += arriving * to_sun.z / f64::from(count);
+        // The same integral with directions that know nothing of the picture.
+        let (sin, angle) = (alpha.sin() * u[0].sqrt(), 2.0 * PI * u[1]);
+        let direction = DVec3::new(sin * angle.cos(), sin * angle.sin(), (1.0 - sin * sin).sqrt());
+        seen[usize::from(direction.x * direction.y > 0.0)] +=
+            sun.seen_along(direction) * PI * alpha.sin().powi(2) / f64::from(count);
+    }
+    assert!((lit[0] + lit[1] - 1.0).abs().max_element() < 5e-3, "{lit:?}");
+    for quarter in 0..2 {
+        assert!((lit[quarter] - seen[quarter]).abs().max_element() < 5e-3, "{lit:?} {seen:?}");
+    }
+    assert!((lit[0] - lit[1]).length() > 0.05, "the quarters are too alike to tell them apart: {lit:?}");
+    for outside in [DVec3::new(alpha.sin() + 1e-6, 0.0, alpha.cos()), DVec3::NEG_Z] {
+        assert_eq!(sun.seen_along(outside.normalize()), Rgb::ZERO);
+    }
+}
+
+/// An image on the sun stands upright to someone who faces it, and turns anticlockwise.
+#[test]
+fn pictures_stand_upright() {
+    let bright = |p: DVec2| if p.y > 0.9 { Rgb::ONE } else { Rgb::splat(1e-6) };
+    let picture = SunPicture::Still(Arc::new(DiscPicture::new(1, bright).expect("it is bright at the top")));
+    for (rotation, brightest) in [(0.0, DVec3::Y), (PI / 2.0, DVec3::NEG_X)] {
+        let disc = SunDisc {
+            picture: picture.clone(),
+            picture_rotation: Track::from(rotation),
+            visible_to_camera: true,
+            ..SunDisc::even(Track::from(0.2))
+        };
+        let mut scene = camera_at(DVec3::ZERO);
+        add_light(&mut scene, LightKind::SunDisc(disc), DVec3::ZERO, DVec3::Z, Rgb::ONE);
+        // The camera looks along -Z, where the sun is: x of the film is x of the world, y is -y.
+        let at = |p: DVec3| look(&scene, &EXACT, 0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y).radiance.x;
+        let reach = 0.1_f64.tan() * 0.97;
+        for side in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y] {
+            assert_eq!(at(side * reach) > 1.0, side == brightest, "{rotation}: {side}");
+        }
+    }
+}
+
+/// Seen through fog and in a mirror the sun's disc has the radiance `E / (pi sin^2)`, weakened.
+#[test]
+fn a_sun_that_is_seen_is_weakened_by_fog_and_mirrors() {
+    let disc = SunDisc { visible_to_camera: true, ..SunDisc::even(Track::from(0.2)) };
+    let mut scene = camera_at(DVec3::ZERO);
+    add_fog(&mut scene, DVec3::splat(-2.0), DVec3::splat(2.0), Rgb::splat(0.3), Rgb::ZERO, 0.0);
+    add_light(&mut scene, LightKind::SunDisc(disc.clone()), DVec3::ZERO, DVec3::Z, Rgb::splat(3.0));
+    let radiance = 3.0 / (PI * 0.1_f64.sin().powi(2));
+    let through = (-0.6_f64).exp();
+    assert_close(look(&scene, &EXACT, 0.5, 0.5).radiance.x, radiance * through, 1e-12);
+    assert_eq!(look(&scene, &EXACT, 0.6, 0.5).radiance.x, 0.0);
+    // A mirror 1 m before the eye shows the sun behind it.
+    let mut mirrored = camera_at(DVec3::ZERO);
+    add_fog(&mut mirrored, DVec3::splat(-2.0), DVec3::splat(2.0), Rgb::splat(0.3), Rgb::ZERO, 0.0);
+    add_light(&mut mirrored, LightKind::SunDisc(disc), DVec3::ZERO, DVec3::NEG_Z, Rgb::splat(3.0));
+    add_quad(&mut mirrored, DVec3::NEG_Z, DVec3::X, DVec3::Y);
+    mirrored.materials[0].mirror = Rgb::splat(0.5);
+    mirrored.materials[0].base_color = Rgb::ZERO;
+    let expected = 0.5 * radiance * (-0.3 * 4.0_f64).exp();
+    assert_close(look(&mirrored, &EXACT, 0.5, 0.5).radiance.x, expected, 1e-9);
 }
 
 /// Every point of the light is within it.

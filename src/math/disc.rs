@@ -15,10 +15,36 @@ pub fn disc_from_square(square: DVec2) -> DVec2 {
     radius * DVec2::from_angle(angle)
 }
 
+/// The way back: a point of the unit disc in `[0, 1]^2`.
+pub fn square_from_disc(disc: DVec2) -> DVec2 {
+    let radius = disc.length();
+    // The quarter that `disc_from_square` took x or y for the radius of, signs included.
+    let (x, y) = if disc.x.abs() > disc.y.abs() {
+        let radius = radius.copysign(disc.x);
+        (radius, radius * (disc.y / disc.x).atan() / FRAC_PI_4)
+    } else if disc.y != 0.0 {
+        let radius = radius.copysign(disc.y);
+        (radius * (disc.x / disc.y).atan() / FRAC_PI_4, radius)
+    } else {
+        (0.0, 0.0)
+    };
+    (0.5 * (DVec2::new(x, y) + 1.0)).clamp(DVec2::ZERO, DVec2::ONE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::Sampler;
+
+    #[test]
+    fn there_and_back() {
+        for sample in 0..1000 {
+            let square = DVec2::from(Sampler::new(4, 0, 0, sample).next_2d());
+            let back = square_from_disc(disc_from_square(square));
+            assert!(back.distance(square) < 1e-14, "{square} {back}");
+        }
+        assert_eq!(square_from_disc(DVec2::ZERO), DVec2::splat(0.5));
+    }
 
     /// The moments of a uniform disc: E[x] = E[xy] = 0, E[x^2] = E[y^2] = 1/4, E[r^4] = 1/3.
     #[test]

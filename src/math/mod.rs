@@ -2,12 +2,14 @@
 //! unit other than metres, seconds and radians.
 
 mod disc;
+mod distribution;
 mod interval;
 mod quadrature;
 mod ray;
 mod sampler;
 
-pub use disc::disc_from_square;
+pub use disc::{disc_from_square, square_from_disc};
+pub use distribution::SquareDistribution;
 pub use interval::IntervalSet;
 pub use quadrature::gauss_legendre;
 pub use ray::Ray;

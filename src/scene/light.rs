@@ -4,8 +4,9 @@
 //! To add a light: a variant here, its reading in `from_ron` and `from_gltf`, and its frozen form in
 //! `snapshot`: a distribution over the two kinds of light without extent that `transport` knows.
 
-use super::{NodeIndex, Track};
+use super::{DiscPicture, Julia, NodeIndex, Track, limb_darkening};
 use crate::color::Rgb;
+use std::sync::Arc;
 
 /// A light at a node.
 #[derive(Clone, Debug)]
@@ -69,6 +70,52 @@ pub enum AreaShape {
 pub struct SunDisc {
     /// The whole angle under which it is seen, radians, in `[0, pi)`.
     pub angular_diameter: Track<f64>,
+    /// What is on it.
+    pub picture: SunPicture,
+    /// How far the picture is turned anticlockwise, radians.
+    pub picture_rotation: Track<f64>,
+    /// Whether rays that leave the scene within the disc see it.
+    pub visible_to_camera: bool,
+}
+
+/// What a sun's disc shows.
+#[derive(Clone, Debug)]
+pub enum SunPicture {
+    /// The same radiance everywhere.
+    Even,
+    /// The same picture at all times.
+    Still(Arc<DiscPicture>),
+    /// A Julia set that changes.
+    Julia {
+        /// The set.
+        julia: Julia,
+        /// Coefficient of [`limb_darkening`](super::limb_darkening).
+        limb_darkening: f64,
+    },
+}
+
+impl SunDisc {
+    /// A disc of the same radiance everywhere that only lights.
+    pub fn even(angular_diameter: Track<f64>) -> Self {
+        Self {
+            angular_diameter,
+            picture: SunPicture::Even,
+            picture_rotation: Track::from(0.0),
+            visible_to_camera: false,
+        }
+    }
+
+    /// The picture at a time; `None` if there is none.
+    pub fn picture_at(&self, time_s: f64) -> Option<Arc<DiscPicture>> {
+        match &self.picture {
+            SunPicture::Even => None,
+            SunPicture::Still(picture) => Some(Arc::clone(picture)),
+            SunPicture::Julia { julia, limb_darkening: u } => {
+                let color = julia.color_at(time_s);
+                DiscPicture::new(1, |p| color(p) * limb_darkening(*u, p.length())).map(Arc::new)
+            }
+        }
+    }
 }
 
 impl LightKind {
@@ -76,7 +123,13 @@ impl LightKind {
     pub fn numbers(&self) -> Vec<&Track<f64>> {
         match self {
             Self::Sun | Self::Point => vec![],
-            Self::SunDisc(disc) => vec![&disc.angular_diameter],
+            Self::SunDisc(disc) => {
+                let mut numbers = vec![&disc.angular_diameter, &disc.picture_rotation];
+                if let SunPicture::Julia { julia, .. } = &disc.picture {
+                    numbers.extend([&julia.real, &julia.imaginary]);
+                }
+                numbers
+            }
             Self::Sphere { radius } => vec![radius],
             Self::Spot { outer_angle, blend, radius } => vec![outer_angle, blend, radius],
             Self::Area { width, height, .. } => vec![width, height],

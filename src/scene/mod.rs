@@ -3,9 +3,11 @@
 //! every index points somewhere, every number is finite and in range, parents come before children.
 
 mod camera;
+mod disc_picture;
 mod fog;
 mod from_gltf;
 mod from_ron;
+mod julia;
 mod light;
 mod material;
 mod mesh;
@@ -20,8 +22,10 @@ use crate::diagnostic::Diagnostics;
 use glam::DAffine3;
 
 pub use camera::{Camera, Lens};
+pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, MOST_FOGS};
-pub use light::{AreaShape, Light, LightKind, SunDisc};
+pub use julia::Julia;
+pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
 pub use material::{AlphaMode, Material};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};

@@ -7,9 +7,10 @@
 use super::{Cone, Emission, FrozenLight};
 use crate::color::Rgb;
 use crate::math::disc_from_square;
-use crate::scene::{AreaShape, Light, LightKind};
+use crate::scene::{AreaShape, DiscPicture, Light, LightKind};
 use glam::{DAffine3, DVec2, DVec3};
-use std::f64::consts::{FRAC_1_PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::sync::Arc;
 
 /// A light of any shape at one time, in relative space: a distribution over lights without extent.
 #[derive(Clone, Debug)]
@@ -24,7 +25,7 @@ enum Extent {
     /// Not at all.
     None,
     /// Directions of a disc: the sines of its radius along two unit vectors at right angles to its centre.
-    Disc { half_axes: [DVec3; 2] },
+    Disc { half_axes: [DVec3; 2], picture: Option<Arc<DiscPicture>>, is_visible: bool },
     /// Places within a sphere.
     Ball { radius: f64 },
     /// Places of a parallelogram or of the ellipse within, from the middle to the middles of two edges.
@@ -51,8 +52,16 @@ impl Luminaire {
                 // As seen from below: facing the sun, right and up.
                 let up = (axes.y_axis - axes.y_axis.dot(beam) * beam).try_normalize();
                 let up = up.unwrap_or_else(|| beam.any_orthonormal_vector());
-                let half_axes = [up.cross(beam) * sin_radius, up * sin_radius];
-                (centre, if sin_radius > 0.0 { Extent::Disc { half_axes } } else { Extent::None })
+                let turn = DVec2::from_angle(disc.picture_rotation.at(time_s));
+                let unturned = [up.cross(beam) * sin_radius, up * sin_radius];
+                let half_axes = [span(&unturned, turn), span(&unturned, turn.perp())];
+                let extent = if sin_radius > 0.0 {
+                    let picture = disc.picture_at(time_s);
+                    Extent::Disc { half_axes, picture, is_visible: disc.visible_to_camera }
+                } else {
+                    Extent::None
+                };
+                (centre, extent)
             }
             LightKind::Point => (point(power, Emission::Even), Extent::None),
             LightKind::Sphere { radius } => (point(power, Emission::Even), ball(radius.at(time_s))),
@@ -88,9 +97,15 @@ impl Luminaire {
     /// The one that three numbers in `[0, 1)` pick; uniform numbers make it all of the light on average.
     pub fn point(&self, u: [f64; 3]) -> FrozenLight {
         let in_square = DVec2::new(u[0], u[1]);
+        let mut color = Rgb::ONE;
         let offset = match &self.extent {
             Extent::None => return self.centre,
-            Extent::Disc { half_axes } => span(half_axes, disc_from_square(in_square)),
+            Extent::Disc { half_axes, picture: None, .. } => span(half_axes, disc_from_square(in_square)),
+            Extent::Disc { half_axes, picture: Some(picture), .. } => {
+                let place;
+                (place, color) = picture.point(in_square);
+                span(half_axes, place)
+            }
             Extent::Ball { radius } => *radius * in_ball(u),
             Extent::Flat { shape: AreaShape::Rectangle, half_axes } => span(half_axes, 2.0 * in_square - 1.0),
             Extent::Flat { shape: AreaShape::Ellipse, half_axes } => {
@@ -103,12 +118,31 @@ impl Luminaire {
                 // (pi sin^2): on a plane perpendicular to the axis every point gives the same irradiance.
                 let cos = (1.0 - offset.length_squared()).max(0.0).sqrt();
                 let to_point = (cos * to_light + offset).normalize();
-                FrozenLight::Sun { to_light: to_point, irradiance: irradiance / cos.max(f64::MIN_POSITIVE) }
+                let irradiance = irradiance * color / cos.max(f64::MIN_POSITIVE);
+                FrozenLight::Sun { to_light: to_point, irradiance }
             }
             FrozenLight::Point { position, intensity, emission } => {
                 FrozenLight::Point { position: position + offset, intensity, emission }
             }
         }
+    }
+
+    /// Radiance seen by a ray that leaves the scene in that direction.
+    pub fn seen_along(&self, direction: DVec3) -> Rgb {
+        let (
+            FrozenLight::Sun { to_light, irradiance },
+            Extent::Disc { half_axes, picture, is_visible: true },
+        ) = (self.centre, &self.extent)
+        else {
+            return Rgb::ZERO;
+        };
+        let squared_radius = half_axes[0].length_squared();
+        let place = DVec2::new(direction.dot(half_axes[0]), direction.dot(half_axes[1])) / squared_radius;
+        if place.length_squared() > 1.0 || direction.dot(to_light) <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let color = picture.as_ref().map_or(Rgb::ONE, |picture| picture.color_at(place));
+        irradiance * color / (PI * squared_radius)
     }
 }
 

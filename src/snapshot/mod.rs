@@ -51,7 +51,7 @@ pub struct Snapshot<'scene> {
     pub lights: Vec<Luminaire>,
     /// All fog.
     pub medium: Medium,
-    /// Radiance of rays that leave the scene.
+    /// Radiance of rays that leave the scene, but for suns that they meet.
     pub background: Rgb,
 }
 
@@ -132,6 +132,12 @@ impl<'scene> Snapshot<'scene> {
             medium: Medium::new(fog),
             background: scene.background,
         }
+    }
+
+    /// Radiance of a ray that leaves the scene in that direction.
+    pub fn radiance_beyond(&self, direction: DVec3) -> Rgb {
+        let suns: Rgb = self.lights.iter().map(|light| light.seen_along(direction)).sum();
+        self.background + suns
     }
 
     /// A point of relative space in world space.

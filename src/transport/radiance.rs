@@ -8,6 +8,7 @@ use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::scattering::Stretch;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot, SurfacePoint};
+use glam::DVec3;
 
 /// How rays are to be followed.
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +40,8 @@ pub(super) struct Illumination<'a> {
 
 impl Illumination<'_> {
     /// What lies behind everything.
-    pub(super) fn background(&self, snapshot: &Snapshot) -> Rgb {
-        if self.self_luminous { snapshot.background } else { Rgb::ZERO }
+    pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
+        if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
     }
 }
 
@@ -143,7 +144,7 @@ fn follow(
         )
     };
     let behind_fog = surface.map_or_else(
-        || light.background(snapshot),
+        || light.background(snapshot, ray.direction),
         |point| {
             direct::reflected(snapshot, light.lights, &point)
                 + own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch)

@@ -45,6 +45,7 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
                 "world": world,
                 "irradiance_w_per_m2": power,
                 "angular_diameter_rad": disc.angular_diameter.at(seconds),
+                "visible_to_camera": disc.visible_to_camera,
             }),
             LightKind::Point => json!({ "kind": "point", "world": world, "intensity_w_per_sr": power }),
             LightKind::Sphere { radius } => json!({

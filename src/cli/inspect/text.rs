@@ -3,7 +3,7 @@
 
 use super::super::pass_names;
 use super::Inspected;
-use crate::scene::{AreaShape, Lens, Light, LightKind, Scene};
+use crate::scene::{AreaShape, Lens, Light, LightKind, Scene, SunPicture};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -197,7 +197,10 @@ fn brightness(light: &Light, time_s: f64) -> String {
     match &light.kind {
         LightKind::Sun => of_sun,
         LightKind::SunDisc(disc) => {
-            format!("{of_sun}, a disc of {:.4} deg", disc.angular_diameter.at(time_s).to_degrees())
+            let picture = if matches!(disc.picture, SunPicture::Even) { "" } else { " with a picture" };
+            let seen = if disc.visible_to_camera { ", seen by the camera" } else { "" };
+            let diameter = disc.angular_diameter.at(time_s).to_degrees();
+            format!("{of_sun}, a disc of {diameter:.4} deg{picture}{seen}")
         }
         LightKind::Point => of_point(0.0),
         LightKind::Sphere { radius } | LightKind::Spot { radius, .. } => of_point(radius.at(time_s)),

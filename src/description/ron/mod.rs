@@ -27,10 +27,10 @@ pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
 pub use named::Named;
 pub use number::{
-    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, NonNegative, Number, Point,
-    Positive, Quaternion, QuaternionRate, Range, Span, Triple, UnitInterval, Vector, Whole,
+    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart, NonNegative,
+    Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, Triple, UnitInterval, Vector, Whole,
 };
-pub use scene_file::{Camera, Fog, Light, Material, Mesh, Object, SceneFile};
+pub use scene_file::{Camera, Fog, Julia, Light, Material, Mesh, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};
 pub use version::Version;
 

@@ -43,6 +43,9 @@ pub enum FieldOfView {}
 /// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DiscAngle {}
+/// A part of the constant of a Julia set; beyond it every point escapes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JuliaPart {}
 /// Half the opening of a cone in degrees: more than 0, at most 90.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HalfAngle {}
@@ -103,6 +106,13 @@ impl Range for DiscAngle {
     const UNIT: f64 = Degrees::UNIT;
     fn contains(value: f64) -> bool {
         (0.0..180.0).contains(&value)
+    }
+}
+
+impl Range for JuliaPart {
+    const EXPECTED: &'static str = "a number from -2 to 2";
+    fn contains(value: f64) -> bool {
+        (-2.0..=2.0).contains(&value)
     }
 }
 

@@ -1,7 +1,7 @@
 //! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
 //! or texture that nothing in the picture uses is not read.
 
-use super::{Keyed, LoadedScene, Mesh, SceneFile, beside};
+use super::{Keyed, Light, LoadedScene, Mesh, SceneFile, beside};
 use crate::description::{Files, LoadError, image, obj};
 use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,6 +29,11 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
         if let Some(texture) = &material.texture {
             loader.image(texture.clone(), &format!("materials.{name}.texture"), &mut images)?;
+        }
+    }
+    for (name, light) in file.lights.iter() {
+        if let Light::Sun { image: Some(image), .. } = light {
+            loader.image(image.clone(), &format!("lights.{name}.image"), &mut images)?;
         }
     }
     if loader.problems.has_errors() {

@@ -5,8 +5,8 @@ use super::keyed::Keyed;
 use super::leaves::Leaves;
 use super::named::Named;
 use super::number::{
-    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, NonNegative, Number, Point,
-    Positive, Quaternion, Triple, UnitInterval, Vector,
+    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart, NonNegative,
+    Number, Point, Positive, Quaternion, Triple, UnitInterval, Vector, Whole,
 };
 use super::version::Version;
 use glam::DVec3;
@@ -162,6 +162,19 @@ pub enum Light {
         /// The whole angle under which its disc is seen; 0 is parallel light.
         #[serde(default = "no_disc")]
         angular_diameter_deg: Keyed<Number<DiscAngle>>,
+        /// How much darker the disc is towards its edge.
+        #[serde(default = "no_darkening")]
+        limb_darkening: Number<UnitInterval>,
+        /// A PNG, JPEG or PPM image on the disc, relative to the scene file.
+        image: Option<PathBuf>,
+        /// A fractal on the disc.
+        fractal: Option<Julia>,
+        /// How far image or fractal are turned anticlockwise.
+        #[serde(default = "not_turned")]
+        picture_rotation_deg: Keyed<Number<Degrees>>,
+        /// Whether camera and mirrors see the disc.
+        #[serde(default)]
+        visible_to_camera: bool,
     },
     /// Light from a point or sphere to all sides.
     Point {
@@ -227,6 +240,19 @@ pub enum Light {
     },
 }
 
+/// The Julia set of `z^2 + c`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Julia {
+    /// Real part of `c`.
+    pub real: Keyed<Number<JuliaPart>>,
+    /// Imaginary part of `c`.
+    pub imaginary: Keyed<Number<JuliaPart>>,
+    /// After so many a point counts as one that never escapes.
+    #[serde(default = "hundred")]
+    pub iterations: Whole<1, 1000>,
+}
+
 /// A box of homogeneous fog.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -281,6 +307,18 @@ fn normal_lens() -> Keyed<Number<FieldOfView>> {
 
 fn no_disc() -> Keyed<Number<DiscAngle>> {
     Keyed::Plain(Number::new(0.0))
+}
+
+fn no_darkening() -> Number<UnitInterval> {
+    Number::new(0.0)
+}
+
+fn not_turned() -> Keyed<Number<Degrees>> {
+    Keyed::Plain(Number::new(0.0))
+}
+
+fn hundred() -> Whole<1, 1000> {
+    Whole(100)
 }
 
 fn no_extent() -> Keyed<Number<NonNegative>> {

@@ -84,7 +84,7 @@ impl Builder<'_> {
         }
         match (kind, angle, radius) {
             (LightKind::Sun, Some(angle), _) if angle > 0.0 => {
-                LightKind::SunDisc(SunDisc { angular_diameter: Track::from(angle) })
+                LightKind::SunDisc(SunDisc::even(Track::from(angle)))
             }
             (LightKind::Point, _, Some(radius)) if radius > 0.0 => {
                 LightKind::Sphere { radius: Track::from(radius) }

@@ -3,7 +3,7 @@
 
 use super::{Resolver, track};
 use crate::description::ron::{self, Keyable, Keyed, Point};
-use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, SunDisc, Track};
+use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track};
 use glam::{DQuat, DVec3};
 
 impl Resolver<'_> {
@@ -12,15 +12,12 @@ impl Resolver<'_> {
         for (name, light) in self.file.lights.iter() {
             let owner = format!("lights.{name}");
             let (parent, motion, power, kind) = match light {
-                ron::Light::Sun { parent, direction, to_sun, irradiance_w_per_m2, angular_diameter_deg } => {
-                    let diameter = self.keyed(&owner, "angular_diameter_deg", angular_diameter_deg);
-                    (
-                        parent,
-                        self.sun_motion(&owner, direction.as_ref(), to_sun.as_ref()),
-                        self.keyed(&owner, "irradiance_w_per_m2", irradiance_w_per_m2),
-                        diameter.map(sun),
-                    )
-                }
+                ron::Light::Sun { parent, direction, to_sun, irradiance_w_per_m2, .. } => (
+                    parent,
+                    self.sun_motion(&owner, direction.as_ref(), to_sun.as_ref()),
+                    self.keyed(&owner, "irradiance_w_per_m2", irradiance_w_per_m2),
+                    self.sun(&owner, light),
+                ),
                 ron::Light::Point { parent, position_m, intensity_w_per_sr, radius_m } => {
                     let position = self.keyed(&owner, "position_m", position_m);
                     let motion = position.map(|translation| Motion::Keyed {
@@ -83,7 +80,7 @@ impl Resolver<'_> {
     }
 
     /// The track of a light's field.
-    fn keyed<T: Keyable<Si: Animate>>(
+    pub(super) fn keyed<T: Keyable<Si: Animate>>(
         &mut self,
         owner: &str,
         name: &str,
@@ -144,20 +141,11 @@ impl Resolver<'_> {
     }
 }
 
-/// A sun of that size.
-fn sun(angular_diameter: Track<f64>) -> LightKind {
-    if is_always_zero(&angular_diameter) {
-        LightKind::Sun
-    } else {
-        LightKind::SunDisc(SunDisc { angular_diameter })
-    }
-}
-
 /// A point, or a sphere of that radius.
 fn point(radius: Track<f64>) -> LightKind {
     if is_always_zero(&radius) { LightKind::Point } else { LightKind::Sphere { radius } }
 }
 
-fn is_always_zero(size: &Track<f64>) -> bool {
+pub(super) fn is_always_zero(size: &Track<f64>) -> bool {
     size.is_constant() && size.at(0.0) == 0.0
 }

@@ -7,6 +7,7 @@ mod lights;
 mod problems;
 mod sequence;
 mod shapes;
+mod suns;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;

@@ -112,7 +112,7 @@ pub fn solve(
         let illumination =
             Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
         let behind_fog = surface.zip(meeting).map_or_else(
-            || illumination.background(snapshot),
+            || illumination.background(snapshot, direction),
             |(point, meeting)| {
                 let mut sampler = Sampler::new(index as u32, 0, 0, 0);
                 let (transport, mirrors) = (job.transport, job.transport.mirror_depth);
