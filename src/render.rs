@@ -2,14 +2,20 @@
 //! Invariant: every picture is a pure function of (snapshot, job), so neither the number of threads
 //! nor their order reaches it.
 
+mod passes;
+mod refine;
 mod slices;
+mod sum;
+mod survey;
 mod tiles;
 
 use crate::film::Frame;
-use crate::scene::{Pass, Size, Window};
+use crate::scene::{Pass, Sampling, Size, Window};
 use crate::snapshot::Snapshot;
 use crate::transport::Transport;
-use std::sync::atomic::AtomicBool;
+use refine::{Goal, Refined};
+use sum::Sum;
+use survey::Survey;
 
 /// What is to be rendered of a snapshot.
 #[derive(Clone, Debug)]
@@ -20,8 +26,8 @@ pub struct Job {
     pub window: Window,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
-    /// Samples a pixel, at least 1.
-    pub samples: u32,
+    /// How many samples a pixel gets.
+    pub sampling: Sampling,
     /// Seed of the sample points.
     pub seed: u32,
     /// How rays are followed.
@@ -39,18 +45,96 @@ pub enum Placement {
     Slices,
 }
 
-/// Renders on the current rayon pool. `progress` is told the finished fraction now and then;
-/// once `cancelled` is true the frame comes back unfinished.
-pub fn render(
-    snapshot: &Snapshot,
-    job: &Job,
-    progress: &(dyn Fn(f64) + Sync),
-    cancelled: &AtomicBool,
-) -> Frame {
+/// Who looks on while a frame is rendered. Neither of the two reaches a finished frame.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Is told now and then how far the frame is, from any thread.
+    pub progress: &'a (dyn Fn(Progress) + Sync),
+    /// Once it says true the frame comes back unfinished.
+    pub cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Watch<'static> {
+    /// Nobody.
+    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false };
+}
+
+/// How far a frame is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// How much of the work is done, as far as one can tell, `0..=1`.
+    pub fraction: f64,
+    /// With a tolerance, the largest relative error that some block of pixels is estimated to have.
+    pub error: Option<f64>,
+}
+
+/// A frame, and what it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// The frame.
+    pub frame: Frame,
+    /// What it took.
+    pub statistics: Statistics,
+}
+
+/// What a frame took, and how good it is. All of it is the same for any number of threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Samples, over all pixels and lights.
+    pub samples: u64,
+    /// Passes of the light that took most.
+    pub passes: u32,
+    /// Blocks of pixels that were judged.
+    pub blocks: usize,
+    /// Those of them above the tolerance, for their pixels had all the samples they may have.
+    pub unconverged_blocks: usize,
+    /// The largest relative error that some block is estimated to have, if blocks were judged.
+    pub error: Option<f64>,
+}
+
+impl Job {
+    /// Whether errors are estimated.
+    fn is_judged(&self) -> bool {
+        matches!(self.sampling, Sampling::Until { .. }) || self.passes.contains(&Pass::Error)
+    }
+}
+
+/// Renders on the current rayon pool.
+pub fn render(snapshot: &Snapshot, job: &Job, watch: &Watch) -> Rendered {
+    let survey = if job.is_judged() { Survey::new(snapshot, job) } else { Survey::omitted(job.size) };
+    let mut sum = Sum::default();
     match job.placement {
         Placement::Slices if slices::can_serve(snapshot) => {
-            slices::render(snapshot, job, progress, cancelled)
+            let lights = snapshot.lights.len();
+            for light in 0..lights {
+                let picture = slices::LightPicture { snapshot, job, light };
+                let part = (light as f64 / lights as f64, (light + 1) as f64 / lights as f64);
+                sum.add(watch.part(part, None, |watch| develop(&picture, job, &survey, lights, watch)));
+            }
         }
-        Placement::Slices | Placement::Pixels => tiles::render(snapshot, job, progress, cancelled),
+        Placement::Slices | Placement::Pixels => {
+            let picture = tiles::RayPicture { snapshot, job };
+            sum.add(develop(&picture, job, &survey, 1, watch));
+        }
+    }
+    sum.finish(job, &survey)
+}
+
+/// Renders one of so many pictures that are added up.
+fn develop(
+    picture: &impl passes::Picture,
+    job: &Job,
+    survey: &Survey,
+    pictures: usize,
+    watch: &Watch,
+) -> Refined {
+    match job.sampling {
+        Sampling::Exactly(samples) => refine::once(picture, job, samples, watch),
+        Sampling::Until { tolerance, most } => {
+            // Errors of independent pictures add in squares.
+            let tolerance = tolerance / (pictures as f64).sqrt();
+            let goal = Goal { tolerance, most, survey, is_part: pictures > 1 };
+            refine::refine(picture, job, &goal, watch)
+        }
     }
 }

@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3};
 use std::path::{Path, PathBuf};
 use sunfleck::film::{Channel, Frame, Precision};
 use sunfleck::frame_file::{self, FrameFileError, Provenance, compare, is_valid};
-use sunfleck::scene::{FrameRate, Size, Window};
+use sunfleck::scene::{FrameRate, Sampling, Size, Window};
 
 fn provenance() -> Provenance {
     Provenance {
@@ -16,7 +16,7 @@ fn provenance() -> Provenance {
         scene_hash: String::from("5ce4e"),
         settings_hash: String::from("5e771465"),
         seed: u32::MAX,
-        samples: 64,
+        sampling: Sampling::Exactly(64),
         owner: Some(String::from("Zoë")),
         comments: None,
     }

@@ -8,7 +8,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use sunfleck::film::{Channel, Frame, Precision};
 use sunfleck::frame_file::{self, Provenance};
-use sunfleck::scene::{FrameRate, Size, Window};
+use sunfleck::render::{Progress, Rendered, Statistics};
+use sunfleck::scene::{FrameRate, Sampling, Size, Window};
 use sunfleck::sequence::{
     Event, FrameList, Job, OutputPattern, SequenceError, Skip, SkipReason, Summary, run,
 };
@@ -24,7 +25,7 @@ fn provenance(frame: i64) -> Provenance {
         scene_hash: String::from("scene"),
         settings_hash: String::from("settings"),
         seed: 0,
-        samples: 1,
+        sampling: Sampling::Exactly(1),
         owner: None,
         comments: None,
     }
@@ -35,6 +36,11 @@ fn picture(frame: i64) -> Frame {
     let channels =
         ["R", "G", "B", "A"].map(|name| Channel::new(name, Precision::Half, vec![frame as f32; 15]));
     Frame { full, window: Window::whole(full), channels: channels.to_vec() }
+}
+
+/// The frame as a renderer hands it over.
+fn done(frame: Frame) -> Rendered {
+    Rendered { frame, statistics: Statistics::default() }
 }
 
 fn pattern(folder: &Path) -> OutputPattern {
@@ -58,7 +64,7 @@ fn rendered(folder: &Path, list: &str, skip: Skip) -> (Vec<i64>, Summary) {
         provenance,
         |frame, _| {
             rendered.borrow_mut().push(frame);
-            Ok::<_, String>(picture(frame))
+            Ok::<_, String>(done(picture(frame)))
         },
         &|_| {},
     );
@@ -122,12 +128,12 @@ fn a_resumed_run_gives_the_bytes_of_a_run_at_once() {
 fn a_frame_with_nan_is_refused_by_name_and_the_frames_before_stay() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-9"), pattern(folder.path()));
-    let render = |frame, _: &(dyn Fn(f64) + Sync)| {
+    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
         let mut picture = picture(frame);
         if frame == 2 {
             picture.channels[1].pixels[7] = f32::NAN;
         }
-        Ok::<_, String>(picture)
+        Ok::<_, String>(done(picture))
     };
     let error = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap_err();
     assert!(matches!(error, SequenceError::Defective { frame: 2, .. }));
@@ -140,8 +146,9 @@ fn a_frame_with_nan_is_refused_by_name_and_the_frames_before_stay() {
 fn a_failed_rendering_ends_the_run_after_the_frame_before_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-9"), pattern(folder.path()));
-    let render =
-        |frame, _: &(dyn Fn(f64) + Sync)| if frame == 3 { Err("no light") } else { Ok(picture(frame)) };
+    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
+        if frame == 3 { Err("no light") } else { Ok(done(picture(frame))) }
+    };
     let error = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap_err();
     assert_eq!(error.to_string(), "frame 3: no light");
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0002.exr"]);
@@ -152,7 +159,7 @@ fn a_disk_that_refuses_ends_the_run_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), b"").unwrap();
     let (list, output) = (frames("1-9"), pattern(&folder.path().join("file")));
-    let render = |frame, _: &(dyn Fn(f64) + Sync)| Ok::<_, String>(picture(frame));
+    let render = |frame, _: &(dyn Fn(Progress) + Sync)| Ok::<_, String>(done(picture(frame)));
     let error = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap_err();
     let SequenceError::Write { frame: 1, source } = error else { panic!("{error}") };
     assert!(source.remedy().contains("--out"));
@@ -163,12 +170,12 @@ fn a_signal_stops_the_run_between_whole_frames() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-9"), pattern(folder.path()));
     let stop = AtomicBool::new(false);
-    let render = |frame, _: &(dyn Fn(f64) + Sync)| {
+    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
         if frame == 3 {
             stop.store(true, Ordering::Relaxed);
             return Err("given up half-way");
         }
-        Ok(picture(frame))
+        Ok(done(picture(frame)))
     };
     let job = Job { stop: &stop, ..job(&list, &output, Skip::None) };
     let summary = run(job, provenance, render, &|_| {}).unwrap();
@@ -190,7 +197,7 @@ fn previews_stand_beside_the_frames() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1"), pattern(folder.path()));
     let job = Job { preview_exposure_stops: Some(0.0), ..job(&list, &output, Skip::None) };
-    run(job, provenance, |frame, _| Ok::<_, String>(picture(frame)), &|_| {}).unwrap();
+    run(job, provenance, |frame, _| Ok::<_, String>(done(picture(frame))), &|_| {}).unwrap();
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0001.png"]);
 }
 
@@ -204,8 +211,8 @@ fn events_tell_the_whole_story() {
         job(&list, &output, Skip::Valid),
         provenance,
         |frame, progress| {
-            progress(0.5);
-            Ok::<_, String>(picture(frame))
+            progress(Progress { fraction: 0.5, error: None });
+            Ok::<_, String>(done(picture(frame)))
         },
         &|event| events.lock().unwrap().push(event),
     )
@@ -214,7 +221,10 @@ fn events_tell_the_whole_story() {
     assert_eq!(events[0], Event::Started { frames: 2 });
     assert_eq!(events[1], Event::FrameSkipped { frame: 1, reason: SkipReason::Valid });
     assert_eq!(events[2], Event::FrameStarted { frame: 2 });
-    assert_eq!(events[3], Event::FrameProgress { frame: 2, fraction: 0.5 });
+    assert_eq!(
+        events[3],
+        Event::FrameProgress { frame: 2, progress: Progress { fraction: 0.5, error: None } }
+    );
     assert!(matches!(&events[4], Event::FrameWritten { frame: 2, clamped: 0, .. }));
     assert!(matches!(&events[5], Event::Finished(summary) if summary.written == 1));
     assert_eq!(events.len(), 6);

@@ -2,11 +2,10 @@
 
 use crate::inputs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use sunfleck::frame_file::{self, compare, net_rmse};
-use sunfleck::render::{Job, Placement, render};
-use sunfleck::scene::{Size, Window};
+use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::scene::{Sampling, Size, Window};
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 use sunfleck::transport::{Transport, VolumeMethod};
 
@@ -33,12 +32,13 @@ pub fn run(rounds: usize) {
             }
             let transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false };
             let window = Window::whole(size);
-            let job = Job { size, window, passes: vec![], samples, seed: 0, transport, placement };
+            let sampling = Sampling::Exactly(samples);
+            let job = Job { size, window, passes: vec![], sampling, seed: 0, transport, placement };
             let mut times = Vec::new();
             let mut frame = None;
             for _ in 0..rounds {
                 let started = Instant::now();
-                frame = Some(pool.install(|| render(&snapshot, &job, &|_| {}, &AtomicBool::new(false))));
+                frame = Some(pool.install(|| render(&snapshot, &job, &Watch::NOBODY).frame));
                 times.push(started.elapsed().as_secs_f64());
             }
             times.sort_unstable_by(f64::total_cmp);

@@ -42,7 +42,10 @@ pub(super) struct RenderArguments {
     /// Picture size: 960x540, or a percentage of the sequence's, 50% [default: the sequence's, else 960x540].
     #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
     pub(super) size: Option<SizeArgument>,
-    /// Samples a pixel [default: the sequence's, else 16]; 1 goes through the pixel's centre.
+    /// The estimated relative error of every block of 8x8 pixels at which to stop [default: the sequence's, else 0.02].
+    #[arg(long, value_parser = parse_tolerance, value_name = "X", allow_negative_numbers = true)]
+    pub(super) tolerance: Option<f64>,
+    /// Exactly so many samples a pixel; beside --tolerance, at most [default: the sequence's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), allow_negative_numbers = true)]
     pub(super) samples: Option<u32>,
     /// How light in fog is found.
@@ -216,6 +219,7 @@ pub(super) enum PassArgument {
     Position,
     Albedo,
     LeafId,
+    Error,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -284,6 +288,7 @@ pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
             PassArgument::Position => passes.push(Pass::Position),
             PassArgument::Albedo => passes.push(Pass::Albedo),
             PassArgument::LeafId => passes.push(Pass::LeafId),
+            PassArgument::Error => passes.push(Pass::Error),
         }
     }
     passes.sort_unstable();
@@ -309,6 +314,13 @@ fn parse_size(text: &str) -> Result<SizeArgument, String> {
         _ => Err(expected()),
     };
     Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
+}
+
+fn parse_tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(tolerance) if 0.0 < tolerance && tolerance <= 1.0 => Ok(tolerance),
+        _ => Err("expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %".into()),
+    }
 }
 
 /// Frames so far from 0 are a slip of the finger.

@@ -60,6 +60,7 @@ fn pass_names(passes: &[Pass]) -> String {
         Pass::Position => "position",
         Pass::Albedo => "albedo",
         Pass::LeafId => "leaf-id",
+        Pass::Error => "error",
     });
     format!("beauty and {}", names.collect::<Vec<_>>().join(","))
 }

@@ -6,7 +6,7 @@ use super::arguments::{Crop, RenderArguments, SizeArgument, Volume, passes};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::render::{Job, Placement};
-use crate::scene::{self, RenderSettings, Scene, Size, Window};
+use crate::scene::{self, RenderSettings, Sampling, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::snapshot::{Shutter, View, shows_surfaces};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
@@ -47,7 +47,8 @@ impl Plan {
         if let Some(list) = &arguments.passes {
             settings.passes = passes(list);
         }
-        settings.samples = arguments.samples.unwrap_or(settings.samples);
+        settings.sampling =
+            Sampling::said(arguments.samples, arguments.tolerance).unwrap_or(settings.sampling);
         settings.seed = arguments.seed.unwrap_or(settings.seed);
         settings.camera = arguments.camera.clone().or(settings.camera);
 
@@ -59,7 +60,7 @@ impl Plan {
             size: settings.size,
             window,
             passes: settings.passes.clone(),
-            samples: settings.samples,
+            sampling: settings.sampling,
             seed: settings.seed,
             transport: Transport {
                 volume,
@@ -109,10 +110,10 @@ impl fmt::Display for Plan {
         let first = frames.first().map_or_else(PathBuf::new, |frame| self.output.path(*frame));
         writeln!(
             f,
-            "{} frame{} of {width}x{height} pixels, {} samples a pixel on {:?}, fog by {:?}, {}",
+            "{} frame{} of {width}x{height} pixels, {} on {:?}, fog by {:?}, {}",
             frames.len(),
             if frames.len() == 1 { "" } else { "s" },
-            self.job.samples,
+            self.job.sampling,
             self.job.placement,
             self.job.transport.volume,
             super::pass_names(&self.job.passes)

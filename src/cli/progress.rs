@@ -122,7 +122,11 @@ impl Progress {
             Event::FrameStarted { .. } | Event::FrameProgress { .. } | Event::FrameSkipped { .. } => {
                 bar.set_position((state.done() * STEPS_PER_FRAME) as u64);
                 let frame = state.skipped + state.begun;
-                bar.set_message(format!("frame {frame} of {}{}", state.frames, state.time_left()));
+                let error = match event {
+                    Event::FrameProgress { progress, .. } => error(progress.error),
+                    _ => String::new(),
+                };
+                bar.set_message(format!("frame {frame} of {}{error}{}", state.frames, state.time_left()));
             }
             Event::FrameWritten { clamped: 0, .. } => {}
             Event::FrameWritten { .. } | Event::AbandonedRemoved { .. } => {
@@ -158,7 +162,7 @@ impl State {
                 self.first_begun.get_or_insert_with(Instant::now);
             }
             // Threads may tell of their shares out of order.
-            Event::FrameProgress { fraction, .. } => self.fraction = self.fraction.max(*fraction),
+            Event::FrameProgress { progress, .. } => self.fraction = self.fraction.max(progress.fraction),
             Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
             Event::FrameWritten { .. } => self.written += 1,
             Event::AbandonedRemoved { .. } | Event::Finished(_) => {}
@@ -196,7 +200,7 @@ impl State {
     fn sentence(&self, event: &Event) -> Option<String> {
         Some(match event {
             Event::FrameSkipped { frame, reason } => format!("frame {frame} skipped: {reason}"),
-            Event::FrameWritten { frame, path, seconds, clamped } => {
+            Event::FrameWritten { frame, path, seconds, clamped, statistics } => {
                 let clamping = match clamped {
                     0 => String::new(),
                     _ => format!("; {clamped} values too bright for half precision were clamped to 65504"),
@@ -204,7 +208,8 @@ impl State {
                 let count = format!("{} of {}", self.skipped + self.written, self.frames);
                 let path = path.display();
                 format!(
-                    "frame {frame} written to {path}, {seconds:.1} s ({count}{}){clamping}",
+                    "frame {frame} written to {path}, {seconds:.1} s{} ({count}{}){clamping}",
+                    error(statistics.error),
                     self.time_left()
                 )
             }
@@ -232,12 +237,12 @@ fn as_json(event: &Event) -> Value {
             json!({ "event": "frame_skipped", "frame": frame, "reason": reason.to_string() })
         }
         Event::FrameStarted { frame } => json!({ "event": "frame_started", "frame": frame }),
-        Event::FrameProgress { frame, fraction } => {
-            json!({ "event": "frame_progress", "frame": frame, "fraction": fraction })
-        }
-        Event::FrameWritten { frame, path, seconds, clamped } => json!({
+        Event::FrameProgress { frame, progress } => json!({
+            "event": "frame_progress", "frame": frame, "fraction": progress.fraction, "error": progress.error,
+        }),
+        Event::FrameWritten { frame, path, seconds, clamped, statistics } => json!({
             "event": "frame_written", "frame": frame, "path": path.to_string_lossy(), "seconds": seconds,
-            "clamped": clamped,
+            "clamped": clamped, "error": statistics.error,
         }),
         Event::Finished(Summary {
             written,
@@ -257,6 +262,11 @@ fn as_json(event: &Event) -> Value {
     }
 }
 
+/// `, error 1.8 %`: the largest that some block of pixels is estimated to have, where there is an estimate.
+fn error(error: Option<f64>) -> String {
+    error.map_or_else(String::new, |error| format!(", error {:.2} %", 100.0 * error))
+}
+
 /// Seconds as people say them.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
@@ -272,6 +282,7 @@ fn duration(seconds: f64) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::render::{Progress as RenderProgress, Statistics};
     use crate::sequence::SkipReason;
     use std::sync::{Arc, mpsc};
 
@@ -297,13 +308,14 @@ mod tests {
             path: format!("x.{frame}.exr").into(),
             seconds: 0.5,
             clamped: 0,
+            statistics: Statistics { error: Some(0.018), ..Statistics::default() },
         };
         for event in [
             Event::Started { frames: 4 },
             Event::FrameSkipped { frame: 1, reason: SkipReason::Valid },
             Event::FrameStarted { frame: 2 },
-            Event::FrameProgress { frame: 2, fraction: 0.5 },
-            Event::FrameProgress { frame: 2, fraction: 0.501 },
+            Event::FrameProgress { frame: 2, progress: RenderProgress { fraction: 0.5, error: None } },
+            Event::FrameProgress { frame: 2, progress: RenderProgress { fraction: 0.501, error: Some(0.1) } },
             Event::FrameStarted { frame: 3 },
             written(2),
             written(3),
@@ -329,7 +341,8 @@ mod tests {
         let lines = lines(ProgressStyle::Plain);
         assert_eq!(lines.len(), 4, "{lines:#?}");
         assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
-        assert!(lines[1].starts_with("frame 2 written to x.2.exr, 0.5 s (2 of 4, about "), "{}", lines[1]);
+        let start = "frame 2 written to x.2.exr, 0.5 s, error 1.80 % (2 of 4, about ";
+        assert!(lines[1].starts_with(start), "{}", lines[1]);
         assert_eq!(
             lines[3],
             "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go"

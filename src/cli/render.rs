@@ -5,9 +5,8 @@ use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipA
 use super::plan::Plan;
 use super::progress::{Progress, ProgressStyle};
 use super::{CliError, answer, tell};
-use crate::film::Frame;
 use crate::frame_file::Provenance;
-use crate::render;
+use crate::render::{self, Rendered, Watch};
 use crate::sequence::{self, Job, SequenceError, Skip};
 use crate::snapshot::{MeshTrees, Snapshot};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -51,17 +50,18 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         stop: &signal.stop,
     };
     let trees = MeshTrees::new(&plan.scene);
-    let mut still_frame: Option<Frame> = None;
+    let mut still_frame: Option<Rendered> = None;
     let rendered = sequence::run(
         job,
         |frame| provenance(&plan, frame),
-        |frame, progress| -> Result<Frame, Stopped> {
+        |frame, progress| -> Result<Rendered, Stopped> {
             if let Some(same) = &still_frame {
                 return Ok(same.clone());
             }
             let picture = pool.install(|| {
                 let snapshot = plan.snapshot(&trees, frame);
-                render::render(&snapshot, &plan.job, progress, &signal.stop)
+                let cancelled = || signal.stop.load(Ordering::Relaxed);
+                render::render(&snapshot, &plan.job, &Watch { progress, cancelled: &cancelled })
             });
             if signal.stop.load(Ordering::Relaxed) {
                 return Err(Stopped);
@@ -101,7 +101,7 @@ fn provenance(plan: &Plan, frame: i64) -> Provenance {
         scene_hash: plan.scene_hash.clone(),
         settings_hash: plan.settings_hash.clone(),
         seed: plan.job.seed,
-        samples: plan.job.samples,
+        sampling: plan.job.sampling,
         owner: None,
         comments: None,
     }

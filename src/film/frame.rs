@@ -105,6 +105,19 @@ impl Frame {
         }
     }
 
+    /// The part of it inside another window, which must lie in its own.
+    pub fn part(&self, window: Window) -> Self {
+        let part_of = |channel: &Channel| {
+            let pixels = window.pixels().filter_map(|(x, y)| self.window.index(x, y));
+            Channel {
+                name: channel.name.clone(),
+                precision: channel.precision,
+                pixels: pixels.map(|pixel| channel.pixels[pixel]).collect(),
+            }
+        };
+        Self { full: self.full, window, channels: self.channels.iter().map(part_of).collect() }
+    }
+
     /// The channel of that name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)

@@ -3,15 +3,20 @@
 //! weight times value are kept and divided once, at the end, so nothing assumes one ray per pixel
 //! sample or weights that add up to a known total.
 
+mod blocks;
+mod estimate;
 mod frame;
 mod holes;
 mod mask;
 mod pass_layout;
 
+use crate::color::luminance;
 use crate::scene::{Pass, Size, Window};
 use crate::transport::Sample;
 use pass_layout::{PixelRule, layout, value};
 
+pub use blocks::{BLOCK_SIDE, Blocks};
+pub use estimate::BlockEstimate;
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 pub use mask::Mask;
 
@@ -29,6 +34,8 @@ pub struct Film {
     weights: Vec<f64>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each of `mean_passes`.
     sums: Vec<f64>,
+    /// Of these, what the fresh half of a pixel's samples gave: weight, and weighted luminance.
+    fresh: Vec<[f64; 2]>,
     /// How far from the pixel's centre its nearest sample lies. Empty without `nearest_passes`.
     nearest_distances_px: Vec<f64>,
     /// What that sample showed: the channels of `nearest_passes`, pixel by pixel.
@@ -41,8 +48,10 @@ impl Film {
         let mut wanted = passes.to_vec();
         wanted.sort_unstable();
         wanted.dedup();
-        let (mean_passes, nearest_passes): (Vec<Pass>, Vec<Pass>) =
-            wanted.into_iter().partition(|&pass| layout(pass).rule == PixelRule::Mean);
+        let (mean_passes, nearest_passes): (Vec<Pass>, Vec<Pass>) = wanted
+            .into_iter()
+            .filter(|&pass| layout(pass).rule != PixelRule::Estimate)
+            .partition(|&pass| layout(pass).rule == PixelRule::Mean);
         let pixels = window.width * window.height;
         let background: Vec<f32> = nearest_passes
             .iter()
@@ -54,6 +63,7 @@ impl Film {
             window,
             weights: vec![0.0; pixels],
             sums: vec![0.0; pixels * (BEAUTY.len() + 3 * mean_passes.len())],
+            fresh: vec![[0.0; 2]; pixels],
             nearest_distances_px: vec![f64::INFINITY; if nearest_passes.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
             mean_passes,
@@ -73,7 +83,7 @@ impl Film {
     pub fn add(&mut self, x: usize, y: usize, weight: f64, distance_from_centre_px: f64, sample: &Sample) {
         let Some(pixel) = self.window.index(x, y) else { return };
         self.weights[pixel] += weight;
-        let stride = BEAUTY.len() + 3 * self.mean_passes.len();
+        let stride = self.stride();
         let sums = &mut self.sums[pixel * stride..(pixel + 1) * stride];
         let (beauty, passes) = sums.split_at_mut(BEAUTY.len());
         for (sum, value) in
@@ -102,6 +112,28 @@ impl Film {
         }
     }
 
+    /// The same with a sample of the fresh half, by which [`Film::estimates`] judges what was known without it.
+    pub fn add_fresh(
+        &mut self,
+        x: usize,
+        y: usize,
+        weight: f64,
+        distance_from_centre_px: f64,
+        sample: &Sample,
+    ) {
+        self.add(x, y, weight, distance_from_centre_px, sample);
+        if let Some(pixel) = self.window.index(x, y) {
+            let [fresh, sum] = &mut self.fresh[pixel];
+            *fresh += weight;
+            *sum += weight * luminance(sample.radiance);
+        }
+    }
+
+    /// All samples so far are the known half of what comes next.
+    pub fn let_fresh_be_known(&mut self) {
+        self.fresh.fill([0.0; 2]);
+    }
+
     /// Adds what another film of the same picture and the same passes has gathered, such as a tile or a stack of slices.
     ///
     /// Where the two overlap the order of pasting decides the rounding of the sums and, between samples equally near
@@ -112,11 +144,14 @@ impl Film {
             self.nearest_passes, part.nearest_passes,
             "parts of one picture have the same passes"
         );
-        let stride = BEAUTY.len() + 3 * self.mean_passes.len();
+        let stride = self.stride();
         let nearest_stride = self.nearest_channels();
         for (from, (x, y)) in part.window.pixels().enumerate() {
             let Some(to) = self.window.index(x, y) else { continue };
             self.weights[to] += part.weights[from];
+            for (sum, added) in self.fresh[to].iter_mut().zip(part.fresh[from]) {
+                *sum += added;
+            }
             let added = &part.sums[from * stride..(from + 1) * stride];
             for (sum, added) in self.sums[to * stride..(to + 1) * stride].iter_mut().zip(added) {
                 *sum += added;
@@ -138,7 +173,7 @@ impl Film {
 
     /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
     pub fn resolve(&self) -> Frame {
-        let stride = BEAUTY.len() + 3 * self.mean_passes.len();
+        let stride = self.stride();
         let mean = |offset: usize| -> Vec<f32> {
             self.weights
                 .iter()
@@ -166,6 +201,16 @@ impl Film {
         let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
         holes::fill(self.window, known, &mut channels, mean_channels);
         Frame { full: self.full, window: self.window, channels }
+    }
+
+    /// Samples that it holds, if each has weight 1.
+    pub fn weight(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    /// Sums a pixel.
+    fn stride(&self) -> usize {
+        BEAUTY.len() + 3 * self.mean_passes.len()
     }
 
     /// Channels a pixel of the nearest passes.

@@ -18,6 +18,8 @@ pub(super) enum PixelRule {
     Mean,
     /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface; Cycles does the same.
     Nearest,
+    /// What [`Film::estimates`](super::Film::estimates) says of the finished picture; no sample holds it.
+    Estimate,
 }
 
 /// A pass as channels.
@@ -43,6 +45,7 @@ pub(super) fn layout(pass: Pass) -> PassLayout {
         Pass::Depth => (&["Z"], Precision::Float, PixelRule::Nearest),
         // Exact up to 2^24 instances.
         Pass::LeafId => (&["leaf_id.X"], Precision::Float, PixelRule::Nearest),
+        Pass::Error => (&["error.Y"], Precision::Half, PixelRule::Estimate),
     };
     let background = if pass == Pass::Depth { BACKGROUND_DEPTH_M } else { 0.0 };
     PassLayout { channels, precision, rule, background }
@@ -58,6 +61,8 @@ pub(super) fn value(pass: Pass, sample: &Sample) -> DVec3 {
         (Pass::Position, Some(surface)) => surface.position,
         (Pass::Depth, Some(surface)) => DVec3::splat(surface.depth_m),
         (Pass::LeafId, Some(surface)) => DVec3::splat(f64::from(surface.leaf_id)),
+        // Of no sample, see [`PixelRule::Estimate`].
+        (Pass::Error, _) => DVec3::ZERO,
         (_, None) => DVec3::splat(f64::from(layout(pass).background)),
     }
 }

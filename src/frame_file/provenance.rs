@@ -1,7 +1,7 @@
 //! Where a frame came from, as EXR attributes. Invariant: nothing here knows the clock, the
 //! machine or the number of threads, so a frame rendered twice is the same file.
 
-use crate::scene::FrameRate;
+use crate::scene::{FrameRate, Sampling};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::meta::header::{Header, LayerAttributes};
@@ -17,6 +17,7 @@ pub(super) const SETTINGS_HASH_NAME: &str = "sunfleck:settingsHash";
 pub(super) const PIXEL_HASH_NAME: &str = "sunfleck:pixelHash";
 const SEED_NAME: &str = "sunfleck:seed";
 const SAMPLES_NAME: &str = "sunfleck:samples";
+const TOLERANCE_NAME: &str = "sunfleck:tolerance";
 const IMAGE_COUNTER_NAME: &str = "imageCounter";
 
 /// Where a frame came from.
@@ -37,7 +38,7 @@ pub struct Provenance {
     /// Seed of the sample points.
     pub seed: u32,
     /// Samples a pixel.
-    pub samples: u32,
+    pub sampling: Sampling,
     /// Who owns the picture, if the author says.
     pub owner: Option<String>,
     /// Anything else worth reading.
@@ -72,7 +73,12 @@ impl Provenance {
             ..LayerAttributes::default()
         };
         let seed = self.seed.to_string();
-        let samples = self.samples.to_string();
+        // With a tolerance, the number at which it stops.
+        let (samples, tolerance) = match self.sampling {
+            Sampling::Exactly(samples) => (samples, None),
+            Sampling::Until { tolerance, most } => (most, Some(tolerance.to_string())),
+        };
+        let samples = samples.to_string();
         for (name, value) in [
             (VERSION_NAME, VERSION),
             (SCENE_HASH_NAME, &self.scene_hash),
@@ -82,6 +88,9 @@ impl Provenance {
             (SAMPLES_NAME, &samples),
         ] {
             attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+        }
+        if let Some(tolerance) = tolerance {
+            attributes.other.insert(text(TOLERANCE_NAME), AttributeValue::Text(text(&tolerance)));
         }
         if let Ok(counter) = i32::try_from(self.frame) {
             attributes.other.insert(text(IMAGE_COUNTER_NAME), AttributeValue::I32(counter));

@@ -1,12 +1,12 @@
-//! Pictures from slices: for each light a lattice of samples on its slices, then the lights added
-//! up. Invariant: samples reach the film in the order of their slices, whatever thread solved them.
+//! Pictures from slices: for each light lattices of samples on its slices. Invariant: samples reach the film in the order of their slices, whatever thread solved them.
 //!
 //! The lattice: slices at equal angles, and on each slice samples at equal steps of picture area,
 //! shifted from slice to slice by the golden ratio (a rank-1 lattice). Every sample stands for the
 //! same area, so a pixel is the plain mean of its samples.
 
-use super::Job;
-use crate::film::{Film, Frame, Mask};
+use super::passes::{Fresh, Pass, Picture};
+use super::{Job, Watch};
+use crate::film::Film;
 use crate::math::Sampler;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use crate::transport::slices::{Fan, Ring, Slice, SliceJob, SliceSample, SliceScratch, solve};
@@ -14,7 +14,6 @@ use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
 const BATCH: usize = 128;
@@ -32,69 +31,49 @@ pub(super) fn can_serve(snapshot: &Snapshot) -> bool {
     !snapshot.lights.is_empty() && snapshot.lights.iter().all(has_slices)
 }
 
-/// See [`super::render`].
-pub(super) fn render(
-    snapshot: &Snapshot,
-    job: &Job,
-    progress: &(dyn Fn(f64) + Sync),
-    cancelled: &AtomicBool,
-) -> Frame {
-    let lights = snapshot.lights.len() as f64;
-    let pictures = (0..snapshot.lights.len()).map(|light| {
-        let progress = |fraction: f64| progress((light as f64 + fraction) / lights);
-        render_light(snapshot, job, light, &progress, cancelled)
-    });
-    pictures
-        .reduce(|mut sum, picture| {
-            sum.add_light(&picture);
-            sum
-        })
-        .unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve())
-}
-
-/// One light's part of the picture.
-fn render_light(
-    snapshot: &Snapshot,
-    job: &Job,
-    light: usize,
-    progress: &(dyn Fn(f64) + Sync),
-    cancelled: &AtomicBool,
-) -> Frame {
-    let mut film = Film::new(job.size, job.window, &job.passes);
-    let wanted = Mask::all(job.window);
-    let pass = SlicePass { light, number: 0, samples: job.samples, wanted: &wanted };
-    add_pass(snapshot, job, &pass, &mut film, progress, cancelled);
-    fill_holes(snapshot, job, light, &mut film, cancelled);
-    film.resolve()
-}
-
-/// A lattice over one light's part of the picture.
-struct SlicePass<'a> {
+/// One light's part of a picture, in passes of a lattice each.
+///
+/// A pass shifts its lattice, across and along the slices, by a point of a sequence whose first 2 and 4 points are
+/// evenly spread (Owen-scrambled Sobol): so many passes together are almost as good as one fine lattice.
+pub(super) struct LightPicture<'a> {
+    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) job: &'a Job,
     /// The light, as its index in the snapshot.
-    light: usize,
-    /// Each pass has a lattice of its own.
-    number: u32,
-    /// Samples a pixel, at least 1.
-    samples: u32,
-    /// Which pixels are to have them.
-    wanted: &'a Mask,
+    pub(super) light: usize,
+}
+
+impl Picture for LightPicture<'_> {
+    fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
+        add_pass(self, pass, film, watch);
+    }
+
+    /// A ray of its own, through the pixel's centre.
+    fn fill_holes(&self, film: &mut Film, watch: &Watch) {
+        let Self { snapshot, job, light } = *self;
+        let mut scratch = Scratch::default();
+        for (x, y) in film.holes() {
+            if (watch.cancelled)() {
+                break;
+            }
+            let (width, height) = (job.size.width as f64, job.size.height as f64);
+            let ray = snapshot.view.ray((x as f64 + 0.5) / width, (y as f64 + 0.5) / height);
+            let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
+            let own = light == 0;
+            let value =
+                radiance_of_light(snapshot, &job.transport, light, own, &ray, &mut sampler, &mut scratch);
+            film.add(x, y, 1.0, 0.0, &value);
+        }
+    }
 }
 
 /// Adds a pass's samples to the film.
-fn add_pass(
-    snapshot: &Snapshot,
-    job: &Job,
-    pass: &SlicePass,
-    film: &mut Film,
-    progress: &(dyn Fn(f64) + Sync),
-    cancelled: &AtomicBool,
-) {
-    let light = pass.light;
+fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch) {
+    let LightPicture { snapshot, job, light } = *picture;
     let centre = snapshot.lights[light].centre();
     let Some(fan) = Fan::new(&snapshot.view, job.size, DVec2::ZERO, centre.source()) else {
         return;
     };
-    let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, 0, pass.number).next_2d();
+    let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, pass.level, pass.number).next_2d();
     // As many slices across as samples along: the lattice's cells are square on average.
     let density = f64::from(pass.samples);
     let wanted_rad = 1.0 / (density.sqrt() * fan.mean_separation_px(Ring::WHOLE));
@@ -116,7 +95,7 @@ fn add_pass(
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
     let mut solved: Vec<Vec<SliceSample>> = vec![Vec::new(); BATCH];
     for first in (0..count).step_by(BATCH) {
-        if cancelled.load(Ordering::Relaxed) {
+        if (watch.cancelled)() {
             break;
         }
         solved.par_iter_mut().enumerate().for_each_init(
@@ -133,28 +112,20 @@ fn add_pass(
                 }
             },
         );
-        for sample in solved.iter().flatten() {
-            let (x, y) = sample.place.pixel(job.size);
-            let from_centre = sample.place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            film.add(x, y, 1.0, from_centre.length(), &sample.value);
+        for (index, samples) in solved.iter().enumerate() {
+            // Of a lattice's slices every other one is a lattice too.
+            let is_fresh = pass.fresh == Fresh::All || (first + index) % 2 == 1;
+            for sample in samples {
+                let (x, y) = sample.place.pixel(job.size);
+                let from_centre = sample.place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                if is_fresh {
+                    film.add_fresh(x, y, 1.0, from_centre.length(), &sample.value);
+                } else {
+                    film.add(x, y, 1.0, from_centre.length(), &sample.value);
+                }
+            }
         }
-        progress(count.min(first + BATCH) as f64 / count as f64);
-    }
-}
-
-/// Few samples leave some pixels without: those get a ray of their own, through the centre.
-fn fill_holes(snapshot: &Snapshot, job: &Job, light: usize, film: &mut Film, cancelled: &AtomicBool) {
-    let mut scratch = Scratch::default();
-    for (x, y) in film.holes() {
-        if cancelled.load(Ordering::Relaxed) {
-            break;
-        }
-        let (width, height) = (job.size.width as f64, job.size.height as f64);
-        let ray = snapshot.view.ray((x as f64 + 0.5) / width, (y as f64 + 0.5) / height);
-        let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
-        let own = light == 0;
-        let value = radiance_of_light(snapshot, &job.transport, light, own, &ray, &mut sampler, &mut scratch);
-        film.add(x, y, 1.0, 0.0, &value);
+        watch.tell(count.min(first + BATCH) as f64 / count as f64);
     }
 }
 

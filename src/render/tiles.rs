@@ -1,54 +1,71 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
-use super::Job;
-use crate::film::{Film, Frame};
+use super::passes::{Fresh, Pass, Picture};
+use super::{Job, Watch};
+use crate::film::Film;
 use crate::math::Sampler;
-use crate::scene::Window;
+use crate::scene::{Sampling, Window};
 use crate::snapshot::Snapshot;
 use crate::transport::{Scratch, radiance};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
 const TILE: usize = 32;
 
-/// See [`super::render`].
-pub(super) fn render(
-    snapshot: &Snapshot,
-    job: &Job,
-    progress: &(dyn Fn(f64) + Sync),
-    cancelled: &AtomicBool,
-) -> Frame {
-    let tiles = tiles(job.window);
-    let finished = AtomicUsize::new(0);
-    let films: Vec<Film> = tiles
-        .par_iter()
-        .map_init(Scratch::default, |scratch, &tile| {
-            let mut film = Film::new(job.size, tile, &job.passes);
-            if !cancelled.load(Ordering::Relaxed) {
-                render_tile(snapshot, job, tile, scratch, &mut film);
-                progress((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
-            }
-            film
-        })
-        .collect();
-    let mut whole = Film::new(job.size, job.window, &job.passes);
-    for film in &films {
-        whole.paste(film);
-    }
-    whole.resolve()
+/// A picture of all lights, each sample a ray of its own.
+pub(super) struct RayPicture<'a> {
+    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) job: &'a Job,
 }
 
-fn render_tile(snapshot: &Snapshot, job: &Job, tile: Window, scratch: &mut Scratch, film: &mut Film) {
-    let (width, height) = (job.size.width as f64, job.size.height as f64);
-    for y in tile.y..tile.y + tile.height {
-        for x in tile.x..tile.x + tile.width {
-            for sample in 0..job.samples {
-                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, sample);
-                let (right, down) = if job.samples == 1 { (0.5, 0.5) } else { sampler.next_2d() };
+impl Picture for RayPicture<'_> {
+    fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
+        let tiles: Vec<Window> = tiles(film.window())
+            .into_iter()
+            .filter(|tile| tile.pixels().any(|(x, y)| pass.wanted.contains(x, y)))
+            .collect();
+        let finished = AtomicUsize::new(0);
+        let films: Vec<Film> = tiles
+            .par_iter()
+            .map_init(Scratch::default, |scratch, &tile| {
+                let mut film = Film::new(self.job.size, tile, &self.job.passes);
+                if !(watch.cancelled)() {
+                    self.render_tile(pass, tile, scratch, &mut film);
+                    watch.tell((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
+                }
+                film
+            })
+            .collect();
+        for tile in &films {
+            film.paste(tile);
+        }
+    }
+
+    /// There are none: every pixel has samples of its own.
+    fn fill_holes(&self, _: &mut Film, _: &Watch) {}
+}
+
+impl RayPicture<'_> {
+    fn render_tile(&self, pass: &Pass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
+        let Self { snapshot, job } = *self;
+        let (width, height) = (job.size.width as f64, job.size.height as f64);
+        for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
+            for number in 0..pass.samples {
+                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before + number);
+                let (right, down) = match job.sampling {
+                    Sampling::Exactly(1) => (0.5, 0.5),
+                    _ => sampler.next_2d(),
+                };
                 let ray = snapshot.view.ray((x as f64 + right) / width, (y as f64 + down) / height);
                 let value = radiance(snapshot, &job.transport, &ray, &mut sampler, scratch);
-                film.add(x, y, 1.0, (right - 0.5).hypot(down - 0.5), &value);
+                let from_centre = (right - 0.5).hypot(down - 0.5);
+                // The sequence's first half is evenly spread, and so is its second; its even points are not.
+                if pass.fresh == Fresh::All || 2 * number >= pass.samples {
+                    film.add_fresh(x, y, 1.0, from_centre, &value);
+                } else {
+                    film.add(x, y, 1.0, from_centre, &value);
+                }
             }
         }
     }

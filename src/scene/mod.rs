@@ -30,7 +30,7 @@ pub use material::{AlphaMode, Material};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use resolve::{LightUnits, resolve};
-pub use settings::{FrameRate, Pass, RenderSettings, Size, Window};
+pub use settings::{FrameRate, Pass, RenderSettings, Sampling, Size, Window};
 pub use texture::{Texture, Wrap};
 pub use track::{Animate, Extend, Handle, Key, Segment, Track};
 

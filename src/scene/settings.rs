@@ -1,6 +1,7 @@
 //! How a scene wants to be rendered: frames, rate, size, passes, samples. Invariant: frame times
 //! are computed from integers, never accumulated.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 
 /// Frames a second as a fraction, such as 24/1 or 24000/1001.
@@ -64,6 +65,47 @@ impl Window {
     }
 }
 
+/// How many samples a pixel gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// Exactly so many, at least 1.
+    Exactly(u32),
+    /// As many as it takes until the estimated relative error of its block of pixels is at most `tolerance`.
+    Until {
+        /// More than 0, at most 1.
+        tolerance: f64,
+        /// Samples a pixel at which to stop all the same, at least 1.
+        most: u32,
+    },
+}
+
+impl Sampling {
+    /// Where a tolerance stops that comes without a number of samples. Edges in a picture err as about the power -3/4
+    /// of the number: so many take an error of 5 %, at four samples, below 0.1 %.
+    pub const MOST: u32 = 1024;
+
+    /// What somebody asks for who may name a number of samples, a tolerance, both or neither: who names
+    /// one of the two has said all, for a number that was meant to be exact is no limit of a tolerance.
+    pub fn said(samples: Option<u32>, tolerance: Option<f64>) -> Option<Self> {
+        match (samples, tolerance) {
+            (None, None) => None,
+            (Some(samples), None) => Some(Self::Exactly(samples)),
+            (most, Some(tolerance)) => Some(Self::Until { tolerance, most: most.unwrap_or(Self::MOST) }),
+        }
+    }
+}
+
+impl fmt::Display for Sampling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exactly(samples) => write!(f, "{samples} samples a pixel"),
+            Self::Until { tolerance, most } => {
+                write!(f, "to a relative error of {tolerance} by at most {most} samples a pixel")
+            }
+        }
+    }
+}
+
 /// What a frame can hold beside its beauty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {
@@ -81,11 +123,13 @@ pub enum Pass {
     Albedo,
     /// `leaf_id.X`: which instance.
     LeafId,
+    /// `error.Y`: the estimated relative error of the block of pixels around.
+    Error,
 }
 
 impl Pass {
     /// Every pass there is.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Shafts,
         Self::Transmittance,
         Self::Depth,
@@ -93,6 +137,7 @@ impl Pass {
         Self::Position,
         Self::Albedo,
         Self::LeafId,
+        Self::Error,
     ];
 }
 
@@ -109,8 +154,8 @@ pub struct RenderSettings {
     pub size: Size,
     /// Name of the camera; `None` is the first.
     pub camera: Option<String>,
-    /// Samples a pixel, at least 1.
-    pub samples: u32,
+    /// How many samples a pixel gets.
+    pub sampling: Sampling,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
     /// Seed of the sample points.
@@ -133,7 +178,7 @@ impl Default for RenderSettings {
             frames: 1..=1,
             size: Size { width: 960, height: 540 },
             camera: None,
-            samples: 16,
+            sampling: Sampling::Until { tolerance: 0.02, most: Sampling::MOST },
             passes: Vec::new(),
             seed: 0,
             shutter: 0.0,

@@ -1,6 +1,7 @@
 //! What happens during a run, for those who watch. Invariant: every frame of the list ends in
 //! exactly one of skipped, written or neither, and the summary counts them.
 
+use crate::render::{Progress, Statistics};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -33,8 +34,8 @@ pub enum Event {
     FrameProgress {
         /// The frame.
         frame: i64,
-        /// How much of it, `0..=1`.
-        fraction: f64,
+        /// How much of it, and how good it is.
+        progress: Progress,
     },
     /// It is on the disk.
     FrameWritten {
@@ -46,6 +47,8 @@ pub enum Event {
         seconds: f64,
         /// Values that were too large for half precision and stored as the largest half.
         clamped: usize,
+        /// What it took, and how good it is.
+        statistics: Statistics,
     },
     /// The run is over, be it complete or stopped; a run that fails ends without.
     Finished(Summary),

@@ -3,8 +3,9 @@
 //! memory, and a frame with NaN or infinity is never written.
 
 use super::{Event, FrameList, OutputPattern, SkipReason, Summary};
-use crate::film::{Frame, FrameDefects};
+use crate::film::FrameDefects;
 use crate::frame_file::{self, FrameFileError, Provenance};
+use crate::render::{Progress, Rendered};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -69,7 +70,7 @@ pub enum SequenceError<E> {
 /// A finished frame on its way to the disk.
 struct Finished {
     frame: i64,
-    picture: Frame,
+    rendered: Rendered,
     provenance: Provenance,
     seconds: f64,
 }
@@ -85,7 +86,7 @@ struct Finished {
 pub fn run<E: Send>(
     job: Job<'_>,
     provenance: impl Fn(i64) -> Provenance,
-    mut render: impl FnMut(i64, &(dyn Fn(f64) + Sync)) -> Result<Frame, E>,
+    mut render: impl FnMut(i64, &(dyn Fn(Progress) + Sync)) -> Result<Rendered, E>,
     report: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, SequenceError<E>> {
     let started = Instant::now();
@@ -133,11 +134,11 @@ pub fn run<E: Send>(
             }
             report(Event::FrameStarted { frame });
             let frame_started = Instant::now();
-            match render(frame, &|fraction| report(Event::FrameProgress { frame, fraction })) {
-                Ok(picture) => {
+            match render(frame, &|progress| report(Event::FrameProgress { frame, progress })) {
+                Ok(rendered) => {
                     let seconds = frame_started.elapsed().as_secs_f64();
                     // Refused only by a writer that has failed; its error is the one to tell.
-                    if to_writer.send(Finished { frame, picture, provenance, seconds }).is_err() {
+                    if to_writer.send(Finished { frame, rendered, provenance, seconds }).is_err() {
                         break;
                     }
                 }
@@ -176,7 +177,8 @@ fn write_all<E>(
     report: &(dyn Fn(Event) + Sync),
 ) -> Result<usize, SequenceError<E>> {
     let mut written = 0;
-    for Finished { frame, picture, provenance, seconds } in finished {
+    for Finished { frame, rendered, provenance, seconds } in finished {
+        let Rendered { frame: picture, statistics } = rendered;
         let defects = picture.check();
         if defects.are_fatal() {
             return Err(SequenceError::Defective { frame, defects });
@@ -189,7 +191,8 @@ fn write_all<E>(
                 .map_err(write_error)?;
         }
         written += 1;
-        report(Event::FrameWritten { frame, path, seconds, clamped: defects.clamped.count });
+        let clamped = defects.clamped.count;
+        report(Event::FrameWritten { frame, path, seconds, clamped, statistics });
     }
     Ok(written)
 }

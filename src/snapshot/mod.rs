@@ -148,5 +148,5 @@ impl<'scene> Snapshot<'scene> {
 
 /// True if some pass shows the surface itself, so that its features are worth computing.
 pub fn shows_surfaces(passes: &[Pass]) -> bool {
-    passes.iter().any(|pass| !matches!(pass, Pass::Shafts | Pass::Transmittance))
+    passes.iter().any(|pass| !matches!(pass, Pass::Shafts | Pass::Transmittance | Pass::Error))
 }

@@ -2,13 +2,17 @@
 //! by row, for column vectors, in glTF's space; numbers are SI.
 
 use super::Inspected;
-use crate::scene::{AreaShape, Lens, LightKind, Placement};
+use crate::scene::{AreaShape, Lens, LightKind, Placement, Sampling};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
     let Inspected { input, scene_hash, scene, settings } = inspected;
     let rate = settings.frame_rate;
+    let (samples, tolerance) = match settings.sampling {
+        Sampling::Exactly(samples) => (samples, None),
+        Sampling::Until { tolerance, most } => (most, Some(tolerance)),
+    };
     let described = json!({
         "input": input,
         "scene_hash": scene_hash,
@@ -17,7 +21,8 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
         "frame_start": settings.frames.start(),
         "frame_end": settings.frames.end(),
         "size": [settings.size.width, settings.size.height],
-        "samples": settings.samples,
+        "samples": samples,
+        "tolerance": tolerance,
         "instances": scene.instances.len(),
         "triangles": scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum::<usize>(),
         "remarks": scene.remarks.0.iter().map(ToString::to_string).collect::<Vec<_>>(),

@@ -42,10 +42,10 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
     let size = settings.size;
     writeln!(
         out,
-        "  picture    {} x {}, {} samples a pixel, seed {}, {}",
+        "  picture    {} x {}, {}, seed {}, {}",
         size.width,
         size.height,
-        settings.samples,
+        settings.sampling,
         settings.seed,
         pass_names(&settings.passes)
     )?;

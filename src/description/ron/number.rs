@@ -31,6 +31,9 @@ pub enum Positive {}
 /// `0..=1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UnitInterval {}
+/// More than 0, at most 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RelativeError {}
 /// Between -1 and 1, both excluded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anisotropy {}
@@ -75,6 +78,13 @@ impl Range for UnitInterval {
     const EXPECTED: &'static str = "a number from 0 to 1";
     fn contains(value: f64) -> bool {
         (0.0..=1.0).contains(&value)
+    }
+}
+
+impl Range for RelativeError {
+    const EXPECTED: &'static str = "a relative error greater than 0 and at most 1, such as 0.02 for 2 %";
+    fn contains(value: f64) -> bool {
+        0.0 < value && value <= 1.0
     }
 }
 

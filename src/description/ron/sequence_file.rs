@@ -1,7 +1,7 @@
 //! What a sequence file holds: how to render a scene, never what is in it. Invariant: every field
 //! but the version and the scene may be left out; what is left out is the scene's business.
 
-use super::number::{NonNegative, Number, Positive, Whole};
+use super::number::{NonNegative, Number, Positive, RelativeError, Whole};
 use super::version::Version;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::fmt;
@@ -23,8 +23,10 @@ pub struct SequenceFields {
     pub size: Option<(Whole<1, 65536>, Whole<1, 65536>)>,
     /// Name of the camera.
     pub camera: Option<String>,
-    /// Samples a pixel.
+    /// Samples a pixel; with a tolerance, at most.
     pub samples: Option<Whole<1, 65536>>,
+    /// The relative error of a block of pixels that is good enough.
+    pub tolerance: Option<Number<RelativeError>>,
     /// Passes beside the beauty.
     pub passes: Option<Vec<Pass>>,
     /// Seed of the sample points.
@@ -64,6 +66,8 @@ pub enum Pass {
     Albedo,
     /// Which instance.
     LeafId,
+    /// The estimated error.
+    Error,
 }
 
 /// Frame numbers beyond this, either way, are refused.

@@ -5,7 +5,7 @@ use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{FrameRate, RenderSettings, Size};
+use crate::scene::{FrameRate, RenderSettings, Sampling, Size};
 
 /// Frames a second of a file that does not say.
 const DEFAULT_FPS: u32 = 24;
@@ -90,14 +90,21 @@ pub(super) fn settings(
     };
     let start = whole("frame_start", sunfleck.frame_start.unwrap_or(first), -MAX_FRAME, MAX_FRAME);
     let end = whole("frame_end", sunfleck.frame_end.unwrap_or(last.max(start)), -MAX_FRAME, MAX_FRAME);
-    if let Some(samples) = sunfleck.samples {
-        settings.samples = whole("samples", samples, 1.0, 1e6) as u32;
-    }
+    let samples = sunfleck.samples.map(|samples| whole("samples", samples, 1.0, 65536.0) as u32);
     if let Some([width, height]) = sunfleck.resolution {
         let width = whole("resolution[0]", width, 1.0, 65536.0) as usize;
         let height = whole("resolution[1]", height, 1.0, 65536.0) as usize;
         settings.size = Size { width, height };
     }
+    let tolerance = sunfleck.tolerance.filter(|&tolerance| {
+        let fits = 0.0 < tolerance && tolerance <= 1.0;
+        if !fits {
+            let expected = "a relative error greater than 0 and at most 1, such as 0.02 for 2 %";
+            report.error(at("tolerance"), format!("{tolerance} is not usable"), expected);
+        }
+        fits
+    });
+    settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
     if end < start {
         report.error(at("frame_end"), format!("frame {end} comes before frame {start}"), "the last frame");
     }

@@ -31,6 +31,7 @@ pub(super) struct Sunfleck {
     pub(super) camera: Option<String>,
     pub(super) light_units: Option<String>,
     pub(super) samples: Option<f64>,
+    pub(super) tolerance: Option<f64>,
     /// In frames.
     pub(super) shutter: Option<f64>,
     /// From the frame to the opening of the shutter, in frames.

@@ -3,7 +3,7 @@
 use super::problems::Problems;
 use crate::description::ron::{self, Frames, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rotation, Scene};
+use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rotation, Sampling, Scene};
 use crate::scene::{Lens, Size, Track};
 use std::collections::BTreeMap;
 
@@ -45,7 +45,9 @@ pub(in crate::scene) fn apply_sequence(
             problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
         }
     }
-    settings.samples = fields.samples.map_or(settings.samples, |Whole(samples)| samples);
+    let samples = fields.samples.map(|Whole(samples)| samples);
+    settings.sampling = Sampling::said(samples, fields.tolerance.map(|tolerance| tolerance.si()))
+        .unwrap_or(settings.sampling);
     settings.seed = fields.seed.unwrap_or(settings.seed);
     settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
@@ -61,6 +63,7 @@ fn pass(pass: ron::Pass) -> Pass {
         ron::Pass::Position => Pass::Position,
         ron::Pass::Albedo => Pass::Albedo,
         ron::Pass::LeafId => Pass::LeafId,
+        ron::Pass::Error => Pass::Error,
     }
 }
 

@@ -1,0 +1,129 @@
+//! How far a picture still is from the truth, judged by its own samples. In goes a film whose samples
+//! came in two halves, out comes a variance for each block of pixels. Invariant: a block is judged
+//! by its own pixels alone, and by all of them together, since a pixel's two halves may agree by chance.
+
+use super::{Blocks, Film};
+use crate::color::{Rgb, luminance};
+
+/// What a block's samples say of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockEstimate {
+    /// Mean luminance of its pixels.
+    pub luminance: f64,
+    /// Mean over its pixels of the squared standard error of their luminance. Infinite where no pixel has two halves.
+    pub variance: f64,
+}
+
+impl Film {
+    /// Mean and variance of each block.
+    ///
+    /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then the pixel's value,
+    /// (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if samples are independent, for
+    /// then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b). Halves that complete one another
+    /// err in opposite directions, and the value is better than that.
+    pub fn estimates(&self, blocks: &Blocks) -> Vec<BlockEstimate> {
+        (0..blocks.count()).map(|block| self.estimate(blocks, block)).collect()
+    }
+
+    fn estimate(&self, blocks: &Blocks, block: usize) -> BlockEstimate {
+        let (mut luminances, mut pixels) = (0.0, 0.0_f64);
+        let (mut variances, mut judged) = (0.0, 0.0);
+        for (x, y) in blocks.pixels(block).pixels() {
+            let Some(pixel) = self.window.index(x, y) else { continue };
+            let all = self.weights[pixel];
+            if all == 0.0 {
+                continue;
+            }
+            let [red, green, blue] = [0, 1, 2].map(|channel| self.sums[pixel * self.stride() + channel]);
+            let sum = luminance(Rgb::new(red, green, blue));
+            luminances += sum / all;
+            pixels += 1.0;
+            let [fresh, fresh_sum] = self.fresh[pixel];
+            let known = all - fresh;
+            if known > 0.0 && fresh > 0.0 {
+                let difference = (sum - fresh_sum) / known - fresh_sum / fresh;
+                variances += difference * difference * known * fresh / (all * all);
+                judged += 1.0;
+            }
+        }
+        BlockEstimate {
+            luminance: luminances / pixels.max(1.0),
+            variance: if judged > 0.0 { variances / judged } else { f64::INFINITY },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Sampler;
+    use crate::scene::{Size, Window};
+    use crate::transport::Sample;
+
+    const SIZE: Size = Size { width: 16, height: 8 };
+
+    fn grey(radiance: f64) -> Sample {
+        Sample { radiance: Rgb::splat(radiance), ..Sample::default() }
+    }
+
+    fn film() -> (Film, Blocks) {
+        let window = Window::whole(SIZE);
+        (Film::new(SIZE, window, &[]), Blocks::covering(window, SIZE))
+    }
+
+    #[test]
+    fn halves_that_agree_have_no_error_and_one_half_says_nothing() {
+        let (mut film, blocks) = film();
+        for (x, y) in Window::whole(SIZE).pixels() {
+            film.add(x, y, 1.0, 0.0, &grey(3.0));
+            if x < 8 {
+                film.add_fresh(x, y, 2.0, 0.0, &grey(3.0));
+            }
+        }
+        let [judged, unknown] = film.estimates(&blocks)[..] else { panic!("two blocks") };
+        assert!((judged.luminance - 3.0).abs() < 1e-12 && judged.variance < 1e-24, "{judged:?}");
+        assert!((unknown.luminance - 3.0).abs() < 1e-12 && unknown.variance == f64::INFINITY, "{unknown:?}");
+    }
+
+    /// Independent samples of variance 1/12: the mean of n of them has variance 1 / (12 n), however they are halved.
+    #[test]
+    fn independent_samples_have_the_variance_that_statistics_says() {
+        for (known, fresh) in [(4, 4), (12, 4), (2, 14)] {
+            let mut variances = 0.0;
+            let rounds = 200;
+            for round in 0..rounds {
+                let (mut film, blocks) = film();
+                for (pixel, (x, y)) in Window::whole(SIZE).pixels().enumerate() {
+                    for sample in 0..known + fresh {
+                        // A pixel's seed a sample: independent, unlike a pixel's own sequence.
+                        let number = Sampler::new(round, pixel as u32, sample, 0).next_1d();
+                        if sample < known {
+                            film.add(x, y, 1.0, 0.0, &grey(number));
+                        } else {
+                            film.add_fresh(x, y, 1.0, 0.0, &grey(number));
+                        }
+                    }
+                }
+                variances += film.estimates(&blocks).iter().map(|block| block.variance).sum::<f64>();
+            }
+            let mean = variances / f64::from(2 * rounds);
+            let truth = 1.0 / (12.0 * f64::from(known + fresh));
+            assert!((mean / truth - 1.0).abs() < 0.03, "{known} and {fresh}: {mean} for {truth}");
+        }
+    }
+
+    #[test]
+    fn what_was_fresh_is_known_later() {
+        let (mut film, blocks) = film();
+        for (x, y) in Window::whole(SIZE).pixels() {
+            film.add(x, y, 1.0, 0.0, &grey(1.0));
+            film.add_fresh(x, y, 1.0, 0.0, &grey(2.0));
+        }
+        assert!((film.estimates(&blocks)[0].variance - 0.25).abs() < 1e-12);
+        film.let_fresh_be_known();
+        for (x, y) in Window::whole(SIZE).pixels() {
+            film.add_fresh(x, y, 2.0, 0.0, &grey(1.5));
+        }
+        assert!(film.estimates(&blocks)[0].variance < 1e-24);
+    }
+}

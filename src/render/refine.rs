@@ -1,0 +1,148 @@
+//! Passes until a picture is good enough. In goes a picture to be rendered in passes, out comes its
+//! film and what its blocks are still in error by. Invariant: whether a block goes on depends on
+//! its own samples and on the first pass of the blocks next to it alone, so that a part of a picture has
+//! the pixels of the whole.
+
+use super::passes::{Fresh, Pass, Picture, stage};
+use super::survey::Survey;
+use super::{Job, Watch};
+use crate::film::{BlockEstimate, Blocks, Film, Mask};
+
+/// Blocks darker than this part of the picture's mean are judged as if they were that bright: nobody sees
+/// their errors, and where there is hardly any light, relative errors have no end.
+const DARKEST: f64 = 0.1;
+
+/// How a block's error falls with the number of samples, as a power: what edges leave of points
+/// spread evenly over a pixel. Only the time that is left is told by it.
+const CONVERGENCE: f64 = 0.75;
+
+/// A light's part of a picture, or all of it.
+pub(super) struct Refined {
+    pub(super) film: Film,
+    /// The blocks that it covers, those around the window included.
+    pub(super) blocks: Blocks,
+    /// Of each of them, see [`BlockEstimate::variance`].
+    pub(super) variances: Vec<f64>,
+    pub(super) passes: u32,
+}
+
+/// When a block is good enough.
+pub(super) struct Goal<'a> {
+    /// Standard error of a block by its brightness.
+    pub(super) tolerance: f64,
+    /// Samples a pixel at which to stop all the same.
+    pub(super) most: u32,
+    pub(super) survey: &'a Survey,
+    /// True if other lights' pictures are added to this one.
+    pub(super) is_part: bool,
+}
+
+/// A block's standard error by its brightness; 1 where nothing is known of it.
+pub(super) fn relative_error(variance: f64, luminance: f64, survey: &Survey) -> f64 {
+    if variance == 0.0 {
+        // Also where there is no light at all.
+        0.0
+    } else if variance == f64::INFINITY {
+        1.0
+    } else {
+        variance.sqrt() / luminance.max(DARKEST * survey.mean)
+    }
+}
+
+/// Renders exactly so many samples a pixel, as one pass.
+pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watch) -> Refined {
+    let blocks = Blocks::covering(job.window, job.size);
+    let window = if job.is_judged() { blocks.window() } else { job.window };
+    let mut film = Film::new(job.size, window, &job.passes);
+    let wanted = Mask::all(window);
+    let pass = Pass { level: 0, number: 0, samples, before: 0, wanted: &wanted, fresh: Fresh::Half };
+    picture.add_pass(&pass, &mut film, watch);
+    picture.fill_holes(&mut film, watch);
+    let variances = film.estimates(&blocks).iter().map(|block| block.variance).collect();
+    Refined { film, blocks, variances, passes: 1 }
+}
+
+/// Renders passes until every block of the window reaches the goal, or its pixels have all the samples they may.
+///
+/// Each stage doubles the samples of the blocks that take part in it, and its samples judge those before.
+pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
+    let window_blocks = Blocks::covering(job.window, job.size);
+    // Their first pass tells whether a block at the window's rim goes on.
+    let blocks = window_blocks.with_neighbours();
+    let corner = |block: usize| {
+        let pixels = blocks.pixels(block);
+        (pixels.x, pixels.y)
+    };
+    let mut film = Film::new(job.size, blocks.window(), &job.passes);
+    let mut variances = vec![f64::INFINITY; blocks.count()];
+    let mut goes_on = vec![true; blocks.count()];
+    let (mut work, mut worst, mut passes) = (Work::default(), None, 0);
+    for number in 0.. {
+        let mask = Mask::from_fn(blocks.window(), |x, y| blocks.index(x, y).is_some_and(|at| goes_on[at]));
+        let active = goes_on.iter().filter(|goes_on| **goes_on).count() as f64;
+        let stage = stage(number, goal.most, &mask);
+        let Some(last) = stage.last().filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
+
+        film.let_fresh_be_known();
+        for pass in &stage {
+            let part = work.next(active * f64::from(pass.samples));
+            watch.part(part, worst, |watch| picture.add_pass(pass, &mut film, watch));
+            passes += 1;
+        }
+
+        let estimates = film.estimates(&blocks);
+        let excess = |block: usize| {
+            if goes_on[block] { goal.excess(&estimates[block], corner(block)) } else { 0.0 }
+        };
+        let excess: Vec<f64> = (0..blocks.count()).map(excess).collect();
+        for block in 0..blocks.count() {
+            if !goes_on[block] {
+                continue;
+            }
+            variances[block] = estimates[block].variance;
+            let (x, y) = corner(block);
+            // An edge that one block has missed by chance may show in the next.
+            let near_excess = blocks.neighbourhood(block).any(|near| excess[near] > 1.0);
+            goes_on[block] = window_blocks.index(x, y).is_some()
+                && if number == 0 { near_excess } else { excess[block] > 1.0 };
+        }
+        worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
+        work.left = samples_left(&excess, last.before + last.samples, goal.most);
+    }
+    picture.fill_holes(&mut film, watch);
+    Refined { film, blocks, variances, passes }
+}
+
+impl Goal<'_> {
+    /// The error of a block with this corner, in units of the tolerance.
+    fn excess(&self, block: &BlockEstimate, (x, y): (usize, usize)) -> f64 {
+        let others = if self.is_part { self.survey.around(x, y) } else { 0.0 };
+        relative_error(block.variance, block.luminance.max(others), self.survey) / self.tolerance
+    }
+}
+
+/// How many more samples blocks are likely to take that have so many a pixel, in blocks times samples a pixel.
+fn samples_left(excess: &[f64], samples: u32, most: u32) -> f64 {
+    let samples = f64::from(samples);
+    let wanted = |excess: &f64| (samples * excess.powf(1.0 / CONVERGENCE)).min(f64::from(most)) - samples;
+    excess.iter().filter(|excess| **excess > 1.0).map(wanted).sum()
+}
+
+/// How much is done, for those who wait, in blocks times samples a pixel.
+#[derive(Default)]
+struct Work {
+    done: f64,
+    left: f64,
+}
+
+impl Work {
+    /// Takes the next piece of the work; which part of all of it that is.
+    fn next(&mut self, piece: f64) -> (f64, f64) {
+        // Before anything is known, the first piece is a guess at a third of it.
+        let left = if self.done == 0.0 { 3.0 * piece } else { self.left.max(piece) };
+        let all = self.done + left;
+        let start = self.done;
+        (self.done, self.left) = (start + piece, left - piece);
+        (start / all, self.done / all)
+    }
+}

@@ -1,0 +1,83 @@
+//! Pictures of single lights, added up and judged. In go their films, out come a frame and what it
+//! took. Invariant: what is said of the frame's errors is said of the sum.
+
+use super::refine::{Refined, relative_error};
+use super::survey::Survey;
+use super::{Job, Rendered, Statistics};
+use crate::color::{Rgb, luminance};
+use crate::film::{Blocks, Channel, Film, Frame, Precision};
+use crate::scene::{Pass, Sampling};
+
+/// The pictures so far.
+#[derive(Default)]
+pub(super) struct Sum {
+    frame: Option<Frame>,
+    blocks: Option<Blocks>,
+    /// Block by block; those of independent pictures add.
+    variances: Vec<f64>,
+    statistics: Statistics,
+}
+
+impl Sum {
+    pub(super) fn add(&mut self, picture: Refined) {
+        let Refined { film, blocks, variances, passes } = picture;
+        self.statistics.samples += film.weight() as u64;
+        self.statistics.passes = self.statistics.passes.max(passes);
+        let resolved = film.resolve();
+        match &mut self.frame {
+            None => (self.frame, self.variances) = (Some(resolved), variances),
+            Some(frame) => {
+                frame.add_light(&resolved);
+                for (sum, added) in self.variances.iter_mut().zip(variances) {
+                    *sum += added;
+                }
+            }
+        }
+        self.blocks = Some(blocks);
+    }
+
+    pub(super) fn finish(mut self, job: &Job, survey: &Survey) -> Rendered {
+        let frame =
+            self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());
+        let (Some(blocks), true) = (&self.blocks, job.is_judged()) else {
+            return Rendered { frame, statistics: self.statistics };
+        };
+        let errors: Vec<f64> = (0..blocks.count())
+            .map(|block| relative_error(self.variances[block], mean_luminance(&frame, blocks, block), survey))
+            .collect();
+        let mut frame = frame.part(job.window);
+        if job.passes.contains(&Pass::Error) {
+            let pixels = job
+                .window
+                .pixels()
+                .map(|(x, y)| blocks.index(x, y).map_or(0.0, |block| errors[block] as f32));
+            frame.channels.push(Channel::new("error.Y", Precision::Half, pixels.collect()));
+        }
+        let within = Blocks::covering(job.window, job.size);
+        let is_within = |&block: &usize| {
+            let at = blocks.pixels(block);
+            within.index(at.x, at.y).is_some()
+        };
+        let judged = (0..blocks.count()).filter(is_within).map(|block| errors[block]);
+        let statistics = &mut self.statistics;
+        statistics.blocks = within.count();
+        if let Sampling::Until { tolerance, .. } = job.sampling {
+            statistics.unconverged_blocks = judged.clone().filter(|error| *error > tolerance).count();
+        }
+        statistics.error = Some(judged.fold(0.0, f64::max));
+        Rendered { frame, statistics: self.statistics }
+    }
+}
+
+fn mean_luminance(frame: &Frame, blocks: &Blocks, block: usize) -> f64 {
+    let window = blocks.pixels(block);
+    let channel = |name: &str, x: usize, y: usize| {
+        let pixel = frame.window.index(x, y);
+        pixel.zip(frame.channel(name)).map_or(0.0, |(pixel, channel)| f64::from(channel.pixels[pixel]))
+    };
+    let sum: f64 = window
+        .pixels()
+        .map(|(x, y)| luminance(Rgb::new(channel("R", x, y), channel("G", x, y), channel("B", x, y))))
+        .sum();
+    sum / (window.width * window.height) as f64
+}

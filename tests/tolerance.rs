@@ -1,0 +1,242 @@
+//! Rendering until an error is small enough: what is estimated against the truth, and what the
+//! pictures promise whatever is estimated.
+
+mod common;
+
+use common::{INSTANT, add_light, camera_at};
+use glam::DVec3;
+use std::path::Path;
+use sunfleck::color::{Rgb, luminance};
+use sunfleck::film::{Blocks, Frame};
+use sunfleck::render::{Job, Placement, Rendered, Watch, render};
+use sunfleck::scene::{LightKind, Pass, Sampling, Scene, Size, Window};
+use sunfleck::snapshot::{MeshTrees, Snapshot};
+use sunfleck::transport::{Transport, VolumeMethod};
+use sunfleck::{description, scene};
+
+const SIZE: Size = Size { width: 128, height: 72 };
+/// No whole blocks: its rim lies within some.
+const PART: Window = Window { x: 45, y: 20, width: 37, height: 26 };
+
+fn load(path: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(path);
+    scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
+}
+
+fn leaves500() -> Scene {
+    load("leaves500/leaves500.glb")
+}
+
+fn until(tolerance: f64) -> Job {
+    Job {
+        size: SIZE,
+        window: Window::whole(SIZE),
+        passes: vec![Pass::Error],
+        sampling: Sampling::Until { tolerance, most: 1024 },
+        seed: 0,
+        transport: Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false },
+        placement: Placement::Slices,
+    }
+}
+
+fn picture(scene: &Scene, job: &Job) -> Rendered {
+    let trees = MeshTrees::new(scene);
+    let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
+    render(&snapshot, job, &Watch::NOBODY)
+}
+
+fn luminances(frame: &Frame) -> Vec<f64> {
+    let [red, green, blue] = ["R", "G", "B"].map(|name| &frame.channel(name).expect("is there").pixels);
+    let pixels = red.iter().zip(green).zip(blue);
+    pixels.map(|((&red, &green), &blue)| luminance(Rgb::new(red.into(), green.into(), blue.into()))).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// How far blocks are from the truth: true errors by the blocks' brightness, and by what was estimated.
+struct Judged {
+    errors: Vec<f64>,
+    by_estimate: Vec<f64>,
+    /// Of the picture, by its mean.
+    rmse: f64,
+}
+
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[(share * (sorted.len() - 1) as f64) as usize]
+}
+
+/// Pictures of several seeds against one of many samples.
+fn judge(scene: &Scene, job: &Job, truth_samples: u32, seeds: u32) -> Judged {
+    let truth_job = Job { sampling: Sampling::Exactly(truth_samples), seed: 99, ..job.clone() };
+    let truth = luminances(&picture(scene, &truth_job).frame);
+    let blocks = Blocks::covering(job.window, job.size);
+    let mut judged = Judged { errors: Vec::new(), by_estimate: Vec::new(), rmse: 0.0 };
+    for seed in 0..seeds {
+        let frame = picture(scene, &Job { seed, ..job.clone() }).frame;
+        let values = luminances(&frame);
+        let estimates = &frame.channel("error.Y").expect("asked for").pixels;
+        for block in 0..blocks.count() {
+            let pixels: Vec<usize> =
+                blocks.pixels(block).pixels().filter_map(|(x, y)| job.window.index(x, y)).collect();
+            // Blocks cut by the window are judged by pixels that it does not hold.
+            if pixels.len() < 64 {
+                continue;
+            }
+            let squares: Vec<f64> = pixels.iter().map(|&at| (values[at] - truth[at]).powi(2)).collect();
+            let brightness = mean(&pixels.iter().map(|&at| truth[at]).collect::<Vec<_>>());
+            let error = mean(&squares).sqrt() / brightness.max(0.1 * mean(&truth));
+            let estimate = f64::from(estimates[pixels[0]]);
+            judged.errors.push(error);
+            if estimate > 0.0 {
+                judged.by_estimate.push(error / estimate);
+            }
+        }
+        let squares = values.iter().zip(&truth).map(|(value, truth)| (value - truth).powi(2));
+        judged.rmse += (mean(&squares.collect::<Vec<_>>()).sqrt() / mean(&truth)) / f64::from(seeds);
+    }
+    judged
+}
+
+/// The estimate is about the truth: a little above it for most blocks, and rarely far below.
+fn assert_honest(judged: &Judged, tolerance: f64) {
+    let Judged { errors, by_estimate, rmse } = judged;
+    let over = errors.iter().filter(|error| **error > tolerance).count() as f64 / errors.len() as f64;
+    let report = format!(
+        "true by estimated: 5 % {:.2}, median {:.2}, 95 % {:.2}; error: 95 % {:.4}, 99 % {:.4}; over {over:.3}; rmse {rmse:.4}",
+        quantile(by_estimate, 0.05),
+        quantile(by_estimate, 0.5),
+        quantile(by_estimate, 0.95),
+        quantile(errors, 0.95),
+        quantile(errors, 0.99),
+    );
+    println!("{report}");
+    assert!((0.65..1.1).contains(&quantile(by_estimate, 0.5)), "{report}");
+    assert!(quantile(by_estimate, 0.95) < 2.0, "{report}");
+    assert!(over < 0.1, "{report}");
+    assert!(quantile(errors, 0.95) < 1.3 * tolerance, "{report}");
+    assert!(*rmse < tolerance, "{report}");
+}
+
+#[test]
+fn leaves_have_the_error_that_is_estimated() {
+    assert_honest(&judge(&leaves500(), &until(0.05), 512, 4), 0.05);
+}
+
+#[test]
+fn rays_have_the_error_that_is_estimated() {
+    let window = Window { x: 40, y: 16, width: 48, height: 32 };
+    let job = Job { placement: Placement::Pixels, window, ..until(0.05) };
+    assert_honest(&judge(&leaves500(), &job, 256, 3), 0.05);
+}
+
+#[test]
+fn a_canopy_has_the_error_that_is_estimated() {
+    let window = Window { x: 40, y: 0, width: 48, height: 40 };
+    assert_honest(&judge(&load("canopy20k/scene.ron"), &Job { window, ..until(0.1) }, 512, 2), 0.1);
+}
+
+/// Stopping when samples happen to agree could favour the dark or the bright.
+#[test]
+fn the_mean_of_many_pictures_is_the_mean_of_one_of_many_samples() {
+    let scene = leaves500();
+    let truth = picture(&scene, &Job { sampling: Sampling::Exactly(512), ..until(0.05) });
+    let truth = mean(&luminances(&truth.frame));
+    let ratios: Vec<f64> = (0..32)
+        .map(|seed| mean(&luminances(&picture(&scene, &Job { seed, ..until(0.1) }).frame)) / truth)
+        .collect();
+    let average = mean(&ratios);
+    let deviation = mean(&ratios.iter().map(|ratio| (ratio - average).powi(2)).collect::<Vec<_>>()).sqrt();
+    println!("mean ratio {average:.6}, of one picture +- {deviation:.6}");
+    assert!((average - 1.0).abs() < 5e-4, "{average}");
+}
+
+#[test]
+fn a_picture_without_noise_takes_one_pass() {
+    let mut scene = camera_at(DVec3::ZERO);
+    scene.background = Rgb::new(0.5, 0.6, 0.7);
+    for lights in 0..2 {
+        let Rendered { frame, statistics } = picture(&scene, &until(0.001));
+        assert_eq!((statistics.passes, statistics.unconverged_blocks), (1, 0), "{lights} lights");
+        assert!(statistics.error.is_some_and(|error| error < 1e-12), "{lights} lights: {statistics:?}");
+        let per_pixel = statistics.samples as f64 / luminances(&frame).len() as f64;
+        assert!((3.9..4.1).contains(&per_pixel), "{per_pixel}");
+        add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.2, -1.0, -0.3), Rgb::ONE);
+    }
+}
+
+#[test]
+fn black_is_not_refined_forever() {
+    let statistics = picture(&camera_at(DVec3::ZERO), &until(1e-6)).statistics;
+    assert_eq!((statistics.passes, statistics.error), (1, Some(0.0)));
+}
+
+#[test]
+fn fewer_and_fewer_blocks_go_on() {
+    let scene = leaves500();
+    let samples: Vec<f64> = [0.2, 0.1, 0.05]
+        .map(|tolerance| {
+            let statistics = picture(&scene, &until(tolerance)).statistics;
+            assert!(statistics.error.expect("judged") <= tolerance);
+            let a_pixel = statistics.samples as f64 / (SIZE.width * SIZE.height) as f64;
+            // Had all blocks gone on, each stage would have doubled the four samples of the first.
+            let stages = [1, 2, 2, 3, 4, 4, 5, 6, 6, 7, 8, 8][statistics.passes as usize - 1];
+            let all = f64::from(4 << (stages - 1));
+            assert!(statistics.passes == 1 || a_pixel < 0.7 * all, "{a_pixel} of {all} at {tolerance}");
+            a_pixel
+        })
+        .into();
+    assert!(samples[0] < samples[1] && samples[1] < samples[2], "{samples:?}");
+}
+
+#[test]
+fn no_pixel_has_more_samples_than_it_may() {
+    let mut job = until(1e-6);
+    for (most, taken) in [(2, 2), (7, 4), (8, 8)] {
+        job.sampling = Sampling::Until { tolerance: 1e-6, most };
+        let statistics = picture(&leaves500(), &job).statistics;
+        let a_pixel = statistics.samples as f64 / (SIZE.width * SIZE.height) as f64;
+        assert!((a_pixel - f64::from(taken)).abs() < 0.1, "{a_pixel} of {taken}");
+        assert!(statistics.unconverged_blocks > statistics.blocks / 4, "{statistics:?}");
+    }
+}
+
+#[test]
+fn a_part_has_the_pixels_of_the_whole() {
+    let scene = leaves500();
+    for placement in [Placement::Slices, Placement::Pixels] {
+        let job = Job { placement, size: Size { width: 64, height: 36 }, ..until(0.1) };
+        let part = Window { x: 21, y: 9, width: 19, height: 14 };
+        let whole = picture(&scene, &Job { window: Window::whole(job.size), ..job.clone() }).frame;
+        let part = picture(&scene, &Job { window: part, ..job }).frame;
+        assert_eq!(part, whole.part(part.window), "{placement:?}");
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let scene = leaves500();
+    let rendered = [1, 2, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| picture(&scene, &until(0.1)))
+    });
+    assert!(rendered[0] == rendered[1] && rendered[0] == rendered[2]);
+}
+
+/// A faint light's picture need not be as good by itself as the sum.
+#[test]
+fn lights_are_judged_together() {
+    let mut scene = leaves500();
+    let sun_alone = picture(&scene, &until(0.1)).statistics.samples;
+    add_light(&mut scene, LightKind::Point, DVec3::new(1.5, 4.0, 1.0), DVec3::NEG_Y, Rgb::splat(0.01));
+    let both = picture(&scene, &until(0.1)).statistics;
+    let of_lamp = (both.samples - sun_alone) as f64 / sun_alone as f64;
+    // The sun's part has to be better by the square root of two, so that there is room for the lamp's.
+    assert!(of_lamp < 1.6, "{of_lamp}");
+    scene.lights[1].power = Rgb::splat(20.0).into();
+    let judged = judge(&scene, &Job { window: PART, ..until(0.1) }, 256, 2);
+    assert_honest(&judged, 0.1);
+}
