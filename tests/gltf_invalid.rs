@@ -11,7 +11,7 @@ use sunfleck::description::{self, Description, Files, SceneSource, gltf};
 use sunfleck::scene;
 
 /// File and what its message must hold.
-const CASES: [(&str, &str); 94] = [
+const CASES: [(&str, &str); 95] = [
     (
         "accessor_beyond_view.gltf",
         "accessors[0].count: error: 4 elements, 12 bytes apart, from byte 0 on reach beyond the 36 bytes",
@@ -111,6 +111,7 @@ const CASES: [(&str, &str); 94] = [
     ("scene_missing.gltf", "scene 4 does not exist"),
     ("sparse_index_out_of_range.gltf", "element 9 does not exist"),
     ("stride_too_small.gltf", "a byteStride of 4 is less than the element"),
+    ("tolerance_above_one.gltf", "sunfleck.tolerance: error: 2 is not usable"),
     ("triangles_not_whole.gltf", "2 vertices of mode 4"),
     ("version_missing.gltf", "asset.version: error"),
     ("version_one.gltf", "asset.version: error: this is glTF version `1.0`"),

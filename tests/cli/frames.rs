@@ -22,6 +22,23 @@ fn a_scene_is_rendered_too() {
 }
 
 #[test]
+fn a_frame_says_how_good_it_is() {
+    let studio = Studio::new();
+    let outcome = studio.succeed("render tiny.ron --tolerance 0.2 --passes error --frames 1 --out a.exr");
+    assert!(outcome.err.contains(" s, error "), "{}", outcome.err);
+    let file = studio.frame("a.exr");
+    assert_eq!(file.attributes.get("sunfleck:tolerance"), Some("0.2"));
+    let errors = &file.frame.channel("error.Y").unwrap().pixels;
+    assert!(
+        errors.iter().all(|error| (0.0..=0.2).contains(error)) && errors.iter().any(|error| *error > 0.0)
+    );
+    // Another tolerance is another frame.
+    let skips = |line: &str| studio.succeed(line).err.contains("1 skipped");
+    assert!(skips("render tiny.ron --tolerance 0.2 --passes error --frames 1 --out a.exr --skip valid"));
+    assert!(!skips("render tiny.ron --tolerance 0.1 --passes error --frames 1 --out a.exr --skip valid"));
+}
+
+#[test]
 fn a_file_made_by_blender_is_rendered_too() {
     let studio = Studio::new();
     let input = repository("tests/data/leaves500/leaves500.glb");
@@ -75,8 +92,10 @@ fn sizes_may_be_percentages_of_the_sequence() {
 #[test]
 fn a_crop_is_a_part_of_the_whole() {
     let studio = Studio::new();
-    for (method, samples) in [("segments", 1), ("slices", 1), ("slices", 5)] {
-        let flags = format!("render tiny.ron --frames 1 --volume {method} --samples {samples}");
+    for method in
+        ["segments --samples 1", "slices --samples 1", "slices --samples 5", "slices --tolerance 0.1"]
+    {
+        let flags = format!("render tiny.ron --frames 1 --volume {method}");
         studio.succeed(&format!("{flags} --out whole.exr"));
         studio.succeed(&format!("{flags} --crop 4,3,20,12 --out part.exr"));
         let (whole, part) = (studio.frame("whole.exr").frame, studio.frame("part.exr").frame);
@@ -86,7 +105,7 @@ fn a_crop_is_a_part_of_the_whole() {
             frame.channel("R").unwrap().pixels[frame.window.index(x, y).unwrap()]
         };
         for (x, y) in part.window.pixels() {
-            assert_eq!(pixel(&part, x, y), pixel(&whole, x, y), "{method}, {samples} samples, ({x}, {y})");
+            assert_eq!(pixel(&part, x, y), pixel(&whole, x, y), "{method}, ({x}, {y})");
         }
     }
 }
@@ -112,6 +131,7 @@ fn all_passes_are_the_channels_that_compositors_know() {
         "albedo.R",
         "albedo.G",
         "albedo.B",
+        "error.Y",
         "leaf_id.X",
         "shafts.R",
         "shafts.G",

@@ -21,6 +21,26 @@ fn inspect_tells_people_what_an_input_holds() {
 }
 
 #[test]
+fn who_names_samples_or_a_tolerance_has_said_both() {
+    let studio = Studio::new();
+    let sequence = r#"Sequence(version: 1, scene: "scene.ron", tolerance: 0.1, samples: 64)"#;
+    std::fs::write(studio.path("good.ron"), sequence).unwrap();
+    for (line, part) in [
+        ("scene.ron", "to a relative error of 0.02 by at most 1024 samples a pixel"),
+        ("good.ron", "to a relative error of 0.1 by at most 64 samples a pixel"),
+        ("good.ron --samples 8", ", 8 samples a pixel"),
+        ("good.ron --tolerance 0.3", "to a relative error of 0.3 by at most 1024 samples a pixel"),
+        ("tiny.ron --tolerance 0.3 --samples 9", "to a relative error of 0.3 by at most 9 samples a pixel"),
+    ] {
+        let answer = studio.succeed(&format!("render --dry-run {line}")).out;
+        assert!(answer.contains(part), "{line}: `{part}` is not in\n{answer}");
+    }
+    let answer = studio.succeed("inspect good.ron --json").out;
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!((&answer["tolerance"], &answer["samples"]), (&0.1.into(), &64.into()));
+}
+
+#[test]
 fn inspect_answers_programs_at_any_frame() {
     let answer = Studio::new().succeed("inspect tiny.ron --json --frames 1,12.5").out;
     let answer: Value = serde_json::from_str(&answer).unwrap();
