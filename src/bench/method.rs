@@ -2,12 +2,11 @@
 //! out comes a picture. Invariant: all methods make the picture of the same scene, to the same film.
 
 use crate::film::Frame;
-use crate::render::{Job, Placement, render};
-use crate::scene::{Size, Window};
+use crate::render::{Job, Placement, Watch, render};
+use crate::scene::{Sampling, Size, Window};
 use crate::snapshot::Snapshot;
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use cpu_time::ProcessTime;
-use std::sync::atomic::AtomicBool;
 
 /// A way to make the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +105,7 @@ impl Method {
             size: stage.size,
             window: Window::whole(stage.size),
             passes: Vec::new(),
-            samples: effort.samples,
+            sampling: Sampling::Exactly(effort.samples),
             seed,
             transport: Transport {
                 volume: self.volume(effort, stage),
@@ -115,7 +114,7 @@ impl Method {
             },
             placement: if self == Self::Slices { Placement::Slices } else { Placement::Pixels },
         };
-        render(stage.snapshot, &job, &|_| {}, &AtomicBool::new(false))
+        render(stage.snapshot, &job, &Watch::NOBODY).frame
     }
 }
 
