@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use sunfleck::description;
 use sunfleck::diagnostic::Severity;
-use sunfleck::scene::{self, FrameRate, Lens, LightKind, LightUnits, RenderSettings, Scene, Size};
+use sunfleck::scene::{self, FogShape, FrameRate, Lens, LightKind, LightUnits, RenderSettings, Scene, Size};
 
 fn data(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -248,8 +248,11 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     assert_eq!(settings.camera.as_deref(), Some("render_cam"));
     assert_eq!(settings.shutter, 0.5);
     assert!((scene.background - DVec3::new(0.04, 0.06, 0.1)).abs().max_element() < 1e-12);
-    assert_eq!(scene.fogs.len(), 1);
-    assert_eq!(scene.fogs[0].name, "fog_volume");
+    let fogs: Vec<_> = scene.fogs.iter().map(|fog| (fog.name.as_str(), &fog.shape)).collect();
+    let [("fog_volume", FogShape::EvenBox), ("fog", FogShape::Layer(falloff))] = fogs[..] else {
+        panic!("{fogs:?}")
+    };
+    assert_eq!((falloff.base, falloff.scale_height_m.at(0.0)), (0.0, 1.0 / 0.35));
     assert_eq!(scene.instances.len(), 9);
     let mut ids: Vec<u32> = scene.instances.iter().map(|instance| instance.leaf_id).collect();
     ids.sort_unstable();
@@ -264,7 +267,6 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     assert!((light("window").power.at(0.0) - expected).abs().max_element() < 1e-12);
     let remarks = scene.remarks.to_string();
     for said in [
-        "fog that thins out with height is not yet honoured, it is left out",
         "`sunfleck_ctl` are not yet honoured",
         "`sunfleck_camera` is not yet honoured",
         "`sunfleck_leaf` is not yet honoured",

@@ -2,12 +2,12 @@
 
 mod common;
 
-use common::{EXACT, INSTANT};
+use common::{EXACT, INSTANT, add_layer};
 use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
-use sunfleck::scene::{Light, LightKind, Motion, Node, Scene, Size, Track};
+use sunfleck::scene::{FogShape, HeightFalloff, Light, LightKind, Motion, Node, Scene, Size, Track};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
@@ -90,6 +90,25 @@ fn assert_equal(scene: &Scene) {
 #[test]
 fn sun_above_the_picture() {
     assert_equal(&leaves500());
+}
+
+/// Thinner with height without bounds, beside the scene's own box.
+#[test]
+fn sun_through_height_fog() {
+    let mut scene = leaves500();
+    add_layer(&mut scene, 0.5, 1.5, Rgb::new(0.2, 0.3, 0.4), Rgb::splat(0.9), 0.7);
+    assert_equal(&scene);
+    scene.fogs.remove(0);
+    assert_equal(&scene);
+}
+
+#[test]
+fn lamp_in_height_fog() {
+    let place = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));
+    let mut scene = with_light(LightKind::Point, place, 50.0);
+    scene.fogs[0].shape =
+        FogShape::ThinningBox(HeightFalloff { base: -0.8, scale_height_m: Track::from(1.5) });
+    assert_equal(&scene);
 }
 
 #[test]

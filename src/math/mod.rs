@@ -1,6 +1,7 @@
 //! Geometry and numbers without any notion of scenes or light. Invariant: nothing here knows a
 //! unit other than metres, seconds and radians.
 
+mod chebyshev;
 mod disc;
 mod distribution;
 mod interval;
@@ -8,6 +9,7 @@ mod quadrature;
 mod ray;
 mod sampler;
 
+pub use chebyshev::Antiderivative;
 pub use disc::{disc_from_square, square_from_disc};
 pub use distribution::SquareDistribution;
 pub use interval::IntervalSet;

@@ -1,18 +1,20 @@
 //! All fog together: transmittance between two points, and a ray cut into stretches on which the
 //! fog's parameters are constant and the light's way through it changes smoothly. Invariant: on a
-//! stretch the optical depth to a distant light is linear in `t`, so its ends say everything.
+//! stretch the optical depths to the eye and to a distant light are smooth, and [`Course`] says
+//! where they are more than that.
 
-use super::fog_box::LightPlace;
-use super::{FogBox, henyey_greenstein};
+use super::falloff::Climb;
+use super::fog_bank::LightPlace;
+use super::{FogBank, exp_minus, henyey_greenstein};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scene::MOST_FOGS;
 use glam::DVec3;
 
-/// Boxes of fog; where they overlap their coefficients add up.
+/// Banks of fog; where they overlap their coefficients add up.
 #[derive(Clone, Debug, Default)]
 pub struct Medium {
-    boxes: Vec<FogBox>,
+    banks: Vec<FogBank>,
 }
 
 /// Where the light comes from that the fog scatters.
@@ -25,32 +27,57 @@ pub struct Stretch {
     pub start: f64,
     /// Where it ends, metres.
     pub end: f64,
-    /// Optical depth from the ray's origin to `start`, and growth per metre.
-    tau_to_eye: (Rgb, Rgb),
-    /// Bit `i` set: inside box `i`.
+    /// Optical depth from the ray's origin to `start`.
+    tau_at_start: Rgb,
+    /// Growth of it per metre, in fog whose density does not change on the way.
+    even_per_m: Rgb,
+    /// Bit `i` set: inside bank `i`.
     inside: u64,
+    /// Bit `i` set: and its density changes on the way.
+    thinning: u64,
+}
+
+/// How the optical depth from the eye over the ray to a distant light changes on a stretch.
+#[derive(Clone, Copy, Debug)]
+pub enum Course {
+    /// In proportion to distance.
+    Even,
+    /// In proportion to the metres of one bank, counted at its base density: there is no other fog.
+    Thinning {
+        /// Its heights along the ray.
+        climb: Climb,
+        /// Growth of the optical depth per such metre.
+        tau_per_m: Rgb,
+    },
+    /// Smoothly.
+    Mixed,
 }
 
 impl Medium {
-    /// Fog of several boxes.
-    pub fn new(boxes: Vec<FogBox>) -> Self {
-        debug_assert!(boxes.len() <= MOST_FOGS, "a scene that exists has no more");
-        Self { boxes }
+    /// Fog of several banks.
+    pub fn new(banks: Vec<FogBank>) -> Self {
+        debug_assert!(banks.len() <= MOST_FOGS, "a scene that exists has no more");
+        Self { banks }
     }
 
-    /// The boxes.
-    pub fn boxes(&self) -> &[FogBox] {
-        &self.boxes
+    /// The banks.
+    pub fn banks(&self) -> &[FogBank] {
+        &self.banks
     }
 
     /// True if there is no fog at all.
     pub fn is_empty(&self) -> bool {
-        self.boxes.is_empty()
+        self.banks.is_empty()
+    }
+
+    /// True if no fog thins out with height.
+    pub fn is_even(&self) -> bool {
+        self.banks.iter().all(FogBank::is_even)
     }
 
     /// Optical depth of `origin + t * direction`, `0 < t < t_max`, for a unit direction.
     pub fn optical_depth(&self, origin: DVec3, direction: DVec3, t_max: f64) -> Rgb {
-        self.boxes.iter().map(|fog| fog.sigma_t * fog.length(origin, direction, t_max)).sum()
+        self.banks.iter().map(|fog| fog.sigma_t * fog.length(origin, direction, t_max)).sum()
     }
 
     /// The share of light that gets through (Beer-Lambert).
@@ -73,17 +100,11 @@ impl Medium {
         }
     }
 
-    /// First and last fog on the ray within `[0, t_max]`; `None` if there is none.
+    /// First and last fog to be seen on the ray within `[0, t_max]`; `None` if there is none. Finite, also
+    /// where ray and fog are not.
     pub fn range(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
-        let mut range: Option<(f64, f64)> = None;
-        for fog in &self.boxes {
-            let Some((enter, leave)) = fog.span(ray) else { continue };
-            let (enter, leave) = (enter.max(0.0), leave.min(t_max));
-            if enter < leave {
-                range = Some(range.map_or((enter, leave), |(a, b)| (a.min(enter), b.max(leave))));
-            }
-        }
-        range
+        let spans = self.banks.iter().filter_map(|fog| fog.visible_span(ray, t_max));
+        spans.reduce(|(a, b), (enter, leave)| (a.min(enter), b.max(leave)))
     }
 
     /// Cuts the foggy parts of the ray within `[0, t_max]` into smooth stretches, in order.
@@ -105,8 +126,8 @@ impl Medium {
                 cuts.push(t);
             }
         };
-        for fog in &self.boxes {
-            if let Some((enter, leave)) = fog.span(ray) {
+        for fog in &self.banks {
+            if let Some((enter, leave)) = fog.visible_span(ray, t_max) {
                 cut(enter);
                 cut(leave);
             }
@@ -118,68 +139,114 @@ impl Medium {
         for pair in cuts.windows(2) {
             let (start, end) = (pair[0], pair[1]);
             let middle = 0.5 * (start + end);
-            let mut inside = 0;
-            let mut sigma_t = Rgb::ZERO;
-            for (index, fog) in self.boxes.iter().enumerate() {
-                if fog.span(ray).is_some_and(|(enter, leave)| enter < middle && middle < leave) {
-                    inside |= 1 << index;
-                    sigma_t += fog.sigma_t;
+            let mut stretch =
+                Stretch { start, end, tau_at_start: tau, even_per_m: Rgb::ZERO, inside: 0, thinning: 0 };
+            for (index, fog) in self.banks.iter().enumerate() {
+                if fog.visible_span(ray, t_max).is_some_and(|(enter, leave)| enter < middle && middle < leave)
+                {
+                    stretch.inside |= 1 << index;
+                    match fog.climb(ray).filter(|climb| climb.height(middle) > 0.0) {
+                        Some(_) => stretch.thinning |= 1 << index,
+                        None => stretch.even_per_m += fog.sigma_t,
+                    }
                 }
             }
-            if inside != 0 {
-                out.push(Stretch { start, end, tau_to_eye: (tau, sigma_t), inside });
+            if stretch.inside != 0 {
+                tau = self.tau_to_eye(&stretch, ray, end);
+                out.push(stretch);
             }
-            tau += sigma_t * (end - start);
         }
     }
 
-    /// Light scattered per metre towards the ray's origin per unit of irradiance: `sum(sigma_s * phase)`, 1/(m sr).
-    pub fn scattering(&self, stretch: &Stretch, cos_deflection: f64) -> Rgb {
-        let mut sum = Rgb::ZERO;
-        let mut rest = stretch.inside;
-        while rest != 0 {
-            let fog = &self.boxes[rest.trailing_zeros() as usize];
-            sum += fog.sigma_s * henyey_greenstein(cos_deflection, fog.g);
-            rest &= rest - 1;
-        }
-        sum
+    /// Optical depth from the ray's origin to a `t` on a stretch of it.
+    pub fn tau_to_eye(&self, stretch: &Stretch, ray: &Ray, t: f64) -> Rgb {
+        let even = stretch.tau_at_start + stretch.even_per_m * (t - stretch.start);
+        let thinning = self
+            .members(stretch.thinning)
+            .filter_map(|fog| Some(fog.sigma_t * fog.climb(ray)?.metres_at_base_density(stretch.start, t)));
+        thinning.fold(even, |sum, tau| sum + tau)
+    }
+
+    /// Light scattered per metre at a `t` of a stretch towards the ray's origin per unit of irradiance:
+    /// `sum(sigma_s * phase)`, 1/(m sr).
+    pub fn scattering(&self, stretch: &Stretch, ray: &Ray, t: f64, cos_deflection: f64) -> Rgb {
+        let even = self.scattering_at_base(stretch.inside & !stretch.thinning, cos_deflection);
+        let thinning = self.members(stretch.thinning).filter_map(|fog| {
+            Some(fog.sigma_s * (henyey_greenstein(cos_deflection, fog.g) * fog.climb(ray)?.density(t)))
+        });
+        thinning.fold(even, |sum, scattering| sum + scattering)
+    }
+
+    /// The same where all fog of the stretch is as dense as at its base.
+    pub fn densest_scattering(&self, stretch: &Stretch, cos_deflection: f64) -> Rgb {
+        self.scattering_at_base(stretch.inside, cos_deflection)
+    }
+
+    fn scattering_at_base(&self, banks: u64, cos_deflection: f64) -> Rgb {
+        self.members(banks).map(|fog| fog.sigma_s * henyey_greenstein(cos_deflection, fog.g)).sum()
     }
 
     /// As [`Medium::scattering`], at a point that need not lie on a stretch.
     pub fn scattering_at(&self, point: DVec3, cos_deflection: f64) -> Rgb {
-        self.boxes
+        self.banks
             .iter()
-            .filter(|fog| fog.contains(point))
-            .map(|fog| fog.sigma_s * henyey_greenstein(cos_deflection, fog.g))
+            .map(|fog| (fog, fog.density(point)))
+            .filter(|(_, density)| *density > 0.0)
+            .map(|(fog, density)| fog.sigma_s * (density * henyey_greenstein(cos_deflection, fog.g)))
             .sum()
+    }
+
+    /// How the optical depth changes on a stretch under a distant light.
+    pub fn course(&self, stretch: &Stretch, ray: &Ray, to_light: DVec3) -> Course {
+        let middle = 0.5 * (stretch.start + stretch.end);
+        let mut course = Course::Even;
+        let mut count = 0;
+        for (index, fog) in self.banks.iter().enumerate() {
+            let is_inside = stretch.inside >> index & 1 == 1;
+            if !is_inside && fog.length(ray.at(middle), to_light, f64::INFINITY) == 0.0 {
+                continue;
+            }
+            count += 1;
+            let Some(climb) = fog.climb(ray) else { continue };
+            if fog.is_bounded() {
+                return Course::Mixed;
+            }
+            // Below the base it is as dense everywhere, and the column above weighs the same.
+            if climb.height(middle) <= 0.0 {
+                continue;
+            }
+            // At height u the way to a light at the elevation k' weighs exp(-u) / k', and per metre
+            // at base density u grows by k exp(u): the two exponentials cancel.
+            let light_per_m = fog.climb(&Ray { origin: DVec3::ZERO, direction: to_light });
+            let light_per_m = light_per_m.map_or(0.0, |climb| climb.per_m);
+            course = match light_per_m > 0.0 && is_inside {
+                true => {
+                    Course::Thinning { climb, tau_per_m: fog.sigma_t * (1.0 - climb.per_m / light_per_m) }
+                }
+                false => return Course::Mixed,
+            };
+        }
+        if count > 1 && matches!(course, Course::Thinning { .. }) { Course::Mixed } else { course }
     }
 
     /// The narrowest phase function on a stretch: the largest `|g|`.
     pub fn sharpest_g(&self, stretch: &Stretch) -> f64 {
-        let mut sharpest: f64 = 0.0;
-        for (index, fog) in self.boxes.iter().enumerate() {
-            if stretch.inside >> index & 1 == 1 {
-                sharpest = sharpest.max(fog.g.abs());
-            }
-        }
-        sharpest
+        self.members(stretch.inside).map(|fog| fog.g.abs()).fold(0.0, f64::max)
     }
-}
 
-impl Stretch {
-    /// Optical depth from the ray's origin to a `t` on this stretch.
-    pub fn tau_to_eye(&self, t: f64) -> Rgb {
-        let (at_start, per_m) = self.tau_to_eye;
-        at_start + per_m * (t - self.start)
+    /// Whether the density of some fog changes on a stretch.
+    pub fn thins_out(&self, stretch: &Stretch) -> bool {
+        stretch.thinning != 0
     }
-}
 
-/// `exp(-tau)` per channel, computed once where the channels are alike.
-pub fn exp_minus(tau: Rgb) -> Rgb {
-    if tau.x == tau.y && tau.y == tau.z {
-        return Rgb::splat((-tau.x).exp());
+    /// Banks by a mask of their numbers.
+    fn members(&self, mut mask: u64) -> impl Iterator<Item = &FogBank> {
+        std::iter::from_fn(move || {
+            let fog = self.banks.get(mask.trailing_zeros() as usize)?;
+            mask &= mask - 1;
+            Some(fog)
+        })
     }
-    Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp())
 }
 
 #[cfg(test)]
@@ -187,10 +254,10 @@ mod tests {
     use super::*;
     use glam::DAffine3;
 
-    fn fog_between(low: DVec3, high: DVec3, sigma_t: f64) -> FogBox {
+    fn fog_between(low: DVec3, high: DVec3, sigma_t: f64) -> FogBank {
         let relative_from_cube =
             DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));
-        FogBox::new(relative_from_cube, Rgb::splat(sigma_t), Rgb::splat(0.5), 0.3).expect("a real box")
+        FogBank::in_box(relative_from_cube, Rgb::splat(sigma_t), Rgb::splat(0.5), 0.3).expect("a real box")
     }
 
     #[test]
@@ -232,7 +299,8 @@ mod tests {
             let middle = tau(0.5 * (stretch.start + stretch.end));
             assert!((middle - mean).abs() < 1e-8, "{stretch:?}: {middle} {mean}");
         }
-        let total = stretches.last().expect("fog").tau_to_eye(stretches.last().expect("fog").end);
+        let last = stretches.last().expect("fog");
+        let total = medium.tau_to_eye(last, &ray, last.end);
         assert!((total - medium.optical_depth(ray.origin, ray.direction, 100.0)).length() < 1e-14);
     }
 }

@@ -1,10 +1,14 @@
 //! What matter does to light: phase functions and optical depth. In go points and directions, out
 //! come fractions of light. Invariant: nothing here knows visibility, cameras or pixels.
 
-mod fog_box;
+mod beer_lambert;
+mod falloff;
+mod fog_bank;
 mod medium;
 mod phase;
 
-pub use fog_box::FogBox;
-pub use medium::{Medium, Source, Stretch, exp_minus};
+pub use beer_lambert::{exp_minus, mean_transmittance};
+pub use falloff::{Climb, Falloff};
+pub use fog_bank::FogBank;
+pub use medium::{Course, Medium, Source, Stretch};
 pub use phase::henyey_greenstein;

@@ -1,22 +1,56 @@
-//! Boxes of homogeneous fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| < 1`.
+//! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| < 1`, scale heights
+//! above 0; fog without bounds thins out with height, or no sunlight would come through it.
 
 use super::{NodeIndex, Track};
 use crate::color::Rgb;
 
-/// More boxes of fog than this are refused: sets of boxes are bit masks in the inner loops.
+/// More banks of fog than this are refused: sets of them are bit masks in the inner loops.
 pub const MOST_FOGS: usize = 64;
 
-/// Homogeneous fog in the image of the cube `[-1, 1]^3` under its node's transform.
+/// Fog of some shape.
 #[derive(Clone, Debug)]
 pub struct Fog {
     /// The author's name.
     pub name: String,
-    /// World from the cube `[-1, 1]^3`; may be rotated, scaled and sheared, and may move.
+    /// World from the shape's own space; may be rotated, scaled and sheared, and may move.
     pub node: NodeIndex,
-    /// Extinction sigma_t per channel, 1/m: scattering plus absorption.
+    /// Where the fog is.
+    pub shape: FogShape,
+    /// Extinction sigma_t per channel where the fog is densest, 1/m: scattering plus absorption.
     pub density_per_m: Track<Rgb>,
     /// Single-scattering albedo sigma_s / sigma_t per channel, `0..=1`.
     pub albedo: Track<Rgb>,
     /// Henyey-Greenstein g, `-1 < g < 1`; forward for `g > 0`.
     pub anisotropy: Track<f64>,
+}
+
+/// Where fog is. A new shape is read in `scene/from_ron` and `scene/from_gltf`, frozen in `snapshot`,
+/// and answered for in `scattering/fog_bank.rs`.
+#[derive(Clone, Debug)]
+pub enum FogShape {
+    /// In the cube `[-1, 1]^3`, as dense throughout.
+    EvenBox,
+    /// In the cube `[-1, 1]^3`, thinner with height.
+    ThinningBox(HeightFalloff),
+    /// Everywhere, thinner with height.
+    Layer(HeightFalloff),
+}
+
+impl FogShape {
+    /// How the fog thins out, if it does.
+    pub fn falloff(&self) -> Option<&HeightFalloff> {
+        match self {
+            Self::EvenBox => None,
+            Self::ThinningBox(falloff) | Self::Layer(falloff) => Some(falloff),
+        }
+    }
+}
+
+/// Density in proportion to `exp(-h / scale_height)` at a height h above a plane, and as on the plane below it.
+#[derive(Clone, Debug)]
+pub struct HeightFalloff {
+    /// The plane `y = base` of the shape's own space. Heights are metres at right angles to it.
+    pub base: f64,
+    /// The height over which density falls to 1/e.
+    pub scale_height_m: Track<f64>,
 }

@@ -23,7 +23,7 @@ use glam::DAffine3;
 
 pub use camera::{Camera, Lens};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
-pub use fog::{Fog, MOST_FOGS};
+pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
 pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
 pub use material::{AlphaMode, Material};
@@ -51,7 +51,7 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Boxes of fog.
+    /// Banks of fog.
     pub fogs: Vec<Fog>,
     /// Radiance of rays that leave the scene, W m^-2 sr^-1.
     pub background: Rgb,
@@ -132,7 +132,11 @@ impl Scene {
             light.power.is_constant() && light.kind.numbers().iter().all(|number| number.is_constant())
         });
         let fogs = self.fogs.iter().all(|fog| {
-            fog.density_per_m.is_constant() && fog.albedo.is_constant() && fog.anisotropy.is_constant()
+            let falloff = fog.shape.falloff();
+            fog.density_per_m.is_constant()
+                && fog.albedo.is_constant()
+                && fog.anisotropy.is_constant()
+                && falloff.is_none_or(|falloff| falloff.scale_height_m.is_constant())
         });
         nodes && cameras && lights && fogs
     }

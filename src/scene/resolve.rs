@@ -39,10 +39,10 @@ pub fn resolve(
         }
     };
     if scene.fogs.len() > MOST_FOGS {
-        let found = format!("there are {} boxes of fog", scene.fogs.len());
+        let found = format!("there are {} banks of fog", scene.fogs.len());
         let error = Diagnostic::error(file, found)
             .expected(format!("at most {MOST_FOGS}"))
-            .remedy("make one larger box of several, or render the scene in parts");
+            .remedy("make one larger bank of several, or render the scene in parts");
         return Err(Diagnostics(vec![error]));
     }
     if settings.shutter > 0.0 {

@@ -12,8 +12,8 @@ mod surface;
 
 use crate::accel::{InstanceTree, PlacedMesh};
 use crate::color::Rgb;
-use crate::scattering::{FogBox, Medium};
-use crate::scene::{Pass, Scene};
+use crate::scattering::{Falloff, FogBank, Medium};
+use crate::scene::{Fog, FogShape, HeightFalloff, Pass, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 
 pub use emission::{Cone, Emission};
@@ -113,14 +113,7 @@ impl<'scene> Snapshot<'scene> {
             .fogs
             .iter()
             .filter(|fog| placements[fog.node].visible)
-            .filter_map(|fog| {
-                FogBox::new(
-                    relative_from(fog.node),
-                    fog.density_per_m.at(time_s),
-                    fog.albedo.at(time_s),
-                    fog.anisotropy.at(time_s),
-                )
-            })
+            .filter_map(|fog| frozen_fog(fog, relative_from(fog.node), time_s))
             .collect();
 
         Self {
@@ -143,6 +136,22 @@ impl<'scene> Snapshot<'scene> {
     /// A point of relative space in world space.
     pub fn world_from_relative(&self, point: DVec3) -> DVec3 {
         point + self.view.eye
+    }
+}
+
+/// Fog at one time; `None` if it does nothing.
+fn frozen_fog(fog: &Fog, relative_from_node: DAffine3, time_s: f64) -> Option<FogBank> {
+    let (sigma_t, albedo) = (fog.density_per_m.at(time_s), fog.albedo.at(time_s));
+    let g = fog.anisotropy.at(time_s);
+    let frozen = |falloff: &HeightFalloff| {
+        Falloff::new(relative_from_node, falloff.base, falloff.scale_height_m.at(time_s))
+    };
+    match &fog.shape {
+        FogShape::EvenBox => FogBank::in_box(relative_from_node, sigma_t, albedo, g),
+        FogShape::ThinningBox(falloff) => {
+            Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
+        }
+        FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
     }
 }
 

@@ -2,9 +2,10 @@
 //! ray: visibility is a union of intervals found from the triangles themselves, and what is left
 //! is integrated on smooth pieces. Invariant: nothing is sampled, nothing is stepped.
 
+use super::sun_stretch::SunStretch;
 use crate::accel::LightPlane;
 use crate::color::Rgb;
-use crate::math::{IntervalSet, Ray, gauss_legendre};
+use crate::math::{Antiderivative, IntervalSet, Ray, gauss_legendre};
 use crate::scattering::{Medium, Source, Stretch, exp_minus};
 use crate::snapshot::{Emission, FrozenLight, Snapshot};
 use glam::DVec3;
@@ -79,12 +80,13 @@ impl LitSegments {
         let mut sum = Rgb::ZERO;
         match *light {
             FrozenLight::Sun { to_light, irradiance } => {
-                let cos = to_light.dot(ray.direction);
                 for stretch in stretches {
-                    let line = DepthLine::new(medium, stretch, ray, light.source());
-                    let mut through = Rgb::ZERO;
-                    self.for_each_within(stretch, |start, end| through += line.integral(start, end));
-                    sum += medium.scattering(stretch, cos) * through;
+                    let mut sunny = None;
+                    self.for_each_within(stretch, |start, end| {
+                        let sunny =
+                            sunny.get_or_insert_with(|| SunStretch::new(medium, stretch, ray, to_light));
+                        sum += sunny.integral(start, end);
+                    });
                 }
                 sum * irradiance
             }
@@ -124,52 +126,6 @@ fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range
     let origin = ray.at(0.5 * (range.0 + range.1));
     let (to_light, distance, _) = light.arriving_at(origin);
     snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
-}
-
-/// The optical depth from the eye to `t` and on to a distant light: linear in `t` on a stretch.
-struct DepthLine {
-    start: f64,
-    tau_at_start: Rgb,
-    tau_per_m: Rgb,
-}
-
-impl DepthLine {
-    fn new(medium: &Medium, stretch: &Stretch, ray: &Ray, source: Source) -> Self {
-        let width = stretch.end - stretch.start;
-        // Just inside, so that a way that starts in a face is measured on this stretch's side.
-        let (a, b) = (stretch.start + 1e-3 * width, stretch.end - 1e-3 * width);
-        let tau = |t: f64| stretch.tau_to_eye(t) + medium.optical_depth_to(ray.at(t), source);
-        let (tau_a, tau_b) = (tau(a), tau(b));
-        let tau_per_m = (tau_b - tau_a) / (b - a);
-        Self { start: stretch.start, tau_at_start: tau_a - tau_per_m * (a - stretch.start), tau_per_m }
-    }
-
-    /// `integral of exp(-tau(t)) dt` over `[start, end]`, metres.
-    ///
-    /// Written as `width * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the ends'
-    /// depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
-    fn integral(&self, start: f64, end: f64) -> Rgb {
-        let width = end - start;
-        let one = |at_start: f64, per_m: f64| {
-            let (tau_start, change) = (at_start + per_m * (start - self.start), per_m * width);
-            let nearest = tau_start + change.min(0.0);
-            width * (-nearest).exp() * mean_transmittance(change.abs())
-        };
-        let (tau, k) = (self.tau_at_start, self.tau_per_m);
-        if tau.x == tau.y && tau.y == tau.z && k.x == k.y && k.y == k.z {
-            return Rgb::splat(one(tau.x, k.x));
-        }
-        Rgb::new(one(tau.x, k.x), one(tau.y, k.y), one(tau.z, k.z))
-    }
-}
-
-/// `(1 - exp(-d)) / d`, the mean of `exp(-x)` over `[0, d]`, for `d >= 0`.
-fn mean_transmittance(d: f64) -> f64 {
-    if d < 1e-3 {
-        // Taylor: the next term is d^4 / 120, below 1e-14.
-        return 1.0 - d * (0.5 - d * (1.0 / 6.0 - d / 24.0));
-    }
-    -(-d).exp_m1() / d
 }
 
 /// What a near light scatters into a ray, in the equiangular variable
@@ -217,9 +173,20 @@ impl<'a> NearLight<'a> {
     fn smooth_integral(&self, start: f64, end: f64) -> Rgb {
         let angle = |t: f64| ((t - self.nearest) / self.gap).atan();
         let (from, to) = (angle(start), angle(end));
+        if self.medium.thins_out(self.stretch) {
+            // Density may change by any factor on the way: how finely to cut is found from the integrand.
+            let mut fitted = Antiderivative::default();
+            let integrand = |theta: f64| {
+                let t = self.nearest + self.gap * theta.tan();
+                self.integrand(t.clamp(start, end))
+            };
+            fitted.fit(integrand, from, to, FIT_TOLERANCE);
+            return fitted.between(from, to) / self.gap;
+        }
         // The phase function turns over about (1 - |g|) radians, the exponential over one optical depth.
         let turns = (to - from) * PIECES_PER_RADIAN / (1.0 - self.medium.sharpest_g(self.stretch));
-        let depths = (self.stretch.tau_to_eye(end) - self.stretch.tau_to_eye(start)).max_element();
+        let tau = |t: f64| self.medium.tau_to_eye(self.stretch, self.ray, t);
+        let depths = (tau(end) - tau(start)).max_element();
         let pieces = turns.max(depths).ceil().clamp(1.0, MAX_PIECES);
         let half_width = 0.5 * (to - from) / pieces;
         let rule = gauss_legendre(order_for(2.0 * half_width));
@@ -240,10 +207,15 @@ impl<'a> NearLight<'a> {
         let way = self.light - point;
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
         let share = self.emission.share(-to_light);
-        let tau = self.stretch.tau_to_eye(t) + self.medium.optical_depth_to(point, Source::At(self.light));
-        share * self.medium.scattering(self.stretch, to_light.dot(self.ray.direction)) * exp_minus(tau)
+        let to_eye = self.medium.tau_to_eye(self.stretch, self.ray, t);
+        let tau = to_eye + self.medium.optical_depth_to(point, Source::At(self.light));
+        let cos = to_light.dot(self.ray.direction);
+        share * self.medium.scattering(self.stretch, self.ray, t, cos) * exp_minus(tau)
     }
 }
+
+/// What a fit may be wrong by, as a share of itself.
+const FIT_TOLERANCE: f64 = 1e-9;
 
 /// How finely a lit interval is cut before the rule is applied; with `order_for` it keeps the
 /// relative error below 1e-6 (`tests/airlight.rs`, against a dense quadrature).

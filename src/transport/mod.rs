@@ -10,6 +10,7 @@ mod radiance;
 mod sample;
 mod shafts;
 pub mod slices;
+mod sun_stretch;
 
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;

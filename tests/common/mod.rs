@@ -4,7 +4,9 @@
 use glam::{DAffine3, DQuat, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
-use sunfleck::scene::{Camera, Fog, Lens, Light, LightKind, Motion, Node, Scene, Track};
+use sunfleck::scene::{
+    Camera, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Motion, Node, Scene, Track,
+};
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
 
@@ -43,6 +45,27 @@ pub(crate) fn add_fog(scene: &mut Scene, low: DVec3, high: DVec3, sigma_t: Rgb, 
     scene.fogs.push(Fog {
         name: "fog".into(),
         node,
+        shape: FogShape::EvenBox,
+        density_per_m: Track::from(sigma_t),
+        albedo: Track::from(albedo),
+        anisotropy: Track::from(g),
+    });
+}
+
+/// Adds fog without bounds that thins out with height above `base_m`.
+pub(crate) fn add_layer(
+    scene: &mut Scene,
+    base_m: f64,
+    scale_height_m: f64,
+    sigma_t: Rgb,
+    albedo: Rgb,
+    g: f64,
+) {
+    let node = place(scene, DAffine3::IDENTITY);
+    scene.fogs.push(Fog {
+        name: "layer".into(),
+        node,
+        shape: FogShape::Layer(HeightFalloff { base: base_m, scale_height_m: Track::from(scale_height_m) }),
         density_per_m: Track::from(sigma_t),
         albedo: Track::from(albedo),
         anisotropy: Track::from(g),

@@ -3,7 +3,7 @@
 
 use super::super::pass_names;
 use super::Inspected;
-use crate::scene::{AreaShape, Lens, Light, LightKind, Scene, SunPicture};
+use crate::scene::{AreaShape, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SunPicture};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -108,13 +108,26 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         let world = placements[fog.node].world_from_node;
         let half_extents =
             world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
+        let (low, high) = (world.translation - half_extents, world.translation + half_extents);
+        let bounds = match fog.shape {
+            FogShape::EvenBox | FogShape::ThinningBox(_) => format!("within {low:.3} to {high:.3}"),
+            FogShape::Layer(_) => String::from("without bounds"),
+        };
+        let density = fog.density_per_m.at(time_s);
+        let mut falloff = String::new();
+        if let Some(HeightFalloff { base, scale_height_m }) = fog.shape.falloff() {
+            let base = world.transform_point3(DVec3::new(0.0, *base, 0.0));
+            let scale_height_m = scale_height_m.at(time_s);
+            falloff = format!(
+                " at and below {base:.3}, 1/e of it every {scale_height_m:.3} m up (optical depth of the column {})",
+                color(density * scale_height_m)
+            );
+        }
         writeln!(
             out,
-            "    fog      `{}` within {:.3} to {:.3}: {} /m, albedo {}, g {:.3}",
+            "    fog      `{}` {bounds}: {} /m{falloff}, albedo {}, g {:.3}",
             fog.name,
-            world.translation - half_extents,
-            world.translation + half_extents,
-            color(fog.density_per_m.at(time_s)),
+            color(density),
             color(fog.albedo.at(time_s)),
             fog.anisotropy.at(time_s)
         )?;

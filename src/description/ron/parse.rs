@@ -59,13 +59,6 @@ fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
                 .expected(format!("one of {}", suggest::list(expected.iter().copied())))
                 .remedy(suggest::remedy(found, expected.iter().copied()))
         }
-        Error::MissingStructField { field: field @ ("min_m" | "max_m"), outer } => {
-            Diagnostic::error(place, format!("the field `{field}`{} is missing", inside(outer)))
-                .expected("the corners `min_m` and `max_m` of a box")
-                .remedy(format!(
-                    "add `{field}: (x, y, z)`; fog without bounds would absorb all sunlight before it arrives"
-                ))
-        }
         Error::MissingStructField { field, outer } => {
             Diagnostic::error(place, format!("the field `{field}`{} is missing", inside(outer)))
                 .expected(format!("`{field}: ..` somewhere between these brackets"))

@@ -37,7 +37,7 @@ pub struct SceneFile {
     /// Lights.
     #[serde(default)]
     pub lights: Named<Light>,
-    /// Boxes of fog.
+    /// Banks of fog.
     #[serde(default)]
     pub fog: Named<Fog>,
     /// Radiance of whatever lies beyond the scene.
@@ -253,17 +253,21 @@ pub struct Julia {
     pub iterations: Whole<1, 1000>,
 }
 
-/// A box of homogeneous fog.
+/// A bank of fog, in a box or thinner with height or both.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fog {
-    /// Name of the object that the box follows.
+    /// Name of the object that the fog follows.
     pub parent: Option<String>,
-    /// The corner with the smallest coordinates, in its parent's space.
-    pub min_m: Point,
+    /// The corner of its box with the smallest coordinates, in its parent's space.
+    pub min_m: Option<Point>,
     /// The corner with the largest coordinates.
-    pub max_m: Point,
-    /// Extinction coefficient sigma_t.
+    pub max_m: Option<Point>,
+    /// The height over which its density falls to 1/e.
+    pub scale_height_m: Option<Keyed<Number<Positive>>>,
+    /// Where that begins: a y coordinate of its parent's space.
+    pub base_m: Option<Number<Finite>>,
+    /// Extinction coefficient sigma_t where the fog is densest.
     pub density_per_m: Keyed<Triple<NonNegative>>,
     /// How much of the extinction is scattering.
     #[serde(default = "white")]

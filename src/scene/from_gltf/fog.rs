@@ -1,11 +1,11 @@
 //! Fog from `sunfleck_fog_volume` of nodes and `sunfleck_fog` of the scene. Invariant: fog has
-//! bounds; without them it would swallow a sun's light before it arrives.
+//! bounds or thins out with height; else it would swallow a sun's light before it arrives.
 
 use super::Builder;
 use super::extras;
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{Fog, Motion, Node, NodeIndex, Track};
+use crate::scene::{Fog, FogShape, HeightFalloff, Motion, Node, NodeIndex, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
 impl Builder<'_> {
@@ -21,13 +21,13 @@ impl Builder<'_> {
             if let Some(shape) = fog.shape.as_deref().filter(|shape| *shape != "box") {
                 self.report.error(format!("{path}.shape"), format!("`{shape}` is no shape of fog"), "box");
             }
-            if fog.height_falloff.is_some_and(|falloff| falloff != 0.0) {
-                self.report.not_honoured(
-                    "fog's falloff with height is not yet honoured, it is as dense everywhere",
-                    &node.name,
-                );
+            if fog.bounds.is_some() {
+                let message = "`bounds` of a `sunfleck_fog_volume` is passed over, the node is the box";
+                self.report.not_honoured(message, &node.name);
             }
-            self.add_fog(&node.name, number, fog, &path);
+            // The cube's own bottom, unless the file says otherwise in the cube's own space.
+            let shape = self.fog_shape(&fog, true, fog.base_height.unwrap_or(-1.0), &path);
+            self.add_fog(&node.name, number, fog, shape, &path);
         }
         if let Some(fog) = of_scene {
             self.add_fog_of_scene(fog);
@@ -36,47 +36,55 @@ impl Builder<'_> {
 
     fn add_fog_of_scene(&mut self, fog: extras::Fog) {
         let path = format!("scenes[{}].extras.sunfleck_fog", self.source.scene);
-        let falls_off = fog.height_falloff.is_some_and(|falloff| falloff != 0.0);
-        let remedy =
-            "bound the fog: an empty with the custom property `sunfleck_fog_volume`, or `bounds` here";
-        let Some([a, b]) = fog.bounds.map(|corners| corners.map(DVec3::from)) else {
-            let place = self.report.at(path);
-            self.report.push(if falls_off {
-                let found = "fog that thins out with height is not yet honoured, it is left out";
-                Diagnostic::warning(place, found).remedy(remedy)
-            } else {
-                Diagnostic::error(place, "fog without bounds would swallow all sunlight before it arrives")
-                    .expected("fog in a box")
-                    .remedy(remedy)
-            });
-            return;
+        let bounds = fog.bounds.map(|corners| corners.map(DVec3::from));
+        let (world_from_shape, base) = match bounds {
+            None => (DAffine3::IDENTITY, fog.base_height.unwrap_or(0.0)),
+            Some([a, b]) => {
+                let (half_size, centre) = ((b - a).abs() / 2.0, (a + b) / 2.0);
+                let in_cube = |height: f64| (height - centre.y) / half_size.y;
+                let world_from_cube =
+                    DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, centre);
+                (world_from_cube, fog.base_height.map_or(-1.0, in_cube))
+            }
         };
-        if falls_off {
-            self.report.not_honoured(
-                "fog's falloff with height is not yet honoured, it is as dense everywhere",
-                "the scene",
-            );
-        }
-        let half_size = (b - a).abs() / 2.0;
-        let world_from_cube =
-            DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, (a + b) / 2.0);
+        let shape = self.fog_shape(&fog, bounds.is_some(), base, &path);
         let node = self.scene.nodes.len();
         self.scene.nodes.push(Node {
             name: String::from("fog"),
             parent: None,
-            motion: Motion::Still(world_from_cube),
+            motion: Motion::Still(world_from_shape),
             visible: Track::from(true),
         });
-        self.add_fog("fog", node, fog, &path);
+        self.add_fog("fog", node, fog, shape, &path);
     }
 
-    fn add_fog(&mut self, name: &str, node: NodeIndex, fog: extras::Fog, path: &str) {
+    /// The shape of fog whose density falls off above `base`, if at all.
+    fn fog_shape(&mut self, fog: &extras::Fog, has_bounds: bool, base: f64, path: &str) -> FogShape {
+        let falloff_per_m = fog.height_falloff.unwrap_or(0.0);
+        if falloff_per_m < 0.0 {
+            let found = "the fog grows denser with height without end";
+            self.report.error(format!("{path}.height_falloff"), found, "1/m, at least 0");
+        }
+        let falloff = HeightFalloff { base, scale_height_m: Track::from(falloff_per_m.recip()) };
+        match (has_bounds, falloff_per_m != 0.0) {
+            (true, false) => FogShape::EvenBox,
+            (true, true) => FogShape::ThinningBox(falloff),
+            (false, true) => FogShape::Layer(falloff),
+            (false, false) => {
+                let found = "fog without bounds would swallow all sunlight before it arrives";
+                let error = Diagnostic::error(self.report.at(path), found)
+                    .expected("fog in a box, or fog that thins out with height")
+                    .remedy("bound the fog: an empty with the custom property `sunfleck_fog_volume`, or `bounds` here; or give it a `height_falloff` in 1/m");
+                self.report.push(error);
+                FogShape::EvenBox
+            }
+        }
+    }
+
+    fn add_fog(&mut self, name: &str, node: NodeIndex, fog: extras::Fog, shape: FogShape, path: &str) {
         for field in fog.unknown.keys() {
             let field = format!("{path}.{field}");
             self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
-        }
-        if fog.base_height.is_some_and(|height| height != 0.0) {
-            self.report.not_honoured("fog's base height is not yet honoured", name);
         }
         if let Motion::Still(parent_from_cube) = &self.scene.nodes[node].motion
             && parent_from_cube.matrix3.determinant() == 0.0
@@ -98,6 +106,7 @@ impl Builder<'_> {
         self.scene.fogs.push(Fog {
             name: name.to_owned(),
             node,
+            shape,
             density_per_m: Track::from(density_per_m),
             albedo: Track::from(albedo),
             anisotropy: Track::from(fog.anisotropy),

@@ -1,6 +1,7 @@
 //! Our own format in, a scene and its settings out. Invariant: every problem is collected and
 //! named by its field's path; what is not used is a remark.
 
+mod fogs;
 mod hierarchy;
 mod leaves;
 mod lights;
@@ -14,14 +15,13 @@ mod tests;
 mod tracks;
 
 use super::{
-    Camera, Fog, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
+    Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
     RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::obj::ObjModel;
 use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use glam::{DAffine3, DQuat};
 use problems::Problems;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -256,34 +256,6 @@ impl<'a> Resolver<'a> {
             );
         }
         self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), camera.up.0.normalize())
-    }
-
-    fn fogs(&mut self) {
-        for (name, fog) in self.file.fog.iter() {
-            let owner = format!("fog.{name}");
-            let (min, max) = (fog.min_m.si(), fog.max_m.si());
-            if !min.cmplt(max).all() {
-                let found = "the box has no volume";
-                let expected = "min_m < max_m in x, y and z";
-                self.problems.error(&owner, found, expected, "make the box larger, or exchange its corners");
-            }
-            let parent = self.parent(&owner, fog.parent.as_deref());
-            let problems = &mut self.problems;
-            let density_per_m = track(&fog.density_per_m, &format!("{owner}.density_per_m"), problems);
-            let albedo = track(&fog.albedo, &format!("{owner}.albedo"), problems);
-            let anisotropy = track(&fog.anisotropy, &format!("{owner}.anisotropy"), problems);
-            let (Some(parent), Some(density_per_m), Some(albedo), Some(anisotropy)) =
-                (parent, density_per_m, albedo, anisotropy)
-            else {
-                continue;
-            };
-            let (half_size, centre) = (0.5 * (max - min), 0.5 * (min + max));
-            let parent_from_cube =
-                DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, centre);
-            let node = self.node(name.to_owned(), parent, Motion::Still(parent_from_cube));
-            let name = name.to_owned();
-            self.scene.fogs.push(Fog { name, node, density_per_m, albedo, anisotropy });
-        }
     }
 
     fn finish(mut self) -> (Scene, Problems) {

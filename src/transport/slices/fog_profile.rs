@@ -10,7 +10,7 @@
 use crate::accel::HalfPlane;
 use crate::color::Rgb;
 use crate::math::IntervalSet;
-use crate::scattering::{FogBox, Medium, exp_minus, henyey_greenstein};
+use crate::scattering::{FogBank, Medium, exp_minus, henyey_greenstein};
 use glam::DVec3;
 
 /// All fog of a slice.
@@ -77,7 +77,7 @@ impl FogProfile {
     pub(super) fn start(&mut self, medium: &Medium, half_plane: &HalfPlane) {
         let Self { boxes, breaks, ways, .. } = self;
         boxes.clear();
-        boxes.extend(medium.boxes().iter().map(|fog| BoxProfile::new(fog, half_plane)));
+        boxes.extend(medium.banks().iter().map(|fog| BoxProfile::new(fog, half_plane)));
         breaks.clear();
         for profile in boxes.iter() {
             profile.for_each_break(|reach| {
@@ -196,7 +196,7 @@ fn integral_of_transmittance(width: f64, tau_start: f64, tau_end: f64) -> f64 {
 }
 
 impl BoxProfile {
-    fn new(fog: &FogBox, half_plane: &HalfPlane) -> Self {
+    fn new(fog: &FogBank, half_plane: &HalfPlane) -> Self {
         let (at_eye, per_reach) = fog.in_cube(half_plane.eye, half_plane.outward);
         let (_, per_height) = fog.in_cube(half_plane.eye, half_plane.axis);
         let (sigma_t, sigma_s, g) = (fog.sigma_t, fog.sigma_s, fog.g);

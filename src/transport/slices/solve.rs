@@ -86,7 +86,10 @@ pub fn solve(
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, rays, lowest_slope);
-    fog.start(&snapshot.medium, &half_plane);
+    let has_profile = snapshot.medium.is_even() && matches!(light, FrozenLight::Sun { .. });
+    if has_profile {
+        fog.start(&snapshot.medium, &half_plane);
+    }
 
     for (index, place) in places {
         let direction = place.direction;
@@ -97,15 +100,15 @@ pub fn solve(
         let hit = meeting.and_then(|meeting| snapshot.hit_on(&ray, meeting.primitive));
         let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
         let (shafts, transmittance) = match *light {
-            FrozenLight::Sun { irradiance, .. } => {
+            FrozenLight::Sun { irradiance, .. } if has_profile => {
                 let passage = fog.follow(slope, spread, distance * spread, shadows);
                 (passage.scattered * irradiance, passage.transmittance)
             }
-            FrozenLight::Point { .. } => {
+            _ => {
                 let names = shadows.as_slice().iter();
                 let distance_of = |name: f64| rays.reach(name, slope) / spread;
                 let known = names.map(|&(start, end)| (distance_of(start), distance_of(end)));
-                near_light(snapshot, light, &ray, distance, known, ray_scratch)
+                by_segments(snapshot, light, &ray, distance, known, ray_scratch)
             }
         };
         let surface = hit.map(|hit| snapshot.surface(&ray, &hit));
@@ -134,8 +137,8 @@ pub fn solve(
     }
 }
 
-/// Light of a near light scattered on the way, and transmittance.
-fn near_light(
+/// Light scattered on the way, and transmittance, as for any ray whose shadows are known.
+fn by_segments(
     snapshot: &Snapshot,
     light: &FrozenLight,
     ray: &Ray,

@@ -1,0 +1,20 @@
+//! Optical depth in, what gets through out. Invariant: no cancellation, also of next to nothing.
+
+use crate::color::Rgb;
+
+/// `exp(-tau)` per channel, computed once where the channels are alike.
+pub fn exp_minus(tau: Rgb) -> Rgb {
+    if tau.x == tau.y && tau.y == tau.z {
+        return Rgb::splat((-tau.x).exp());
+    }
+    Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp())
+}
+
+/// `(1 - exp(-d)) / d`, the mean of `exp(-x)` over `[0, d]`, for `d >= 0`.
+pub fn mean_transmittance(d: f64) -> f64 {
+    if d < 1e-3 {
+        // Taylor: the next term is d^4 / 120, below 1e-14.
+        return 1.0 - d * (0.5 - d * (1.0 / 6.0 - d / 24.0));
+    }
+    -(-d).exp_m1() / d
+}

@@ -1,0 +1,187 @@
+//! One bank of fog and the lines through it. Invariant: lengths are exact in double precision also
+//! for lines that run in a face of the bank's box, and finite also for lines that do not end.
+
+use super::falloff::{Climb, Falloff};
+use crate::color::Rgb;
+use crate::math::Ray;
+use glam::{DAffine3, DMat3, DVec3};
+
+/// A cut too many costs one exponential, a cut too few an error: rounding must not lose one.
+const EDGE_SLACK: f64 = 1e-9;
+
+/// So many optical depths, or scale heights, from its densest place fog no longer shows: `exp(-40)` is
+/// 4e-18, less than one rounding of what it would be added to.
+const NOTHING_LEFT: f64 = 40.0;
+
+/// Rays through fog without bounds end here, in metres: as far out as coordinates go.
+const FARTHEST_M: f64 = 1e15;
+
+/// Fog in a parallelepiped, or everywhere; as dense throughout, or thinner with height. Frozen at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct FogBank {
+    /// Without bounds: maps everything to the middle of the cube, so that no line ever leaves it.
+    cube_from_relative: DAffine3,
+    falloff: Option<Falloff>,
+    /// Extinction where it is densest, 1/m.
+    pub sigma_t: Rgb,
+    /// Scattering where it is densest, 1/m.
+    pub sigma_s: Rgb,
+    /// Henyey-Greenstein g.
+    pub g: f64,
+}
+
+impl FogBank {
+    /// Fog in the image of `[-1, 1]^3`; `None` if the box is flat or its fog does nothing.
+    pub fn in_box(relative_from_cube: DAffine3, sigma_t: Rgb, albedo: Rgb, g: f64) -> Option<Self> {
+        let cube_from_relative = relative_from_cube.inverse();
+        let useful = cube_from_relative.is_finite() && sigma_t.max_element() > 0.0;
+        let sigma_s = sigma_t * albedo;
+        useful.then_some(Self { cube_from_relative, falloff: None, sigma_t, sigma_s, g })
+    }
+
+    /// Fog without bounds; `None` if it does nothing.
+    pub fn everywhere(falloff: Falloff, sigma_t: Rgb, albedo: Rgb, g: f64) -> Option<Self> {
+        let cube_from_relative = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
+        let sigma_s = sigma_t * albedo;
+        let falloff = Some(falloff);
+        (sigma_t.max_element() > 0.0).then_some(Self { cube_from_relative, falloff, sigma_t, sigma_s, g })
+    }
+
+    /// The same, thinner with height; the falloff's base is a plane `y` of the box's cube.
+    pub fn thinning(self, falloff: Falloff) -> Self {
+        Self { falloff: Some(falloff), ..self }
+    }
+
+    /// Whether it ends somewhere.
+    pub fn is_bounded(&self) -> bool {
+        self.cube_from_relative.matrix3 != DMat3::ZERO
+    }
+
+    /// Whether it is as dense everywhere.
+    pub fn is_even(&self) -> bool {
+        self.falloff.is_none()
+    }
+
+    /// Heights along a ray, if they matter.
+    pub fn climb(&self, ray: &Ray) -> Option<Climb> {
+        self.falloff.map(|falloff| falloff.along(ray))
+    }
+
+    /// The part of the line that lies inside, as a range of `t` that may be negative; `None` if it misses.
+    pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
+        let (origin, direction) = self.in_cube(ray.origin, ray.direction);
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if direction[axis] == 0.0 {
+                if origin[axis].abs() > 1.0 {
+                    return None;
+                }
+                continue;
+            }
+            let low = (-1.0 - origin[axis]) / direction[axis];
+            let high = (1.0 - origin[axis]) / direction[axis];
+            enter = enter.max(low.min(high));
+            leave = leave.min(low.max(high));
+        }
+        (enter < leave).then_some((enter, leave))
+    }
+
+    /// The part of the ray within `[0, t_max]` where there is fog to be seen: finite, as distances and
+    /// heights from which nothing shows are left out.
+    pub fn visible_span(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
+        let (enter, leave) = self.span(ray)?;
+        let (mut enter, mut leave) = (enter.max(0.0), leave.min(t_max).min(FARTHEST_M));
+        if let Some(climb) = self.climb(ray) {
+            let lowest = climb.height(enter).min(climb.height(leave)).max(0.0);
+            let at_ceiling = (lowest + NOTHING_LEFT - climb.start) / climb.per_m;
+            if climb.per_m > 0.0 {
+                leave = leave.min(at_ceiling);
+            } else if climb.per_m < 0.0 {
+                enter = enter.max(at_ceiling);
+            }
+            let thinnest = self.sigma_t.to_array().into_iter().filter(|sigma| *sigma > 0.0);
+            let metres = NOTHING_LEFT / thinnest.fold(f64::INFINITY, f64::min);
+            leave = leave.min(enter + climb.distance_to_gather(enter, metres));
+        }
+        (enter < leave).then_some((enter, leave))
+    }
+
+    /// Metres of fog, as dense as where it is densest, on `origin + t * direction`, `0 < t < t_max`, for a
+    /// unit direction.
+    pub fn length(&self, origin: DVec3, direction: DVec3, t_max: f64) -> f64 {
+        let ray = Ray { origin, direction };
+        let Some((enter, leave)) = self.span(&ray) else { return 0.0 };
+        let (enter, leave) = (enter.max(0.0), leave.min(t_max));
+        match self.climb(&ray) {
+            None => (leave - enter).max(0.0),
+            Some(climb) => climb.metres_at_base_density(enter, leave),
+        }
+    }
+
+    /// The density at a point, as a share of the densest; 0 outside.
+    pub fn density(&self, point: DVec3) -> f64 {
+        if self.cube_from_relative.transform_point3(point).abs().max_element() > 1.0 {
+            return 0.0;
+        }
+        self.climb(&Ray { origin: point, direction: DVec3::ZERO }).map_or(1.0, |climb| climb.density(0.0))
+    }
+
+    /// Every `t` at which the way from `ray.at(t)` to the light may change the faces it crosses, or the
+    /// ray passes through the base, which in between counts as another face.
+    ///
+    /// The way is cut by the face `x_i = a` at the fraction `(a - x_i(t)) / w_i(t)` of itself, where
+    /// `w` leads to the light; two faces swap where two such fractions are equal, and that
+    /// equation is linear in `t` for distant and for near lights alike. It counts only where the
+    /// way really crosses the edge between the two faces.
+    pub fn for_each_kink(&self, ray: &Ray, light: LightPlace, mut kink: impl FnMut(f64)) {
+        let (origin, direction) = self.in_cube(ray.origin, ray.direction);
+        // w(t) = w0 + t * w1.
+        let (w0, w1) = match light {
+            LightPlace::Towards(to_light) => {
+                (self.cube_from_relative.transform_vector3(to_light), DVec3::ZERO)
+            }
+            LightPlace::At(position) => {
+                (self.cube_from_relative.transform_point3(position) - origin, -direction)
+            }
+        };
+        let base = self.falloff.map(|falloff| falloff.base_y);
+        if let Some(climb) = self.climb(ray) {
+            kink(climb.at_base());
+        }
+        let faces = |axis: usize| [-1.0, 1.0].into_iter().chain(base.filter(|_| axis == 1));
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            for (face_i, face_j) in faces(i).flat_map(|face_i| faces(j).map(move |face_j| (face_i, face_j))) {
+                // (face_i - x_i) w_j = (face_j - x_j) w_i; the terms in t^2 cancel.
+                let (gap_i, gap_j) = (face_i - origin[i], face_j - origin[j]);
+                let constant = gap_i * w0[j] - gap_j * w0[i];
+                let slope = gap_i * w1[j] - direction[i] * w0[j] - gap_j * w1[i] + direction[j] * w0[i];
+                let t = -constant / slope;
+                let (x, w) = (origin + t * direction, w0 + t * w1);
+                let fraction =
+                    if w[i].abs() > w[j].abs() { (face_i - x[i]) / w[i] } else { (face_j - x[j]) / w[j] };
+                let k = 3 - i - j;
+                let on_edge = (x[k] + fraction * w[k]).abs() <= 1.0 + EDGE_SLACK;
+                if t.is_finite() && fraction >= 0.0 && on_edge {
+                    kink(t);
+                }
+            }
+        }
+    }
+
+    /// A point and a direction in the space in which the box is `[-1, 1]^3`.
+    pub fn in_cube(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        (
+            self.cube_from_relative.transform_point3(origin),
+            self.cube_from_relative.transform_vector3(direction),
+        )
+    }
+}
+
+/// Where light comes from, in relative space.
+#[derive(Clone, Copy, Debug)]
+pub enum LightPlace {
+    /// From infinitely far away; unit vector towards the light.
+    Towards(DVec3),
+    /// From a point.
+    At(DVec3),
+}

@@ -1,0 +1,102 @@
+//! Fog in, banks of fog at nodes out. Invariant: fog has a box or thins out with height.
+
+use super::{Resolver, track};
+use crate::description::ron;
+use crate::scene::{Fog, FogShape, HeightFalloff, Motion};
+use glam::{DAffine3, DQuat, DVec3};
+
+impl Resolver<'_> {
+    /// Places all fog.
+    pub(super) fn fogs(&mut self) {
+        for (name, fog) in self.file.fog.iter() {
+            let owner = format!("fog.{name}");
+            let bounds = self.fog_bounds(&owner, fog);
+            let falloff = self.fog_falloff(&owner, fog, bounds);
+            let parent = self.parent(&owner, fog.parent.as_deref());
+            let problems = &mut self.problems;
+            let density_per_m = track(&fog.density_per_m, &format!("{owner}.density_per_m"), problems);
+            let albedo = track(&fog.albedo, &format!("{owner}.albedo"), problems);
+            let anisotropy = track(&fog.anisotropy, &format!("{owner}.anisotropy"), problems);
+            let shape = match (bounds, falloff) {
+                (Some(_), None) => FogShape::EvenBox,
+                (Some(_), Some(falloff)) => FogShape::ThinningBox(falloff),
+                (None, Some(falloff)) => FogShape::Layer(falloff),
+                // Refused already, or about to be.
+                (None, None) => continue,
+            };
+            let (Some(parent), Some(density_per_m), Some(albedo), Some(anisotropy)) =
+                (parent, density_per_m, albedo, anisotropy)
+            else {
+                continue;
+            };
+            let parent_from_shape = bounds.map_or(DAffine3::IDENTITY, |[min, max]| {
+                let (half_size, centre) = (0.5 * (max - min), 0.5 * (min + max));
+                DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, centre)
+            });
+            let node = self.node(name.to_owned(), parent, Motion::Still(parent_from_shape));
+            self.scene.fogs.push(Fog {
+                name: name.to_owned(),
+                node,
+                shape,
+                density_per_m,
+                albedo,
+                anisotropy,
+            });
+        }
+    }
+
+    /// The corners of the box, if there is one.
+    fn fog_bounds(&mut self, owner: &str, fog: &ron::Fog) -> Option<[DVec3; 2]> {
+        match (fog.min_m, fog.max_m) {
+            (Some(min), Some(max)) => {
+                let (min, max) = (min.si(), max.si());
+                if !min.cmplt(max).all() {
+                    let found = "the box has no volume";
+                    let expected = "min_m < max_m in x, y and z";
+                    let remedy = "make the box larger, or exchange its corners";
+                    self.problems.error(owner, found, expected, remedy);
+                }
+                Some([min, max])
+            }
+            (None, None) if fog.scale_height_m.is_none() => {
+                let found = "fog without bounds that is as dense everywhere would absorb all sunlight before it arrives";
+                let expected = "`min_m` and `max_m`, or `scale_height_m`, or all three";
+                self.problems.error(owner, found, expected, "add `scale_height_m`, or the corners of a box");
+                None
+            }
+            (None, None) => None,
+            _ => {
+                let expected = "both `min_m` and `max_m`, or neither";
+                self.problems.error(owner, "the box has one corner", expected, "add the other corner");
+                None
+            }
+        }
+    }
+
+    /// How the fog thins out with height, if it does. A box's base is its bottom unless the file says otherwise.
+    fn fog_falloff(
+        &mut self,
+        owner: &str,
+        fog: &ron::Fog,
+        bounds: Option<[DVec3; 2]>,
+    ) -> Option<HeightFalloff> {
+        let Some(scale_height_m) = &fog.scale_height_m else {
+            if fog.base_m.is_some() {
+                let found = "`base_m` says from where on the fog thins out, but not how fast";
+                let remedy = "add `scale_height_m`, or take `base_m` out";
+                self.problems.error(owner, found, "`scale_height_m` beside `base_m`", remedy);
+            }
+            return None;
+        };
+        let scale_height_m = track(scale_height_m, &format!("{owner}.scale_height_m"), &mut self.problems)?;
+        let base_m = fog.base_m.map(ron::Number::si);
+        let base = match bounds {
+            None => base_m.unwrap_or(0.0),
+            Some([min, max]) => {
+                let (bottom, top) = (min.y, max.y);
+                base_m.map_or(-1.0, |base_m| ((base_m - bottom) - (top - base_m)) / (top - bottom))
+            }
+        };
+        Some(HeightFalloff { base, scale_height_m })
+    }
+}
