@@ -1,7 +1,9 @@
-//! The one loop that joins transport and film. In go a snapshot and a job, out comes a frame.
-//! Invariant: every picture is a pure function of (snapshot, job), so neither the number of threads
+//! The one loop that joins transport and film. In go an exposure and a job, out comes a frame.
+//! Invariant: every picture is a pure function of (exposure, job), so neither the number of threads
 //! nor their order reaches it.
 
+mod draws;
+mod lattice;
 mod passes;
 mod refine;
 mod slices;
@@ -10,14 +12,16 @@ mod survey;
 mod tiles;
 
 use crate::film::Frame;
+use crate::math::{Ray, Sampler};
 use crate::scene::{Pass, Sampling, Size, Window};
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::Transport;
+use glam::DVec2;
 use refine::{Goal, Refined};
 use sum::Sum;
 use survey::Survey;
 
-/// What is to be rendered of a snapshot.
+/// What is to be rendered of an exposure.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// The whole picture.
@@ -100,24 +104,39 @@ impl Job {
 }
 
 /// Renders on the current rayon pool.
-pub fn render(snapshot: &Snapshot, job: &Job, watch: &Watch) -> Rendered {
-    let survey = if job.is_judged() { Survey::new(snapshot, job) } else { Survey::omitted(job.size) };
+pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
+    let survey =
+        if job.is_judged() { Survey::new(exposure.middle(), job) } else { Survey::omitted(job.size) };
     let mut sum = Sum::default();
     match job.placement {
-        Placement::Slices if slices::can_serve(snapshot) => {
-            let lights = snapshot.lights.len();
+        Placement::Slices if slices::can_serve(exposure) => {
+            let lights = exposure.middle().lights.len();
             for light in 0..lights {
-                let picture = slices::LightPicture { snapshot, job, light };
+                let picture = slices::LightPicture { exposure, job, light };
                 let part = (light as f64 / lights as f64, (light + 1) as f64 / lights as f64);
                 sum.add(watch.part(part, None, |watch| develop(&picture, job, &survey, lights, watch)));
             }
         }
         Placement::Slices | Placement::Pixels => {
-            let picture = tiles::RayPicture { snapshot, job };
+            let picture = tiles::RayPicture { exposure, job };
             sum.add(develop(&picture, job, &survey, 1, watch));
         }
     }
     sum.finish(job, &survey)
+}
+
+/// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.
+fn camera_ray<'a, 'scene>(
+    exposure: &'a Exposure<'scene>,
+    size: Size,
+    film_px: DVec2,
+    sampler: &mut Sampler,
+) -> (&'a Snapshot<'scene>, Ray) {
+    let snapshot = if exposure.is_instant() { exposure.middle() } else { exposure.at(sampler.next_1d()) };
+    let view = &snapshot.view;
+    let lens_point = if view.has_lens() { view.lens_point(sampler.next_2d().into()) } else { DVec2::ZERO };
+    let ray = view.ray_from(lens_point, film_px.x / size.width as f64, film_px.y / size.height as f64);
+    (snapshot, ray)
 }
 
 /// Renders one of so many pictures that are added up.

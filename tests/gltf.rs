@@ -265,10 +265,11 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     // Blender's 200 W of an area light are 200 pi / 4 W of light.
     let expected = DVec3::new(1.0, 0.95, 0.9) * 50.0 * std::f64::consts::PI;
     assert!((light("window").power.at(0.0) - expected).abs().max_element() < 1e-12);
+    let aperture = scene.cameras[0].aperture.as_ref().unwrap();
+    assert!(aperture.f_stop.at(0.0) > 0.0 && aperture.focus_distance_m.at(0.0) > 0.0);
     let remarks = scene.remarks.to_string();
     for said in [
         "`sunfleck_ctl` are not yet honoured",
-        "`sunfleck_camera` is not yet honoured",
         "`sunfleck_leaf` is not yet honoured",
         "alpha is not yet honoured",
         "leaf ids start at 0",

@@ -3,11 +3,13 @@
 mod common;
 
 use common::{EXACT, INSTANT, add_layer};
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DVec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
-use sunfleck::scene::{FogShape, HeightFalloff, Light, LightKind, Motion, Node, Scene, Size, Track};
+use sunfleck::scene::{
+    Aperture, FogShape, HeightFalloff, Light, LightKind, Motion, Node, Scene, Size, Track,
+};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
@@ -39,7 +41,8 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
     let trees = MeshTrees::new(scene);
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
     let light = snapshot.lights[0].centre();
-    let fan = Fan::new(&snapshot.view, SIZE, DVec2::ZERO, light.source()).expect("a fan");
+    let lens_point = snapshot.view.lens_point([0.9, 0.3]);
+    let fan = Fan::new(&snapshot.view, SIZE, lens_point, light.source()).expect("a fan");
     let job = SliceJob {
         snapshot: &snapshot,
         transport: &EXACT,
@@ -57,7 +60,8 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
         solve(&job, &slice, areas, &mut scratch, |sample| {
             let film = sample.place.film_px;
-            let ray = snapshot.view.ray(film.x / SIZE.width as f64, film.y / SIZE.height as f64);
+            let (x, y) = (film.x / SIZE.width as f64, film.y / SIZE.height as f64);
+            let ray = snapshot.view.ray_from(lens_point, x, y);
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let truth = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut ray_scratch);
             assert!((0.0..=160.0).contains(&film.x) && (0.0..=90.0).contains(&film.y), "{film}");
@@ -133,6 +137,21 @@ fn sun_at_right_angles_to_the_view() {
     let beam = if beam.y > 0.0 { -beam } else { beam };
     let turn = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, beam);
     assert_equal(&with_light(LightKind::Sun, DAffine3::from_quat(turn), 10.0));
+}
+
+/// A wide lens: the eye is some 4 cm beside the middle.
+#[test]
+fn sun_and_lamp_seen_from_the_edge_of_a_lens() {
+    let lamp = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));
+    for mut scene in [leaves500(), with_light(LightKind::Point, lamp, 50.0)] {
+        scene.cameras[0].aperture = Some(Aperture {
+            f_stop: Track::from(0.4),
+            sensor_width_m: 0.036,
+            focus_distance_m: Track::from(5.0),
+            blades: 0,
+        });
+        assert_equal(&scene);
+    }
 }
 
 #[test]

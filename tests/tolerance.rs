@@ -10,7 +10,7 @@ use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
 use sunfleck::render::{Job, Placement, Rendered, Watch, render};
 use sunfleck::scene::{LightKind, Pass, Sampling, Scene, Size, Window};
-use sunfleck::snapshot::{MeshTrees, Snapshot};
+use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Transport, VolumeMethod};
 use sunfleck::{description, scene};
 
@@ -42,7 +42,7 @@ fn until(tolerance: f64) -> Job {
 fn picture(scene: &Scene, job: &Job) -> Rendered {
     let trees = MeshTrees::new(scene);
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
-    render(&snapshot, job, &Watch::NOBODY)
+    render(&Exposure::instant(snapshot), job, &Watch::NOBODY)
 }
 
 fn luminances(frame: &Frame) -> Vec<f64> {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use sunfleck::frame_file::{self, compare, net_rmse};
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{Sampling, Size, Window};
-use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
+use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
 
 /// Root mean square of the reference's standard error (tests/data/leaves500/README.md).
@@ -20,7 +20,7 @@ pub fn run(rounds: usize) {
     let size = Size { width: 480, height: 270 };
     let trees = MeshTrees::new(&scene);
     let instant = Shutter { open_s: 0.0, close_s: 0.0 };
-    let snapshot = Snapshot::new(&scene, &trees, 0, 480.0 / 270.0, instant);
+    let exposure = Exposure::new(&scene, &trees, 0, 480.0 / 270.0, instant);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     println!("leaves500, {} x {}, one thread, median of {rounds} rounds", size.width, size.height);
     println!("{:<10} {:>8} {:>10} {:>12} {:>12}", "method", "samples", "seconds", "net RMSE", "mean ratio");
@@ -38,7 +38,7 @@ pub fn run(rounds: usize) {
             let mut frame = None;
             for _ in 0..rounds {
                 let started = Instant::now();
-                frame = Some(pool.install(|| render(&snapshot, &job, &Watch::NOBODY).frame));
+                frame = Some(pool.install(|| render(&exposure, &job, &Watch::NOBODY).frame));
                 times.push(started.elapsed().as_secs_f64());
             }
             times.sort_unstable_by(f64::total_cmp);

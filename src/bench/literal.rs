@@ -42,7 +42,7 @@ impl Literal {
         };
         let mut scratch = Scratch::default();
         let mut through_tree = |ray: &Ray| {
-            radiance(stage.snapshot, &transport, ray, &mut Sampler::new(0, 0, 0, 0), &mut scratch).shafts
+            radiance(stage.snapshot(), &transport, ray, &mut Sampler::new(0, 0, 0, 0), &mut scratch).shafts
         };
         let (mut square, mut sum) = (0.0, 0.0);
         for (ray, shafts) in rays(stage, pixels).zip(found) {
@@ -51,7 +51,7 @@ impl Literal {
             sum += expected.element_sum();
         }
         let count = 3.0 * pixels as f64;
-        let comparable = stage.snapshot.lights.iter().all(Luminaire::is_delta);
+        let comparable = stage.snapshot().lights.iter().all(Luminaire::is_delta);
         let relative = if sum > 0.0 { (square / count).sqrt() / (sum / count) } else { 0.0 };
         let deviation = comparable.then_some(relative);
         Self { pixels, picture_s: seconds / pixels as f64 * all as f64, deviation }
@@ -78,7 +78,7 @@ fn rays(stage: &Stage, count: usize) -> impl Iterator<Item = Ray> {
     (0..count).map(move |index| {
         let pixel = (2 * index + 1) * width * height / (2 * count);
         let (x, y) = (pixel % width, pixel / width);
-        stage.snapshot.view.ray((x as f64 + 0.5) / width as f64, (y as f64 + 0.5) / height as f64)
+        stage.snapshot().view.ray((x as f64 + 0.5) / width as f64, (y as f64 + 0.5) / height as f64)
     })
 }
 
@@ -92,7 +92,7 @@ fn shafts(stage: &Stage, triangles: &[[DVec3; 3]], count: usize) -> Vec<Rgb> {
                 .fold(f64::INFINITY, f64::min);
             let mut sum = Rgb::ZERO;
             // A light with an extent counts as its centre: that is all its authors had.
-            for light in &stage.snapshot.lights {
+            for light in &stage.snapshot().lights {
                 let light = &light.centre();
                 sum += scattered(stage, triangles, light, &ray, nearest);
                 if nearest.is_finite() {
@@ -105,7 +105,7 @@ fn shafts(stage: &Stage, triangles: &[[DVec3; 3]], count: usize) -> Vec<Rgb> {
 }
 
 fn scattered(stage: &Stage, triangles: &[[DVec3; 3]], light: &FrozenLight, ray: &Ray, nearest: f64) -> Rgb {
-    let (snapshot, (depth_m, step_m)) = (stage.snapshot, stage.planes);
+    let (snapshot, (depth_m, step_m)) = (stage.snapshot(), stage.planes);
     let Some((_, end)) = snapshot.medium.range(ray, nearest) else { return Rgb::ZERO };
     // The image plane moves along the view axis, this ray's point on it along the ray.
     let ray_from_axis = 1.0 / snapshot.view.depth(ray.direction);

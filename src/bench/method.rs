@@ -4,7 +4,7 @@
 use crate::film::Frame;
 use crate::render::{Job, Placement, Watch, render};
 use crate::scene::{Sampling, Size, Window};
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use cpu_time::ProcessTime;
 
@@ -37,14 +37,21 @@ pub struct Effort {
 /// What all pictures have in common.
 #[derive(Clone, Copy)]
 pub struct Stage<'a> {
-    /// The scene at one moment.
-    pub snapshot: &'a Snapshot<'a>,
+    /// The scene while the shutter is open.
+    pub exposure: &'a Exposure<'a>,
     /// Picture size.
     pub size: Size,
     /// How often a ray may be reflected.
     pub mirror_depth: u32,
     /// How far the literal method moves its image plane, and by how much a step, metres.
     pub planes: (f64, f64),
+}
+
+impl<'a> Stage<'a> {
+    /// The scene at the moment in the middle.
+    pub fn snapshot(&self) -> &'a Snapshot<'a> {
+        self.exposure.middle()
+    }
 }
 
 impl Method {
@@ -114,7 +121,7 @@ impl Method {
             },
             placement: if self == Self::Slices { Placement::Slices } else { Placement::Pixels },
         };
-        render(stage.snapshot, &job, &Watch::NOBODY).frame
+        render(stage.exposure, &job, &Watch::NOBODY).frame
     }
 }
 

@@ -59,13 +59,13 @@ impl Reference {
 
     /// Checks the exact method against brute force, on a few hundred rays a light.
     pub fn check(&mut self, stage: &Stage, triangles: &[[DVec3; 3]]) {
-        if stage.snapshot.medium.is_empty() || triangles.is_empty() {
+        if stage.snapshot().medium.is_empty() || triangles.is_empty() {
             return;
         }
         let rays = (MOST_TESTS / triangles.len()).clamp(16, 512) as u32;
-        let lights = stage.snapshot.lights.iter();
+        let lights = stage.snapshot().lights.iter();
         self.deviations = lights
-            .map(|light| brute_force::deviation(stage.snapshot, triangles, light, rays, CHECK))
+            .map(|light| brute_force::deviation(stage.snapshot(), triangles, light, rays, CHECK))
             .filter(|deviation| deviation.rays > 0)
             .collect();
     }

@@ -75,6 +75,9 @@ pub(super) struct RenderArguments {
     /// Seed of the sample points [default: the sequence's, else 0].
     #[arg(long, allow_negative_numbers = true)]
     pub(super) seed: Option<u32>,
+    /// Frames that the shutter is open for; 0 is an instant without motion blur.
+    #[arg(long, value_name = "S", value_parser = parse_shutter, allow_negative_numbers = true)]
+    pub(super) shutter: Option<f64>,
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
@@ -352,6 +355,13 @@ fn parse_crop(text: &str) -> Result<Crop, String> {
     match numbers.as_deref() {
         Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Crop { x0, y0, x1, y1 }),
         _ => Err("expected x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,400,200".into()),
+    }
+}
+
+fn parse_shutter(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(frames) if (0.0..=1000.0).contains(&frames) => Ok(frames),
+        _ => Err("expected how many frames the shutter is open for, from 0 to 1000, such as 0.5".into()),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::description;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file;
 use crate::scene::{self, RenderSettings, Scene, Size};
-use crate::snapshot::{MeshTrees, Shutter, Snapshot};
+use crate::snapshot::{Exposure, MeshTrees, Shutter};
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -53,9 +53,9 @@ impl Subject {
         Ok(Self { scene, settings, camera, size, shutter, load_s })
     }
 
-    fn snapshot(&self, trees: &MeshTrees) -> Snapshot<'_> {
+    fn exposure(&self, trees: &MeshTrees) -> Exposure<'_> {
         let aspect = self.size.width as f64 / self.size.height as f64;
-        Snapshot::new(&self.scene, trees, self.camera, aspect, self.shutter)
+        Exposure::new(&self.scene, trees, self.camera, aspect, self.shutter)
     }
 }
 
@@ -81,13 +81,14 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
 
     let started = Instant::now();
     let trees = MeshTrees::new(&subject.scene);
-    let snapshot = subject.snapshot(&trees);
+    let exposure = subject.exposure(&trees);
+    let snapshot = exposure.middle();
     let build_s = started.elapsed().as_secs_f64();
     let stage = Stage {
-        snapshot: &snapshot,
+        exposure: &exposure,
         size: subject.size,
         mirror_depth: subject.settings.mirror_depth,
-        planes: (bench::depth_m(&snapshot), subject.settings.march_step_m),
+        planes: (bench::depth_m(snapshot), subject.settings.march_step_m),
     };
     let triangles = brute_force::triangles(&subject.scene, snapshot.view.eye, subject.shutter.middle_s());
     tell(&format!(

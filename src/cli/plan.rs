@@ -50,6 +50,7 @@ impl Plan {
         settings.sampling =
             Sampling::said(arguments.samples, arguments.tolerance).unwrap_or(settings.sampling);
         settings.seed = arguments.seed.unwrap_or(settings.seed);
+        settings.shutter = arguments.shutter.unwrap_or(settings.shutter);
         settings.camera = arguments.camera.clone().or(settings.camera);
 
         let camera = find_camera(&scene, settings.camera.as_deref())?;

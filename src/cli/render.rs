@@ -8,7 +8,7 @@ use super::{CliError, answer, tell};
 use crate::frame_file::Provenance;
 use crate::render::{self, Rendered, Watch};
 use crate::sequence::{self, Job, SequenceError, Skip};
-use crate::snapshot::{MeshTrees, Snapshot};
+use crate::snapshot::{Exposure, MeshTrees};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -59,9 +59,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
                 return Ok(same.clone());
             }
             let picture = pool.install(|| {
-                let snapshot = plan.snapshot(&trees, frame);
+                let exposure = plan.exposure(&trees, frame);
                 let cancelled = || signal.stop.load(Ordering::Relaxed);
-                render::render(&snapshot, &plan.job, &Watch { progress, cancelled: &cancelled })
+                render::render(&exposure, &plan.job, &Watch { progress, cancelled: &cancelled })
             });
             if signal.stop.load(Ordering::Relaxed) {
                 return Err(Stopped);
@@ -84,10 +84,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
 
 impl Plan {
     /// What the camera sees at a frame.
-    fn snapshot(&self, trees: &MeshTrees, frame: i64) -> Snapshot<'_> {
+    fn exposure(&self, trees: &MeshTrees, frame: i64) -> Exposure<'_> {
         let size = self.job.size;
         let aspect = size.width as f64 / size.height as f64;
-        Snapshot::new(&self.scene, trees, self.camera, aspect, self.shutter(frame))
+        Exposure::new(&self.scene, trees, self.camera, aspect, self.shutter(frame))
     }
 }
 

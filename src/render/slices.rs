@@ -1,34 +1,30 @@
-//! Pictures from slices: for each light lattices of samples on its slices. Invariant: samples reach the film in the order of their slices, whatever thread solved them.
-//!
-//! The lattice: slices at equal angles, and on each slice samples at equal steps of picture area,
-//! shifted from slice to slice by the golden ratio (a rank-1 lattice). Every sample stands for the
-//! same area, so a pixel is the plain mean of its samples.
+//! Pictures from slices: for each light lattices of samples on its slices. Invariant: samples reach
+//! the film in the order of their slices, whatever thread solved them, and all weigh the same, so a
+//! pixel is the plain mean of its samples.
 
+use super::draws::{Draw, Draws};
+use super::lattice::Lattice;
 use super::passes::{Fresh, Pass, Picture};
-use super::{Job, Watch};
+use super::{Job, Watch, camera_ray};
 use crate::film::Film;
 use crate::math::Sampler;
-use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
-use crate::transport::slices::{Fan, Ring, Slice, SliceJob, SliceSample, SliceScratch, solve};
+use crate::snapshot::{Exposure, FrozenLight, Luminaire};
+use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, solve};
 use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
 const BATCH: usize = 128;
 
-/// The golden ratio less one: neighbouring slices' samples are shifted by it (Korobov's lattice in two dimensions).
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
-/// Whether slices can render a frame: there must be a light for each picture, none of them with an
-/// extent and none at the eye.
-pub(super) fn can_serve(snapshot: &Snapshot) -> bool {
+/// Whether slices can render a frame: there must be a light for each picture, and none at the eye.
+pub(super) fn can_serve(exposure: &Exposure) -> bool {
     let has_slices = |light: &Luminaire| match light.centre() {
-        FrozenLight::Sun { .. } => light.is_delta(),
-        FrozenLight::Point { position, .. } => light.is_delta() && position.length_squared() > 0.0,
+        FrozenLight::Sun { .. } => true,
+        FrozenLight::Point { position, .. } => position.length_squared() > 0.0,
     };
-    !snapshot.lights.is_empty() && snapshot.lights.iter().all(has_slices)
+    let lights = &exposure.middle().lights;
+    !lights.is_empty() && lights.iter().all(has_slices)
 }
 
 /// One light's part of a picture, in passes of a lattice each.
@@ -36,7 +32,7 @@ pub(super) fn can_serve(snapshot: &Snapshot) -> bool {
 /// A pass shifts its lattice, across and along the slices, by a point of a sequence whose first 2 and 4 points are
 /// evenly spread (Owen-scrambled Sobol): so many passes together are almost as good as one fine lattice.
 pub(super) struct LightPicture<'a> {
-    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
     /// The light, as its index in the snapshot.
     pub(super) light: usize,
@@ -49,15 +45,15 @@ impl Picture for LightPicture<'_> {
 
     /// A ray of its own, through the pixel's centre.
     fn fill_holes(&self, film: &mut Film, watch: &Watch) {
-        let Self { snapshot, job, light } = *self;
+        let Self { exposure, job, light } = *self;
         let mut scratch = Scratch::default();
         for (x, y) in film.holes() {
             if (watch.cancelled)() {
                 break;
             }
-            let (width, height) = (job.size.width as f64, job.size.height as f64);
-            let ray = snapshot.view.ray((x as f64 + 0.5) / width, (y as f64 + 0.5) / height);
             let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
+            let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let (snapshot, ray) = camera_ray(exposure, job.size, centre, &mut sampler);
             let own = light == 0;
             let value =
                 radiance_of_light(snapshot, &job.transport, light, own, &ray, &mut sampler, &mut scratch);
@@ -68,29 +64,15 @@ impl Picture for LightPicture<'_> {
 
 /// Adds a pass's samples to the film.
 fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch) {
-    let LightPicture { snapshot, job, light } = *picture;
-    let centre = snapshot.lights[light].centre();
-    let Some(fan) = Fan::new(&snapshot.view, job.size, DVec2::ZERO, centre.source()) else {
-        return;
-    };
-    let (shift_across, shift_along) = Sampler::new(job.seed, light as u32, pass.level, pass.number).next_2d();
-    // As many slices across as samples along: the lattice's cells are square on average.
-    let density = f64::from(pass.samples);
-    let wanted_rad = 1.0 / (density.sqrt() * fan.mean_separation_px(Ring::WHOLE));
-    let count = (fan.angles.1 / wanted_rad).ceil().max(1.0);
-    let step_rad = fan.angles.1 / count;
-    // The cell of the slice before the first reaches into the window, unless that is the last one again.
-    let count = count as usize + usize::from(fan.angles.1 < TAU);
-    let step_area = 1.0 / (density * step_rad);
-    let slice_job = SliceJob {
-        snapshot,
-        transport: &job.transport,
-        light: &centre,
-        self_luminous: light == 0,
-        fan: &fan,
-        size: job.size,
-        wanted: &|x, y| pass.wanted.contains(x, y),
-    };
+    let LightPicture { exposure, job, light } = *picture;
+    let mut sampler = Sampler::new(job.seed, light as u32, pass.level, pass.number);
+    let draws = Draws::new(exposure, light, &mut sampler);
+    let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
+    let Some(base) = fan_of(&draws.middle()) else { return };
+    let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
+    let deviation_rad = wanders.fold(0.0, f64::max);
+    let lattice = Lattice::new(&base, deviation_rad, f64::from(pass.samples), || sampler.next_2d());
+    let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
     let mut solved: Vec<Vec<SliceSample>> = vec![Vec::new(); BATCH];
@@ -103,13 +85,19 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
             |scratch, (index, samples)| {
                 samples.clear();
                 let number = first + index;
-                let angle = fan.angles.0 + (number as f64 - 1.0 + shift_across) * step_rad;
-                let slice = if number < count { fan.slice(angle, Ring::WHOLE) } else { None };
-                if let Some(slice) = slice {
-                    let shift = (shift_along + GOLDEN * number as f64).fract();
-                    let areas = lattice(&slice, shift, step_area);
-                    solve(&slice_job, &slice, areas, scratch, |sample| samples.push(sample));
-                }
+                let draw = draws.get(number);
+                let Some(own) = fan_of(&draw) else { return };
+                let Some(placed) = lattice.slice(&base, &own, number) else { return };
+                let slice_job = SliceJob {
+                    snapshot: draw.snapshot,
+                    transport: &job.transport,
+                    light: &draw.light,
+                    self_luminous: light == 0,
+                    fan: &own,
+                    size: job.size,
+                    wanted: &|x, y| pass.wanted.contains(x, y),
+                };
+                solve(&slice_job, &placed.slice, placed.areas(), scratch, |sample| samples.push(sample));
             },
         );
         for (index, samples) in solved.iter().enumerate() {
@@ -127,9 +115,4 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
         }
         watch.tell(count.min(first + BATCH) as f64 / count as f64);
     }
-}
-
-fn lattice(slice: &Slice, shift: f64, step_area: f64) -> impl Iterator<Item = f64> + use<> {
-    let count = (slice.area_per_rad / step_area - shift).ceil().max(0.0) as usize;
-    (0..count).map(move |index| (index as f64 + shift) * step_area)
 }

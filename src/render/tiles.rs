@@ -1,12 +1,13 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
 use super::passes::{Fresh, Pass, Picture};
-use super::{Job, Watch};
+use super::{Job, Watch, camera_ray};
 use crate::film::Film;
 use crate::math::Sampler;
 use crate::scene::{Sampling, Window};
-use crate::snapshot::Snapshot;
+use crate::snapshot::Exposure;
 use crate::transport::{Scratch, radiance};
+use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -15,7 +16,7 @@ const TILE: usize = 32;
 
 /// A picture of all lights, each sample a ray of its own.
 pub(super) struct RayPicture<'a> {
-    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
 }
 
@@ -48,8 +49,7 @@ impl Picture for RayPicture<'_> {
 
 impl RayPicture<'_> {
     fn render_tile(&self, pass: &Pass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
-        let Self { snapshot, job } = *self;
-        let (width, height) = (job.size.width as f64, job.size.height as f64);
+        let Self { exposure, job } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
             for number in 0..pass.samples {
                 let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before + number);
@@ -57,7 +57,8 @@ impl RayPicture<'_> {
                     Sampling::Exactly(1) => (0.5, 0.5),
                     _ => sampler.next_2d(),
                 };
-                let ray = snapshot.view.ray((x as f64 + right) / width, (y as f64 + down) / height);
+                let film_px = DVec2::new(x as f64 + right, y as f64 + down);
+                let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
                 let value = radiance(snapshot, &job.transport, &ray, &mut sampler, scratch);
                 let from_centre = (right - 0.5).hypot(down - 0.5);
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.

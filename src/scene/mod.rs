@@ -21,7 +21,7 @@ use crate::color::Rgb;
 use crate::diagnostic::Diagnostics;
 use glam::DAffine3;
 
-pub use camera::{Camera, Lens};
+pub use camera::{Aperture, Camera, Lens};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
@@ -126,7 +126,7 @@ impl Scene {
         let nodes = self.nodes.iter().all(|node| node.motion.is_still() && node.visible.is_constant());
         let cameras = self.cameras.iter().all(|camera| {
             let Lens::Perspective { fov_y } = &camera.lens;
-            fov_y.is_constant()
+            fov_y.is_constant() && camera.aperture.as_ref().is_none_or(Aperture::is_constant)
         });
         let lights = self.lights.iter().all(|light| {
             light.power.is_constant() && light.kind.numbers().iter().all(|number| number.is_constant())

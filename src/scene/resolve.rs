@@ -25,7 +25,7 @@ pub fn resolve(
     light_units: Option<LightUnits>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let file = Place::File(description.path);
-    let (mut scene, settings) = match description.scene {
+    let (scene, settings) = match description.scene {
         SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence)?,
         SceneSource::Gltf(scene) => {
             let (scene, settings) = from_gltf::resolve(scene, light_units)?;
@@ -44,10 +44,6 @@ pub fn resolve(
             .expected(format!("at most {MOST_FOGS}"))
             .remedy("make one larger bank of several, or render the scene in parts");
         return Err(Diagnostics(vec![error]));
-    }
-    if settings.shutter > 0.0 {
-        let found = "motion blur is not yet honoured, every frame shows the middle of its shutter's time";
-        scene.remarks.push(Diagnostic::warning(file, found));
     }
     Ok((scene, settings))
 }

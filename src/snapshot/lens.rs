@@ -1,8 +1,10 @@
-//! A frozen camera: film positions in, rays out. Invariant: rays start at the origin of relative space.
+//! A frozen camera: film positions and points of the lens in, rays out. Invariant: the middle of the
+//! lens is the origin of relative space.
 
-use crate::math::Ray;
+use crate::math::{Ray, disc_from_square};
 use crate::scene::{Camera, Lens};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
+use std::f64::consts::TAU;
 
 /// Where the camera stands and what it sees.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +17,12 @@ pub struct View {
     /// Half extents of the picture at distance 1.
     half_width: f64,
     half_height: f64,
+    /// 0 for a pinhole.
+    lens_radius_m: f64,
     /// Distance of the plane in focus, metres.
     focus_distance_m: f64,
+    /// Straight blades of the lens' opening; 0 is a round one.
+    blades: u32,
 }
 
 impl View {
@@ -32,23 +38,61 @@ impl View {
         // A mirrored camera node shows a mirrored picture.
         let right = right * if right.dot(axes.x_axis) < 0.0 { -1.0 } else { 1.0 };
         let up = backward.cross(right) * backward.cross(right).dot(axes.y_axis).signum();
+        let half_width = half_height * aspect;
+        let aperture = camera.aperture.as_ref();
+        // A pinhole's plane in focus is anywhere, so at infinity.
+        let focus_distance_m =
+            aperture.map_or(f64::INFINITY, |aperture| aperture.focus_distance_m.at(time_s));
+        let lens_radius_m = aperture.map_or(0.0, |aperture| {
+            let focal_length_m = 0.5 * aperture.sensor_width_m / half_width;
+            0.5 * focal_length_m / aperture.f_stop.at(time_s)
+        });
         Self {
             eye: world_from_camera.translation,
             right,
             up,
             backward,
-            half_width: half_height * aspect,
+            half_width,
             half_height,
-            focus_distance_m: f64::INFINITY,
+            lens_radius_m,
+            focus_distance_m,
+            blades: aperture.map_or(0, |aperture| aperture.blades),
         }
     }
 
-    /// The ray through a film position: `(0, 0)` is the top left corner, `(1, 1)` the bottom right one.
+    /// The ray from the middle of the lens through a film position: `(0, 0)` is the top left corner,
+    /// `(1, 1)` the bottom right one.
     pub fn ray(&self, film_x: f64, film_y: f64) -> Ray {
-        let x = (2.0 * film_x - 1.0) * self.half_width;
-        let y = (1.0 - 2.0 * film_y) * self.half_height;
+        self.ray_from(DVec2::ZERO, film_x, film_y)
+    }
+
+    /// The same from a point of the lens, to the right and up from its middle, metres.
+    pub fn ray_from(&self, lens_point: DVec2, film_x: f64, film_y: f64) -> Ray {
+        // All rays of a film position meet in the plane in focus.
+        let shift = lens_point / self.focus_distance_m;
+        let x = (2.0 * film_x - 1.0) * self.half_width - shift.x;
+        let y = (1.0 - 2.0 * film_y) * self.half_height - shift.y;
         let direction = (x * self.right + y * self.up - self.backward).normalize();
-        Ray { origin: DVec3::ZERO, direction }
+        Ray { origin: lens_point.x * self.right + lens_point.y * self.up, direction }
+    }
+
+    /// Whether it has a lens, rather than a pinhole.
+    pub fn has_lens(&self) -> bool {
+        self.lens_radius_m > 0.0
+    }
+
+    /// The point of the lens that two numbers in `[0, 1)` pick, metres; uniform over the opening.
+    pub fn lens_point(&self, [u, v]: [f64; 2]) -> DVec2 {
+        if self.blades == 0 {
+            return self.lens_radius_m * disc_from_square(DVec2::new(u, v));
+        }
+        // A regular polygon is made of equal triangles about the middle (Pharr et al., PBR, section
+        // A.5.4: uniform over a triangle with the square root for its first coordinate).
+        let scaled = u * f64::from(self.blades);
+        let corner = |number: f64| DVec2::from_angle(TAU * number / f64::from(self.blades));
+        let (first, within) = (scaled.floor(), scaled.fract());
+        let outwards = within.sqrt();
+        self.lens_radius_m * outwards * corner(first).lerp(corner(first + 1.0), v)
     }
 
     /// Unit vectors to the right, up and forward.
@@ -81,12 +125,20 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Track;
+    use crate::math::Sampler;
+    use crate::scene::{Aperture, Track};
     use glam::DQuat;
 
     fn view(world_from_camera: DAffine3) -> View {
         let lens = Lens::Perspective { fov_y: Track::from(std::f64::consts::FRAC_PI_2) };
-        View::new(&Camera { name: String::new(), node: 0, lens }, world_from_camera, 2.0, 0.0)
+        let aperture = Aperture {
+            f_stop: Track::from(2.0),
+            sensor_width_m: 0.036,
+            focus_distance_m: Track::from(3.0),
+            blades: 6,
+        };
+        let camera = Camera { name: String::new(), node: 0, lens, aperture: Some(aperture) };
+        View::new(&camera, world_from_camera, 2.0, 0.0)
     }
 
     #[test]
@@ -97,6 +149,32 @@ mod tests {
         assert!((top.y - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-15 && top.z < 0.0);
         let right = view.ray(1.0, 0.5).direction;
         assert!((right.x / -right.z - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn rays_of_a_film_position_meet_in_the_plane_in_focus() {
+        let view = view(DAffine3::IDENTITY);
+        // A half width of 2 at distance 1 makes 36 mm a focal length of 9 mm, f/2 a radius of 2.25 mm.
+        let edge = view.lens_point([0.999_999, 0.0]);
+        assert!((edge.length() - 0.002_25).abs() < 1e-8, "{edge}");
+        let (middle, edge) = (view.ray(0.3, 0.2), view.ray_from(edge, 0.3, 0.2));
+        let in_focus = |ray: Ray| ray.at(-3.0 / ray.direction.z);
+        let (a, b) = (in_focus(middle), in_focus(edge));
+        assert!((a.z + 3.0).abs() < 1e-12 && (b.z + 3.0).abs() < 1e-12);
+        assert!((a - b - (middle.origin - edge.origin)).length() > 1e-3 && a.distance(b) < 1e-12);
+    }
+
+    /// A hexagon's second moment is 5/24 of its squared side.
+    #[test]
+    fn lens_points_fill_the_polygon_evenly() {
+        let view = view(DAffine3::IDENTITY);
+        let (count, mut mean, mut square) = (1 << 14, DVec2::ZERO, 0.0);
+        for sample in 0..count {
+            let point = view.lens_point(Sampler::new(1, 0, 0, sample).next_2d().into()) / 0.002_25;
+            mean += point / f64::from(count);
+            square += point.x * point.x / f64::from(count);
+        }
+        assert!(mean.length() < 1e-3 && (square - 5.0 / 24.0).abs() < 1e-3, "{mean} {square}");
     }
 
     #[test]

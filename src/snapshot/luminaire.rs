@@ -33,12 +33,9 @@ enum Extent {
 }
 
 impl Luminaire {
-    /// Freezes `light`; `None` if it gives no light at this time.
-    pub fn new(light: &Light, relative_from_light: DAffine3, time_s: f64) -> Option<Self> {
+    /// Freezes `light`.
+    pub fn new(light: &Light, relative_from_light: DAffine3, time_s: f64) -> Self {
         let power = light.power.at(time_s);
-        if power.max_element() <= 0.0 {
-            return None;
-        }
         let axes = relative_from_light.matrix3;
         let beam = (-axes.z_axis).try_normalize().unwrap_or(DVec3::NEG_Z);
         let position = relative_from_light.translation;
@@ -81,7 +78,17 @@ impl Luminaire {
                 (centre, Extent::Flat { shape: *shape, half_axes })
             }
         };
-        Some(Self { centre, extent })
+        Self { centre, extent }
+    }
+
+    /// The same without any power.
+    pub fn switched_off(mut self) -> Self {
+        match &mut self.centre {
+            FrozenLight::Sun { irradiance: power, .. } | FrozenLight::Point { intensity: power, .. } => {
+                *power = Rgb::ZERO;
+            }
+        }
+        self
     }
 
     /// Whether it has no extent: every [`Luminaire::point`] is [`Luminaire::centre`], which is all of it.

@@ -4,6 +4,7 @@
 //! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
 
 mod emission;
+mod exposure;
 mod lens;
 mod light;
 mod luminaire;
@@ -13,10 +14,11 @@ mod surface;
 use crate::accel::{InstanceTree, PlacedMesh};
 use crate::color::Rgb;
 use crate::scattering::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, HeightFalloff, Pass, Scene};
+use crate::scene::{Fog, FogShape, HeightFalloff, Light, Pass, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 
 pub use emission::{Cone, Emission};
+pub use exposure::Exposure;
 pub use lens::View;
 pub use light::FrozenLight;
 pub use luminaire::Luminaire;
@@ -75,6 +77,18 @@ impl<'scene> Snapshot<'scene> {
         shutter: Shutter,
     ) -> Self {
         let time_s = shutter.middle_s();
+        Self::at(scene, trees, camera, aspect, time_s, &shining(scene, time_s))
+    }
+
+    /// Freezes a moment with those of the scene's lights of which `shining` says so.
+    fn at(
+        scene: &'scene Scene,
+        trees: &MeshTrees,
+        camera: usize,
+        aspect: f64,
+        time_s: f64,
+        shining: &[bool],
+    ) -> Self {
         let placements = scene.placements(time_s);
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
@@ -106,8 +120,12 @@ impl<'scene> Snapshot<'scene> {
         let lights = scene
             .lights
             .iter()
-            .filter(|light| placements[light.node].visible)
-            .filter_map(|light| Luminaire::new(light, relative_from(light.node), time_s))
+            .zip(shining)
+            .filter(|(_, shines)| **shines)
+            .map(|(light, _)| {
+                let luminaire = Luminaire::new(light, relative_from(light.node), time_s);
+                if placements[light.node].visible { luminaire } else { luminaire.switched_off() }
+            })
             .collect();
         let fog = scene
             .fogs
@@ -153,6 +171,13 @@ fn frozen_fog(fog: &Fog, relative_from_node: DAffine3, time_s: f64) -> Option<Fo
         }
         FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
     }
+}
+
+/// Which of a scene's lights shine.
+fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
+    let placements = scene.placements(time_s);
+    let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;
+    scene.lights.iter().map(shines).collect()
 }
 
 /// True if some pass shows the surface itself, so that its features are worth computing.

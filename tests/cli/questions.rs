@@ -62,15 +62,6 @@ fn inspect_says_what_is_not_honoured() {
 }
 
 #[test]
-fn a_shutter_is_recorded_but_blurs_nothing_yet() {
-    let studio = Studio::new();
-    let sequence = r#"Sequence(version: 1, scene: "scene.ron", frames: (1, 2), shutter_frames: 0.5)"#;
-    std::fs::write(studio.path("blurred.ron"), sequence).unwrap();
-    let answer = studio.succeed("inspect blurred.ron").out;
-    assert!(answer.contains("blurred.ron: warning: motion blur is not yet honoured"), "{answer}");
-}
-
-#[test]
 fn diff_measures_how_far_frames_are_apart() {
     let studio = Studio::new();
     studio.succeed("render tiny.ron --frames 1 --out a.exr");

@@ -22,7 +22,7 @@ pub(crate) fn camera_at(eye: DVec3) -> Scene {
     let mut scene = Scene::default();
     let node = place(&mut scene, DAffine3::from_translation(eye));
     let lens = Lens::Perspective { fov_y: Track::from(std::f64::consts::FRAC_PI_2) };
-    scene.cameras.push(Camera { name: "camera".into(), node, lens });
+    scene.cameras.push(Camera { name: "camera".into(), node, lens, aperture: None });
     scene
 }
 

@@ -30,7 +30,7 @@ pub use number::{
     Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart, NonNegative,
     Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, Triple, UnitInterval, Vector, Whole,
 };
-pub use scene_file::{Camera, Fog, Julia, Light, Material, Mesh, Object, SceneFile};
+pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};
 pub use version::Version;
 

@@ -143,6 +143,23 @@ pub struct Camera {
     /// Full vertical field of view.
     #[serde(default = "normal_lens")]
     pub fov_deg: Keyed<Number<FieldOfView>>,
+    /// The lens that blurs what is out of focus; a pinhole without.
+    pub aperture: Option<Aperture>,
+}
+
+/// The opening of a lens.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Aperture {
+    /// Focal length over the opening's diameter.
+    pub f_stop: Keyed<Number<Positive>>,
+    /// Distance of the plane in focus, along the view.
+    pub focus_distance_m: Keyed<Number<Positive>>,
+    /// With the angle of view it gives the focal length.
+    #[serde(default = "full_frame")]
+    pub sensor_width_mm: Number<Positive>,
+    /// Straight blades of the opening; a round one without.
+    pub blades: Option<Whole<3, 32>>,
 }
 
 /// A light.
@@ -303,6 +320,10 @@ fn seen() -> Keyed<bool> {
 
 fn up() -> Direction {
     Direction(DVec3::Y)
+}
+
+fn full_frame() -> Number<Positive> {
+    Number::new(36.0)
 }
 
 fn normal_lens() -> Keyed<Number<FieldOfView>> {

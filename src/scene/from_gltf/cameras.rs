@@ -1,14 +1,36 @@
 //! Cameras. Invariant: there is at least one; a file without gets one that shows the whole scene.
 
 use super::Builder;
-use super::extras::Sunfleck;
+use super::extras::{self, Sunfleck};
 use crate::description::gltf;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{Camera, Lens, Motion, Node, RenderSettings, Track};
+use crate::scene::{Aperture, Camera, Lens, Motion, Node, RenderSettings, Track};
 use glam::DVec3;
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// Vertical field of view of a camera of our own making, radians.
 const DEFAULT_FOV_Y: f64 = 0.7;
+
+/// `sunfleck_camera`: what glTF does not say of a lens.
+#[derive(Debug, Deserialize)]
+struct ThinLens {
+    fstop: Option<f64>,
+    /// Metres.
+    focus_distance: Option<f64>,
+    shift: Option<[f64; 2]>,
+    #[serde(default = "full_frame_mm")]
+    sensor_width_mm: f64,
+    blades: Option<u32>,
+    #[serde(flatten)]
+    unknown: BTreeMap<String, Value>,
+}
+
+/// Blender's default sensor.
+fn full_frame_mm() -> f64 {
+    36.0
+}
 
 impl Builder<'_> {
     /// Adds a camera for every node of the scene that holds one, and lets the chosen one set the
@@ -25,7 +47,8 @@ impl Builder<'_> {
             };
             seen_by.push(camera);
             let lens = Lens::Perspective { fov_y: Track::from(perspective.fov_y) };
-            self.scene.cameras.push(Camera { name: node.name.clone(), node: number, lens });
+            let aperture = self.aperture(camera);
+            self.scene.cameras.push(Camera { name: node.name.clone(), node: number, lens, aperture });
         }
         let chosen = self.chosen_camera(&seen_by, settings);
         let aspect = seen_by.get(chosen).and_then(|camera| camera.perspective?.aspect);
@@ -35,6 +58,46 @@ impl Builder<'_> {
         if self.scene.cameras.is_empty() {
             self.add_default_camera(settings);
         }
+    }
+
+    /// What `sunfleck_camera` says of a camera's lens.
+    fn aperture(&mut self, camera: &gltf::Camera) -> Option<Aperture> {
+        let path = format!("camera `{}`", camera.name);
+        let lens: ThinLens = extras::read(&camera.extras, "sunfleck_camera", &path, &mut self.report)?;
+        for name in lens.unknown.keys() {
+            let field = format!("sunfleck_camera.{name}` of `{}", camera.name);
+            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+        }
+        if lens.shift.is_some_and(|shift| shift != [0.0, 0.0]) {
+            self.report.not_honoured("a shifted lens is not honoured, the picture is centred", &camera.name);
+        }
+        let (Some(f_stop), Some(focus_distance)) = (lens.fstop, lens.focus_distance) else {
+            if lens.fstop.is_some() || lens.focus_distance.is_some() {
+                let found = "only one of fstop and focus_distance is given";
+                self.report.error(format!("{path}.extras.sunfleck_camera"), found, "both, or neither");
+            }
+            return None;
+        };
+        let numbers = [f_stop, focus_distance, lens.sensor_width_mm];
+        if !numbers.iter().all(|number| number.is_finite() && *number > 0.0)
+            || lens.blades.is_some_and(|blades| !(3..=32).contains(&blades))
+        {
+            self.report.error(
+                format!("{path}.extras.sunfleck_camera"),
+                format!(
+                    "no lens has f-stop {f_stop}, focus {focus_distance} m, sensor {} mm, {:?} blades",
+                    lens.sensor_width_mm, lens.blades
+                ),
+                "numbers above 0, and 3 to 32 blades or none",
+            );
+            return None;
+        }
+        Some(Aperture {
+            f_stop: Track::from(f_stop),
+            sensor_width_m: 1e-3 * lens.sensor_width_mm,
+            focus_distance_m: Track::from(focus_distance),
+            blades: lens.blades.unwrap_or(0),
+        })
     }
 
     /// The camera that the settings name, by its node or by itself, else the first.
@@ -84,7 +147,7 @@ impl Builder<'_> {
             visible: Track::from(true),
         });
         let lens = Lens::Perspective { fov_y: Track::from(DEFAULT_FOV_Y) };
-        self.scene.cameras.push(Camera { name: String::from("camera"), node, lens });
+        self.scene.cameras.push(Camera { name: String::from("camera"), node, lens, aperture: None });
         self.report.push(
             Diagnostic::warning(
                 self.report.at("cameras"),

@@ -170,13 +170,6 @@ impl Builder<'_> {
         }
         for camera in &self.source.cameras {
             report_unknown(&camera.extras, &known, &camera.name, &mut self.report);
-            let depth_of_field = camera.extras.get("sunfleck_camera").and_then(|extras| extras.get("fstop"));
-            if depth_of_field.is_some() {
-                self.report.not_honoured(
-                    "`sunfleck_camera` is not yet honoured, the camera is a pinhole without shift",
-                    &camera.name,
-                );
-            }
         }
         for material in &self.source.materials {
             report_unknown(&material.extras, &known, &material.name, &mut self.report);

@@ -15,7 +15,7 @@ mod tests;
 mod tracks;
 
 use super::{
-    Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
+    Aperture, Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
     RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
@@ -227,10 +227,22 @@ impl<'a> Resolver<'a> {
             let parent = self.parent(&owner, camera.parent.as_deref());
             let motion = self.camera_motion(&owner, camera);
             let fov_y = track(&camera.fov_deg, &format!("{owner}.fov_deg"), &mut self.problems);
+            let aperture = camera.aperture.as_ref().and_then(|aperture| {
+                let owner = format!("{owner}.aperture");
+                let f_stop = track(&aperture.f_stop, &format!("{owner}.f_stop"), &mut self.problems);
+                let focus = &aperture.focus_distance_m;
+                let focus = track(focus, &format!("{owner}.focus_distance_m"), &mut self.problems);
+                Some(Aperture {
+                    f_stop: f_stop?,
+                    sensor_width_m: 1e-3 * aperture.sensor_width_mm.si(),
+                    focus_distance_m: focus?,
+                    blades: aperture.blades.map_or(0, |blades| blades.0),
+                })
+            });
             if let (Some(parent), Some(motion), Some(fov_y)) = (parent, motion, fov_y) {
                 let node = self.node(name.to_owned(), parent, motion);
                 let lens = Lens::Perspective { fov_y };
-                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens });
+                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, aperture });
             }
         }
     }

@@ -23,6 +23,8 @@ pub struct Fan {
     picture: Picture,
     /// First angle and how many radians, so that every half plane that meets the picture is there.
     pub angles: (f64, f64),
+    /// Least and greatest angle between the axis and what the picture shows.
+    pub extent: (f64, f64),
 }
 
 /// Between which angles from the axis, radians in `0..=pi`, slices are wanted.
@@ -76,7 +78,7 @@ impl Fan {
         };
         let zero = axis.any_orthonormal_vector();
         let quarter = axis.cross(zero);
-        let mut fan = Self { eye, axis, zero, quarter, picture, angles: (0.0, TAU) };
+        let mut fan = Self { eye, axis, zero, quarter, picture, angles: (0.0, TAU), extent: (0.0, PI) };
         if !picture.sees(axis) && !picture.sees(-axis) {
             // A convex picture that does not hold the axis is seen from it under less than half a turn.
             let middle = fan.angle(picture.direction(0.5 * (picture.low + picture.high)));
@@ -88,7 +90,31 @@ impl Fan {
             let high = turns.into_iter().fold(-PI, f64::max);
             fan.angles = (middle + low, high - low);
         }
+        fan.extent = picture.angles_from(axis);
         Some(fan)
+    }
+
+    /// Pixels per radian in the middle of the picture.
+    pub fn pixels_per_rad(&self) -> f64 {
+        self.picture.pixels_per_unit
+    }
+
+    /// How far from this fan's axis another's appears to be in the picture, radians.
+    pub fn wander(&self, other: &Self) -> f64 {
+        self.picture.reframed(&other.picture, other.axis).angle_between(self.axis)
+    }
+
+    /// The angle of this fan's slice that passes through a place of the picture, and how many radians
+    /// it turns for each that the place turns. The place lies in another fan over the same picture, on
+    /// its slice at `angle`, `from_axis` radians from its axis.
+    pub fn angle_through(&self, other: &Self, angle: f64, from_axis: f64) -> (f64, f64) {
+        let ((sin, cos), (far, near)) = (angle.sin_cos(), from_axis.sin_cos());
+        let place = near * other.axis + far * (cos * other.zero + sin * other.quarter);
+        let change = far * (cos * other.quarter - sin * other.zero);
+        let [place, change] = [place, change].map(|v| self.picture.reframed(&other.picture, v));
+        let components = |v: DVec3| DVec2::new(v.dot(self.zero), v.dot(self.quarter));
+        let (place, change) = (components(place), components(change));
+        (place.y.atan2(place.x), place.perp_dot(change) / place.length_squared())
     }
 
     /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over
@@ -225,6 +251,36 @@ impl Picture {
     /// Towards a point of the image plane; not of unit length.
     fn direction(&self, point: DVec2) -> DVec3 {
         self.vector(point) + self.forward
+    }
+
+    /// The direction that lies in this picture where `direction` lies in another of the same size;
+    /// linear, so that it goes on beyond the picture and behind the camera.
+    fn reframed(&self, other: &Self, direction: DVec3) -> DVec3 {
+        let depth = direction.dot(other.forward);
+        let point = DVec2::new(direction.dot(other.right), direction.dot(other.up)) - depth * other.corner;
+        let scale = other.pixels_per_unit / self.pixels_per_unit;
+        self.vector(scale * point + depth * self.corner) + depth * self.forward
+    }
+
+    /// Least and greatest angle between a direction and those of the picture.
+    fn angles_from(&self, axis: DVec3) -> (f64, f64) {
+        let steps = 32;
+        let border = self.corners().into_iter().zip([1.0, -1.0, -1.0, 1.0]).zip([
+            DVec2::X,
+            DVec2::X,
+            DVec2::Y,
+            DVec2::Y,
+        ]);
+        let size = self.high - self.low;
+        let points = border.flat_map(|((corner, sign), side)| {
+            (0..=steps).map(move |step| corner + sign * f64::from(step) / f64::from(steps) * side * size)
+        });
+        let (mut least, mut greatest) = (PI, 0.0_f64);
+        for point in points {
+            let angle = self.direction(point).angle_between(axis);
+            (least, greatest) = (least.min(angle), greatest.max(angle));
+        }
+        (if self.sees(axis) { 0.0 } else { least }, if self.sees(-axis) { PI } else { greatest })
     }
 
     fn corners(&self) -> [DVec2; 4] {

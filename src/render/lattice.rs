@@ -1,0 +1,138 @@
+//! Which slices a picture is made of, and where on them its samples lie. In go the fan of the
+//! light's centre and how far the light, the lens and the shutter make it wander, out come slices by
+//! number. Invariant: every sample stands for the same area of the picture, wherever its own fan is.
+//!
+//! Slices lie at equal angles, samples on them at equal steps of picture area, shifted from slice to
+//! slice by the golden ratio (a rank-1 lattice). With a light, a lens or a shutter that has an extent,
+//! each slice has a fan of its own, whose axis is not quite that of the others, and would wander off
+//! its place in the lattice. So the picture is cut in rings about the axis; within a ring each slice
+//! is turned so that it passes through its lattice place in the middle of the ring.
+
+use crate::math::kronecker;
+use crate::transport::slices::{Fan, Ring, Slice};
+use std::f64::consts::{PI, TAU};
+
+/// Rings finer than this gain nothing that they would not cost: each gathers what its slices cut anew.
+const MOST_RINGS: f64 = 12.0;
+
+/// The slices of one pass over one light's part of the picture.
+pub(super) struct Lattice {
+    rings: Vec<RingLattice>,
+}
+
+struct RingLattice {
+    ring: Ring,
+    /// The angle from the axis at which slices pass through their places; without one they go by their own angles.
+    anchor: Option<f64>,
+    /// First angle, and how many radians between slices.
+    first_rad: f64,
+    step_rad: f64,
+    count: usize,
+    /// Picture area a sample stands for, per radian of its slice's turn.
+    step_area: f64,
+    shift_along: f64,
+}
+
+/// A slice that is to be solved.
+pub(super) struct PlacedSlice {
+    pub(super) slice: Slice,
+    shift: f64,
+    step_area: f64,
+}
+
+impl Lattice {
+    /// About `samples` a pixel on slices of `base`, whose axis wanders by up to `deviation_rad`.
+    /// `shift` gives the random shifts of ring after ring, across the slices and along them.
+    pub(super) fn new(
+        base: &Fan,
+        deviation_rad: f64,
+        samples: f64,
+        mut shift: impl FnMut() -> (f64, f64),
+    ) -> Self {
+        let rings = rings(base, deviation_rad).map(|ring| {
+            // As many slices across as samples along: the lattice's cells are square on average.
+            let separation_px = match base.mean_separation_px(ring) {
+                0.0 => base.mean_separation_px(Ring::WHOLE),
+                separation => separation,
+            };
+            let (low, high) = (ring.0.max(base.extent.0), ring.1.min(base.extent.1));
+            let anchor = 0.5 * (low + high);
+            let turn = (deviation_rad.sin() / low.sin().min(high.sin()).max(0.0)).min(1.0).asin();
+            let is_anchored = deviation_rad > 0.0 && turn < 0.25 * PI;
+            // Fans that wander show more than the base's angles.
+            let margin = match deviation_rad {
+                0.0 => 0.0,
+                _ if is_anchored => 1.5 * turn,
+                _ => PI,
+            };
+            let width = (base.angles.1 + 2.0 * margin).min(TAU);
+            let count = (width * samples.sqrt() * separation_px).ceil().max(1.0);
+            let step_rad = width / count;
+            let (across, along) = shift();
+            // The cell of the slice before the first reaches into the picture, unless that is the last one again.
+            let is_circle = width == TAU;
+            RingLattice {
+                ring,
+                anchor: is_anchored.then_some(anchor),
+                first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * step_rad,
+                step_rad,
+                count: count as usize + usize::from(!is_circle),
+                step_area: 1.0 / (samples * step_rad),
+                shift_along: along,
+            }
+        });
+        Self { rings: rings.collect() }
+    }
+
+    /// How many slices there are.
+    pub(super) fn count(&self) -> usize {
+        self.rings.iter().map(|ring| ring.count).sum()
+    }
+
+    /// Slice `number`, in a fan of its own; `None` if it misses the picture.
+    pub(super) fn slice(&self, base: &Fan, own: &Fan, mut number: usize) -> Option<PlacedSlice> {
+        let ring = self.rings.iter().find(|ring| {
+            let is_here = number < ring.count;
+            number -= if is_here { 0 } else { ring.count };
+            is_here
+        })?;
+        let angle = ring.first_rad + number as f64 * ring.step_rad;
+        // Where slices are turned their angles crowd or thin out, and so must their samples.
+        let (angle, crowding) =
+            ring.anchor.map_or((angle, 1.0), |anchor| own.angle_through(base, angle, anchor));
+        let slice = own.slice(angle, ring.ring)?;
+        let [shift] = kronecker([ring.shift_along], number);
+        Some(PlacedSlice { slice, shift, step_area: ring.step_area / crowding })
+    }
+}
+
+impl PlacedSlice {
+    /// Where its samples lie (see [`Slice::place`]).
+    pub(super) fn areas(&self) -> impl Iterator<Item = f64> + use<> {
+        let (step, shift) = (self.step_area, self.shift);
+        let count = (self.slice.area_per_rad / step - shift).ceil().max(0.0) as usize;
+        (0..count).map(move |index| (index as f64 + shift) * step)
+    }
+}
+
+/// One ring without deviation; else so many that within each of them slices wander no farther than
+/// they lie apart.
+fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
+    let (low, high) = (base.extent.0.max(2.0 * deviation_rad), base.extent.1.min(PI - 2.0 * deviation_rad));
+    let mut borders = vec![0.0];
+    if deviation_rad > 0.0 && low < high {
+        // A slice turned in the middle of a ring is off at its borders by deviation * (half width / angle
+        // from the axis): borders in equal ratios, of the tangents of half the angles on a sphere.
+        let scale = |angle: f64| (0.5 * angle).tan().ln();
+        let width = scale(high) - scale(low);
+        let count = (width * deviation_rad * base.pixels_per_rad()).ceil().clamp(1.0, MOST_RINGS);
+        let border = |k: f64| 2.0 * (scale(low) + width * k / count).exp().atan();
+        let first = if base.extent.0 < low { 0 } else { 1 };
+        borders.extend((first..count as usize).map(|k| border(k as f64)));
+        if base.extent.1 > high {
+            borders.push(high);
+        }
+    }
+    borders.push(PI);
+    (1..borders.len()).map(move |index| Ring(borders[index - 1], borders[index]))
+}

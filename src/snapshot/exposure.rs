@@ -1,0 +1,67 @@
+//! What a frame's shutter lets in: snapshots of moments between its opening and its closing. In go a
+//! scene and a shutter, out come as many moments as the motion needs. Invariants: a scene that keeps
+//! still, or a shutter that opens for an instant, has one; all moments have the same lights in the
+//! same order.
+
+use super::{MeshTrees, Shutter, Snapshot, shining};
+use crate::scene::Scene;
+
+/// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
+/// steps of about a pixel; odd, so that one of them is the middle.
+const MOMENTS: usize = 33;
+
+/// The moments of one frame.
+pub struct Exposure<'scene> {
+    moments: Vec<Snapshot<'scene>>,
+}
+
+impl<'scene> Exposure<'scene> {
+    /// Freezes the moments of `shutter`; for the rest see [`Snapshot::new`].
+    pub fn new(
+        scene: &'scene Scene,
+        trees: &MeshTrees,
+        camera: usize,
+        aspect: f64,
+        shutter: Shutter,
+    ) -> Self {
+        let duration_s = shutter.close_s - shutter.open_s;
+        let moments = if duration_s > 0.0 && !scene.is_still() { MOMENTS } else { 1 };
+        let times_s: Vec<f64> = (0..moments)
+            .map(|moment| shutter.open_s + duration_s * (moment as f64 + 0.5) / moments as f64)
+            .collect();
+        let mut shines = vec![false; scene.lights.len()];
+        for &time_s in &times_s {
+            for (ever, now) in shines.iter_mut().zip(shining(scene, time_s)) {
+                *ever |= now;
+            }
+        }
+        let freeze = |time_s: &f64| Snapshot::at(scene, trees, camera, aspect, *time_s, &shines);
+        Self { moments: times_s.iter().map(freeze).collect() }
+    }
+
+    /// Only an instant.
+    pub fn instant(snapshot: Snapshot<'scene>) -> Self {
+        Self { moments: vec![snapshot] }
+    }
+
+    /// The moments, in order of time.
+    pub fn moments(&self) -> &[Snapshot<'scene>] {
+        &self.moments
+    }
+
+    /// The moment in the middle.
+    pub fn middle(&self) -> &Snapshot<'scene> {
+        &self.moments[self.moments.len() / 2]
+    }
+
+    /// The moment that a number in `[0, 1)` picks.
+    pub fn at(&self, u: f64) -> &Snapshot<'scene> {
+        let last = self.moments.len() - 1;
+        &self.moments[((u * self.moments.len() as f64) as usize).min(last)]
+    }
+
+    /// Whether there is nothing to average over but the picture's area and the lights'.
+    pub fn is_instant(&self) -> bool {
+        self.moments.len() == 1
+    }
+}

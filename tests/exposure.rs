@@ -1,0 +1,121 @@
+//! Pictures that average over more than a pixel: a lens, a shutter, a light with an extent. Two ways
+//! to them: each ray with draws of its own, and each slice.
+
+mod common;
+
+use glam::{DAffine3, DVec3};
+use std::path::Path;
+use sunfleck::color::Rgb;
+use sunfleck::film::Frame;
+use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::scene::{
+    Aperture, Extend, Key, LightKind, Motion, Sampling, Scene, Segment, Size, SunDisc, Track, Window,
+};
+use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
+use sunfleck::{description, scene};
+
+const SIZE: Size = Size { width: 64, height: 36 };
+
+fn leaves500() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
+}
+
+fn with_a_lens(mut scene: Scene) -> Scene {
+    scene.cameras[0].aperture = Some(Aperture {
+        f_stop: Track::from(0.5),
+        sensor_width_m: 0.036,
+        focus_distance_m: Track::from(6.0),
+        blades: 5,
+    });
+    scene
+}
+
+/// The camera travels by 30 cm a second, and turns a little towards where it is going.
+fn with_a_travelling_camera(mut scene: Scene) -> Scene {
+    let key = |time_s: f64, x: f64| Key { time_s, value: DVec3::new(x, 1.7, 9.0), to_next: Segment::Linear };
+    let position = Track::new(vec![key(-1.0, -0.3), key(1.0, 0.3)], Extend::Hold).expect("good keys");
+    let node = scene.cameras[0].node;
+    scene.nodes[node].motion =
+        Motion::Aimed { position, target: DVec3::new(0.0, 2.6, 0.0).into(), up: DVec3::Y };
+    scene
+}
+
+fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, placement: Placement) -> Frame {
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, shutter);
+    let job = Job {
+        size: SIZE,
+        window: Window::whole(SIZE),
+        passes: vec![],
+        sampling: Sampling::Exactly(samples),
+        seed,
+        transport: common::EXACT,
+        placement,
+    };
+    render(&exposure, &job, &Watch::NOBODY).frame
+}
+
+fn colours(frame: &Frame) -> Vec<f64> {
+    let channels = ["R", "G", "B"].map(|name| frame.channel(name).expect("a colour").pixels.clone());
+    channels.concat().into_iter().map(f64::from).collect()
+}
+
+fn mean_square(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64
+}
+
+/// Both ways see the same picture, with less error the more samples there are.
+fn assert_same_picture(scene: &Scene, shutter: Shutter) {
+    // Two halves of the truth tell its own noise, which is taken off.
+    let halves = [1, 2].map(|seed| colours(&picture(scene, shutter, 96, seed, Placement::Pixels)));
+    let truth: Vec<f64> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
+    let noise = 0.25 * mean_square(&halves[0], &halves[1]);
+    let errors = [4, 16, 64].map(|samples| {
+        let slices = colours(&picture(scene, shutter, samples, 0, Placement::Slices));
+        let error = (mean_square(&slices, &truth) - noise).max(0.0).sqrt();
+        let ratio = slices.iter().sum::<f64>() / truth.iter().sum::<f64>();
+        println!("{samples} samples: RMSE {error:.5}, ratio of the means {ratio:.5}");
+        assert!((ratio - 1.0).abs() < 0.003, "{samples} samples: {ratio}");
+        error
+    });
+    println!("noise of the truth: {:.5}", noise.sqrt());
+    assert!(errors[1] < 0.6 * errors[0] && errors[2] < 0.6 * errors[1], "{errors:?}");
+    assert!(errors[2] < 0.015, "{errors:?}");
+}
+
+const INSTANT: Shutter = common::INSTANT;
+const HALF_A_SECOND: Shutter = Shutter { open_s: -0.25, close_s: 0.25 };
+
+#[test]
+fn a_lens_blurs_alike() {
+    assert_same_picture(&with_a_lens(leaves500()), INSTANT);
+}
+
+#[test]
+fn a_shutter_blurs_alike() {
+    assert_same_picture(&with_a_travelling_camera(leaves500()), HALF_A_SECOND);
+}
+
+#[test]
+fn a_lens_and_a_shutter_blur_alike() {
+    assert_same_picture(&with_a_lens(with_a_travelling_camera(leaves500())), HALF_A_SECOND);
+}
+
+#[test]
+fn a_sun_with_a_disc_shades_alike() {
+    let mut scene = leaves500();
+    scene.lights[0].kind = LightKind::SunDisc(SunDisc::even(Track::from(0.06)));
+    assert_same_picture(&scene, INSTANT);
+}
+
+/// So near that the fans of its slices wander over a good part of the picture.
+#[test]
+fn a_glowing_ball_in_the_picture_shades_alike() {
+    let mut scene = leaves500();
+    let node = scene.lights[0].node;
+    scene.nodes[node].motion = Motion::Still(DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0)));
+    scene.lights[0].kind = LightKind::Sphere { radius: Track::from(0.2) };
+    scene.lights[0].power = Track::from(Rgb::splat(50.0));
+    assert_same_picture(&scene, INSTANT);
+}
