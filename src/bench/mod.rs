@@ -5,18 +5,24 @@
 pub mod brute_force;
 mod cost;
 mod error;
+mod growth_report;
 mod literal;
 mod method;
 mod plot;
 mod reference;
 mod report;
+mod scaling;
+mod skips;
 mod study;
 
 pub use cost::{Cost, PowerLaw, cost_of, front};
 pub use error::{RelativeErrors, percentile};
+pub use growth_report::{growth_csv, growth_plot, growth_table};
 pub use literal::{Literal, depth_m};
 pub use method::{Effort, Method, Stage};
 pub use plot::{Plot, Series, Style};
 pub use reference::Reference;
 pub use report::{csv, plot, table};
+pub use scaling::{Growth, Quantity, ScalingPlan, measure as measure_growth};
+pub use skips::{Skip, SkipsPlan, measure as measure_skips, table as skips_table};
 pub use study::{Peer, Point, Study, StudyPlan, run};

@@ -33,6 +33,8 @@ pub enum Style {
     Dashed(usize),
     /// Markers alone, hollow: an estimate.
     Hollow(usize),
+    /// A thin line alone: what was fitted to points.
+    Fit,
 }
 
 /// Points that belong together.
@@ -238,8 +240,12 @@ impl Label<'_> {
 impl Style {
     /// Colour and marker.
     fn look(self) -> (&'static str, usize) {
-        let (Self::Line(number) | Self::Dashed(number) | Self::Hollow(number)) = self;
-        (COLORS[number % COLORS.len()], number)
+        match self {
+            Self::Line(number) | Self::Dashed(number) | Self::Hollow(number) => {
+                (COLORS[number % COLORS.len()], number)
+            }
+            Self::Fit => ("#6b6b6b", 0),
+        }
     }
 }
 
@@ -252,6 +258,7 @@ fn draw_series(svg: &mut String, series: &Series, x: &Axis, y: &Axis) {
     let line = match series.style {
         Style::Line(_) => Some(r#"stroke-width="2.4""#),
         Style::Dashed(_) => Some(r#"stroke-width="1.6" stroke-dasharray="5 4""#),
+        Style::Fit => Some(r#"stroke-width="1.6" stroke-dasharray="2 3""#),
         Style::Hollow(_) => None,
     };
     if let Some(looks) = line {
@@ -267,7 +274,8 @@ fn draw_series(svg: &mut String, series: &Series, x: &Axis, y: &Axis) {
             r#"<path d="{path}" stroke="{color}" {looks} fill="none" stroke-linejoin="round"/>"#
         );
     }
-    for point in &series.points {
+    let marked = if series.style == Style::Fit { &[][..] } else { &series.points[..] };
+    for point in marked {
         let fill = if matches!(series.style, Style::Line(_)) { color } else { "#ffffff" };
         let _ = writeln!(svg, "{}", marker(kind, place(point), color, fill));
     }

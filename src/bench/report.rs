@@ -148,7 +148,7 @@ fn told(cost: Cost) -> String {
 }
 
 /// Three digits that count.
-fn seconds(value: f64) -> String {
+pub(super) fn seconds(value: f64) -> String {
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) as usize;
     if value < 1000.0 { format!("{value:.digits$}") } else { number(value.round()) }
 }

@@ -150,6 +150,12 @@ pub(super) struct BenchArguments {
     /// Where the plot goes as SVG [default: out/bench/NAME.svg].
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
+    /// Instead: how the time grows with leaves, pixels, lights, accuracy, fog and threads.
+    #[arg(long, conflicts_with_all = ["skips", "peers", "reference", "reference_samples"])]
+    pub(super) scaling: bool,
+    /// Instead: what the renderer leaves out where the scene does not need it, with and without.
+    #[arg(long, conflicts_with_all = ["peers", "reference", "reference_samples", "longest", "csv", "svg"])]
+    pub(super) skips: bool,
     /// Less of everything: a first look.
     #[arg(long)]
     pub(super) quick: bool,

@@ -1,6 +1,9 @@
 //! `sunfleck bench`: error against run time. In go a file and an effort, out come a table, CSV and
 //! a plot. Invariant: loading and building are told, but count for no method.
 
+mod scaling;
+mod skips;
+
 use super::arguments::{BenchArguments, MethodArgument, SizeArgument};
 use super::plan::{find_camera, resized, usage};
 use super::{CliError, answer, tell};
@@ -67,11 +70,22 @@ fn fitting(size: Size, most: f64) -> f64 {
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     let subject = Subject::new(arguments)?;
+    if arguments.skips {
+        skips::run(arguments, &subject)
+    } else if arguments.scaling {
+        scaling::run(arguments, &subject)
+    } else {
+        study(arguments, &subject)
+    }
+}
+
+/// Every method at many efforts.
+fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
     let peers = arguments.peers.as_deref().map(description::load_peers).transpose()?.unwrap_or_default();
     let known =
-        arguments.reference.as_deref().map(|path| read_reference(path, arguments, &subject)).transpose()?;
+        arguments.reference.as_deref().map(|path| read_reference(path, arguments, subject)).transpose()?;
     for path in
-        [output(arguments.csv.as_deref(), &subject, "csv"), output(arguments.svg.as_deref(), &subject, "svg")]
+        [output(arguments.csv.as_deref(), subject, "csv"), output(arguments.svg.as_deref(), subject, "svg")]
     {
         // Minutes of measuring are not to be lost for a folder that cannot be made.
         create_folder(&path)?;
@@ -132,8 +146,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
             .collect(),
     };
     answer(bench::table(&study).trim_end());
-    write(&output(arguments.csv.as_deref(), &subject, "csv"), &bench::csv(&study))?;
-    write(&output(arguments.svg.as_deref(), &subject, "svg"), &bench::plot(&study).to_svg())
+    write(&output(arguments.csv.as_deref(), subject, "csv"), &bench::csv(&study))?;
+    write(&output(arguments.svg.as_deref(), subject, "svg"), &bench::plot(&study).to_svg())
 }
 
 fn methods(arguments: &[MethodArgument]) -> Vec<Method> {

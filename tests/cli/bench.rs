@@ -95,6 +95,43 @@ fn a_picture_from_elsewhere_can_be_the_reference() {
 }
 
 #[test]
+fn whatever_is_skipped_changes_no_bit() {
+    let studio = Studio::new();
+    let answer = studio.succeed("bench scene.ron --size 8x6 --skips --rounds 1").out;
+    let rows: Vec<&str> =
+        answer.lines().skip(1).take_while(|line| !line.starts_with("not skipped")).collect();
+    assert!(rows.len() >= 8, "{answer}");
+    for row in rows {
+        let bound = if row.starts_with("samples of pixels that are good enough") {
+            0.02
+        } else if row.starts_with("grey fog") || row.starts_with("lights without extent") {
+            // Numbers that differ in the last bit; a light of a picometre.
+            1e-5
+        } else {
+            0.0
+        };
+        let difference = row.split_once("within ").map(|(_, rest)| rest.split_whitespace().next().unwrap());
+        let difference: f64 = difference.map_or(0.0, |text| text.parse().unwrap());
+        assert!(difference <= bound, "{row}");
+    }
+}
+
+#[test]
+fn growth_has_an_exponent_and_a_plot_for_each_quantity() {
+    let studio = Studio::new();
+    studio.succeed("bench scene.ron --size 8x6 --scaling --longest 0.02 --rounds 1 --csv s.csv --svg s.svg");
+    let rows = rows(&studio, "s.csv");
+    // A second size of the picture would take too long here.
+    assert!(rows.iter().any(|row| row["quantity"] == "pixels"));
+    for quantity in ["leaves", "lights", "accuracy", "fog"] {
+        let own: Vec<_> = rows.iter().filter(|row| row["quantity"] == quantity).collect();
+        assert!(own.len() >= 2, "{quantity}: {rows:?}");
+        assert!(own.iter().all(|row| number(row, "seconds") > 0.0 && number(row, "exponent").is_finite()));
+        assert!(studio.path(&format!("s.{quantity}.svg")).is_file());
+    }
+}
+
+#[test]
 fn what_cannot_be_measured_is_refused_with_a_remedy() {
     let studio = Studio::new();
     for (flags, code, told) in [
@@ -106,6 +143,7 @@ fn what_cannot_be_measured_is_refused_with_a_remedy() {
         ("--peers nowhere.csv", 4, "nowhere.csv"),
         ("--peers tiny.ron", 3, "tiny.ron:1:1: error: the column `renderer` is missing"),
         ("--csv /proc/nothing/b.csv", 4, "/proc/nothing/b.csv"),
+        ("--skips --scaling", 2, "cannot be used with"),
     ] {
         let refusal = studio.fail(&format!("bench tiny.ron {flags}"), code);
         assert!(refusal.contains(told), "{flags}: {refusal}");

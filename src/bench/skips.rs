@@ -1,0 +1,337 @@
+//! What the renderer leaves out where a scene does not need it, each time with and without. In go a
+//! scene and a moment, out comes a row for each such skip. Invariant: the work that is skipped is
+//! brought back through the public interface alone, by a scene or a job that needs it but shows the
+//! same picture, so no inner loop has a switch for this.
+
+use super::RelativeErrors;
+use super::method::timed;
+use super::report::seconds;
+use crate::accel::MeshTree;
+use crate::color::Rgb;
+use crate::description;
+use crate::film::Frame;
+use crate::frame_file::{self, Provenance};
+use crate::math::Sampler;
+use crate::render::{Job, Placement, Watch, render};
+use crate::scene::{self, LightKind, Pass, Sampling, Scene, SunDisc, Track};
+use crate::snapshot::{Exposure, MeshTrees, Shutter, shows_surfaces};
+use std::fmt::Write;
+use std::path::Path;
+
+/// A number that changes no picture: far below what single precision can tell from nothing.
+const NEXT_TO_NOTHING: f64 = 1e-300;
+
+/// What could be left out, and is not.
+const NOT_SKIPPED: &str =
+    "not skipped yet: geometry that can neither be seen nor cast a shadow into view is built all the same\n";
+
+/// What is to be measured, and on what.
+pub struct SkipsPlan<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Index of its camera.
+    pub camera: usize,
+    /// When.
+    pub shutter: Shutter,
+    /// The picture; its passes are left aside.
+    pub job: Job,
+    /// How often each side is measured, at least once.
+    pub rounds: usize,
+    /// A folder for what goes by the disk.
+    pub folder: &'a Path,
+}
+
+/// One thing that is skipped.
+#[derive(Clone, Debug)]
+pub struct Skip {
+    /// What.
+    pub name: &'static str,
+    /// How the work was brought back.
+    pub without: &'static str,
+    /// Seconds of processor time with the skip, and without.
+    pub seconds: (f64, f64),
+    /// Root mean square difference of the two pictures, relative to the mean; 0 is the same bits.
+    pub difference: f64,
+}
+
+/// A way to a picture, and the seconds of the part that counts.
+type Side<'a> = &'a dyn Fn() -> Result<(Frame, f64), String>;
+
+/// Measures a row: its name, how the work is brought back, the picture with the skip and without.
+type AddRow<'a> = dyn FnMut(&'static str, &'static str, Side, Side) -> Result<(), String> + 'a;
+
+/// Measures every skip on the current rayon pool.
+///
+/// # Errors
+/// If the folder cannot be written to; the reason, for people.
+pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
+    let scene = plan.scene;
+    let changed = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        scene
+    };
+    let picture = |scene: &Scene| Ok(picture(plan, scene, &[]));
+
+    let clear = changed(&|scene| scene.fogs.clear());
+    let thin = changed(&|scene| {
+        for fog in &mut scene.fogs {
+            fog.density_per_m = Track::from(Rgb::splat(NEXT_TO_NOTHING));
+        }
+    });
+    let grey = changed(&|scene| set_density(scene, plan, Rgb::ONE));
+    // The smallest step from 1 that double precision knows.
+    let coloured =
+        changed(&|scene| set_density(scene, plan, Rgb::new(1.0, 1.0 + f64::EPSILON, 1.0 - f64::EPSILON)));
+    let with_light = |power: f64| {
+        changed(&|scene| {
+            if let Some(mut light) = scene.lights.first().cloned() {
+                light.power = Track::from(Rgb::splat(power));
+                scene.lights.push(light);
+            }
+        })
+    };
+    let (dark, dim) = (with_light(0.0), with_light(NEXT_TO_NOTHING));
+    // Slices serve no light with an extent: both sides go ray by ray.
+    let by_rays = SkipsPlan { job: Job { placement: Placement::Pixels, ..plan.job.clone() }, ..*plan };
+    let extended = changed(&|scene| {
+        for light in &mut scene.lights {
+            light.kind = with_extent(&light.kind);
+        }
+    });
+    let dull = changed(&|scene| scene.materials.iter_mut().for_each(|material| material.mirror = Rgb::ZERO));
+    let glossy = changed(&|scene| {
+        scene.materials.iter_mut().for_each(|material| material.mirror = Rgb::splat(NEXT_TO_NOTHING));
+    });
+    let kept = MeshTrees::new(scene);
+    let next_frame = |trees: &MeshTrees| {
+        let (exposure, seconds) = timed(|| exposure(plan, scene, trees));
+        Ok((rendered(plan, &exposure, &[]), seconds))
+    };
+    next_frame(&kept)?;
+
+    let mut skips = Vec::new();
+    let mut row = |name, without, with_skip: Side, without_skip: Side| {
+        compare(plan.rounds, with_skip, without_skip).map(|(seconds, difference)| {
+            skips.push(Skip { name, without, seconds, difference });
+        })
+    };
+    row("no fog, no work for fog", "fog of density 1e-300", &|| picture(&clear), &|| picture(&thin))?;
+    if !scene.fogs.is_empty() {
+        row(
+            "grey fog: one exponential",
+            "channels that differ in the last bit",
+            &|| picture(&grey),
+            &|| picture(&coloured),
+        )?;
+    }
+    row("lights that are out", "a light of power 1e-300", &|| picture(&dark), &|| picture(&dim))?;
+    row(
+        "lights without extent take no samples",
+        "an extent of 1e-12",
+        &|| Ok(self::picture(&by_rays, scene, &[])),
+        &|| Ok(self::picture(&by_rays, &extended, &[])),
+    )?;
+    row("no mirrors, no reflected rays", "mirrors of reflectance 1e-300", &|| picture(&dull), &|| {
+        picture(&glossy)
+    })?;
+    // Not that of the error, which is estimated from more and smaller passes over the picture.
+    let passes: Vec<Pass> = Pass::ALL.into_iter().filter(|pass| *pass != Pass::Error).collect();
+    row("passes not asked for", "all of them", &|| picture(scene), &|| {
+        Ok(self::picture(plan, scene, &passes))
+    })?;
+    let sampled = |sampling: Sampling| SkipsPlan { job: Job { sampling, ..plan.job.clone() }, ..*plan };
+    let (tolerant, uniform) =
+        (sampled(Sampling::Until { tolerance: 0.02, most: 64 }), sampled(Sampling::Exactly(64)));
+    row(
+        "samples of pixels that are good enough",
+        "64 everywhere, against a tolerance of 0.02",
+        &|| Ok(self::picture(&tolerant, scene, &[])),
+        &|| Ok(self::picture(&uniform, scene, &[])),
+    )?;
+    row("mesh trees kept from frame to frame", "built again", &|| next_frame(&kept), &|| {
+        next_frame(&MeshTrees::new(scene))
+    })?;
+    row("meshes that no frame shows", "their trees built", &|| next_frame(&kept), &|| {
+        let (frame, seconds) = next_frame(&kept)?;
+        Ok((frame, seconds + timed(|| scene.meshes.iter().map(tree).count()).1))
+    })?;
+    by_the_disk(plan, &mut row)?;
+    Ok(skips)
+}
+
+/// What is not read, and what is not rendered, because of what lies on the disk.
+fn by_the_disk(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+    let (whole, _) = picture(plan, plan.scene, &[]);
+    let path = plan.folder.join("frame.exr");
+    let provenance = Provenance {
+        frame: 1,
+        frame_rate: scene::FrameRate { numerator: 24, denominator: 1 },
+        exposure_s: 0.0,
+        camera_from_world: glam::DAffine3::IDENTITY,
+        scene_hash: String::from("a scene"),
+        settings_hash: String::from("settings"),
+        seed: plan.job.seed,
+        sampling: plan.job.sampling,
+        owner: None,
+        comments: None,
+    };
+    let write =
+        || frame_file::write(&path, &whole, &provenance).map_err(|error| error.diagnostic().to_string());
+    let read =
+        || frame_file::read(&path).map(|file| file.frame).map_err(|error| error.diagnostic().to_string());
+    write()?;
+    row(
+        "frames that are there already",
+        "rendered and written again",
+        &|| {
+            let (is_valid, seconds) = timed(|| frame_file::is_valid(&path, &provenance));
+            if is_valid {
+                Ok((read()?, seconds))
+            } else {
+                Err(String::from("the frame just written is not valid"))
+            }
+        },
+        &|| {
+            let (_, picture_s) = picture(plan, plan.scene, &[]);
+            let (written, write_s) = timed(write);
+            written?;
+            Ok((read()?, picture_s + write_s))
+        },
+    )?;
+    row(
+        "still scenes: one picture for all frames",
+        "rendered again",
+        &|| {
+            let (frame, seconds) = timed(|| whole.clone());
+            Ok((frame, seconds))
+        },
+        &|| Ok(picture(plan, plan.scene, &[])),
+    )?;
+    let [unused, used] = textured_scenes(plan.folder)?;
+    row(
+        "textures that no visible surface uses",
+        "one such surface behind the camera",
+        &|| loaded(plan, &unused),
+        &|| loaded(plan, &used),
+    )
+}
+
+/// The same light with a size that is next to nothing, where it has none.
+fn with_extent(kind: &LightKind) -> LightKind {
+    const SIZE: f64 = 1e-12;
+    match kind {
+        LightKind::Sun => LightKind::SunDisc(SunDisc::even(Track::from(SIZE))),
+        LightKind::Point => LightKind::Sphere { radius: Track::from(SIZE) },
+        other => other.clone(),
+    }
+}
+
+fn set_density(scene: &mut Scene, plan: &SkipsPlan, factor: Rgb) {
+    for fog in &mut scene.fogs {
+        let mean = fog.density_per_m.at(plan.shutter.middle_s()).element_sum() / 3.0;
+        fog.density_per_m = Track::from(mean * factor);
+    }
+}
+
+fn tree(mesh: &scene::Mesh) -> MeshTree {
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
+    MeshTree::new(&mesh.positions, &triangles)
+}
+
+fn exposure<'a>(plan: &SkipsPlan, scene: &'a Scene, trees: &MeshTrees) -> Exposure<'a> {
+    let aspect = plan.job.size.width as f64 / plan.job.size.height as f64;
+    Exposure::new(scene, trees, plan.camera, aspect, plan.shutter)
+}
+
+fn rendered(plan: &SkipsPlan, exposure: &Exposure, passes: &[Pass]) -> Frame {
+    let mut job = Job { passes: passes.to_vec(), ..plan.job.clone() };
+    job.transport.features = shows_surfaces(passes);
+    render(exposure, &job, &Watch::NOBODY).frame
+}
+
+/// The picture of a scene, and the time of rendering alone.
+fn picture(plan: &SkipsPlan, scene: &Scene, passes: &[Pass]) -> (Frame, f64) {
+    let exposure = exposure(plan, scene, &MeshTrees::new(scene));
+    timed(|| rendered(plan, &exposure, passes))
+}
+
+/// The picture of a scene file by its own first camera, and the time of loading it.
+fn loaded(plan: &SkipsPlan, path: &Path) -> Result<(Frame, f64), String> {
+    let (scene, seconds) = timed(|| {
+        let description = description::load(path).map_err(|error| error.to_string())?;
+        scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
+    });
+    let scene = scene?;
+    let plan = SkipsPlan { scene: &scene, camera: 0, job: plan.job.clone(), ..*plan };
+    Ok((picture(&plan, &scene, &[]).0, seconds))
+}
+
+/// Two scene files that show the same: a leaf, and a large texture on nothing or on a surface behind the camera.
+fn textured_scenes(folder: &Path) -> Result<[std::path::PathBuf; 2], String> {
+    const SIDE: u32 = 1024;
+    let noise = |x: u32, y: u32| {
+        let value = Sampler::new(1, x, y, 0).next_1d();
+        image::Rgb([(255.0 * value) as u8; 3])
+    };
+    let said = |error: &dyn std::fmt::Display| format!("error: {}: {error}", folder.display());
+    image::RgbImage::from_fn(SIDE, SIDE, noise)
+        .save(folder.join("bark.png"))
+        .map_err(|error| said(&error))?;
+    let scene = |behind: &str| {
+        format!(
+            r#"Scene(
+    version: 1,
+    meshes: {{ "leaf": Leaf(length_m: 1.0, width_m: 0.6), "quad": Quad(size_m: 1.0) }},
+    materials: {{ "bark": (texture: "bark.png"), "plain": (base_color: 0.5) }},
+    objects: {{ "leaf": (mesh: "leaf", material: "plain"), "behind": (mesh: "quad", material: "{behind}", translation_m: (0.0, 0.0, 9.0)) }},
+    cameras: {{ "main": (position_m: (0.0, 1.0, 3.0), look_at_m: (0.0, 0.0, 0.0), fov_deg: 40.0) }},
+    lights: {{ "sun": Sun(to_sun: (0.3, 1.0, 0.2), irradiance_w_per_m2: 3.0) }},
+)"#
+        )
+    };
+    let write = |name: &str, behind: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, scene(behind)).map_err(|error| said(&error))?;
+        Ok::<_, String>(path)
+    };
+    Ok([write("unused.ron", "plain")?, write("used.ron", "bark")?])
+}
+
+/// The least times of both sides, taken in turns, and how far their pictures are apart at most.
+fn compare(rounds: usize, with_skip: Side, without_skip: Side) -> Result<((f64, f64), f64), String> {
+    let (mut least, mut difference) = ((f64::INFINITY, f64::INFINITY), 0.0_f64);
+    for _ in 0..rounds.max(1) {
+        let ((a, with_s), (b, without_s)) = (with_skip()?, without_skip()?);
+        least = (least.0.min(with_s), least.1.min(without_s));
+        difference = difference.max(RelativeErrors::new(&a, &b).rmse);
+    }
+    Ok((least, difference))
+}
+
+/// The rows, and below them what there is no row for.
+pub fn table(skips: &[Skip]) -> String {
+    let mut text = format!(
+        "{:<42} {:>10} {:>10} {:>7}   {:<16} {}\n",
+        "skipped", "CPU s", "without", "times", "picture", "brought back by"
+    );
+    for skip in skips {
+        let (with, without) = skip.seconds;
+        let same = if skip.difference == 0.0 {
+            String::from("the same bits")
+        } else {
+            format!("within {:.0e}", skip.difference)
+        };
+        let _ = writeln!(
+            text,
+            "{:<42} {:>10} {:>10} {:>7.2}   {same:<16} {}",
+            skip.name,
+            seconds(with),
+            seconds(without),
+            without / with,
+            skip.without
+        );
+    }
+    text.push_str(NOT_SKIPPED);
+    text
+}

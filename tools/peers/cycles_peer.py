@@ -1,0 +1,129 @@
+"""Cycles, as the module `bpy`: no bounces, which is direct light and single scattering."""
+
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+import mathutils
+import numpy
+
+# Cuts so little fog off in front of the camera that no figure shows it.
+NEAR_M = 1e-4
+# From the axes of glTF (Y up) to Blender's (Z up).
+BLENDER_FROM_GLTF = numpy.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float)
+
+
+def version() -> str:
+    return bpy.app.version_string
+
+
+def prepare(scene):
+    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    made = bpy.context.scene
+    for index, surface in enumerate(scene.surfaces):
+        points = surface.positions @ BLENDER_FROM_GLTF[:3, :3].T
+        add_mesh(made, f"surface_{index}", points, surface.triangles, matte(surface.reflectance))
+    add_fog(made, scene.fog)
+    add_sun(made, scene)
+    add_camera(made, scene)
+    settings(made, scene.size)
+    target = Path(tempfile.mkdtemp()) / "picture.exr"
+
+    def render(samples: int, seed: int):
+        made.cycles.samples, made.cycles.seed = samples, seed
+        made.render.filepath = str(target)
+        started = time.process_time()
+        bpy.ops.render.render(write_still=True)
+        seconds = time.process_time() - started
+        image = bpy.data.images.load(str(target), check_existing=False)
+        width, height = scene.size
+        picture = numpy.array(image.pixels[:], float).reshape(height, width, 4)[::-1, :, :3]
+        bpy.data.images.remove(image)
+        return picture, seconds
+
+    # Builds the tree, which `use_persistent_data` keeps.
+    render(1, 99)
+    return render
+
+
+def settings(made, size):
+    render, cycles = made.render, made.cycles
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y = size
+    render.resolution_percentage = 100
+    render.use_persistent_data = True
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.image_settings.color_mode = "RGBA"
+    cycles.device = "CPU"
+    cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_auto_tile = False
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 0
+    cycles.transmission_bounces = cycles.volume_bounces = 0
+    cycles.transparent_max_bounces = 64
+
+
+def add_mesh(made, name, points, triangles, material):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], triangles.tolist())
+    mesh.materials.append(material)
+    made.collection.objects.link(bpy.data.objects.new(name, mesh))
+
+
+def nodes_of(name):
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    material.node_tree.nodes.clear()
+    return material, material.node_tree.nodes, material.node_tree.links
+
+
+def matte(reflectance):
+    material, nodes, links = nodes_of("matte")
+    surface, out = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
+    surface.inputs["Color"].default_value = (*reflectance, 1.0)
+    surface.inputs["Roughness"].default_value = 0.0
+    links.new(surface.outputs[0], out.inputs["Surface"])
+    return material
+
+
+def add_fog(made, fog):
+    material, nodes, links = nodes_of("fog")
+    scatter, absorb = nodes.new("ShaderNodeVolumeScatter"), nodes.new("ShaderNodeVolumeAbsorption")
+    both, out = nodes.new("ShaderNodeAddShader"), nodes.new("ShaderNodeOutputMaterial")
+    for node in (scatter, absorb):
+        # Scattering is density * colour, absorption density * (1 - colour).
+        node.inputs["Density"].default_value = fog.density_per_m[0]
+        node.inputs["Color"].default_value = (*fog.albedo, 1.0)
+        links.new(node.outputs[0], both.inputs[0 if node is scatter else 1])
+    scatter.inputs["Anisotropy"].default_value = fog.anisotropy
+    links.new(both.outputs[0], out.inputs["Volume"])
+    corners = numpy.array([[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    points = (corners @ (BLENDER_FROM_GLTF @ fog.world_from_cube).T)[:, :3]
+    quads = numpy.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    add_mesh(made, "fog", points, quads, material)
+
+
+def add_sun(made, scene):
+    light = bpy.data.lights.new("sun", "SUN")
+    strength = float(scene.irradiance.max())
+    light.energy, light.angle = strength, 0.0
+    light.color = (scene.irradiance / strength).tolist()
+    sun = bpy.data.objects.new("sun", light)
+    towards = mathutils.Vector((BLENDER_FROM_GLTF[:3, :3] @ scene.to_sun).tolist())
+    sun.rotation_mode = "QUATERNION"
+    sun.rotation_quaternion = towards.to_track_quat("Z", "Y")
+    made.collection.objects.link(sun)
+
+
+def add_camera(made, scene):
+    data = bpy.data.cameras.new("camera")
+    data.sensor_fit = "VERTICAL"
+    data.angle_y = scene.fov_y_rad
+    data.clip_start, data.clip_end = NEAR_M, 1e6
+    camera = bpy.data.objects.new("camera", data)
+    camera.matrix_world = mathutils.Matrix((BLENDER_FROM_GLTF @ scene.world_from_camera).tolist())
+    made.collection.objects.link(camera)
+    made.camera = camera

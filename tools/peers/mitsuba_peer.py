@@ -1,0 +1,88 @@
+"""Mitsuba 3: `volpath` with two segments, which is direct light and single scattering."""
+
+import time
+
+import mitsuba as mi
+import numpy
+
+# Cuts so little fog off in front of the camera that no figure shows it.
+NEAR_M = 1e-4
+
+
+def version() -> str:
+    return mi.__version__
+
+
+def prepare(scene, variant: str):
+    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+    mi.set_variant(variant)
+    width, height = scene.size
+    inside = numpy.linalg.inv(scene.fog.world_from_cube) @ scene.world_from_camera[:, 3]
+    fog = {
+        "type": "homogeneous",
+        "sigma_t": {"type": "rgb", "value": scene.fog.density_per_m},
+        "albedo": {"type": "rgb", "value": scene.fog.albedo},
+        "phase": {"type": "hg", "g": scene.fog.anisotropy},
+    }
+    # Mitsuba's cameras look along +Z with +X to the left.
+    turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
+    sensor = {
+        "type": "perspective",
+        "fov": float(numpy.degrees(scene.fov_y_rad)),
+        "fov_axis": "y",
+        "near_clip": NEAR_M,
+        "to_world": mi.ScalarTransform4f(turned),
+        "film": {
+            "type": "hdrfilm",
+            "width": width,
+            "height": height,
+            "rfilter": {"type": "box"},
+            "component_format": "float32",
+            "pixel_format": "rgb",
+        },
+        "sampler": {"type": "independent"},
+    }
+    described = {
+        "type": "scene",
+        "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100},
+        "fog_box": {
+            "type": "cube",
+            "to_world": mi.ScalarTransform4f(scene.fog.world_from_cube),
+            "bsdf": {"type": "null"},
+            "interior": fog,
+        },
+        "sun": {
+            "type": "directional",
+            "direction": (-scene.to_sun).tolist(),
+            "irradiance": {"type": "rgb", "value": scene.irradiance.tolist()},
+        },
+        "sensor": sensor,
+    }
+    if numpy.abs(inside[:3]).max() <= 1.0:
+        sensor["medium"] = fog
+    for index, surface in enumerate(scene.surfaces):
+        described[f"surface_{index}"] = mesh(surface)
+    built = mi.load_dict(described)
+
+    def render(samples: int, seed: int):
+        started = time.process_time()
+        picture = numpy.array(mi.render(built, spp=samples, seed=seed))
+        return picture, time.process_time() - started
+
+    # Compiles the kernels.
+    render(1, 99)
+    return render
+
+
+def mesh(surface):
+    """Triangles with flat normals, seen from both sides."""
+    matte = {"type": "diffuse", "reflectance": {"type": "rgb", "value": surface.reflectance}}
+    properties = mi.Properties()
+    properties["bsdf"] = mi.load_dict({"type": "twosided", "bsdf": matte})
+    properties["face_normals"] = True
+    built = mi.Mesh("mesh", len(surface.positions), len(surface.triangles), props=properties)
+    parameters = mi.traverse(built)
+    parameters["vertex_positions"] = surface.positions.astype(numpy.float32).ravel()
+    parameters["faces"] = surface.triangles.astype(numpy.uint32).ravel()
+    parameters.update()
+    return built
