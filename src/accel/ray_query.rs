@@ -22,6 +22,10 @@ use glam::DVec3;
 /// 16 covers both.
 const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
 
+/// How far, in roundings of double precision, the ends of a ray may lie off a triangle's plane and still
+/// count as lying in it: placing an end takes a dozen operations, measuring its height as many.
+const PLANE_ROUNDOFFS: f64 = 32.0;
+
 /// A ray in single precision, prepared for boxes that are padded by what single precision may lose: the
 /// origin is moved against the planes the ray enters by and along with those it leaves by (Woop, Benthin
 /// and Wald 2013, section 5, with one padding for a whole tree).
@@ -201,11 +205,18 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
             round_down(-t_centre),
         );
         let slack = padding / direction.abs().max_element();
+        let mesh_from_relative = &instance.mesh_from_relative;
+        let t_end = if self.any { self.t_max } else { f64::INFINITY };
+        let length = self.ray.origin.abs().max_element() + if t_end.is_finite() { t_end } else { 0.0 };
+        let magnitude =
+            mesh_from_relative.translation.abs().max_element() + length * direction.abs().max_element();
         let mut query = MeshQuery {
             mesh,
             instance,
             origin,
             direction,
+            magnitude,
+            t_end,
             t_centre,
             shear: Shear::new(simd, centred, direction),
             t_min: simd.splat(round_down(-t_centre - slack)),
@@ -227,6 +238,10 @@ struct MeshQuery<'a, 'b, L> {
     /// The ray in the mesh's space; its direction is not normalised, so that `t` stays comparable.
     origin: DVec3,
     direction: DVec3,
+    /// What the ray's ends are computed from, in the mesh's space: their rounding is a fraction of it.
+    magnitude: f64,
+    /// Where the ray ends, if at a certain place.
+    t_end: f64,
     t_centre: f64,
     shear: Shear<L>,
     t_min: L,
@@ -274,8 +289,17 @@ impl<L: Lanes> MeshQuery<'_, '_, L> {
         let from_a = self.origin - a;
         let normal = ab.cross(ac);
         let moment = from_a.cross(self.direction);
-        let inverse = -1.0 / self.direction.dot(normal);
-        let t = from_a.dot(normal) * inverse;
+        let (height, growth) = (from_a.dot(normal), self.direction.dot(normal));
+        // What the ray starts on it does not meet, nor what a shadow ray's light lies in: two leaves in one
+        // plane would shadow each other by accident of rounding.
+        let blur = PLANE_ROUNDOFFS * f64::EPSILON * (self.magnitude + a.abs().max_element());
+        let blur_squared = blur * blur * ab.length_squared() * ac.length_squared();
+        let end = height + growth * self.t_end;
+        if height * height <= blur_squared || end * end <= blur_squared {
+            return (f64::NAN, [0.0; 2]);
+        }
+        let inverse = -1.0 / growth;
+        let t = height * inverse;
         let u = ac.dot(moment) * inverse;
         let v = -ab.dot(moment) * inverse;
         if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {

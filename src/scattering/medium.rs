@@ -229,11 +229,6 @@ impl Medium {
         if count > 1 && matches!(course, Course::Thinning { .. }) { Course::Mixed } else { course }
     }
 
-    /// The narrowest phase function on a stretch: the largest `|g|`.
-    pub fn sharpest_g(&self, stretch: &Stretch) -> f64 {
-        self.members(stretch.inside).map(|fog| fog.g.abs()).fold(0.0, f64::max)
-    }
-
     /// Whether the density of some fog changes on a stretch.
     pub fn thins_out(&self, stretch: &Stretch) -> bool {
         stretch.thinning != 0

@@ -204,7 +204,8 @@ impl Slice {
         let (density, growth) = self.density;
         // density x + growth x^2 / 2 = area, in the form that does not cancel.
         let root = (density * density + 2.0 * growth * area_per_rad).max(0.0).sqrt();
-        let passed = (2.0 * area_per_rad / (density + root)).clamp(0.0, self.length);
+        // 0 / 0 on the axis itself: the maximum with 0 takes what is a number.
+        let passed = (2.0 * area_per_rad / (density + root)).max(0.0).min(self.length);
         let point = self.start + passed * self.along;
         let film = (point - self.picture.corner) * self.picture.pixels_per_unit;
         Place { film_px: DVec2::new(film.x, -film.y), direction: self.picture.direction(point).normalize() }

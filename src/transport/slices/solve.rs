@@ -15,6 +15,9 @@ use crate::transport::direct::reflected_from;
 use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, own_and_mirrored};
 use glam::DVec3;
 
+/// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
+const LEAST_SPREAD: f64 = 1e-15;
+
 /// Memory that the slices of one thread share.
 #[derive(Default)]
 pub struct SliceScratch {
@@ -67,7 +70,9 @@ pub fn solve(
         FrozenLight::Sun { .. } => LightRays::Parallel,
         FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
     };
-    let slope_of = |direction: DVec3| direction.dot(job.fan.axis) / direction.dot(slice.outward);
+    // Rounding must not put a ray along the axis on the other side of it.
+    let spread_of = |direction: DVec3| direction.dot(slice.outward).max(LEAST_SPREAD);
+    let slope_of = |direction: DVec3| direction.dot(job.fan.axis) / spread_of(direction);
     let lowest_slope = slope_of(slice.far_end());
     let SliceScratch { cuts, sweep, shadows, fog, rays: ray_scratch } = scratch;
     let is_wanted = |place: &Place| {
@@ -94,7 +99,7 @@ pub fn solve(
     for (index, place) in places {
         let direction = place.direction;
         let slope = slope_of(direction);
-        let spread = direction.dot(slice.outward);
+        let spread = spread_of(direction);
         let meeting = sweep.advance(slope, rays, shadows);
         let ray = Ray { origin: eye, direction };
         let hit = meeting.and_then(|meeting| snapshot.hit_on(&ray, meeting.primitive));

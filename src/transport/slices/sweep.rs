@@ -45,6 +45,10 @@ impl LightRays {
     }
 }
 
+/// Places count as the same within this fraction of their coordinates: 16 roundings of the single
+/// precision in which segments are cut.
+const SAME_PLACE: f64 = 1e-6;
+
 /// A segment of the slice, ready for the sweep.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
@@ -61,6 +65,10 @@ impl Segment {
 
     fn shadow(&self) -> (f64, f64) {
         (self.names[0].min(self.names[1]), self.names[0].max(self.names[1]))
+    }
+
+    fn length(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
     }
 
     /// Whether each end lies above a ray; ends on the ray count as above, for all segments alike.
@@ -144,11 +152,14 @@ impl Sweep {
         let name = rays.through(DVec2::new(reach, slope * reach));
         let mut is_lit = !shadows.contains(name);
         for (index, segment) in self.active.iter().enumerate() {
-            let crossing = rays.through(segment.crossing(slope));
+            let meets = segment.crossing(slope);
+            let crossing = rays.through(meets);
             let upper_end = segment.names[usize::from(!segment.above(slope)[0])];
             let (start, end) = (crossing.min(upper_end), crossing.max(upper_end));
             shadows.insert(start, end);
-            is_lit &= index == met || !(start < name && name < end);
+            // What lies in the same place does not shadow it: two leaves in one plane, say.
+            let is_there = (meets.x - reach).abs() <= SAME_PLACE * (reach + segment.length());
+            is_lit &= index == met || is_there || !(start < name && name < end);
         }
         Some(Meeting { primitive, is_lit })
     }

@@ -1,0 +1,16 @@
+//! What breaks renderers, one file a hazard, each against a slow truth in double precision or a closed
+//! form. What was found, with the measured errors, is in docs/numerics.md.
+#![allow(missing_docs)]
+#![allow(clippy::print_stdout, reason = "with --nocapture the tests show what they measure")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod compare;
+mod fog_truth;
+mod scenes;
+mod truth;
+
+mod alignment;
+mod places;
+mod triangles;
