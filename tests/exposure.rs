@@ -107,13 +107,13 @@ fn a_sun_with_a_disc_shades_alike() {
     assert_same_picture(&scene, INSTANT);
 }
 
-/// So near that the fans of its slices wander over a good part of the picture.
+/// Above the picture's edge, and so large that the fans of its slices wander over a good part of it.
 #[test]
-fn a_glowing_ball_in_the_picture_shades_alike() {
+fn a_glowing_ball_beside_the_picture_shades_alike() {
     let mut scene = leaves500();
     let node = scene.lights[0].node;
-    scene.nodes[node].motion = Motion::Still(DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0)));
-    scene.lights[0].kind = LightKind::Sphere { radius: Track::from(0.2) };
+    scene.nodes[node].motion = Motion::Still(DAffine3::from_translation(DVec3::new(1.5, 7.0, 3.0)));
+    scene.lights[0].kind = LightKind::Sphere { radius: Track::from(0.4) };
     scene.lights[0].power = Track::from(Rgb::splat(50.0));
     assert_same_picture(&scene, INSTANT);
 }

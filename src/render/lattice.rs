@@ -50,7 +50,6 @@ impl Lattice {
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let rings = rings(base, deviation_rad).map(|ring| {
-            // As many slices across as samples along: the lattice's cells are square on average.
             let separation_px = match base.mean_separation_px(ring) {
                 0.0 => base.mean_separation_px(Ring::WHOLE),
                 separation => separation,
@@ -66,7 +65,10 @@ impl Lattice {
                 _ => PI,
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
-            let count = (width * samples.sqrt() * separation_px).ceil().max(1.0);
+            // As many slices across as samples along: the lattice's cells are square on average. But
+            // where slices have draws of their own, a sample more on the same slice tells less.
+            let across = if deviation_rad > 0.0 { samples } else { samples.sqrt() };
+            let count = (width * across * separation_px).ceil().max(1.0);
             let step_rad = width / count;
             let (across, along) = shift();
             // The cell of the slice before the first reaches into the picture, unless that is the last one again.
