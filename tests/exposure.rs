@@ -75,7 +75,8 @@ fn assert_same_picture(scene: &Scene, shutter: Shutter) {
         let slices = colours(&picture(scene, shutter, samples, 0, Placement::Slices));
         let error = (mean_square(&slices, &truth) - noise).max(0.0).sqrt();
         let ratio = slices.iter().sum::<f64>() / truth.iter().sum::<f64>();
-        assert!((ratio - 1.0).abs() < 0.003, "{samples} samples: {ratio}");
+        // The mean of so small a picture is noisy too.
+        assert!((ratio - 1.0).abs() < 0.02 / f64::from(samples).sqrt(), "{samples} samples: {ratio}");
         error
     });
     assert!(errors[1] < 0.6 * errors[0] && errors[2] < 0.6 * errors[1], "{errors:?} {noise:e}");
