@@ -1,11 +1,12 @@
 //! Placed meshes and the questions one may ask them. Invariant: relative space throughout, and the
-//! instance numbers of answers are positions in the list the tree was made of.
+//! instance numbers of answers are positions in the list the tree was made of, counted from where its
+//! maker wants.
 
 use super::{
-    Cut, HalfPlane, Hit, LightPlane, MeshTree, PrimitiveId, ray_query,
+    Cut, HalfPlane, Hit, LightPlane, MeshTree, PrimitiveId, TriangleShadow, each_shadow, ray_query,
     rounding::{round_down, round_up},
     shadow_query,
-    simd::Level,
+    simd::{Level, Portable},
     slice_query,
     wide_tree::{Bounds, WideTree},
 };
@@ -85,12 +86,17 @@ impl InstanceTree {
     /// Builds the tree. There may be no mesh at all. A mesh whose matrix is singular, because it is
     /// scaled to nothing for instance, is never hit and throws no shadow.
     pub fn new(placed: Vec<PlacedMesh>) -> Self {
-        Self::with_level(placed, Level::detect())
+        Self::with_level(0, placed, Level::detect())
     }
 
-    fn with_level(placed: Vec<PlacedMesh>, level: Level) -> Self {
+    /// The same with instances numbered from `first` on.
+    pub fn numbered_from(first: u32, placed: Vec<PlacedMesh>) -> Self {
+        Self::with_level(first, placed, Level::detect())
+    }
+
+    fn with_level(first: u32, placed: Vec<PlacedMesh>, level: Level) -> Self {
         let instances: Vec<Instance> =
-            (0_u32..).zip(placed).filter_map(|(index, placed)| Instance::new(index, placed)).collect();
+            (first..).zip(placed).filter_map(|(index, placed)| Instance::new(index, placed)).collect();
         let boxes: Vec<(DVec3, DVec3)> = instances.iter().map(Instance::bounds).collect();
         let bounds = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let rounded: Vec<Bounds> = boxes
@@ -147,6 +153,16 @@ impl InstanceTree {
         }
     }
 
+    /// Appends the shadow of each triangle on the plane's ray by itself. The ray may pass through triangles.
+    pub fn add_each_shadow(&self, plane: &LightPlane, shadows: &mut Vec<TriangleShadow>) {
+        each_shadow::add_each_shadow(Portable, &self.tree, &self.instances, plane, shadows);
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.instances.is_empty()
+    }
+
     /// Appends what the half plane cuts, in an order that depends on the tree alone.
     pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
         match self.level {
@@ -168,7 +184,7 @@ impl InstanceTree {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::{accel::simd::Portable, math::Sampler};
+    use crate::math::Sampler;
     use glam::DQuat;
 
     fn vector(sampler: &mut Sampler) -> DVec3 {
@@ -194,7 +210,7 @@ mod tests {
             })
             .collect();
         let fast = InstanceTree::new(placed.clone());
-        let portable = InstanceTree::with_level(placed, Level::Portable(Portable));
+        let portable = InstanceTree::with_level(0, placed, Level::Portable(Portable));
         let (mut hits, mut intervals) = (0, 0);
         for ray in 0..2000 {
             let mut sampler = Sampler::new(2, ray, 0, 0);

@@ -12,6 +12,7 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod block;
+mod each_shadow;
 mod instance_tree;
 mod light_plane;
 mod mesh_tree;
@@ -24,6 +25,7 @@ mod stack;
 mod triangle_cut;
 mod wide_tree;
 
+pub use each_shadow::TriangleShadow;
 pub use instance_tree::{InstanceTree, PlacedMesh};
 pub use light_plane::LightPlane;
 pub use mesh_tree::MeshTree;

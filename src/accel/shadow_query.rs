@@ -104,7 +104,7 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
 /// What shadows the asked part of a ray lies in the plane, between the light's rays to the part's
 /// ends and on the light's side.
 #[inline(always)]
-fn shadowing<S: Simd>(
+pub(super) fn shadowing<S: Simd>(
     simd: S,
     functions: &PlaneFunctions,
     (t0, t1): (f64, f64),

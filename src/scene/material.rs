@@ -1,5 +1,5 @@
-//! What surfaces are made of. Invariant: `base_color + mirror <= 1` per channel, so no surface
-//! returns more than it receives.
+//! What surfaces are made of. Invariant: `base_color + mirror + filter_color <= 1` per channel, so no
+//! surface gives more than it receives.
 
 use super::TextureIndex;
 use crate::color::Rgb;
@@ -17,8 +17,12 @@ pub struct Material {
     pub mirror: Rgb,
     /// Radiance emitted to either side, W m^-2 sr^-1.
     pub emission: Rgb,
-    /// What the author asked of the alpha channel. Recognised; surfaces are rendered opaque.
+    /// What alpha, `opacity` times that of the texture, does. Masks are rendered opaque.
     pub alpha_mode: AlphaMode,
+    /// Alpha, `0..=1`; multiplied by the texture's if there is one.
+    pub opacity: f64,
+    /// Share of light that goes straight through where alpha is 1, `0..=1`.
+    pub filter_color: Rgb,
 }
 
 /// glTF's alpha modes.
@@ -31,7 +35,7 @@ pub enum AlphaMode {
         /// In `0..=1`.
         cutoff: f64,
     },
-    /// Blended over what lies behind.
+    /// The share `1 - alpha + alpha * filter_color` of what lies behind shows, and the share alpha of the surface.
     Blend,
 }
 
@@ -44,6 +48,8 @@ impl Default for Material {
             mirror: Rgb::ZERO,
             emission: Rgb::ZERO,
             alpha_mode: AlphaMode::Opaque,
+            opacity: 1.0,
+            filter_color: Rgb::ZERO,
         }
     }
 }

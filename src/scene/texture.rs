@@ -1,7 +1,7 @@
 //! Images that materials look up. Invariant: `width * height` texels, all finite, linear light.
 
 use crate::color::Rgb;
-use glam::Vec2;
+use glam::{DVec4, Vec2};
 
 /// An RGBA image in linear Rec. 709, top row first.
 #[derive(Clone, Debug)]
@@ -33,6 +33,20 @@ pub enum Wrap {
 impl Texture {
     /// Bilinear colour at `uv`; (0, 0) is the top left corner of the top left texel.
     pub fn color(&self, uv: Vec2) -> Rgb {
+        self.look_up(uv).truncate()
+    }
+
+    /// Bilinear alpha at `uv`.
+    pub fn alpha(&self, uv: Vec2) -> f64 {
+        self.look_up(uv).w
+    }
+
+    /// Whether anything of it is not opaque.
+    pub fn has_alpha(&self) -> bool {
+        self.texels.iter().any(|texel| texel[3] < 1.0)
+    }
+
+    fn look_up(&self, uv: Vec2) -> DVec4 {
         let x = uv.x * self.width as f32 - 0.5;
         let y = uv.y * self.height as f32 - 0.5;
         let (column, row) = (x.floor(), y.floor());
@@ -40,8 +54,7 @@ impl Texture {
         let texel = |dx: i64, dy: i64| {
             let column = self.wrap.index(column as i64 + dx, self.width);
             let row = self.wrap.index(row as i64 + dy, self.height);
-            let [r, g, b, _] = self.texels[row * self.width + column];
-            Rgb::new(f64::from(r), f64::from(g), f64::from(b))
+            DVec4::from_array(self.texels[row * self.width + column].map(f64::from))
         };
         let top = texel(0, 0).lerp(texel(1, 0), right);
         let bottom = texel(0, 1).lerp(texel(1, 1), right);

@@ -46,8 +46,11 @@ pub struct Snapshot<'scene> {
     scene: &'scene Scene,
     /// The camera.
     pub view: View,
-    /// All visible triangles.
+    /// All visible triangles but those of `blended`.
     pub tree: InstanceTree,
+    /// All visible triangles that let something through.
+    pub blended: InstanceTree,
+    /// What the instances of both trees are, under their numbers.
     placed: Vec<Placed>,
     /// All lights that shine.
     pub lights: Vec<Luminaire>,
@@ -98,8 +101,9 @@ impl<'scene> Snapshot<'scene> {
             relative
         };
 
-        let mut placed = Vec::new();
-        let mut placed_meshes = Vec::new();
+        // Opaque and blended.
+        let mut placed = [const { Vec::new() }; 2];
+        let mut placed_meshes = [const { Vec::new() }; 2];
         for (index, instance) in scene.instances.iter().enumerate() {
             if !placements[instance.node].visible {
                 continue;
@@ -109,13 +113,19 @@ impl<'scene> Snapshot<'scene> {
             if relative_from_mesh.matrix3.determinant() == 0.0 {
                 continue;
             }
-            placed.push(Placed {
-                instance: index,
-                relative_from_mesh,
-                relative_from_mesh_normal: relative_from_mesh.matrix3.inverse().transpose(),
-            });
-            placed_meshes.push(PlacedMesh { mesh: trees.get(scene, instance.mesh), relative_from_mesh });
+            for (class, mesh) in trees.of(scene, instance).into_iter().enumerate() {
+                let Some(mesh) = mesh else { continue };
+                placed[class].push(Placed {
+                    instance: index,
+                    relative_from_mesh,
+                    relative_from_mesh_normal: relative_from_mesh.matrix3.inverse().transpose(),
+                });
+                placed_meshes[class].push(PlacedMesh { mesh, relative_from_mesh });
+            }
         }
+        let ([mut placed, placed_blended], [opaque, blended]) = (placed, placed_meshes);
+        let first_blended = placed.len() as u32;
+        placed.extend(placed_blended);
 
         let lights = scene
             .lights
@@ -137,12 +147,18 @@ impl<'scene> Snapshot<'scene> {
         Self {
             scene,
             view,
-            tree: InstanceTree::new(placed_meshes),
+            tree: InstanceTree::new(opaque),
+            blended: InstanceTree::numbered_from(first_blended, blended),
             placed,
             lights,
             medium: Medium::new(fog),
             background: scene.background,
         }
+    }
+
+    /// Whether any visible surface lets something through.
+    pub fn has_blended(&self) -> bool {
+        !self.blended.is_empty()
     }
 
     /// Radiance of a ray that leaves the scene in that direction.

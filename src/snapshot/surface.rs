@@ -5,6 +5,7 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::scene::AlphaMode;
 use glam::{DVec3, Vec2};
 
 /// A point of a surface, ready for shading.
@@ -22,6 +23,10 @@ pub struct SurfacePoint {
     pub mirror: Rgb,
     /// Emitted radiance.
     pub emission: Rgb,
+    /// How much of it there is, `0..=1`: reflected and emitted light are to be weighted with it.
+    pub alpha: f64,
+    /// What it lets through of what lies behind.
+    pub see_through: Rgb,
     /// Which triangle: rays that leave it must not meet it again.
     pub primitive: PrimitiveId,
     /// The instance's number.
@@ -46,6 +51,14 @@ impl Snapshot<'_> {
         let (t, v, w) = (ac.dot(q), -a.dot(p), ray.direction.dot(q));
         let hit = Hit { t: t / determinant, primitive, barycentrics: [v / determinant, w / determinant] };
         hit.t.is_finite().then_some(hit)
+    }
+
+    /// Whether alpha may differ from place to place on a triangle.
+    pub fn is_textured(&self, primitive: PrimitiveId) -> bool {
+        let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];
+        let triangle = self.scene.meshes[instance.mesh].triangles[primitive.triangle as usize];
+        let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
+        material.base_color_texture.is_some_and(|texture| self.scene.textures[texture].has_alpha())
     }
 
     /// Looks up everything about a hit of `ray`.
@@ -75,10 +88,20 @@ impl Snapshot<'_> {
                 })
             };
         let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
-        let albedo = texture.map_or(material.base_color, |texture| {
+        let texture = texture.map(|texture| {
             let uv: Vec2 = (0..3).map(|corner| weights[corner] as f32 * mesh.uvs[corners[corner]]).sum();
-            material.base_color * self.scene.textures[texture].color(uv)
+            (&self.scene.textures[texture], uv)
         });
+        let albedo =
+            texture.map_or(material.base_color, |(texture, uv)| material.base_color * texture.color(uv));
+        let (alpha, see_through) = match material.alpha_mode {
+            AlphaMode::Opaque | AlphaMode::Mask { .. } => (1.0, Rgb::ZERO),
+            AlphaMode::Blend => {
+                let alpha =
+                    material.opacity * texture.map_or(1.0, |(texture, uv)| texture.alpha(uv).clamp(0.0, 1.0));
+                (alpha, Rgb::splat(1.0 - alpha) + alpha * material.filter_color)
+            }
+        };
         SurfacePoint {
             position: ray.at(hit.t),
             geometric_normal,
@@ -86,6 +109,8 @@ impl Snapshot<'_> {
             albedo,
             mirror: material.mirror,
             emission: material.emission,
+            alpha,
+            see_through,
             primitive: hit.primitive,
             leaf_id: instance.leaf_id,
         }

@@ -1,6 +1,7 @@
 //! Direct light on a surface. In goes a surface point, out the radiance that it reflects.
 //! Invariant: a light on the far side of a surface gives nothing (no transmission).
 
+use super::visibility::visibility;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
@@ -14,25 +15,30 @@ pub(super) fn reflected(snapshot: &Snapshot, lights: &[FrozenLight], point: &Sur
         .map(|light| {
             reflected_from(snapshot, light, point, |to_light, distance| {
                 let shadow_ray = Ray { origin: point.position, direction: to_light };
-                !snapshot.tree.any_hit(&shadow_ray, distance, Some(point.primitive))
+                visibility(snapshot, &shadow_ray, distance, Some(point.primitive))
             })
         })
         .sum()
 }
 
-/// The same of one light; `is_visible` is asked only where the answer matters, with direction and distance of the light.
+/// The same of one light; `visibility` is asked only where the answer matters, with direction and distance of the
+/// light, for the share of it that gets past all surfaces.
 pub(super) fn reflected_from(
     snapshot: &Snapshot,
     light: &FrozenLight,
     point: &SurfacePoint,
-    is_visible: impl FnOnce(DVec3, f64) -> bool,
+    visibility: impl FnOnce(DVec3, f64) -> Rgb,
 ) -> Rgb {
     let (to_light, distance, arriving) = light.arriving_at(point.position);
     let cos = point.shading_normal.dot(to_light);
     let faces_light = cos > 0.0 && point.geometric_normal.dot(to_light) > 0.0;
-    if !faces_light || arriving == Rgb::ZERO || point.albedo == Rgb::ZERO || !is_visible(to_light, distance) {
+    if !faces_light || arriving == Rgb::ZERO || point.albedo == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    let visible = visibility(to_light, distance);
+    if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
     let through = snapshot.medium.transmittance(point.position, to_light, distance);
-    FRAC_1_PI * cos * point.albedo * arriving * through
+    FRAC_1_PI * cos * point.albedo * arriving * through * visible
 }

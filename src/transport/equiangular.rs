@@ -4,6 +4,7 @@
 //! over what an exponential fall-off lets through. Invariant: unbiased.
 
 use super::march::scattered_at;
+use super::visibility::Layer;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -15,6 +16,7 @@ pub(super) fn in_scattered(
     ray: &Ray,
     distance: f64,
     light: &FrozenLight,
+    layers: &[Layer],
     sampler: &mut Sampler,
 ) -> Rgb {
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
@@ -29,7 +31,7 @@ pub(super) fn in_scattered(
                 exponential(start, end, tau / (end - start), u)
             }
         };
-        sum += scattered_at(snapshot, ray, t, light) / pdf_per_m;
+        sum += scattered_at(snapshot, ray, t, light, layers) / pdf_per_m;
     }
     sum / f64::from(points)
 }

@@ -3,6 +3,8 @@
 //! is integrated on smooth pieces. Invariant: nothing is sampled, nothing is stepped.
 
 use super::sun_stretch::SunStretch;
+use super::veils::Veils;
+use super::visibility::Layer;
 use crate::accel::LightPlane;
 use crate::color::Rgb;
 use crate::math::{Antiderivative, IntervalSet, Ray, gauss_legendre};
@@ -15,12 +17,14 @@ use glam::DVec3;
 pub struct LitSegments {
     shadows: IntervalSet,
     range: (f64, f64),
+    /// What dims the rest of it.
+    veils: Veils,
 }
 
 impl LitSegments {
     /// What `shadows` leave of `range`.
     pub fn from_shadows(shadows: IntervalSet, range: (f64, f64)) -> Self {
-        Self { shadows, range }
+        Self { shadows, range, veils: Veils::default() }
     }
 
     /// Takes what the scene's `shadows` leave, where they are known already.
@@ -40,6 +44,7 @@ impl LitSegments {
     /// Everything is lit, but for where the light does not shine.
     fn start(&mut self, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         self.shadows.clear();
+        self.veils.clear();
         self.range = range;
         if let FrozenLight::Point { position, emission, .. } = light {
             self.shade_outside(emission, ray, *position);
@@ -48,11 +53,26 @@ impl LitSegments {
 
     /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
     pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
+        self.find_through(snapshot, ray, light, range, &[]);
+    }
+
+    /// The same of a ray that is seen through `layers`.
+    pub(super) fn find_through(
+        &mut self,
+        snapshot: &Snapshot,
+        ray: &Ray,
+        light: &FrozenLight,
+        range: (f64, f64),
+        layers: &[Layer],
+    ) {
         self.start(ray, light, range);
         let plane = match *light {
             FrozenLight::Sun { to_light, .. } => LightPlane::towards_direction(ray, to_light, range),
             FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
         };
+        if snapshot.has_blended() {
+            self.veils.find(snapshot, ray, light, plane.as_ref(), range, layers);
+        }
         match plane {
             Some(plane) => snapshot.tree.add_shadows(&plane, &mut self.shadows),
             None => {
@@ -82,10 +102,10 @@ impl LitSegments {
             FrozenLight::Sun { to_light, irradiance } => {
                 for stretch in stretches {
                     let mut sunny = None;
-                    self.for_each_within(stretch, |start, end| {
+                    self.for_each_within(stretch, |start, end, share| {
                         let sunny =
                             sunny.get_or_insert_with(|| SunStretch::new(medium, stretch, ray, to_light));
-                        sum += sunny.integral(start, end);
+                        sum += share * sunny.integral(start, end);
                     });
                 }
                 sum * irradiance
@@ -93,16 +113,19 @@ impl LitSegments {
             FrozenLight::Point { position, intensity, emission } => {
                 for stretch in stretches {
                     let near = NearLight::new(medium, stretch, ray, position, emission);
-                    self.for_each_within(stretch, |start, end| sum += near.integral(start, end));
+                    self.for_each_within(stretch, |start, end, share| {
+                        sum += share * near.integral(start, end)
+                    });
                 }
                 sum * intensity
             }
         }
     }
 
-    fn for_each_within(&self, stretch: &Stretch, lit: impl FnMut(f64, f64)) {
+    /// Lit parts of a stretch, with the share of the light that is left there.
+    fn for_each_within(&self, stretch: &Stretch, mut lit: impl FnMut(f64, f64, Rgb)) {
         let (start, end) = (stretch.start.max(self.range.0), stretch.end.min(self.range.1));
-        self.shadows.for_each_gap(start, end, lit);
+        self.shadows.for_each_gap(start, end, |start, end| self.veils.for_each_piece(start, end, &mut lit));
     }
 
     /// What lies outside a spot's cone, or behind a flat light, counts as shadow.

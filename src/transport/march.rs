@@ -2,6 +2,7 @@
 //! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness,
 //! but for one number a ray where the steps are jittered.
 
+use super::visibility::{Layer, visibility};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::scattering::exp_minus;
@@ -31,6 +32,7 @@ pub(super) fn in_scattered(
     ray: &Ray,
     distance: f64,
     light: &FrozenLight,
+    layers: &[Layer],
     sampler: &mut Sampler,
 ) -> Rgb {
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
@@ -59,25 +61,33 @@ pub(super) fn in_scattered(
         if t >= end {
             break;
         }
-        sum += step * scattered_at(snapshot, ray, t, light);
+        sum += step * scattered_at(snapshot, ray, t, light, layers);
     }
     sum
 }
 
 /// Radiance scattered per metre at `t` and transmitted to the ray's origin, W m^-3 sr^-1.
-pub(super) fn scattered_at(snapshot: &Snapshot, ray: &Ray, t: f64, light: &FrozenLight) -> Rgb {
+pub(super) fn scattered_at(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    t: f64,
+    light: &FrozenLight,
+    layers: &[Layer],
+) -> Rgb {
     let point = ray.at(t);
     let (to_light, light_distance, arriving) = light.arriving_at(point);
     let scattering = snapshot.medium.scattering_at(point, to_light.dot(ray.direction));
     if arriving == Rgb::ZERO || scattering == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let shadow_ray = Ray { origin: point, direction: to_light };
-    if snapshot.tree.any_hit(&shadow_ray, light_distance, None) {
+    let visible = visibility(snapshot, &Ray { origin: point, direction: to_light }, light_distance, None);
+    if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
+    let seen_through = layers.iter().filter(|layer| layer.t < t);
+    let visible = seen_through.fold(visible, |product, layer| product * layer.point.see_through);
     let medium = &snapshot.medium;
     let tau = medium.optical_depth(point, to_light, light_distance)
         + medium.optical_depth(ray.origin, ray.direction, t);
-    scattering * arriving * exp_minus(tau)
+    scattering * arriving * exp_minus(tau) * visible
 }

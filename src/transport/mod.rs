@@ -11,6 +11,8 @@ mod sample;
 mod shafts;
 pub mod slices;
 mod sun_stretch;
+mod veils;
+mod visibility;
 
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;

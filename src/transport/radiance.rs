@@ -1,7 +1,9 @@
-//! The story of one camera ray. Invariant: `radiance = surface * transmittance + shafts`.
+//! The story of one camera ray. Invariant: radiance is light of surfaces, weakened by all that lies before
+//! them, plus `shafts`; without blended surfaces `surface * transmittance + shafts`.
 
 use super::lit_segments::LitSegments;
 use super::shafts::{VolumeMethod, in_scattered};
+use super::visibility::layers;
 use super::{Sample, SurfaceFeatures, direct};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -50,8 +52,14 @@ pub(super) struct Leg {
     pub(super) radiance: Rgb,
     pub(super) shafts: Rgb,
     pub(super) transmittance: Rgb,
+    /// Whether an opaque surface ends it.
+    pub(super) covered: bool,
+    /// What the data passes show.
     pub(super) surface: Option<SurfacePoint>,
 }
+
+/// Blended surfaces show in the data passes from this alpha on.
+const SOLID_ALPHA: f64 = 0.5;
 
 /// Follows a camera ray: single scattering in the fog, plus direct light on the surface behind it,
 /// plus what mirrors show, weakened by the fog in between.
@@ -103,7 +111,7 @@ fn radiance_of(
 impl Leg {
     /// What the film is to know of it.
     pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport) -> Sample {
-        let alpha = if self.surface.is_some() || snapshot.background != Rgb::ZERO {
+        let alpha = if self.covered || snapshot.background != Rgb::ZERO {
             1.0
         } else {
             1.0 - self.transmittance.element_sum() / 3.0
@@ -135,14 +143,25 @@ fn follow(
     let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
     let surface = hit.map(|hit| snapshot.surface(ray, &hit));
 
-    let (shafts, transmittance) = if snapshot.medium.is_empty() {
+    let layers = layers(snapshot, ray, distance, leaving);
+    let (shafts, fog) = if snapshot.medium.is_empty() {
         (Rgb::ZERO, Rgb::ONE)
     } else {
         (
-            in_scattered(snapshot, transport.volume, light.lights, ray, distance, sampler, scratch),
+            in_scattered(snapshot, transport.volume, light.lights, ray, distance, &layers, sampler, scratch),
             snapshot.medium.transmittance(ray.origin, ray.direction, distance),
         )
     };
+    // Front to back: what each layer shows itself, and what all of them let through.
+    let (mut radiance, mut seen_through) = (shafts, Rgb::ONE);
+    for layer in &layers {
+        let own = direct::reflected(snapshot, light.lights, &layer.point)
+            + own_and_mirrored(snapshot, transport, light, ray, &layer.point, mirrors_left, sampler, scratch);
+        let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, layer.t);
+        radiance += seen_through * through_fog * layer.point.alpha * own;
+        seen_through *= layer.point.see_through;
+    }
+    let transmittance = fog * seen_through;
     let behind_fog = surface.map_or_else(
         || light.background(snapshot, ray.direction),
         |point| {
@@ -150,7 +169,9 @@ fn follow(
                 + own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch)
         },
     );
-    Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface }
+    radiance += behind_fog * transmittance;
+    let solid = layers.iter().map(|layer| layer.point).find(|point| point.alpha >= SOLID_ALPHA);
+    Leg { radiance, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface) }
 }
 
 /// Light that a surface emits, and what is seen in it if it is a mirror.

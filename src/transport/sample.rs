@@ -1,4 +1,5 @@
-//! What one camera ray found. Invariant: `radiance = surface * transmittance + shafts`.
+//! What one camera ray found. Invariant: `radiance = surface * transmittance + shafts`, plus what blended
+//! surfaces show before it.
 
 use crate::color::Rgb;
 use glam::DVec3;
@@ -10,7 +11,7 @@ pub struct Sample {
     pub radiance: Rgb,
     /// The part that was scattered in fog.
     pub shafts: Rgb,
-    /// What the fog lets through from the surface, or from the background if there is none.
+    /// What fog and blended surfaces let through from the first opaque surface, or from the background if there is none.
     pub transmittance: Rgb,
     /// Coverage, `0..=1`, by which the radiance is premultiplied.
     pub alpha: f64,

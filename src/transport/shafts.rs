@@ -4,6 +4,7 @@
 use super::equiangular;
 use super::march::{self, MarchSteps};
 use super::radiance::Scratch;
+use super::visibility::Layer;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -22,13 +23,15 @@ pub enum VolumeMethod {
     },
 }
 
-/// Radiance scattered into the ray by all `lights`, up to `distance`, W m^-2 sr^-1.
+/// Radiance scattered into the ray by all `lights`, up to `distance`, seen through `layers`, W m^-2 sr^-1.
+#[allow(clippy::too_many_arguments, reason = "what a method may need, in one call")]
 pub(super) fn in_scattered(
     snapshot: &Snapshot,
     method: VolumeMethod,
     lights: &[FrozenLight],
     ray: &Ray,
     distance: f64,
+    layers: &[Layer],
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Rgb {
@@ -39,12 +42,14 @@ pub(super) fn in_scattered(
                 let Scratch { lit, cuts, stretches, .. } = scratch;
                 let Some(range) = snapshot.medium.range(ray, distance) else { continue };
                 snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
-                lit.find(snapshot, ray, light, range);
+                lit.find_through(snapshot, ray, light, range, layers);
                 lit.integrate(&snapshot.medium, stretches, ray, light)
             }
-            VolumeMethod::March(steps) => march::in_scattered(snapshot, steps, ray, distance, light, sampler),
+            VolumeMethod::March(steps) => {
+                march::in_scattered(snapshot, steps, ray, distance, light, layers, sampler)
+            }
             VolumeMethod::Equiangular { points } => {
-                equiangular::in_scattered(snapshot, points, ray, distance, light, sampler)
+                equiangular::in_scattered(snapshot, points, ray, distance, light, layers, sampler)
             }
         };
     }

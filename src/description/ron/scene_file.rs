@@ -89,6 +89,10 @@ pub struct Material {
     pub base_color: Option<Triple<UnitInterval>>,
     /// A PNG, JPEG or PPM image in sRGB, relative to the scene file.
     pub texture: Option<PathBuf>,
+    /// Alpha; multiplied by that of the texture.
+    pub opacity: Option<Number<UnitInterval>>,
+    /// How much light goes straight through where alpha is 1.
+    pub filter_color: Option<Triple<UnitInterval>>,
     /// Perfect mirror reflectance.
     #[serde(default = "no_reflectance")]
     pub mirror: Triple<UnitInterval>,

@@ -37,8 +37,8 @@ impl Builder<'_> {
                 "highlights (specular) are not honoured, these materials are drawn matte",
             ),
             (
-                material.alpha_mode != gltf::AlphaMode::Opaque,
-                "alpha is not yet honoured, these materials are drawn opaque",
+                matches!(material.alpha_mode, gltf::AlphaMode::Mask(_)),
+                "alpha is not yet honoured as a mask, these materials are drawn opaque",
             ),
             (
                 !material.double_sided,
@@ -56,7 +56,7 @@ fn is_mirror(material: &gltf::Material) -> bool {
 }
 
 fn material(material: &gltf::Material) -> Material {
-    let [r, g, b, _] = material.base_color;
+    let [r, g, b, opacity] = material.base_color;
     let color = Rgb::new(r, g, b);
     let (base_color, mirror) = if is_mirror(material) { (Rgb::ZERO, color) } else { (color, Rgb::ZERO) };
     Material {
@@ -65,6 +65,8 @@ fn material(material: &gltf::Material) -> Material {
         base_color_texture: material.base_color_texture,
         mirror,
         emission: material.emission,
+        opacity,
+        filter_color: Rgb::ZERO,
         alpha_mode: match material.alpha_mode {
             gltf::AlphaMode::Opaque => AlphaMode::Opaque,
             gltf::AlphaMode::Mask(cutoff) => AlphaMode::Mask { cutoff },

@@ -15,8 +15,8 @@ mod tests;
 mod tracks;
 
 use super::{
-    Aperture, Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
-    RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
+    AlphaMode, Aperture, Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node,
+    NodeIndex, RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::obj::ObjModel;
@@ -145,12 +145,13 @@ impl<'a> Resolver<'a> {
                 None => Material::default().base_color,
             };
             let mirror = material.mirror.si();
-            if (base_color + mirror).max_element() > 1.0 {
+            let filter_color = material.filter_color.map_or(Rgb::ZERO, |color| color.si());
+            if (base_color + mirror + filter_color).max_element() > 1.0 {
                 self.problems.error(
                     &format!("materials.{name}"),
-                    "the surface would reflect more light than it receives",
-                    "base_color + mirror <= 1 in every channel",
-                    "make one of the two darker",
+                    "the surface would give more light than it receives",
+                    "base_color + mirror + filter_color <= 1 in every channel",
+                    "make one of them darker",
                 );
             }
             self.materials.insert(name, self.scene.materials.len());
@@ -159,8 +160,13 @@ impl<'a> Resolver<'a> {
                 base_color,
                 base_color_texture: texture.and_then(|texture| self.textures.get(texture).copied()),
                 mirror,
+                alpha_mode: match (material.opacity, material.filter_color) {
+                    (None, None) => AlphaMode::Opaque,
+                    _ => AlphaMode::Blend,
+                },
+                opacity: material.opacity.map_or(1.0, |opacity| opacity.si()),
+                filter_color,
                 emission: material.emission_w_per_m2_sr.si(),
-                ..Material::default()
             });
         }
     }

@@ -124,20 +124,25 @@ pub fn solve(
             |(point, meeting)| {
                 let mut sampler = Sampler::new(index as u32, 0, 0, 0);
                 let (transport, mirrors) = (job.transport, job.transport.mirror_depth);
-                reflected_from(snapshot, light, &point, |_, _| meeting.is_lit)
-                    + own_and_mirrored(
-                        snapshot,
-                        transport,
-                        illumination,
-                        &ray,
-                        &point,
-                        mirrors,
-                        &mut sampler,
-                        ray_scratch,
-                    )
+                reflected_from(
+                    snapshot,
+                    light,
+                    &point,
+                    |_, _| if meeting.is_lit { Rgb::ONE } else { Rgb::ZERO },
+                ) + own_and_mirrored(
+                    snapshot,
+                    transport,
+                    illumination,
+                    &ray,
+                    &point,
+                    mirrors,
+                    &mut sampler,
+                    ray_scratch,
+                )
             },
         );
-        let leg = Leg { radiance: behind_fog * transmittance + shafts, shafts, transmittance, surface };
+        let radiance = behind_fog * transmittance + shafts;
+        let leg = Leg { radiance, shafts, transmittance, covered: surface.is_some(), surface };
         sample(SliceSample { place, value: leg.sample(snapshot, job.transport) });
     }
 }

@@ -1,0 +1,119 @@
+//! The shadow of each triangle by itself, for triangles that light partly passes. In: a [`LightPlane`];
+//! out: an interval a triangle. Invariant: all in double precision, and a triangle that the ray passes
+//! through shadows only the side of it that lies away from the light.
+
+use super::{
+    PrimitiveId,
+    block::Block,
+    instance_tree::Instance,
+    light_plane::{LightPlane, PlaneFunctions},
+    shadow_query::{LeafVisitor, shadowing, visit_leaves},
+    simd::Simd,
+    stack::Stack,
+    triangle_cut::Crossing,
+    wide_tree::WideTree,
+};
+
+/// Which part of a ray a triangle shadows, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleShadow {
+    /// Which triangle.
+    pub primitive: PrimitiveId,
+    /// Where its shadow begins.
+    pub start: f64,
+    /// Where it ends.
+    pub end: f64,
+}
+
+/// Appends the shadows of all instances' triangles.
+pub(super) fn add_each_shadow<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    instances: &[Instance],
+    plane: &LightPlane,
+    shadows: &mut Vec<TriangleShadow>,
+) {
+    let region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
+    visit_leaves(simd, tree, &region, &mut Stack::new(), &mut InstanceQuery { plane, instances, shadows });
+}
+
+struct InstanceQuery<'a> {
+    plane: &'a LightPlane,
+    instances: &'a [Instance],
+    shadows: &'a mut Vec<TriangleShadow>,
+}
+
+impl<S: Simd> LeafVisitor<S> for InstanceQuery<'_> {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
+        let instance = &self.instances[leaf as usize];
+        let functions = self.plane.functions.pulled_back(&instance.relative_from_mesh);
+        let region = shadowing(simd, &functions, self.plane.t_range, instance.mesh.tree.bounds);
+        let mut query = TriangleQuery {
+            blocks: &instance.mesh.blocks,
+            functions,
+            t_range: self.plane.t_range,
+            instance: instance.index,
+            shadows: self.shadows,
+        };
+        visit_leaves(simd, &instance.mesh.tree, &region, stack, &mut query);
+    }
+}
+
+struct TriangleQuery<'a> {
+    blocks: &'a [Block],
+    functions: PlaneFunctions,
+    t_range: (f64, f64),
+    instance: u32,
+    shadows: &'a mut Vec<TriangleShadow>,
+}
+
+impl<S: Simd> LeafVisitor<S> for TriangleQuery<'_> {
+    fn visit(&mut self, _: S, leaf: u32, _: &mut Stack) {
+        let block = &self.blocks[leaf as usize];
+        for lane in block.lanes() {
+            let vertices = block.corners(lane);
+            let PlaneFunctions { out_of_plane, along, depth, towards_light } = &self.functions;
+            let crossing = Crossing::new(0.0, vertices.map(|vertex| out_of_plane.at(vertex)));
+            if !crossing.exists {
+                continue;
+            }
+            let ends = |values: [f64; 3]| crossing.at_ends(values);
+            let shadow = shadow_of(
+                ends(vertices.map(|vertex| along.at(vertex))),
+                ends(vertices.map(|vertex| depth.at(vertex))),
+                ends(vertices.map(|vertex| towards_light.at(vertex))),
+                self.t_range,
+            );
+            if let Some((start, end)) = shadow {
+                let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
+                self.shadows.push(TriangleShadow { primitive, start, end });
+            }
+        }
+    }
+}
+
+/// The shadow of a segment whose ends have these functions: of the part of it above the ray and on this
+/// side of the light.
+fn shadow_of(along: [f64; 2], depth: [f64; 2], height: [f64; 2], (t0, t1): (f64, f64)) -> Option<(f64, f64)> {
+    // From 0 at one end to 1 at the other.
+    let (mut from, mut to): (f64, f64) = (0.0, 1.0);
+    for [a, b] in [height, depth] {
+        let zero = a / (a - b);
+        match (a > 0.0, b > 0.0) {
+            (true, true) => {}
+            (true, false) => to = to.min(zero),
+            (false, true) => from = from.max(zero),
+            (false, false) => return None,
+        }
+    }
+    if from.partial_cmp(&to) != Some(std::cmp::Ordering::Less) {
+        return None;
+    }
+    let at = |fraction: f64| {
+        let mix = |[a, b]: [f64; 2]| (1.0 - fraction) * a + fraction * b;
+        // Beside the light itself the shadow goes on without end.
+        (mix(along) / mix(depth).max(f64::MIN_POSITIVE)).clamp(t0, t1)
+    };
+    let (a, b) = (at(from), at(to));
+    (a != b).then(|| (a.min(b), a.max(b)))
+}

@@ -1,0 +1,175 @@
+//! What dims a ray in places: surfaces that light partly passes, seen through or in the light's way. In
+//! go intervals with a transmittance, out come the pieces of the ray on which their product is
+//! constant. Invariant: the order in which veils are added does not show, to the last bit.
+
+use super::visibility::Layer;
+use crate::accel::{LightPlane, PrimitiveId};
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::snapshot::{FrozenLight, Snapshot};
+
+/// Into so many equal parts the shadow of a textured triangle is cut; each takes the alpha that the light
+/// to its middle meets.
+const TEXTURED_PARTS: usize = 8;
+
+/// All veils of one ray and light.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Veils {
+    veils: Vec<Veil>,
+    /// Where each piece begins, and what gets through there; before the first, everything.
+    pieces: Vec<(f64, Rgb)>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Veil {
+    start: f64,
+    end: f64,
+    transmittance: Rgb,
+}
+
+impl Veils {
+    /// Takes all veils away.
+    pub(super) fn clear(&mut self) {
+        self.veils.clear();
+        self.pieces.clear();
+    }
+
+    /// Finds all veils of a ray: what the camera looks through, and what lies in the light's way.
+    pub(super) fn find(
+        &mut self,
+        snapshot: &Snapshot,
+        ray: &Ray,
+        light: &FrozenLight,
+        plane: Option<&LightPlane>,
+        range: (f64, f64),
+        layers: &[Layer],
+    ) {
+        for layer in layers {
+            self.add(layer.t, f64::INFINITY, layer.point.see_through);
+        }
+        let Some(plane) = plane else {
+            self.find_in_line(snapshot, ray, light, range);
+            self.resolve();
+            return;
+        };
+        let mut shadows = Vec::new();
+        snapshot.blended.add_each_shadow(plane, &mut shadows);
+        for shadow in shadows {
+            let parts = if snapshot.is_textured(shadow.primitive) { TEXTURED_PARTS } else { 1 };
+            let width = (shadow.end - shadow.start) / parts as f64;
+            for part in 0..parts {
+                let start = shadow.start + part as f64 * width;
+                let end = if part + 1 == parts { shadow.end } else { start + width };
+                let transmittance = met_at(snapshot, ray, light, shadow.primitive, 0.5 * (start + end));
+                self.add(start, end, transmittance);
+            }
+        }
+        self.resolve();
+    }
+
+    /// Where ray and light are in one line, every layer on it hides the light from what lies beyond.
+    fn find_in_line(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
+        let light_at = match *light {
+            FrozenLight::Sun { to_light, .. } => f64::INFINITY.copysign(to_light.dot(ray.direction)),
+            FrozenLight::Point { position, .. } => (position - ray.origin).dot(ray.direction),
+        };
+        for sign in [1.0, -1.0] {
+            let line = Ray { origin: ray.at(range.0), direction: sign * ray.direction };
+            for layer in super::visibility::layers(snapshot, &line, f64::INFINITY, None) {
+                let t = range.0 + sign * layer.t;
+                let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
+                self.add(start, end, layer.point.see_through);
+            }
+        }
+    }
+
+    fn add(&mut self, start: f64, end: f64, transmittance: Rgb) {
+        if transmittance != Rgb::ONE && start < end {
+            self.veils.push(Veil { start, end, transmittance });
+        }
+    }
+
+    /// From veils to pieces.
+    fn resolve(&mut self) {
+        let Self { veils, pieces } = self;
+        let key = |veil: &Veil| {
+            let [red, green, blue] = veil.transmittance.to_array();
+            [veil.start, veil.end, red, green, blue]
+        };
+        // A fixed order of factors: rounding must not tell in which order the tree met them.
+        veils.sort_unstable_by(|a, b| {
+            let order = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
+            order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+        });
+        let mut ends: Vec<f64> = veils.iter().flat_map(|veil| [veil.start, veil.end]).collect();
+        ends.sort_unstable_by(f64::total_cmp);
+        ends.dedup();
+        let mut next = 0;
+        let mut active: Vec<Veil> = Vec::new();
+        for start in ends {
+            active.retain(|veil| veil.end > start);
+            while let Some(veil) = veils.get(next).filter(|veil| veil.start <= start) {
+                active.push(*veil);
+                next += 1;
+            }
+            pieces.push((start, active.iter().fold(Rgb::ONE, |product, veil| product * veil.transmittance)));
+        }
+    }
+
+    /// Calls `piece(start, end, transmittance)` for the parts of an interval, in order.
+    pub(super) fn for_each_piece(&self, start: f64, end: f64, mut piece: impl FnMut(f64, f64, Rgb)) {
+        let mut next = self.pieces.partition_point(|(from, _)| *from <= start);
+        let mut transmittance = if next == 0 { Rgb::ONE } else { self.pieces[next - 1].1 };
+        let mut from = start;
+        while let Some(&(to, then)) = self.pieces.get(next).filter(|(to, _)| *to < end) {
+            piece(from, to, transmittance);
+            (from, transmittance) = (to, then);
+            next += 1;
+        }
+        piece(from, end, transmittance);
+    }
+}
+
+/// What gets through a triangle of the light that goes to a place on the ray.
+fn met_at(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, primitive: PrimitiveId, t: f64) -> Rgb {
+    let origin = ray.at(t);
+    let (to_light, ..) = light.arriving_at(origin);
+    let way = Ray { origin, direction: to_light };
+    let hit = snapshot.hit_on(&way, primitive);
+    hit.map_or(Rgb::ONE, |hit| snapshot.surface(&way, &hit).see_through)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overlapping_veils_multiply_in_any_order() {
+        let list = [(1.0, 3.0, 0.3), (2.0, 5.0, 0.7), (2.0, f64::INFINITY, 0.9), (0.5, 0.5, 0.1)];
+        let pieces = |order: &[usize]| {
+            let mut veils = Veils::default();
+            for &index in order {
+                let (start, end, through) = list[index];
+                veils.add(start, end, Rgb::splat(through));
+            }
+            veils.resolve();
+            let mut pieces = Vec::new();
+            veils.for_each_piece(0.0, 9.0, |start, end, through| pieces.push((start, end, through.x)));
+            pieces
+        };
+        let found = pieces(&[0, 1, 2, 3]);
+        let expected = [
+            (0.0, 1.0, 1.0),
+            (1.0, 2.0, 0.3),
+            (2.0, 3.0, 0.3 * 0.7 * 0.9),
+            (3.0, 5.0, 0.7 * 0.9),
+            (5.0, 9.0, 0.9),
+        ];
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found.0, found.1) == (expected.0, expected.1) && (found.2 - expected.2).abs() < 1e-15);
+        }
+        assert_eq!(found, pieces(&[3, 2, 1, 0]));
+        assert_eq!(found, pieces(&[1, 3, 0, 2]));
+    }
+}
