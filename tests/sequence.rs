@@ -39,8 +39,8 @@ fn picture(frame: i64) -> Frame {
 }
 
 /// The frame as a renderer hands it over.
-fn done(frame: Frame) -> Rendered {
-    Rendered { frame, statistics: Statistics::default() }
+fn done(frame: Frame) -> Option<Rendered> {
+    Some(Rendered { frame, statistics: Statistics::default() })
 }
 
 fn pattern(folder: &Path) -> OutputPattern {
@@ -152,6 +152,19 @@ fn a_failed_rendering_ends_the_run_after_the_frame_before_it_is_written() {
     let error = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap_err();
     assert_eq!(error.to_string(), "frame 3: no light");
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0002.exr"]);
+}
+
+#[test]
+fn a_frame_that_is_given_up_keeps_no_other_from_being_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let (list, output) = (frames("1-4"), pattern(folder.path()));
+    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
+        Ok::<_, String>(if frame == 2 { None } else { done(picture(frame)) })
+    };
+    let summary = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap();
+    assert_eq!((summary.written, &summary.given_up[..], summary.stopped), (3, &[2][..], false));
+    assert!(summary.to_string().contains("given up, for they took too long: 2"), "{summary}");
+    assert_eq!(names(folder.path()), ["x.0001.exr", "x.0003.exr", "x.0004.exr"]);
 }
 
 #[test]

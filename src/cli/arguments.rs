@@ -81,6 +81,12 @@ pub(super) struct RenderArguments {
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
+    /// Give a frame up that takes longer to render, seconds, and go on with the next (exit code 5 at the end).
+    #[arg(long, value_parser = parse_seconds, value_name = "S", allow_negative_numbers = true)]
+    pub(super) frame_timeout: Option<f64>,
+    /// Write what each frame took to this file: a JSON object a line.
+    #[arg(long, value_name = "FILE")]
+    pub(super) stats: Option<PathBuf>,
     /// How progress is told.
     #[arg(long, value_enum, default_value_t)]
     pub(super) progress: ProgressArgument,
@@ -329,6 +335,13 @@ fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(tolerance) if 0.0 < tolerance && tolerance <= 1.0 => Ok(tolerance),
         _ => Err("expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %".into()),
+    }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected seconds, more than 0, such as 600 or 1.5".into()),
     }
 }
 

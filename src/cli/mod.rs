@@ -9,6 +9,7 @@ mod inspect;
 mod plan;
 mod progress;
 mod render;
+mod stats;
 
 use crate::scene::Pass;
 use arguments::{Arguments, Command};

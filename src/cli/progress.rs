@@ -129,7 +129,7 @@ impl Progress {
                 bar.set_message(format!("frame {frame} of {}{error}{}", state.frames, state.time_left()));
             }
             Event::FrameWritten { clamped: 0, .. } => {}
-            Event::FrameWritten { .. } | Event::AbandonedRemoved { .. } => {
+            Event::FrameWritten { .. } | Event::FrameGivenUp { .. } | Event::AbandonedRemoved { .. } => {
                 if let Some(line) = state.sentence(event) {
                     bar.println(line);
                 }
@@ -165,6 +165,7 @@ impl State {
             Event::FrameProgress { progress, .. } => self.fraction = self.fraction.max(progress.fraction),
             Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
             Event::FrameWritten { .. } => self.written += 1,
+            Event::FrameGivenUp { .. } => self.fraction = 1.0,
             Event::AbandonedRemoved { .. } | Event::Finished(_) => {}
         }
     }
@@ -200,7 +201,10 @@ impl State {
     fn sentence(&self, event: &Event) -> Option<String> {
         Some(match event {
             Event::FrameSkipped { frame, reason } => format!("frame {frame} skipped: {reason}"),
-            Event::FrameWritten { frame, path, seconds, clamped, statistics } => {
+            Event::FrameGivenUp { frame, seconds } => {
+                format!("frame {frame} given up after {seconds:.1} s")
+            }
+            Event::FrameWritten { frame, path, seconds, clamped, statistics, .. } => {
                 let clamping = match clamped {
                     0 => String::new(),
                     _ => format!("; {clamped} values too bright for half precision were clamped to 65504"),
@@ -240,7 +244,10 @@ fn as_json(event: &Event) -> Value {
         Event::FrameProgress { frame, progress } => json!({
             "event": "frame_progress", "frame": frame, "fraction": progress.fraction, "error": progress.error,
         }),
-        Event::FrameWritten { frame, path, seconds, clamped, statistics } => json!({
+        Event::FrameGivenUp { frame, seconds } => {
+            json!({ "event": "frame_given_up", "frame": frame, "seconds": seconds })
+        }
+        Event::FrameWritten { frame, path, seconds, clamped, statistics, .. } => json!({
             "event": "frame_written", "frame": frame, "path": path.to_string_lossy(), "seconds": seconds,
             "clamped": clamped, "error": statistics.error,
         }),
@@ -248,6 +255,7 @@ fn as_json(event: &Event) -> Value {
             written,
             skipped_valid,
             skipped_existing,
+            given_up,
             not_reached,
             seconds,
             folder,
@@ -255,7 +263,7 @@ fn as_json(event: &Event) -> Value {
         }) => {
             json!({
                 "event": "finished", "written": written, "skipped_valid": skipped_valid,
-                "skipped_existing": skipped_existing, "not_reached": not_reached, "seconds": seconds,
+                "skipped_existing": skipped_existing, "given_up": given_up, "not_reached": not_reached, "seconds": seconds,
                 "folder": folder.to_string_lossy(), "stopped": stopped,
             })
         }
@@ -307,6 +315,7 @@ mod tests {
             frame,
             path: format!("x.{frame}.exr").into(),
             seconds: 0.5,
+            write_seconds: 0.1,
             clamped: 0,
             statistics: Statistics { error: Some(0.018), ..Statistics::default() },
         };
@@ -323,6 +332,7 @@ mod tests {
                 written: 2,
                 skipped_valid: 1,
                 skipped_existing: 0,
+                given_up: Vec::new(),
                 not_reached: 1,
                 seconds: 1.0,
                 folder: "x".into(),

@@ -4,6 +4,7 @@
 use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipArgument};
 use super::plan::Plan;
 use super::progress::{Progress, ProgressStyle};
+use super::stats::Stats;
 use super::{CliError, answer, tell};
 use crate::frame_file::Provenance;
 use crate::render::{self, Rendered, Watch};
@@ -12,6 +13,7 @@ use crate::snapshot::{Exposure, MeshTrees};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
 
 /// Previews are for looking at: as bright as the frame is.
 const PREVIEW_EXPOSURE_STOPS: f64 = 0.0;
@@ -26,6 +28,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         return Ok(());
     }
     let signal = catch_signals()?;
+    let stats = Stats::new(arguments.stats.as_deref())?;
     let threads = arguments.threads.unwrap_or(0) as usize;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -54,30 +57,55 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     let rendered = sequence::run(
         job,
         |frame| provenance(&plan, frame),
-        |frame, progress| -> Result<Rendered, Stopped> {
+        |frame, progress| -> Result<Option<Rendered>, Stopped> {
             if let Some(same) = &still_frame {
-                return Ok(same.clone());
+                return Ok(Some(same.clone()));
             }
+            let started = Instant::now();
+            let is_late = AtomicBool::new(false);
             let picture = pool.install(|| {
                 let exposure = plan.exposure(&trees, frame);
-                let cancelled = || signal.stop.load(Ordering::Relaxed);
+                stats.snapshot_took(frame, started.elapsed().as_secs_f64());
+                let cancelled = || {
+                    let limit = arguments.frame_timeout;
+                    is_late.fetch_or(
+                        limit.is_some_and(|limit| started.elapsed().as_secs_f64() > limit),
+                        Ordering::Relaxed,
+                    );
+                    is_late.load(Ordering::Relaxed) || signal.stop.load(Ordering::Relaxed)
+                };
                 render::render(&exposure, &plan.job, &Watch { progress, cancelled: &cancelled })
             });
             if signal.stop.load(Ordering::Relaxed) {
                 return Err(Stopped);
             }
+            if is_late.into_inner() {
+                return Ok(None);
+            }
             // Where nothing moves, every frame is this one.
             if plan.scene.is_still() {
                 still_frame = Some(picture.clone());
             }
-            Ok(picture)
+            Ok(Some(picture))
         },
-        &|event| progress.report(&event),
+        &|event| {
+            progress.report(&event);
+            stats.report(&event);
+        },
     );
     let summary = rendered.map_err(CliError::from)?;
     let number = signal.number.load(Ordering::Relaxed);
     if summary.stopped && number > 0 {
         return Err(CliError::Signal(number as u8));
+    }
+    stats.finish()?;
+    if !summary.given_up.is_empty() {
+        let frames: Vec<String> = summary.given_up.iter().map(ToString::to_string).collect();
+        let frames = frames.join(",");
+        return Err(CliError::Frame(format!(
+            "error: frames {frames} took longer than --frame-timeout and are not written\n  expected: frames within it\n  \
+             remedy: `--frames {frames}` with a longer time or a larger --tolerance renders them alone"
+        )));
     }
     Ok(())
 }

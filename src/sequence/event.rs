@@ -1,5 +1,5 @@
 //! What happens during a run, for those who watch. Invariant: every frame of the list ends in
-//! exactly one of skipped, written or neither, and the summary counts them.
+//! exactly one of skipped, written, given up or none of them, and the summary counts them.
 
 use crate::render::{Progress, Statistics};
 use std::fmt;
@@ -37,6 +37,13 @@ pub enum Event {
         /// How much of it, and how good it is.
         progress: Progress,
     },
+    /// It took longer than it may; what there was of it before stays.
+    FrameGivenUp {
+        /// The frame.
+        frame: i64,
+        /// How long it was rendered, seconds.
+        seconds: f64,
+    },
     /// It is on the disk.
     FrameWritten {
         /// The frame.
@@ -45,6 +52,8 @@ pub enum Event {
         path: PathBuf,
         /// How long it took to render, seconds.
         seconds: f64,
+        /// How long it took to encode and write, seconds.
+        write_seconds: f64,
         /// Values that were too large for half precision and stored as the largest half.
         clamped: usize,
         /// What it took, and how good it is.
@@ -72,6 +81,8 @@ pub struct Summary {
     pub skipped_valid: usize,
     /// Frames skipped because they have files.
     pub skipped_existing: usize,
+    /// Frames that took longer than they may.
+    pub given_up: Vec<i64>,
     /// Frames not reached because the run was stopped.
     pub not_reached: usize,
     /// How long the run took, seconds.
@@ -108,6 +119,10 @@ impl fmt::Display for Summary {
             if count > 0 {
                 write!(f, "; {count} skipped ({what})")?;
             }
+        }
+        if !self.given_up.is_empty() {
+            let frames: Vec<String> = self.given_up.iter().map(ToString::to_string).collect();
+            write!(f, "; given up, for they took too long: {}", frames.join(", "))?;
         }
         if self.stopped {
             write!(f, "; stopped with {} to go", self.not_reached)?;

@@ -78,7 +78,8 @@ struct Finished {
 /// Renders and writes the frames of a job that are not skipped, in order.
 ///
 /// `provenance` is asked before rendering, for its hashes decide what is skipped. `render` gets a callback for the fraction
-/// done, which it may call from any thread; if it fails after `stop` was set, that counts as stopping. `report` hears
+/// done, which it may call from any thread; if it fails after `stop` was set, that counts as stopping, and without a picture
+/// the frame is given up and the next one begun. `report` hears
 /// of everything and may be called from two threads at once.
 ///
 /// # Errors
@@ -86,7 +87,7 @@ struct Finished {
 pub fn run<E: Send>(
     job: Job<'_>,
     provenance: impl Fn(i64) -> Provenance,
-    mut render: impl FnMut(i64, &(dyn Fn(Progress) + Sync)) -> Result<Rendered, E>,
+    mut render: impl FnMut(i64, &(dyn Fn(Progress) + Sync)) -> Result<Option<Rendered>, E>,
     report: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, SequenceError<E>> {
     let started = Instant::now();
@@ -96,6 +97,7 @@ pub fn run<E: Send>(
         written: 0,
         skipped_valid: 0,
         skipped_existing: 0,
+        given_up: Vec::new(),
         not_reached: 0,
         seconds: 0.0,
         folder: job.output.folder().to_owned(),
@@ -135,7 +137,12 @@ pub fn run<E: Send>(
             report(Event::FrameStarted { frame });
             let frame_started = Instant::now();
             match render(frame, &|progress| report(Event::FrameProgress { frame, progress })) {
-                Ok(rendered) => {
+                Ok(None) => {
+                    summary.given_up.push(frame);
+                    let seconds = frame_started.elapsed().as_secs_f64();
+                    report(Event::FrameGivenUp { frame, seconds });
+                }
+                Ok(Some(rendered)) => {
                     let seconds = frame_started.elapsed().as_secs_f64();
                     // Refused only by a writer that has failed; its error is the one to tell.
                     if to_writer.send(Finished { frame, rendered, provenance, seconds }).is_err() {
@@ -154,7 +161,7 @@ pub fn run<E: Send>(
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         render_error.map_or(Ok(written), Err)
     })?;
-    let done = summary.written + summary.skipped_valid + summary.skipped_existing;
+    let done = summary.written + summary.skipped_valid + summary.skipped_existing + summary.given_up.len();
     summary.not_reached = frames.len() - done;
     summary.stopped = summary.not_reached > 0;
     summary.seconds = started.elapsed().as_secs_f64();
@@ -183,6 +190,7 @@ fn write_all<E>(
         if defects.are_fatal() {
             return Err(SequenceError::Defective { frame, defects });
         }
+        let write_started = Instant::now();
         let path = job.output.path(frame);
         let write_error = |source| SequenceError::Write { frame, source };
         frame_file::write(&path, &picture, &provenance).map_err(write_error)?;
@@ -192,7 +200,8 @@ fn write_all<E>(
         }
         written += 1;
         let clamped = defects.clamped.count;
-        report(Event::FrameWritten { frame, path, seconds, clamped, statistics });
+        let write_seconds = write_started.elapsed().as_secs_f64();
+        report(Event::FrameWritten { frame, path, seconds, write_seconds, clamped, statistics });
     }
     Ok(written)
 }

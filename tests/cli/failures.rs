@@ -8,6 +8,7 @@ use std::process::Command;
 const USAGE: i32 = 2;
 const SCENE: i32 = 3;
 const INPUT_OUTPUT: i32 = 4;
+const FRAME: i32 = 5;
 
 fn assert_helps(message: &str, parts: &[&str]) {
     for part in parts.iter().chain(&["error: ", "expected", "remedy: "]) {
@@ -30,6 +31,8 @@ fn command_lines_that_make_no_sense_are_refused() {
         "render tiny.ron --tolerance 0",
         "render tiny.ron --tolerance 2",
         "render tiny.ron --tolerance nan",
+        "render tiny.ron --frame-timeout 0",
+        "render tiny.ron --frame-timeout inf",
         "render tiny.ron --threads 0",
         "render tiny.ron --seed -1",
         "render tiny.ron --fps 0",
@@ -96,6 +99,27 @@ fn places_that_cannot_be_written_to_are_named() {
     let message = studio.fail("render tiny.ron --frames 1 --out scene.ron/below/", INPUT_OUTPUT);
     assert_helps(&message, &["frame 1", "scene.ron/below", "--out"]);
     assert_eq!(studio.names("."), ["scene.ron", "tiny.ron"]);
+}
+
+#[test]
+fn a_frame_that_takes_too_long_is_given_up() {
+    let studio = Studio::new();
+    let line = "render tiny.ron --frames 1-2 --samples 2048 --size 320x180 --frame-timeout 0.02 --out a/ --stats stats.jsonl";
+    assert_helps(&studio.fail(line, FRAME), &["frames 1,2", "--frame-timeout", "given up after"]);
+    assert_eq!(studio.names("a"), [""; 0]);
+    let stats = String::from_utf8(studio.bytes("stats.jsonl")).unwrap();
+    let lines: Vec<serde_json::Value> =
+        stats.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 2);
+    assert!(lines.iter().all(|line| line["outcome"] == "given up"), "{stats}");
+}
+
+#[test]
+fn statistics_that_cannot_be_written_are_refused_before_anything_is_rendered() {
+    let studio = Studio::new();
+    let message = studio.fail("render tiny.ron --frames 1 --stats nowhere/stats.jsonl", INPUT_OUTPUT);
+    assert_helps(&message, &["nowhere/stats.jsonl", "--stats"]);
+    assert_eq!(studio.names("out"), [""; 0]);
 }
 
 /// The limit of a file's size stands in for the end of a disk.

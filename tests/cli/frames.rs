@@ -234,6 +234,22 @@ fn progress_for_programs_is_json() {
 }
 
 #[test]
+fn statistics_are_a_line_a_frame() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 2 --out a/");
+    studio.succeed("render tiny.ron --frames 1-2 --tolerance 0.2 --out a/ --skip exists --stats stats.jsonl");
+    let stats = String::from_utf8(studio.bytes("stats.jsonl")).unwrap();
+    let lines: Vec<Value> = stats.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let line = |frame: i64| lines.iter().find(|line| line["frame"] == frame).unwrap();
+    assert_eq!(line(2)["outcome"], "skipped");
+    let written = line(1);
+    assert_eq!((&written["outcome"], &written["blocks"]), (&"written".into(), &12.into()), "4 x 3 blocks");
+    assert!(written["samples"].as_u64().unwrap() >= 4 * 32 * 18 * 9 / 10, "{written}");
+    assert!(written["error"].as_f64().unwrap() <= 0.2, "{written}");
+    assert!(["snapshot_seconds", "render_seconds", "write_seconds"].iter().all(|key| written[key].is_f64()));
+}
+
+#[test]
 fn previews_lie_beside_the_frames() {
     let studio = Studio::new();
     studio.succeed("render tiny.ron --frames 1 --size 8x4 --out a/ --preview png");

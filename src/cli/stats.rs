@@ -1,0 +1,98 @@
+//! What each frame took, for those who plan render farms. In go the events of a run, out come
+//! lines of JSON. Invariant: a frame's line is in the file once the frame is on the disk.
+
+use super::CliError;
+use crate::render::Statistics;
+use crate::sequence::Event;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// The file of `--stats`, if there is one.
+pub(super) struct Stats {
+    path: PathBuf,
+    state: Option<Mutex<State>>,
+}
+
+struct State {
+    file: File,
+    /// How long frames took to be frozen, until their line is written.
+    snapshot_seconds: HashMap<i64, f64>,
+    problem: Option<std::io::Error>,
+}
+
+impl Stats {
+    /// Starts the file over; without a path nothing is kept.
+    pub(super) fn new(path: Option<&Path>) -> Result<Self, CliError> {
+        let path = path.map_or_else(PathBuf::new, Path::to_owned);
+        let state = match path.as_os_str().is_empty() {
+            true => None,
+            false => {
+                let file = File::create(&path).map_err(|error| failure(&path, &error))?;
+                Some(Mutex::new(State { file, snapshot_seconds: HashMap::new(), problem: None }))
+            }
+        };
+        Ok(Self { path, state })
+    }
+
+    /// How long it took to find what a frame shows, before any of it was rendered.
+    pub(super) fn snapshot_took(&self, frame: i64, seconds: f64) {
+        if let Some(state) = &self.state {
+            let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+            state.snapshot_seconds.insert(frame, seconds);
+        }
+    }
+
+    /// Writes a line if a frame is done with. May be called from any thread.
+    pub(super) fn report(&self, event: &Event) {
+        let Some(state) = &self.state else { return };
+        let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(mut line) = line(event) else { return };
+        if let Some(seconds) = line["frame"].as_i64().and_then(|frame| state.snapshot_seconds.remove(&frame))
+        {
+            line["snapshot_seconds"] = json!(seconds);
+        }
+        if let Err(error) = writeln!(state.file, "{line}") {
+            state.problem.get_or_insert(error);
+        }
+    }
+
+    /// Says whether all of it was written.
+    pub(super) fn finish(self) -> Result<(), CliError> {
+        let state = self.state.map(|state| state.into_inner().unwrap_or_else(PoisonError::into_inner));
+        match state.and_then(|state| state.problem) {
+            Some(error) => Err(failure(&self.path, &error)),
+            None => Ok(()),
+        }
+    }
+}
+
+fn line(event: &Event) -> Option<Value> {
+    Some(match event {
+        Event::FrameWritten { frame, seconds, write_seconds, clamped, statistics, .. } => {
+            let Statistics { samples, passes, blocks, unconverged_blocks, error } = statistics;
+            json!({
+                "frame": frame, "outcome": "written", "render_seconds": seconds, "write_seconds": write_seconds,
+                "samples": samples, "passes": passes, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
+                "error": error, "clamped": clamped,
+            })
+        }
+        Event::FrameGivenUp { frame, seconds } => {
+            json!({ "frame": frame, "outcome": "given up", "render_seconds": seconds })
+        }
+        Event::FrameSkipped { frame, reason } => {
+            json!({ "frame": frame, "outcome": "skipped", "reason": reason.to_string() })
+        }
+        _ => return None,
+    })
+}
+
+fn failure(path: &Path, error: &std::io::Error) -> CliError {
+    let path = path.display();
+    CliError::InputOutput(format!(
+        "{path}: error: statistics cannot be written: {error}\n  expected: a file in a folder that exists\n  remedy: name another with --stats"
+    ))
+}
