@@ -105,21 +105,25 @@ impl Job {
 
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
-    let survey =
-        if job.is_judged() { Survey::new(exposure.middle(), job) } else { Survey::omitted(job.size) };
+    let middle = exposure.middle();
+    let survey = if job.is_judged() { Survey::new(middle, job) } else { Survey::omitted(middle) };
     let mut sum = Sum::default();
     match job.placement {
         Placement::Slices if slices::can_serve(exposure) => {
-            let lights = exposure.middle().lights.len();
-            for light in 0..lights {
+            let lights = survey.lights.len();
+            // The brightest first: the others are judged by what they add to it.
+            for (number, &light) in survey.lights.iter().enumerate() {
                 let picture = slices::LightPicture { exposure, job, light };
-                let part = (light as f64 / lights as f64, (light + 1) as f64 / lights as f64);
-                sum.add(watch.part(part, None, |watch| develop(&picture, job, &survey, lights, watch)));
+                let part = (number as f64 / lights as f64, (number + 1) as f64 / lights as f64);
+                let others = sum.luminances();
+                let developed =
+                    watch.part(part, None, |watch| develop(&picture, job, &survey, others, watch));
+                sum.add(developed);
             }
         }
         Placement::Slices | Placement::Pixels => {
             let picture = tiles::RayPicture { exposure, job };
-            sum.add(develop(&picture, job, &survey, 1, watch));
+            sum.add(develop(&picture, job, &survey, Vec::new(), watch));
         }
     }
     sum.finish(job, &survey)
@@ -139,21 +143,20 @@ fn camera_ray<'a, 'scene>(
     (snapshot, ray)
 }
 
-/// Renders one of so many pictures that are added up.
+/// Renders a picture that is added to others.
 fn develop(
     picture: &impl passes::Picture,
     job: &Job,
     survey: &Survey,
-    pictures: usize,
+    others: Vec<f64>,
     watch: &Watch,
 ) -> Refined {
     match job.sampling {
         Sampling::Exactly(samples) => refine::once(picture, job, samples, watch),
         Sampling::Until { tolerance, most } => {
             // Errors of independent pictures add in squares.
-            let tolerance = tolerance / (pictures as f64).sqrt();
-            let goal = Goal { tolerance, most, survey, is_part: pictures > 1 };
-            refine::refine(picture, job, &goal, watch)
+            let tolerance = tolerance / (picture.count() as f64).sqrt();
+            refine::refine(picture, job, &Goal { tolerance, most, survey, others }, watch)
         }
     }
 }

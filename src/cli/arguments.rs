@@ -338,13 +338,6 @@ fn parse_tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("expected seconds, more than 0, such as 600 or 1.5".into()),
-    }
-}
-
 /// Frames so far from 0 are a slip of the finger.
 const FARTHEST_FRAME: f64 = 1e9;
 

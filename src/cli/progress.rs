@@ -1,6 +1,7 @@
 //! Events of a run to lines on a terminal, in a log or for a render farm. Invariant: standard
 //! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
 
+use crate::render::Statistics;
 use crate::sequence::{Event, Summary};
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 use serde_json::{Value, json};
@@ -213,7 +214,7 @@ impl State {
                 let path = path.display();
                 format!(
                     "frame {frame} written to {path}, {seconds:.1} s{} ({count}{}){clamping}",
-                    error(statistics.error),
+                    quality(statistics),
                     self.time_left()
                 )
             }
@@ -275,6 +276,16 @@ fn error(error: Option<f64>) -> String {
     error.map_or_else(String::new, |error| format!(", error {:.2} %", 100.0 * error))
 }
 
+/// The same of a finished frame, and how many blocks the tolerance had no samples left for.
+fn quality(statistics: &Statistics) -> String {
+    let Statistics { blocks, unconverged_blocks, .. } = statistics;
+    let above = match unconverged_blocks {
+        0 => String::new(),
+        _ => format!(", {unconverged_blocks} of {blocks} blocks above the tolerance"),
+    };
+    error(statistics.error) + &above
+}
+
 /// Seconds as people say them.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
@@ -290,7 +301,7 @@ fn duration(seconds: f64) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::render::{Progress as RenderProgress, Statistics};
+    use crate::render::Progress as RenderProgress;
     use crate::sequence::SkipReason;
     use std::sync::{Arc, mpsc};
 
@@ -317,7 +328,12 @@ mod tests {
             seconds: 0.5,
             write_seconds: 0.1,
             clamped: 0,
-            statistics: Statistics { error: Some(0.018), ..Statistics::default() },
+            statistics: Statistics {
+                error: Some(0.018),
+                blocks: 9,
+                unconverged_blocks: 2,
+                ..Statistics::default()
+            },
         };
         for event in [
             Event::Started { frames: 4 },
@@ -351,7 +367,7 @@ mod tests {
         let lines = lines(ProgressStyle::Plain);
         assert_eq!(lines.len(), 4, "{lines:#?}");
         assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
-        let start = "frame 2 written to x.2.exr, 0.5 s, error 1.80 % (2 of 4, about ";
+        let start = "frame 2 written to x.2.exr, 0.5 s, error 1.80 %, 2 of 9 blocks above the tolerance (2 of 4, about ";
         assert!(lines[1].starts_with(start), "{}", lines[1]);
         assert_eq!(
             lines[3],

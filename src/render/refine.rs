@@ -33,8 +33,8 @@ pub(super) struct Goal<'a> {
     /// Samples a pixel at which to stop all the same.
     pub(super) most: u32,
     pub(super) survey: &'a Survey,
-    /// True if other lights' pictures are added to this one.
-    pub(super) is_part: bool,
+    /// Luminances, block by block, of the pictures that are added to this one; none if there are none yet.
+    pub(super) others: Vec<f64>,
 }
 
 /// A block's standard error by its brightness; 1 where nothing is known of it.
@@ -92,7 +92,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
 
         let estimates = film.estimates(&blocks);
         let excess = |block: usize| {
-            if goes_on[block] { goal.excess(&estimates[block], corner(block)) } else { 0.0 }
+            if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
         };
         let excess: Vec<f64> = (0..blocks.count()).map(excess).collect();
         for block in 0..blocks.count() {
@@ -114,10 +114,10 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
 }
 
 impl Goal<'_> {
-    /// The error of a block with this corner, in units of the tolerance.
-    fn excess(&self, block: &BlockEstimate, (x, y): (usize, usize)) -> f64 {
-        let others = if self.is_part { self.survey.around(x, y) } else { 0.0 };
-        relative_error(block.variance, block.luminance.max(others), self.survey) / self.tolerance
+    /// The error of a block, in units of the tolerance.
+    fn excess(&self, estimate: &BlockEstimate, block: usize) -> f64 {
+        let others = self.others.get(block).copied().unwrap_or(0.0);
+        relative_error(estimate.variance, estimate.luminance + others, self.survey) / self.tolerance
     }
 }
 

@@ -41,6 +41,10 @@ pub(super) struct LightPicture<'a> {
 }
 
 impl Picture for LightPicture<'_> {
+    fn count(&self) -> usize {
+        self.exposure.middle().lights.len()
+    }
+
     fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
         add_pass(self, pass, film, watch);
     }

@@ -36,6 +36,12 @@ impl Sum {
         self.blocks = Some(blocks);
     }
 
+    /// Luminances of the blocks so far; none before the first picture.
+    pub(super) fn luminances(&self) -> Vec<f64> {
+        let (Some(frame), Some(blocks)) = (&self.frame, &self.blocks) else { return Vec::new() };
+        (0..blocks.count()).map(|block| mean_luminance(frame, blocks, block)).collect()
+    }
+
     pub(super) fn finish(mut self, job: &Job, survey: &Survey) -> Rendered {
         let frame =
             self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());
