@@ -72,7 +72,7 @@ fn the_plot_is_whole_xml_and_has_the_peers() {
         }
     }
     assert!(open.is_empty(), "{open:?} are not closed");
-    for part in ["Cycles 5.0.1", "Mitsuba llvm 3.9.1", "slices"] {
+    for part in ["Cycles 5.0.1", "Mitsuba scalar 3.9.1", "slices"] {
         assert!(svg.contains(part), "{part}");
     }
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
