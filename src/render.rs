@@ -2,6 +2,7 @@
 //! Invariant: every picture is a pure function of (exposure, job), so neither the number of threads
 //! nor their order reaches it.
 
+mod choice;
 mod draws;
 mod lattice;
 mod passes;
@@ -16,6 +17,7 @@ use crate::math::{Ray, Sampler};
 use crate::scene::{Pass, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::Transport;
+pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use refine::{Goal, Refined};
 use sum::Sum;
@@ -45,7 +47,9 @@ pub struct Job {
 pub enum Placement {
     /// In each pixel, each a ray of its own; a single one at the pixel's centre.
     Pixels,
-    /// On epipolar slices, each slice solved as a whole; a picture for each light, added up.
+    /// Whichever of the two is cheaper for the frame: see [`choose`].
+    Auto,
+    /// On epipolar slices, as far as they can serve, each slice solved as a whole; a picture for each light, added up.
     Slices,
 }
 
@@ -108,23 +112,24 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
     let survey = if job.is_judged() { Survey::new(middle, job) } else { Survey::omitted(middle) };
     let mut sum = Sum::default();
-    match job.placement {
-        Placement::Slices if slices::can_serve(exposure) => {
-            let lights = survey.lights.len();
-            // The brightest first: the others are judged by what they add to it.
-            for (number, &light) in survey.lights.iter().enumerate() {
-                let picture = slices::LightPicture { exposure, job, light };
-                let part = (number as f64 / lights as f64, (number + 1) as f64 / lights as f64);
-                let others = sum.luminances();
-                let developed =
-                    watch.part(part, None, |watch| develop(&picture, job, &survey, others, watch));
-                sum.add(developed);
-            }
+    let from_slices = match job.placement {
+        Placement::Auto => choose(exposure).placement == Placement::Slices,
+        Placement::Slices => choice::obstacle(exposure).is_none(),
+        Placement::Pixels => false,
+    };
+    if from_slices {
+        let lights = survey.lights.len();
+        // The brightest first: the others are judged by what they add to it.
+        for (number, &light) in survey.lights.iter().enumerate() {
+            let picture = slices::LightPicture { exposure, job, light };
+            let part = (number as f64 / lights as f64, (number + 1) as f64 / lights as f64);
+            let others = sum.luminances();
+            let developed = watch.part(part, None, |watch| develop(&picture, job, &survey, others, watch));
+            sum.add(developed);
         }
-        Placement::Slices | Placement::Pixels => {
-            let picture = tiles::RayPicture { exposure, job };
-            sum.add(develop(&picture, job, &survey, Vec::new(), watch));
-        }
+    } else {
+        let picture = tiles::RayPicture { exposure, job };
+        sum.add(develop(&picture, job, &survey, Vec::new(), watch));
     }
     sum.finish(job, &survey)
 }

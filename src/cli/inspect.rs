@@ -7,7 +7,9 @@ mod text;
 use super::arguments::InspectArguments;
 use super::{CliError, answer};
 use crate::description;
+use crate::render::{Choice, choose};
 use crate::scene::{self, RenderSettings, Scene};
+use crate::snapshot::{Exposure, MeshTrees, Shutter};
 
 /// An input, resolved.
 struct Inspected {
@@ -15,13 +17,28 @@ struct Inspected {
     scene_hash: String,
     scene: Scene,
     settings: RenderSettings,
+    trees: MeshTrees,
+}
+
+impl Inspected {
+    /// How `--volume auto` renders a frame.
+    fn choice(&self, frame: f64) -> Choice {
+        let Self { scene, settings, .. } = self;
+        let wanted = settings.camera.as_deref();
+        let camera = scene.cameras.iter().position(|camera| wanted == Some(&camera.name)).unwrap_or(0);
+        let aspect = settings.size.width as f64 / settings.size.height as f64;
+        let shutter = Shutter::around(settings.frame_rate, frame, settings.shutter);
+        choose(&Exposure::new(scene, &self.trees, camera, aspect, shutter))
+    }
 }
 
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
     let (scene, settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
-    let inspected = Inspected { input: arguments.input.display().to_string(), scene_hash, scene, settings };
+    let input = arguments.input.display().to_string();
+    let trees = MeshTrees::new(&scene);
+    let inspected = Inspected { input, scene_hash, scene, settings, trees };
     let frames = if arguments.frames.is_empty() {
         vec![*inspected.settings.frames.start() as f64]
     } else {

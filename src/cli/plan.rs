@@ -69,7 +69,8 @@ impl Plan {
                 features: shows_surfaces(&settings.passes),
             },
             placement: match arguments.volume {
-                Volume::Auto | Volume::Slices => Placement::Slices,
+                Volume::Auto => Placement::Auto,
+                Volume::Slices => Placement::Slices,
                 Volume::Segments | Volume::March | Volume::Equiangular => Placement::Pixels,
             },
         };
@@ -83,9 +84,7 @@ impl Plan {
 
     /// When the shutter is open for a frame: centred on it, as in Blender.
     pub(super) fn shutter(&self, frame: i64) -> Shutter {
-        let rate = self.settings.frame_rate;
-        let half = 0.5 * self.settings.shutter;
-        Shutter { open_s: rate.seconds(frame as f64 - half), close_s: rate.seconds(frame as f64 + half) }
+        Shutter::around(self.settings.frame_rate, frame as f64, self.settings.shutter)
     }
 
     /// The camera at a frame.

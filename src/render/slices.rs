@@ -8,7 +8,7 @@ use super::passes::{Fresh, Pass, Picture};
 use super::{Job, Watch, camera_ray};
 use crate::film::Film;
 use crate::math::Sampler;
-use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
+use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, solve};
 use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
@@ -16,18 +16,6 @@ use rayon::prelude::*;
 
 /// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
 const BATCH: usize = 128;
-
-/// Whether slices can render a frame: there must be a light for each picture, none of them at the eye, and no
-/// blended surface: the sweep keeps shadows that are dark.
-pub(super) fn can_serve(exposure: &Exposure) -> bool {
-    let has_slices = |light: &Luminaire| match light.centre() {
-        FrozenLight::Sun { .. } => true,
-        FrozenLight::Point { position, .. } => position.length_squared() > 0.0,
-    };
-    let lights = &exposure.middle().lights;
-    let has_blended = exposure.moments().iter().any(Snapshot::has_blended);
-    !has_blended && !lights.is_empty() && lights.iter().all(has_slices)
-}
 
 /// One light's part of a picture, in passes of a lattice each.
 ///

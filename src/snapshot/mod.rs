@@ -14,7 +14,7 @@ mod surface;
 use crate::accel::{InstanceTree, PlacedMesh};
 use crate::color::Rgb;
 use crate::scattering::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, HeightFalloff, Light, Pass, Scene};
+use crate::scene::{Fog, FogShape, FrameRate, HeightFalloff, Light, Pass, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 
 pub use emission::{Cone, Emission};
@@ -35,6 +35,12 @@ pub struct Shutter {
 }
 
 impl Shutter {
+    /// Open for so many frames, centred on a frame, as in Blender.
+    pub fn around(rate: FrameRate, frame: f64, open_frames: f64) -> Self {
+        let half = 0.5 * open_frames;
+        Self { open_s: rate.seconds(frame - half), close_s: rate.seconds(frame + half) }
+    }
+
     /// The moment that a picture without motion blur shows.
     pub fn middle_s(self) -> f64 {
         0.5 * (self.open_s + self.close_s)

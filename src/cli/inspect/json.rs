@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
-    let Inspected { input, scene_hash, scene, settings } = inspected;
+    let Inspected { input, scene_hash, scene, settings, .. } = inspected;
     let rate = settings.frame_rate;
     let (samples, tolerance) = match settings.sampling {
         Sampling::Exactly(samples) => (samples, None),
@@ -93,6 +93,7 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
     json!({
         "frame": frame,
         "seconds": seconds,
+        "method": inspected.choice(frame).to_string(),
         "nodes": by_name(nodes),
         "camera": camera,
         "lights": by_name(lights),

@@ -21,7 +21,7 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
 }
 
 fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::Result {
-    let Inspected { input, scene_hash, scene, settings } = inspected;
+    let Inspected { input, scene_hash, scene, settings, .. } = inspected;
     let rate = settings.frame_rate;
     writeln!(out, "{input}: `{}`, content {}", settings.name, &scene_hash[..12])?;
     let (first, last) = (*settings.frames.start(), *settings.frames.end());
@@ -54,6 +54,9 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
         write_frame(out, inspected, frame)?;
     }
     writeln!(out, "  method     exact: every light's visibility along every ray is found from the geometry")?;
+    for &frame in frames {
+        writeln!(out, "             frame {frame} by {}", inspected.choice(frame))?;
+    }
     write_skips(out, inspected)?;
     if scene.remarks.0.is_empty() {
         writeln!(out, "  remarks    none: everything that the input asks for is honoured")?;

@@ -1,0 +1,161 @@
+//! Whether a frame is rendered from slices or by rays, and why. In goes an exposure, out comes the
+//! cheaper of the ways that can serve. Invariant: the choice depends on the scene at that frame alone,
+//! never on a crop, a clock or a number of threads, so that a part of a picture is a part of the whole.
+
+use super::Placement;
+use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
+use std::fmt;
+
+/// What a sample costs, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on
+/// leaves500 (2026-11-21, 2 virtual cores of an AMD EPYC). In a denser scene all but the slices cost more.
+mod cost {
+    /// Of one light's slices, with fog or without, primary visibility included.
+    pub(super) const SLICES: f64 = 1.3;
+    /// Of one light on the surface that a ray meets.
+    pub(super) const DIRECT: f64 = 0.8;
+    /// Of one light in the fog along a ray.
+    pub(super) const SHAFTS: f64 = 32.0;
+}
+
+/// The way that a frame takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// [`Placement::Slices`] or [`Placement::Pixels`].
+    pub placement: Placement,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why a way is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reason {
+    /// There is no light that slices could be laid through.
+    NoLight,
+    /// A light at the camera has no slices.
+    LightAtCamera,
+    /// Slices keep shadows that are dark, and something lets part of the light through.
+    Blended,
+    /// Both can serve, at this cost a sample, in primary rays.
+    Cost {
+        /// From slices.
+        slices: f64,
+        /// By rays.
+        rays: f64,
+    },
+}
+
+/// The way that `--volume auto` takes.
+pub fn choose(exposure: &Exposure) -> Choice {
+    let snapshot = exposure.middle();
+    let reason = obstacle(exposure).unwrap_or_else(|| {
+        let lights = snapshot.lights.len() as f64;
+        let shafts = if snapshot.medium.is_empty() { 0.0 } else { cost::SHAFTS };
+        Reason::Cost { slices: lights * cost::SLICES, rays: 1.0 + lights * (cost::DIRECT + shafts) }
+    });
+    let placement = match reason {
+        Reason::Cost { slices, rays } if slices <= rays => Placement::Slices,
+        _ => Placement::Pixels,
+    };
+    Choice { placement, reason }
+}
+
+/// Why slices cannot render a frame, if they cannot: there must be a light for each picture, none of
+/// them at the eye, and no blended surface.
+pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
+    let at_camera = |light: &Luminaire| match light.centre() {
+        FrozenLight::Sun { .. } => false,
+        FrozenLight::Point { position, .. } => position.length_squared() == 0.0,
+    };
+    let lights = &exposure.middle().lights;
+    if lights.is_empty() {
+        Some(Reason::NoLight)
+    } else if lights.iter().any(at_camera) {
+        Some(Reason::LightAtCamera)
+    } else if exposure.moments().iter().any(Snapshot::has_blended) {
+        Some(Reason::Blended)
+    } else {
+        None
+    }
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let way = if self.placement == Placement::Slices { "slices" } else { "rays" };
+        match self.reason {
+            Reason::NoLight => write!(f, "{way}: there is no light"),
+            Reason::LightAtCamera => write!(f, "{way}: a light is at the camera"),
+            Reason::Blended => write!(f, "{way}: a surface lets part of the light through"),
+            Reason::Cost { slices, rays } => {
+                write!(
+                    f,
+                    "{way}: a sample costs about {slices:.1} primary rays from slices, {rays:.1} by rays"
+                )
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::scene::{Camera, Fog, FogShape, Lens, Light, LightKind, Motion, Node, Scene, Track};
+    use crate::snapshot::{MeshTrees, Shutter};
+    use glam::{DAffine3, DVec3};
+
+    fn chosen(suns: usize, lamp: Option<DVec3>, fog: bool) -> Choice {
+        let mut scene = Scene::default();
+        let node = |scene: &mut Scene, place: DVec3| {
+            let motion = Motion::Still(DAffine3::from_translation(place));
+            scene.nodes.push(Node { name: String::new(), parent: None, motion, visible: Track::from(true) });
+            scene.nodes.len() - 1
+        };
+        let eye = node(&mut scene, DVec3::ZERO);
+        let lens = Lens::Perspective { fov_y: Track::from(1.0) };
+        scene.cameras.push(Camera { name: String::new(), node: eye, lens, aperture: None });
+        let light = |scene: &mut Scene, place: DVec3, kind: LightKind| {
+            let node = node(scene, place);
+            scene.lights.push(Light { name: String::new(), node, power: Track::from(Rgb::ONE), kind });
+        };
+        for _ in 0..suns {
+            light(&mut scene, DVec3::ZERO, LightKind::Sun);
+        }
+        if let Some(place) = lamp {
+            light(&mut scene, place, LightKind::Point);
+        }
+        if fog {
+            scene.fogs.push(Fog {
+                name: String::new(),
+                node: eye,
+                shape: FogShape::EvenBox,
+                density_per_m: Track::from(Rgb::splat(0.1)),
+                albedo: Track::from(Rgb::ONE),
+                anisotropy: Track::from(0.0),
+            });
+        }
+        let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+        choose(&Exposure::new(&scene, &MeshTrees::new(&scene), 0, 1.0, shutter))
+    }
+
+    #[test]
+    fn fog_wants_slices_however_many_lights() {
+        for suns in [1, 8, 64] {
+            assert_eq!(chosen(suns, None, true).placement, Placement::Slices);
+        }
+    }
+
+    #[test]
+    fn many_lights_without_fog_want_rays() {
+        assert_eq!(chosen(1, None, false).placement, Placement::Slices);
+        assert_eq!(chosen(8, None, false).placement, Placement::Pixels);
+    }
+
+    #[test]
+    fn obstacles_are_named() {
+        assert_eq!(chosen(0, None, true).reason, Reason::NoLight);
+        assert_eq!(chosen(1, Some(DVec3::ZERO), true).reason, Reason::LightAtCamera);
+        assert_eq!(chosen(0, Some(DVec3::X), true).placement, Placement::Slices);
+        let said = chosen(1, Some(DVec3::ZERO), true).to_string();
+        assert_eq!(said, "rays: a light is at the camera");
+    }
+}
