@@ -8,6 +8,7 @@ mod ray_scenes;
 mod rays;
 mod shafts;
 mod slices;
+mod streaks;
 
 fn main() {
     // Cargo adds `--bench`.
@@ -18,12 +19,16 @@ fn main() {
         Some("rays") => rays::run(count(7) as usize),
         Some("segments") => lit_segments::run(count(2000) as u32),
         Some("shafts") => shafts::run(count(3) as usize),
+        Some("streaks") => streaks::run(),
+        Some("bias") => streaks::run_bias(count(32) as u32),
         Some("slices") => slices::run(count(3) as usize),
         _ => {
+            println!("bias [seeds]      means of pictures of few samples against the per-ray method");
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
             println!("rays [rounds]     time of a ray and of a shadow query, one thread");
             println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
             println!("slices [rounds]   whole pictures: time and error against the reference");
+            println!("streaks           correlation of the error along slices and across them");
             println!("segments [rays]   lit segments against brute force in double precision");
         }
     }
