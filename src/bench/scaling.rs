@@ -15,6 +15,9 @@ use std::time::Instant;
 /// The golden angle: lights turned by it never stand behind one another.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
+/// How many times the longest picture a point may take with all that comes before it.
+const PATIENCE: f64 = 20.0;
+
 /// What is measured, and how long it may take.
 pub struct ScalingPlan<'a> {
     /// The scene to start from.
@@ -147,12 +150,17 @@ pub fn measure(plan: &ScalingPlan, quantity: Quantity) -> Growth {
 /// Times of each rung in turn, as long as the next one is expected in time.
 fn ladder_of(plan: &ScalingPlan, ladder: &[f64], mut time_s: impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = Vec::new();
+    let mut whole_s = 0.0;
     for &value in ladder {
-        let expected_s = points.last().map_or(0.0, |&(before, seconds)| seconds * (value / before).max(1.0));
-        if expected_s > plan.longest_s {
+        let ratio = points.last().map_or(1.0, |&(before, _)| (value / before).max(1.0));
+        let expected_s = points.last().map_or(0.0, |&(_, seconds)| seconds * ratio);
+        // Making the scene may take longer than its picture.
+        if expected_s > plan.longest_s || whole_s * ratio > PATIENCE * plan.longest_s {
             break;
         }
+        let started = Instant::now();
         points.push((value, time_s(value)));
+        whole_s = started.elapsed().as_secs_f64();
     }
     for _ in 1..plan.rounds {
         for (value, least_s) in &mut points {
