@@ -21,13 +21,15 @@ fn main() {
         Some("shafts") => shafts::run(count(3) as usize),
         Some("streaks") => streaks::run(),
         Some("bias") => streaks::run_bias(count(32) as u32),
+        Some("canopy") => slices::run_canopy(count(3) as usize),
         Some("slices") => slices::run(count(3) as usize),
         _ => {
             println!("bias [seeds]      means of pictures of few samples against the per-ray method");
+            println!("canopy [rounds]   whole pictures of 20,000 leaves by slices: time and error");
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
             println!("rays [rounds]     time of a ray and of a shadow query, one thread");
             println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
-            println!("slices [rounds]   whole pictures: time and error against the reference");
+            println!("slices [rounds]   whole pictures of 500 leaves: time and error, threads");
             println!("streaks           correlation of the error along slices and across them");
             println!("segments [rays]   lit segments against brute force in double precision");
         }

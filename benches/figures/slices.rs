@@ -1,56 +1,152 @@
-//! Whole pictures by slices: time and error against the converged reference, one thread.
+//! Whole pictures by slices: time and error against a converged reference.
 
 use crate::inputs;
+use cpu_time::ProcessTime;
 use std::path::Path;
 use std::time::Instant;
-use sunfleck::frame_file::{self, compare, net_rmse};
+use sunfleck::description;
+use sunfleck::film::Frame;
+use sunfleck::frame_file::{self, Errors, compare, net_rmse};
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{Sampling, Size, Window};
+use sunfleck::scene::{self, Sampling, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
 
-/// Root mean square of the reference's standard error (tests/data/leaves500/README.md).
-const REFERENCE_NOISE: f64 = 0.00143;
+const SIZE: Size = Size { width: 480, height: 270 };
 
-/// Prints a row for each number of samples a pixel; the median of `rounds` counts.
+/// The errors whose price is quoted.
+const TARGETS: [f64; 2] = [0.02, 0.01];
+
+/// leaves500: a row for each number of samples a pixel, the fastest of `rounds` counts; then what a
+/// second thread gains.
 pub fn run(rounds: usize) {
+    /// Root mean square of the reference's standard error (tests/data/leaves500/README.md).
+    const REFERENCE_NOISE: f64 = 0.00143;
     let scene = inputs::load("leaves500/leaves500.glb");
+    let trees = MeshTrees::new(&scene);
+    let exposure = Exposure::new(&scene, &trees, 0, aspect(), INSTANT);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/box.exr");
     let reference = frame_file::read(&path).expect("a good file").frame;
-    let size = Size { width: 480, height: 270 };
+    println!("leaves500, {} x {}, one thread", SIZE.width, SIZE.height);
+    table(&exposure, &reference, REFERENCE_NOISE, &[1, 2, 4, 8, 16, 32, 64], Placement::Slices, rounds);
+    threads(&exposure, rounds);
+    println!("\nthe same by the per-ray method");
+    table(&exposure, &reference, REFERENCE_NOISE, &[4, 8, 16], Placement::Pixels, 1);
+}
+
+/// canopy20k, against two converged pictures by slices of their own: the mean of the two is the
+/// reference, half their difference its noise.
+pub fn run_canopy(rounds: usize) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/canopy20k/scene.ron");
+    let mut fastest = f64::INFINITY;
+    for _ in 0..rounds {
+        let started = Instant::now();
+        let description = description::load(&path).expect("a good file");
+        let scene = scene::resolve(description, None).expect("a good scene").0;
+        let trees = MeshTrees::new(&scene);
+        let _ = Exposure::new(&scene, &trees, 0, aspect(), INSTANT);
+        fastest = fastest.min(started.elapsed().as_secs_f64());
+    }
+    println!("canopy20k, {} x {}, one thread; loaded and built in {fastest:.3} s", SIZE.width, SIZE.height);
+    let scene = inputs::load("canopy20k/scene.ron");
     let trees = MeshTrees::new(&scene);
-    let instant = Shutter { open_s: 0.0, close_s: 0.0 };
-    let exposure = Exposure::new(&scene, &trees, 0, 480.0 / 270.0, instant);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    println!("leaves500, {} x {}, one thread, median of {rounds} rounds", size.width, size.height);
-    println!("{:<10} {:>8} {:>10} {:>12} {:>12}", "method", "samples", "seconds", "net RMSE", "mean ratio");
-    for samples in [1, 2, 4, 8, 16, 32, 64] {
-        for (name, placement) in [("slices", Placement::Slices), ("segments", Placement::Pixels)] {
-            // Segments take many times as long: a few rows tell.
-            if placement == Placement::Pixels && samples > 16 {
-                continue;
-            }
-            let transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false };
-            let window = Window::whole(size);
-            let sampling = Sampling::Exactly(samples);
-            let job = Job { size, window, passes: vec![], sampling, seed: 0, transport, placement };
-            let mut times = Vec::new();
-            let mut frame = None;
-            for _ in 0..rounds {
-                let started = Instant::now();
-                frame = Some(pool.install(|| render(&exposure, &job, &Watch::NOBODY).frame));
-                times.push(started.elapsed().as_secs_f64());
-            }
-            times.sort_unstable_by(f64::total_cmp);
-            let color =
-                frame.and_then(|frame| compare(&frame, &reference).ok()).and_then(|found| found.color);
-            let color = color.expect("the same size");
-            println!(
-                "{name:<10} {samples:>8} {:>10.3} {:>12.5} {:>12.6}",
-                times[times.len() / 2],
-                net_rmse(color.rmse, REFERENCE_NOISE),
-                color.mean_ratio
-            );
+    let exposure = Exposure::new(&scene, &trees, 0, aspect(), INSTANT);
+    let [one, two] =
+        [1, 2].map(|seed| render(&exposure, &job(512, seed, Placement::Slices), &Watch::NOBODY).frame);
+    let noise = 0.5 * difference(&one, &two).rmse;
+    let reference = mean(one, &two);
+    println!("the reference is the mean of two pictures of 512 samples; its noise is {noise:.5}");
+    table(&exposure, &reference, noise, &[1, 2, 4, 8, 16, 32], Placement::Slices, rounds);
+}
+
+/// Prints CPU time and error for each number of samples, and the time to the targets in between.
+fn table(
+    exposure: &Exposure,
+    reference: &Frame,
+    reference_noise: f64,
+    samples: &[u32],
+    placement: Placement,
+    rounds: usize,
+) {
+    println!("{:>8} {:>10} {:>12} {:>12}", "samples", "CPU s", "net RMSE", "mean ratio");
+    let pool = pool(1);
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    for &samples in samples {
+        let job = job(samples, 0, placement);
+        let (seconds, frame) =
+            fastest(rounds, || pool.install(|| render(exposure, &job, &Watch::NOBODY).frame));
+        let found = difference(&frame, reference);
+        let error = net_rmse(found.rmse, reference_noise);
+        println!("{samples:>8} {seconds:>10.3} {error:>12.5} {:>12.6}", found.mean_ratio);
+        rows.push((seconds, error));
+    }
+    for target in TARGETS {
+        let crossed = rows.windows(2).find(|pair| pair[0].1 >= target && target > pair[1].1);
+        let Some(&[(t0, e0), (t1, e1)]) = crossed.and_then(|pair| pair.first_chunk::<2>()) else { continue };
+        // A straight line between the two rows, both axes logarithmic.
+        let seconds = t0 * (t1 / t0).powf((target / e0).ln() / (e1 / e0).ln());
+        println!("net RMSE {target} in {seconds:.3} CPU s");
+    }
+}
+
+/// Wall clock of one thread and of two, in turns.
+fn threads(exposure: &Exposure, rounds: usize) {
+    let job = job(16, 0, Placement::Slices);
+    let pools = [pool(1), pool(2)];
+    let mut fastest = [f64::INFINITY; 2];
+    for _ in 0..rounds {
+        for (pool, fastest) in pools.iter().zip(&mut fastest) {
+            let started = Instant::now();
+            pool.install(|| render(exposure, &job, &Watch::NOBODY).frame);
+            *fastest = fastest.min(started.elapsed().as_secs_f64());
         }
     }
+    println!("16 samples in one thread: {:.3} s, in two: {:.3} s", fastest[0], fastest[1]);
+}
+
+const INSTANT: Shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+
+fn aspect() -> f64 {
+    SIZE.width as f64 / SIZE.height as f64
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
+}
+
+fn job(samples: u32, seed: u32, placement: Placement) -> Job {
+    let transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false };
+    Job {
+        size: SIZE,
+        window: Window::whole(SIZE),
+        passes: vec![],
+        sampling: Sampling::Exactly(samples),
+        seed,
+        transport,
+        placement,
+    }
+}
+
+fn fastest(rounds: usize, render: impl Fn() -> Frame) -> (f64, Frame) {
+    let mut seconds = f64::INFINITY;
+    let mut frame = None;
+    for _ in 0..rounds.max(1) {
+        let started = ProcessTime::now();
+        frame = Some(render());
+        seconds = seconds.min(started.elapsed().as_secs_f64());
+    }
+    (seconds, frame.expect("at least one round"))
+}
+
+fn difference(frame: &Frame, reference: &Frame) -> Errors {
+    compare(frame, reference).ok().and_then(|found| found.color).expect("the same size")
+}
+
+fn mean(mut one: Frame, two: &Frame) -> Frame {
+    for (a, b) in one.channels.iter_mut().zip(&two.channels) {
+        for (a, b) in a.pixels.iter_mut().zip(&b.pixels) {
+            *a = 0.5 * (*a + *b);
+        }
+    }
+    one
 }
