@@ -9,51 +9,45 @@ mod frame;
 mod holes;
 mod mask;
 mod pass_layout;
+mod splats;
 
-use crate::color::luminance;
 use crate::scene::{Pass, Size, Window};
 use crate::transport::Sample;
-use pass_layout::{PixelRule, layout, value};
+use pass_layout::layout;
+use rayon::prelude::*;
+use splats::{BEAUTY, Band, KeptPasses, SplatPlace};
 
 pub use blocks::{BLOCK_SIDE, Blocks};
 pub use estimate::BlockEstimate;
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 pub use mask::Mask;
-
-/// Names of the beauty's channels, in the order of the sums.
-const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
+pub use splats::Splats;
 
 /// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.
 #[derive(Clone, Debug)]
 pub struct Film {
     full: Size,
     window: Window,
-    mean_passes: Vec<Pass>,
-    nearest_passes: Vec<Pass>,
+    passes: KeptPasses,
     /// A pixel's sum of weights; 0 is a pixel without a sample.
     weights: Vec<f64>,
-    /// A pixel's weighted sums: red, green, blue, alpha, then three for each of `mean_passes`.
+    /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
     sums: Vec<f64>,
     /// Of these, what the fresh half of a pixel's samples gave: weight, and weighted luminance.
     fresh: Vec<[f64; 2]>,
-    /// How far from the pixel's centre its nearest sample lies. Empty without `nearest_passes`.
-    nearest_distances_px: Vec<f64>,
-    /// What that sample showed: the channels of `nearest_passes`, pixel by pixel.
+    /// How far from the pixel's centre its nearest sample lies.
+    nearest_distances_px: Vec<f32>,
+    /// What that sample showed: the channels of the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
 }
 
 impl Film {
     /// An empty film for `window` of a picture of size `full`. Passes not asked for take no memory.
     pub fn new(full: Size, window: Window, passes: &[Pass]) -> Self {
-        let mut wanted = passes.to_vec();
-        wanted.sort_unstable();
-        wanted.dedup();
-        let (mean_passes, nearest_passes): (Vec<Pass>, Vec<Pass>) = wanted
-            .into_iter()
-            .filter(|&pass| layout(pass).rule != PixelRule::Estimate)
-            .partition(|&pass| layout(pass).rule == PixelRule::Mean);
+        let passes = KeptPasses::new(passes);
         let pixels = window.width * window.height;
-        let background: Vec<f32> = nearest_passes
+        let background: Vec<f32> = passes
+            .nearest
             .iter()
             .map(|&pass| layout(pass))
             .flat_map(|layout| std::iter::repeat_n(layout.background, layout.channels.len()))
@@ -62,12 +56,11 @@ impl Film {
             full,
             window,
             weights: vec![0.0; pixels],
-            sums: vec![0.0; pixels * (BEAUTY.len() + 3 * mean_passes.len())],
+            sums: vec![0.0; pixels * passes.mean_channels()],
             fresh: vec![[0.0; 2]; pixels],
-            nearest_distances_px: vec![f64::INFINITY; if nearest_passes.is_empty() { 0 } else { pixels }],
+            nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
-            mean_passes,
-            nearest_passes,
+            passes,
         }
     }
 
@@ -81,35 +74,7 @@ impl Film {
     /// `weight` is the sample's share of the pixel in any unit, such as the area that it stands for, 0 or more;
     /// `distance_from_centre_px` decides which sample the data passes show: the nearest, of equal ones the first.
     pub fn add(&mut self, x: usize, y: usize, weight: f64, distance_from_centre_px: f64, sample: &Sample) {
-        let Some(pixel) = self.window.index(x, y) else { return };
-        self.weights[pixel] += weight;
-        let stride = self.stride();
-        let sums = &mut self.sums[pixel * stride..(pixel + 1) * stride];
-        let (beauty, passes) = sums.split_at_mut(BEAUTY.len());
-        for (sum, value) in
-            beauty.iter_mut().zip([sample.radiance.x, sample.radiance.y, sample.radiance.z, sample.alpha])
-        {
-            *sum += weight * value;
-        }
-        for (sums, &pass) in passes.chunks_exact_mut(3).zip(&self.mean_passes) {
-            for (sum, value) in sums.iter_mut().zip(value(pass, sample).to_array()) {
-                *sum += weight * value;
-            }
-        }
-        if self.nearest_distances_px.get(pixel).is_some_and(|&nearest| distance_from_centre_px < nearest) {
-            self.nearest_distances_px[pixel] = distance_from_centre_px;
-            let mut channel = pixel * self.nearest_channels();
-            for &pass in &self.nearest_passes {
-                let count = layout(pass).channels.len();
-                for (stored, value) in self.nearest_values[channel..channel + count]
-                    .iter_mut()
-                    .zip(value(pass, sample).to_array())
-                {
-                    *stored = value as f32;
-                }
-                channel += count;
-            }
-        }
+        self.add_to_half(false, x, y, weight, distance_from_centre_px, sample);
     }
 
     /// The same with a sample of the fresh half, by which [`Film::estimates`] judges what was known without it.
@@ -121,11 +86,24 @@ impl Film {
         distance_from_centre_px: f64,
         sample: &Sample,
     ) {
-        self.add(x, y, weight, distance_from_centre_px, sample);
-        if let Some(pixel) = self.window.index(x, y) {
-            let [fresh, sum] = &mut self.fresh[pixel];
-            *fresh += weight;
-            *sum += weight * luminance(sample.radiance);
+        self.add_to_half(true, x, y, weight, distance_from_centre_px, sample);
+    }
+
+    fn add_to_half(
+        &mut self,
+        is_fresh: bool,
+        x: usize,
+        y: usize,
+        weight: f64,
+        distance_from_centre_px: f64,
+        sample: &Sample,
+    ) {
+        let Some(pixel) = self.window.index(x, y) else { return };
+        let place =
+            SplatPlace { weight, pixel: pixel as u32, from_centre_px: distance_from_centre_px as f32 };
+        let (packed, count) = self.passes.pack(sample);
+        for mut whole in self.bands(self.weights.len()) {
+            whole.add(is_fresh, &place, &packed[..count]);
         }
     }
 
@@ -134,18 +112,54 @@ impl Film {
         self.fresh.fill([0.0; 2]);
     }
 
+    /// An empty list of samples for this film.
+    pub fn splats(&self) -> Splats {
+        Splats::new(self.window, self.passes.clone())
+    }
+
+    /// Adds lists of samples, each as if by [`Film::add`] or [`Film::add_fresh`], in all threads of the current pool.
+    pub fn add_all(&mut self, lists: &[Splats]) {
+        let pixels = self.weights.len().div_ceil(rayon::current_num_threads());
+        let bands: Vec<Band> = self.bands(pixels).collect();
+        // Every band looks through all samples and takes its own: a pixel gets them in their order.
+        bands.into_par_iter().for_each(|mut band| {
+            for splats in lists {
+                for (place, values) in splats.iter() {
+                    if band.holds(place) {
+                        band.add(splats.is_fresh, place, values);
+                    }
+                }
+            }
+        });
+    }
+
+    /// The film, cut into parts of so many pixels.
+    fn bands(&mut self, pixels: usize) -> impl Iterator<Item = Band<'_>> {
+        let pixels = pixels.max(1);
+        let (channels, nearest_channels) = (self.passes.mean_channels(), self.passes.nearest_channels());
+        let mut distances = self.nearest_distances_px.chunks_mut(pixels);
+        let mut nearest = self.nearest_values.chunks_mut((pixels * nearest_channels).max(1));
+        let sums = self.sums.chunks_mut(pixels * channels);
+        let fresh = self.fresh.chunks_mut(pixels);
+        let parts = self.weights.chunks_mut(pixels).zip(sums).zip(fresh).enumerate();
+        parts.map(move |(index, ((weights, sums), fresh))| Band {
+            first_pixel: index * pixels,
+            weights,
+            sums,
+            fresh,
+            nearest_distances_px: distances.next().unwrap_or_default(),
+            nearest_values: nearest.next().unwrap_or_default(),
+        })
+    }
+
     /// Adds what another film of the same picture and the same passes has gathered, such as a tile or a stack of slices.
     ///
     /// Where the two overlap the order of pasting decides the rounding of the sums and, between samples equally near
     /// to a pixel's centre, which one the data passes show: paste in a fixed order.
     pub fn paste(&mut self, part: &Self) {
-        debug_assert_eq!(self.mean_passes, part.mean_passes, "parts of one picture have the same passes");
-        debug_assert_eq!(
-            self.nearest_passes, part.nearest_passes,
-            "parts of one picture have the same passes"
-        );
+        debug_assert_eq!(self.passes, part.passes, "parts of one picture have the same passes");
         let stride = self.stride();
-        let nearest_stride = self.nearest_channels();
+        let nearest_stride = self.passes.nearest_channels();
         for (from, (x, y)) in part.window.pixels().enumerate() {
             let Some(to) = self.window.index(x, y) else { continue };
             self.weights[to] += part.weights[from];
@@ -181,7 +195,7 @@ impl Film {
                 .map(|(&weight, &sum)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 })
                 .collect()
         };
-        let mean_layouts = self.mean_passes.iter().map(|&pass| layout(pass));
+        let mean_layouts = self.passes.mean.iter().map(|&pass| layout(pass));
         let mean_names = BEAUTY.into_iter().map(|name| (name, Precision::Half)).chain(
             mean_layouts.flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision))),
         );
@@ -190,10 +204,10 @@ impl Film {
             .map(|(offset, (name, precision))| Channel::new(name, precision, mean(offset)))
             .collect();
         let mean_channels = channels.len();
-        let nearest_layouts = self.nearest_passes.iter().map(|&pass| layout(pass));
+        let nearest_layouts = self.passes.nearest.iter().map(|&pass| layout(pass));
         let nearest_names = nearest_layouts
             .flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision)));
-        let nearest_stride = self.nearest_channels();
+        let nearest_stride = self.passes.nearest_channels();
         channels.extend(nearest_names.enumerate().map(|(offset, (name, precision))| {
             let pixels = self.nearest_values.iter().skip(offset).step_by(nearest_stride).copied().collect();
             Channel::new(name, precision, pixels)
@@ -210,12 +224,7 @@ impl Film {
 
     /// Sums a pixel.
     fn stride(&self) -> usize {
-        BEAUTY.len() + 3 * self.mean_passes.len()
-    }
-
-    /// Channels a pixel of the nearest passes.
-    fn nearest_channels(&self) -> usize {
-        self.nearest_passes.iter().map(|&pass| layout(pass).channels.len()).sum()
+        self.passes.mean_channels()
     }
 }
 

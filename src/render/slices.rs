@@ -6,7 +6,7 @@ use super::draws::{Draw, Draws};
 use super::lattice::Lattice;
 use super::passes::{Fresh, Pass, Picture};
 use super::{Job, Watch, camera_ray};
-use crate::film::Film;
+use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, solve};
@@ -69,7 +69,7 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
-    let mut solved: Vec<Vec<SliceSample>> = vec![Vec::new(); BATCH];
+    let mut solved: Vec<Splats> = vec![film.splats(); BATCH];
     for first in (0..count).step_by(BATCH) {
         if (watch.cancelled)() {
             break;
@@ -77,8 +77,9 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
         solved.par_iter_mut().enumerate().for_each_init(
             SliceScratch::default,
             |scratch, (index, samples)| {
-                samples.clear();
                 let number = first + index;
+                // Of a lattice's slices every other one is a lattice too.
+                samples.start(pass.fresh == Fresh::All || number % 2 == 1);
                 let draw = draws.get(number);
                 let Some(own) = fan_of(&draw) else { return };
                 let Some(placed) = lattice.slice(&base, &own, number) else { return };
@@ -91,22 +92,14 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     size: job.size,
                     wanted: &|x, y| pass.wanted.contains(x, y),
                 };
-                solve(&slice_job, &placed.slice, placed.areas(), scratch, |sample| samples.push(sample));
+                solve(&slice_job, &placed.slice, placed.areas(), scratch, |SliceSample { place, value }| {
+                    let (x, y) = place.pixel(job.size);
+                    let from_centre = place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                    samples.add(x, y, 1.0, from_centre.length(), &value);
+                });
             },
         );
-        for (index, samples) in solved.iter().enumerate() {
-            // Of a lattice's slices every other one is a lattice too.
-            let is_fresh = pass.fresh == Fresh::All || (first + index) % 2 == 1;
-            for sample in samples {
-                let (x, y) = sample.place.pixel(job.size);
-                let from_centre = sample.place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                if is_fresh {
-                    film.add_fresh(x, y, 1.0, from_centre.length(), &sample.value);
-                } else {
-                    film.add(x, y, 1.0, from_centre.length(), &sample.value);
-                }
-            }
-        }
+        film.add_all(&solved);
         watch.tell(count.min(first + BATCH) as f64 / count as f64);
     }
 }

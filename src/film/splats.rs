@@ -1,0 +1,151 @@
+//! Samples on their way to a film. In go samples, out come the numbers that the film keeps of each,
+//! packed. Invariant: their order is kept, and with it the rounding of sums.
+
+use super::pass_layout::{PixelRule, layout, value};
+use crate::color::{Rgb, luminance};
+use crate::scene::{Pass, Window};
+use crate::transport::Sample;
+
+/// Names of the beauty's channels, in the order of the sums.
+pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
+
+/// The most channels that a sample can have: the beauty's, and three for each pass.
+const MOST_CHANNELS: usize = BEAUTY.len() + 3 * Pass::ALL.len();
+
+/// Which passes a film keeps, by the rule that makes pixels of samples.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct KeptPasses {
+    pub(super) mean: Vec<Pass>,
+    pub(super) nearest: Vec<Pass>,
+}
+
+impl KeptPasses {
+    pub(super) fn new(passes: &[Pass]) -> Self {
+        let mut wanted = passes.to_vec();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let (mean, nearest) = wanted
+            .into_iter()
+            .filter(|&pass| layout(pass).rule != PixelRule::Estimate)
+            .partition(|&pass| layout(pass).rule == PixelRule::Mean);
+        Self { mean, nearest }
+    }
+
+    /// Channels of the beauty and of the passes that are averaged.
+    pub(super) fn mean_channels(&self) -> usize {
+        BEAUTY.len() + 3 * self.mean.len()
+    }
+
+    /// Channels of the passes that show the sample nearest to the pixel's centre.
+    pub(super) fn nearest_channels(&self) -> usize {
+        self.nearest.iter().map(|&pass| layout(pass).channels.len()).sum()
+    }
+
+    /// The value of each channel, those of the mean first, and how many there are.
+    pub(super) fn pack(&self, sample: &Sample) -> ([f32; MOST_CHANNELS], usize) {
+        let (mut packed, mut count) = ([0.0; MOST_CHANNELS], 0);
+        let mut put = |values: &[f64]| {
+            for value in values {
+                packed[count] = *value as f32;
+                count += 1;
+            }
+        };
+        put(&sample.radiance.to_array());
+        put(&[sample.alpha]);
+        for &pass in &self.mean {
+            put(&value(pass, sample).to_array());
+        }
+        for &pass in &self.nearest {
+            put(&value(pass, sample).to_array()[..layout(pass).channels.len()]);
+        }
+        (packed, count)
+    }
+}
+
+/// Samples, packed.
+#[derive(Clone, Debug)]
+pub struct Splats {
+    window: Window,
+    passes: KeptPasses,
+    /// Whether they belong to the fresh half, see [`Film::add_fresh`](super::Film::add_fresh).
+    pub(super) is_fresh: bool,
+    places: Vec<SplatPlace>,
+    /// The channels of each sample, one after the other.
+    values: Vec<f32>,
+}
+
+/// Where a sample goes, and how much it counts there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SplatPlace {
+    pub(super) weight: f64,
+    /// Counted within the film's window.
+    pub(super) pixel: u32,
+    pub(super) from_centre_px: f32,
+}
+
+impl Splats {
+    pub(super) fn new(window: Window, passes: KeptPasses) -> Self {
+        Self { window, passes, is_fresh: false, places: Vec::new(), values: Vec::new() }
+    }
+
+    /// Starts over with samples that all belong to the fresh half, or none.
+    pub fn start(&mut self, is_fresh: bool) {
+        self.is_fresh = is_fresh;
+        self.places.clear();
+        self.values.clear();
+    }
+
+    /// The arguments are those of [`Film::add`](super::Film::add).
+    pub fn add(&mut self, x: usize, y: usize, weight: f64, distance_from_centre_px: f64, sample: &Sample) {
+        let Some(pixel) = self.window.index(x, y) else { return };
+        self.places.push(SplatPlace {
+            weight,
+            pixel: pixel as u32,
+            from_centre_px: distance_from_centre_px as f32,
+        });
+        let (packed, count) = self.passes.pack(sample);
+        self.values.extend_from_slice(&packed[..count]);
+    }
+
+    /// Each sample's place and channels.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&SplatPlace, &[f32])> {
+        let channels = self.passes.mean_channels() + self.passes.nearest_channels();
+        self.places.iter().zip(self.values.chunks_exact(channels))
+    }
+}
+
+/// Neighbouring pixels of a film.
+pub(super) struct Band<'a> {
+    pub(super) first_pixel: usize,
+    pub(super) weights: &'a mut [f64],
+    pub(super) sums: &'a mut [f64],
+    pub(super) fresh: &'a mut [[f64; 2]],
+    pub(super) nearest_distances_px: &'a mut [f32],
+    pub(super) nearest_values: &'a mut [f32],
+}
+
+impl Band<'_> {
+    pub(super) fn holds(&self, place: &SplatPlace) -> bool {
+        (place.pixel as usize).wrapping_sub(self.first_pixel) < self.weights.len()
+    }
+
+    pub(super) fn add(&mut self, is_fresh: bool, place: &SplatPlace, values: &[f32]) {
+        let pixel = place.pixel as usize - self.first_pixel;
+        let channels = self.sums.len() / self.weights.len();
+        let (mean, nearest) = values.split_at(channels);
+        self.weights[pixel] += place.weight;
+        for (sum, value) in self.sums[pixel * channels..][..channels].iter_mut().zip(mean) {
+            *sum += place.weight * f64::from(*value);
+        }
+        if is_fresh {
+            let [fresh, sum] = &mut self.fresh[pixel];
+            *fresh += place.weight;
+            let [red, green, blue] = [values[0], values[1], values[2]].map(f64::from);
+            *sum += place.weight * luminance(Rgb::new(red, green, blue));
+        }
+        if self.nearest_distances_px.get(pixel).is_some_and(|&distance| place.from_centre_px < distance) {
+            self.nearest_distances_px[pixel] = place.from_centre_px;
+            self.nearest_values[pixel * nearest.len()..][..nearest.len()].copy_from_slice(nearest);
+        }
+    }
+}
