@@ -56,7 +56,8 @@ impl IntervalSet {
     /// Calls `gap(start, end)` for each part of `[start, end]` that no interval covers, in order.
     pub fn for_each_gap(&self, start: f64, end: f64, mut gap: impl FnMut(f64, f64)) {
         let mut cursor = start;
-        for &(covered_start, covered_end) in &self.intervals {
+        let first = self.intervals.partition_point(|interval| interval.1 <= start);
+        for &(covered_start, covered_end) in &self.intervals[first..] {
             if covered_start >= end {
                 break;
             }

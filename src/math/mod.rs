@@ -4,6 +4,7 @@
 mod chebyshev;
 mod disc;
 mod distribution;
+mod exponential;
 mod interval;
 mod kronecker;
 mod quadrature;
@@ -13,6 +14,7 @@ mod sampler;
 pub use chebyshev::Antiderivative;
 pub use disc::{disc_from_square, square_from_disc};
 pub use distribution::SquareDistribution;
+pub use exponential::fast_exp;
 pub use interval::IntervalSet;
 pub use kronecker::kronecker;
 pub use quadrature::gauss_legendre;

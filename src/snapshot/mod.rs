@@ -23,7 +23,7 @@ pub use lens::View;
 pub use light::FrozenLight;
 pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
-pub use surface::SurfacePoint;
+pub use surface::{Facet, SurfacePoint};
 
 /// When the shutter is open, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scene::AlphaMode;
+use crate::scene::{AlphaMode, Material, Mesh, Texture};
 use glam::{DVec3, Vec2};
 
 /// A point of a surface, ready for shading.
@@ -33,24 +33,54 @@ pub struct SurfacePoint {
     pub leaf_id: u32,
 }
 
-impl Snapshot<'_> {
-    /// Where a ray meets the plane of a triangle that it is known to meet; `None` if it runs within that plane.
-    pub fn hit_on(&self, ray: &Ray, primitive: PrimitiveId) -> Option<Hit> {
+/// A placed triangle with all that its points share: worth keeping where many rays meet the same one.
+#[derive(Clone, Copy, Debug)]
+pub struct Facet<'scene> {
+    /// Which triangle.
+    pub primitive: PrimitiveId,
+    mesh: &'scene Mesh,
+    material: &'scene Material,
+    texture: Option<&'scene Texture>,
+    leaf_id: u32,
+    corners: [usize; 3],
+    first_corner: DVec3,
+    /// Unit length; zero if the triangle has no area.
+    normal: DVec3,
+    /// Gradients of the second and third barycentric coordinate.
+    gradients: [DVec3; 2],
+    /// Normals at the corners, where the mesh has any.
+    corner_normals: Option<[DVec3; 3]>,
+}
+
+impl<'scene> Snapshot<'scene> {
+    /// A triangle of the tree.
+    pub fn facet(&self, primitive: PrimitiveId) -> Facet<'scene> {
         let placed = &self.placed[primitive.instance as usize];
-        let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
-        let corners = mesh.triangles[primitive.triangle as usize].vertices;
-        let [a, b, c] = corners.map(|corner| {
-            let position = mesh.positions[corner as usize].as_dvec3();
-            placed.relative_from_mesh.transform_point3(position) - ray.origin
-        });
-        // Moeller & Trumbore 1997, without asking whether the point lies inside.
+        let instance = &self.scene.instances[placed.instance];
+        let mesh = &self.scene.meshes[instance.mesh];
+        let triangle = mesh.triangles[primitive.triangle as usize];
+        let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
+        let corners = triangle.vertices.map(|vertex| vertex as usize);
+        let [a, b, c] = corners
+            .map(|corner| placed.relative_from_mesh.transform_point3(mesh.positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
-        let p = ray.direction.cross(ac);
-        let determinant = ab.dot(p);
-        let q = ab.cross(a);
-        let (t, v, w) = (ac.dot(q), -a.dot(p), ray.direction.dot(q));
-        let hit = Hit { t: t / determinant, primitive, barycentrics: [v / determinant, w / determinant] };
-        hit.t.is_finite().then_some(hit)
+        let area_normal = ab.cross(ac);
+        let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
+        Facet {
+            primitive,
+            mesh,
+            material,
+            texture: texture.map(|texture| &self.scene.textures[texture]),
+            leaf_id: instance.leaf_id,
+            corners,
+            first_corner: a,
+            normal: area_normal.normalize_or_zero(),
+            gradients: [ac.cross(area_normal), area_normal.cross(ab)]
+                .map(|gradient| gradient / area_normal.length_squared()),
+            corner_normals: (!mesh.normals.is_empty()).then(|| {
+                corners.map(|corner| placed.relative_from_mesh_normal * mesh.normals[corner].as_dvec3())
+            }),
+        }
     }
 
     /// Whether alpha may differ from place to place on a triangle.
@@ -63,34 +93,42 @@ impl Snapshot<'_> {
 
     /// Looks up everything about a hit of `ray`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let placed = &self.placed[hit.primitive.instance as usize];
-        let instance = &self.scene.instances[placed.instance];
-        let mesh = &self.scene.meshes[instance.mesh];
-        let triangle = mesh.triangles[hit.primitive.triangle as usize];
-        let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
-        let corners = triangle.vertices.map(|vertex| vertex as usize);
-        let [v, w] = hit.barycentrics;
-        let weights = [1.0 - v - w, v, w];
+        self.facet(hit.primitive).at(ray, hit.t, hit.barycentrics)
+    }
+}
 
-        let [a, b, c] = corners
-            .map(|corner| placed.relative_from_mesh.transform_point3(mesh.positions[corner].as_dvec3()));
-        let towards_viewer = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-        let geometric_normal = towards_viewer((b - a).cross(c - a).try_normalize().unwrap_or(-ray.direction));
-        let shading_normal =
-            if mesh.normals.is_empty() {
-                geometric_normal
-            } else {
-                let normal: DVec3 =
-                    (0..3).map(|corner| weights[corner] * mesh.normals[corners[corner]].as_dvec3()).sum();
-                let normal = (placed.relative_from_mesh_normal * normal).try_normalize();
-                normal.map_or(geometric_normal, |normal| {
-                    if normal.dot(geometric_normal) < 0.0 { -normal } else { normal }
-                })
-            };
-        let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
-        let texture = texture.map(|texture| {
-            let uv: Vec2 = (0..3).map(|corner| weights[corner] as f32 * mesh.uvs[corners[corner]]).sum();
-            (&self.scene.textures[texture], uv)
+impl Facet<'_> {
+    /// How far along a ray its plane lies; not finite if the ray runs within that plane.
+    pub fn distance_along(&self, ray: &Ray) -> f64 {
+        (self.first_corner - ray.origin).dot(self.normal) / ray.direction.dot(self.normal)
+    }
+
+    /// What a ray that meets it at a distance sees there.
+    pub fn seen_along(&self, ray: &Ray, distance: f64) -> SurfacePoint {
+        let within = ray.at(distance) - self.first_corner;
+        self.at(ray, distance, self.gradients.map(|gradient| gradient.dot(within)))
+    }
+
+    fn at(&self, ray: &Ray, distance: f64, [v, w]: [f64; 2]) -> SurfacePoint {
+        let weights = [1.0 - v - w, v, w];
+        let geometric_normal = match self.normal {
+            DVec3::ZERO => -ray.direction,
+            normal if normal.dot(ray.direction) > 0.0 => -normal,
+            normal => normal,
+        };
+        let shading_normal = self.corner_normals.map_or(geometric_normal, |normals| {
+            let normal: DVec3 = (0..3).map(|corner| weights[corner] * normals[corner]).sum();
+            match normal.try_normalize() {
+                Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
+                Some(normal) => normal,
+                None => geometric_normal,
+            }
+        });
+        let material = self.material;
+        let texture = self.texture.map(|texture| {
+            let uv = |corner: usize| self.mesh.uvs[self.corners[corner]];
+            let uv: Vec2 = (0..3).map(|corner| weights[corner] as f32 * uv(corner)).sum();
+            (texture, uv)
         });
         let albedo =
             texture.map_or(material.base_color, |(texture, uv)| material.base_color * texture.color(uv));
@@ -103,7 +141,7 @@ impl Snapshot<'_> {
             }
         };
         SurfacePoint {
-            position: ray.at(hit.t),
+            position: ray.at(distance),
             geometric_normal,
             shading_normal,
             albedo,
@@ -111,8 +149,8 @@ impl Snapshot<'_> {
             emission: material.emission,
             alpha,
             see_through,
-            primitive: hit.primitive,
-            leaf_id: instance.leaf_id,
+            primitive: self.primitive,
+            leaf_id: self.leaf_id,
         }
     }
 }

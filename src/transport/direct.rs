@@ -13,32 +13,36 @@ pub(super) fn reflected(snapshot: &Snapshot, lights: &[FrozenLight], point: &Sur
     lights
         .iter()
         .map(|light| {
-            reflected_from(snapshot, light, point, |to_light, distance| {
-                let shadow_ray = Ray { origin: point.position, direction: to_light };
-                visibility(snapshot, &shadow_ray, distance, Some(point.primitive))
-            })
+            let Some(unshadowed) = Unshadowed::new(light, point) else { return Rgb::ZERO };
+            let Unshadowed { radiance, to_light, distance } = unshadowed;
+            let shadow_ray = Ray { origin: point.position, direction: to_light };
+            let visible = visibility(snapshot, &shadow_ray, distance, Some(point.primitive));
+            if visible == Rgb::ZERO {
+                return Rgb::ZERO;
+            }
+            radiance * visible * snapshot.medium.transmittance(point.position, to_light, distance)
         })
         .sum()
 }
 
-/// The same of one light; `visibility` is asked only where the answer matters, with direction and distance of the
-/// light, for the share of it that gets past all surfaces.
-pub(super) fn reflected_from(
-    snapshot: &Snapshot,
-    light: &FrozenLight,
-    point: &SurfacePoint,
-    visibility: impl FnOnce(DVec3, f64) -> Rgb,
-) -> Rgb {
-    let (to_light, distance, arriving) = light.arriving_at(point.position);
-    let cos = point.shading_normal.dot(to_light);
-    let faces_light = cos > 0.0 && point.geometric_normal.dot(to_light) > 0.0;
-    if !faces_light || arriving == Rgb::ZERO || point.albedo == Rgb::ZERO {
-        return Rgb::ZERO;
+/// What a surface reflects of one light if nothing is in the way.
+pub(super) struct Unshadowed {
+    /// W m^-2 sr^-1.
+    pub(super) radiance: Rgb,
+    /// Unit vector.
+    pub(super) to_light: DVec3,
+    /// Metres.
+    pub(super) distance: f64,
+}
+
+impl Unshadowed {
+    /// `None` if it is nothing at all.
+    #[inline]
+    pub(super) fn new(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
+        let (to_light, distance, arriving) = light.arriving_at(point.position);
+        let cos = point.shading_normal.dot(to_light);
+        let faces_light = cos > 0.0 && point.geometric_normal.dot(to_light) > 0.0;
+        let shines = faces_light && arriving != Rgb::ZERO && point.albedo != Rgb::ZERO;
+        shines.then(|| Self { radiance: FRAC_1_PI * cos * point.albedo * arriving, to_light, distance })
     }
-    let visible = visibility(to_light, distance);
-    if visible == Rgb::ZERO {
-        return Rgb::ZERO;
-    }
-    let through = snapshot.medium.transmittance(point.position, to_light, distance);
-    FRAC_1_PI * cos * point.albedo * arriving * through * visible
 }

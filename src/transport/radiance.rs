@@ -187,11 +187,14 @@ pub(super) fn own_and_mirrored(
     scratch: &mut Scratch,
 ) -> Rgb {
     let own = if light.self_luminous { point.emission } else { Rgb::ZERO };
+    if mirrors_left == 0 || point.mirror == Rgb::ZERO {
+        return own;
+    }
     let normal = point.shading_normal;
     let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
     // An interpolated normal may send light through the surface: no mirror does.
     let leaves = reflected.dot(point.geometric_normal) > 0.0;
-    if mirrors_left == 0 || point.mirror.max_element() <= 0.0 || !leaves {
+    if !leaves {
         return own;
     }
     let ray = Ray { origin: point.position, direction: reflected.normalize() };

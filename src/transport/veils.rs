@@ -135,8 +135,9 @@ fn met_at(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, primitive: Primit
     let origin = ray.at(t);
     let (to_light, ..) = light.arriving_at(origin);
     let way = Ray { origin, direction: to_light };
-    let hit = snapshot.hit_on(&way, primitive);
-    hit.map_or(Rgb::ONE, |hit| snapshot.surface(&way, &hit).see_through)
+    let facet = snapshot.facet(primitive);
+    let distance = facet.distance_along(&way);
+    if distance.is_finite() { facet.seen_along(&way, distance).see_through } else { Rgb::ONE }
 }
 
 #[cfg(test)]

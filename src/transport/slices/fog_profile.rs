@@ -7,6 +7,8 @@
 //! same for all rays. So the light's way through the fog is linear in the reach between breaks that
 //! are known beforehand, and so is the camera's.
 
+use super::lit_cells::{DepthLine, LitCells};
+use super::sweep::PlanarRay;
 use crate::accel::HalfPlane;
 use crate::color::Rgb;
 use crate::math::IntervalSet;
@@ -22,8 +24,12 @@ pub(super) struct FogProfile {
     /// The light's way between one break and the next: a row of all boxes before the first break, one
     /// after each.
     ways: Vec<Option<LightWay>>,
+    /// Whether all fog weakens all colours alike.
+    is_grey: bool,
     /// Where the current ray's stretches begin and end.
     cuts: Vec<f64>,
+    /// What of the light the scene lets through.
+    lit: LitCells,
 }
 
 /// A box's polygon.
@@ -38,6 +44,8 @@ struct BoxProfile {
     g: f64,
     /// Reaches between which the current ray is inside.
     span: (f64, f64),
+    /// Light scattered into the current ray there, per metre and irradiance, 1/(m sr).
+    scattering: Rgb,
 }
 
 /// Between which heights the light is in a box.
@@ -72,10 +80,15 @@ pub(super) struct Passage {
     pub(super) scattered: Rgb,
 }
 
+/// Cells for each optical depth of the way through all fog, to the eye and to the light: where they
+/// are many each is soon done, where they are few many pieces lie in those that rays end in.
+const CELLS_PER_DEPTH: f64 = 3.0;
+
 impl FogProfile {
-    /// Starts over with another slice.
+    /// Starts over with another slice, in which everything is lit.
     pub(super) fn start(&mut self, medium: &Medium, half_plane: &HalfPlane) {
-        let Self { boxes, breaks, ways, .. } = self;
+        let Self { boxes, breaks, ways, lit, .. } = self;
+        self.is_grey = medium.banks().iter().all(|fog| fog.sigma_t == Rgb::splat(fog.sigma_t.x));
         boxes.clear();
         boxes.extend(medium.banks().iter().map(|fog| BoxProfile::new(fog, half_plane)));
         breaks.clear();
@@ -93,21 +106,37 @@ impl FogProfile {
             let middle = breaks.get(index).map_or(before + 1.0, |after| 0.5 * (before + after));
             ways.extend(boxes.iter().map(|profile| profile.light_way(middle)));
         }
+        let densest: f64 = medium.banks().iter().map(|fog| fog.sigma_t.max_element()).sum();
+        lit.start(breaks, CELLS_PER_DEPTH * densest);
     }
 
-    /// Follows a ray of the given slope up to a reach; `spread` is reach per metre of the ray.
-    pub(super) fn follow(&mut self, slope: f64, spread: f64, end: f64, shadows: &IntervalSet) -> Passage {
-        let Self { boxes, breaks, ways, cuts } = self;
+    /// The light's rays between two reaches, let through until now, are blocked from now on.
+    pub(super) fn darken(&mut self, start: f64, end: f64) {
+        self.lit.darken(start, end);
+    }
+
+    /// Follows a ray up to a reach. The `shadows` are those that [`FogProfile::darken`] was told of;
+    /// `more_shadows` are this ray's own.
+    pub(super) fn follow(
+        &mut self,
+        ray: &PlanarRay,
+        end: f64,
+        shadows: &IntervalSet,
+        more_shadows: &IntervalSet,
+    ) -> Passage {
+        let Self { boxes, breaks, ways, is_grey, cuts, lit } = self;
         cuts.clear();
         let (mut first, mut last) = (f64::INFINITY, 0.0_f64);
         let mut tau = Rgb::ZERO;
         for profile in boxes.iter_mut() {
-            profile.span = profile.span_of(slope, end);
+            profile.span = profile.span_of(ray.slope, end);
             let (enter, leave) = profile.span;
             if enter < leave {
                 (first, last) = (first.min(enter), last.max(leave));
-                tau += profile.sigma_t * ((leave - enter) / spread);
-                cuts.extend([enter, leave]);
+                tau += profile.sigma_t * ((leave - enter) / ray.direction.x);
+                profile.scattering = profile.sigma_s * henyey_greenstein(ray.direction.y, profile.g);
+                cuts.push(enter);
+                cuts.push(leave);
             }
         }
         let mut passage = Passage { transmittance: exp_minus(tau), scattered: Rgb::ZERO };
@@ -115,84 +144,98 @@ impl FogProfile {
             return passage;
         }
         let mut row = breaks.partition_point(|reach| *reach <= first);
-        cuts.extend(breaks[row..].iter().take_while(|reach| **reach < last));
+        for &reach in breaks[row..].iter().take_while(|reach| **reach < last) {
+            cuts.push(reach);
+        }
         cuts.sort_unstable_by(f64::total_cmp);
         for index in 1..cuts.len() {
             let (start, end) = (cuts[index - 1], cuts[index]);
             if start < end {
                 row += usize::from(breaks.get(row).is_some_and(|reach| *reach <= start));
                 let ways = &ways[row * boxes.len()..][..boxes.len()];
-                passage.scattered += stretch(boxes, ways, slope, spread, (start, end), shadows);
+                let Some(stretch) = Stretch::new(boxes, ways, ray, (start, end)) else { continue };
+                let through =
+                    |channel: usize| lit.integral(&stretch.depth_line(channel), end, shadows, more_shadows);
+                passage.scattered += stretch.scattering
+                    * if *is_grey {
+                        Rgb::splat(through(0))
+                    } else {
+                        Rgb::new(through(0), through(1), through(2))
+                    };
             }
         }
+        // In full shadow rounding may leave a trace of either sign.
+        passage.scattered = (passage.scattered / ray.direction.x).max(Rgb::ZERO);
         passage
     }
-}
 
-/// Light scattered between two reaches between which nothing changes.
-fn stretch(
-    boxes: &[BoxProfile],
-    ways: &[Option<LightWay>],
-    slope: f64,
-    spread: f64,
-    (start, end): (f64, f64),
-    shadows: &IntervalSet,
-) -> Rgb {
-    let middle = 0.5 * (start + end);
-    let (mut tau_start, mut tau_end, mut scattering) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
-    for (profile, way) in boxes.iter().zip(ways) {
-        let (enter, leave) = profile.span;
-        let way_to_eye = |reach: f64| (reach.clamp(enter, leave) - enter) / spread;
-        let (mut way_start, mut way_end) = (0.0, 0.0);
-        if enter < leave {
-            (way_start, way_end) = (way_to_eye(start), way_to_eye(end));
-            if enter < middle && middle < leave {
-                scattering += profile.sigma_s * henyey_greenstein(slope * spread, profile.g);
-            }
-        }
-        let (mut light_start, mut light_end) = (0.0, 0.0);
-        if let Some(LightWay { upper, lower }) = way {
-            // The way ends at the ray, or at the lower edge if the ray is below the box.
-            let ray = Line { at_axis: 0.0, growth: slope };
-            let lower = if lower.at(middle) < ray.at(middle) { &ray } else { lower };
-            if lower.at(middle) < upper.at(middle) {
-                light_start = upper.at(start) - lower.at(start);
-                light_end = upper.at(end) - lower.at(end);
-            }
-        }
-        tau_start += profile.sigma_t * (way_start + light_start);
-        tau_end += profile.sigma_t * (way_end + light_end);
-    }
-    if scattering == Rgb::ZERO {
-        return Rgb::ZERO;
-    }
-    let tau_per_reach = (tau_end - tau_start) / (end - start);
-    let is_grey = tau_start.x == tau_start.y
-        && tau_start.y == tau_start.z
-        && tau_per_reach.x == tau_per_reach.y
-        && tau_per_reach.y == tau_per_reach.z;
-    let mut through = Rgb::ZERO;
-    shadows.for_each_gap(start, end, |a, b| {
-        let one = |channel: usize| {
-            let tau = |reach: f64| tau_start[channel] + tau_per_reach[channel] * (reach - start);
-            integral_of_transmittance(b - a, tau(a), tau(b))
+    /// The share of the light that gets through to the place on a ray at a reach.
+    pub(super) fn transmittance_to_light(&self, ray: &PlanarRay, reach: f64) -> Rgb {
+        let row = self.breaks.partition_point(|before| *before <= reach);
+        let ways = &self.ways[row * self.boxes.len()..][..self.boxes.len()];
+        let depth_in = |(profile, way): (&BoxProfile, &Option<LightWay>)| {
+            way.map_or(Rgb::ZERO, |way| {
+                let lower = way.lower.at(reach).max(ray.slope * reach);
+                profile.sigma_t * (way.upper.at(reach) - lower).max(0.0)
+            })
         };
-        through += if is_grey { Rgb::splat(one(0)) } else { Rgb::new(one(0), one(1), one(2)) };
-    });
-    scattering * through / spread
+        exp_minus(self.boxes.iter().zip(ways).map(depth_in).sum())
+    }
 }
 
-/// `integral of exp(-tau)` over an interval of this width, where tau goes straight from one value to
-/// the other.
-fn integral_of_transmittance(width: f64, tau_start: f64, tau_end: f64) -> f64 {
-    let half_change = 0.5 * (tau_end - tau_start);
-    if half_change.abs() < 0.25 {
-        // sinh(x) / x: the next term is x^8 / 362880, below 5e-11.
-        let square = half_change * half_change;
-        let sinhc = 1.0 + square * (1.0 / 6.0 + square * (1.0 / 120.0 + square / 5040.0));
-        return width * (-0.5 * (tau_start + tau_end)).exp() * sinhc;
+/// A part of a ray on which nothing changes: the optical depth, to the eye and to the light
+/// together, goes straight from one value to another.
+struct Stretch {
+    start: f64,
+    /// Light scattered per metre and irradiance, 1/(m sr).
+    scattering: Rgb,
+    tau_at_start: Rgb,
+    tau_per_reach: Rgb,
+}
+
+impl Stretch {
+    /// `None` without fog on the ray.
+    fn new(
+        boxes: &[BoxProfile],
+        ways: &[Option<LightWay>],
+        ray: &PlanarRay,
+        (start, end): (f64, f64),
+    ) -> Option<Self> {
+        let middle = 0.5 * (start + end);
+        let (mut tau_at_start, mut tau_per_reach, mut scattering) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
+        for (profile, way) in boxes.iter().zip(ways) {
+            // Metres of this fog, to the eye and to the light: at the start, and per reach.
+            let mut metres = Line { at_axis: 0.0, growth: 0.0 };
+            let (enter, leave) = profile.span;
+            if enter < middle && middle < leave {
+                scattering += profile.scattering;
+                let per_reach = 1.0 / ray.direction.x;
+                metres = Line { at_axis: (start - enter) * per_reach, growth: per_reach };
+            } else if leave <= middle && enter < leave {
+                metres.at_axis = (leave - enter) / ray.direction.x;
+            }
+            if let Some(LightWay { upper, lower }) = way {
+                // The way ends at the ray, or at the lower edge if the ray is below the box.
+                let ray = Line { at_axis: 0.0, growth: ray.slope };
+                let lower = if lower.at(middle) < ray.at(middle) { &ray } else { lower };
+                if lower.at(middle) < upper.at(middle) {
+                    metres.at_axis += upper.at(start) - lower.at(start);
+                    metres.growth += upper.growth - lower.growth;
+                }
+            }
+            tau_at_start += profile.sigma_t * metres.at_axis;
+            tau_per_reach += profile.sigma_t * metres.growth;
+        }
+        (scattering != Rgb::ZERO).then_some(Self { start, scattering, tau_at_start, tau_per_reach })
     }
-    width * ((-tau_start).exp() - (-tau_end).exp()) / (2.0 * half_change)
+
+    fn depth_line(&self, channel: usize) -> DepthLine {
+        DepthLine {
+            start: self.start,
+            at_start: self.tau_at_start[channel],
+            per_reach: self.tau_per_reach[channel],
+        }
+    }
 }
 
 impl BoxProfile {
@@ -200,7 +243,7 @@ impl BoxProfile {
         let (at_eye, per_reach) = fog.in_cube(half_plane.eye, half_plane.outward);
         let (_, per_height) = fog.in_cube(half_plane.eye, half_plane.axis);
         let (sigma_t, sigma_s, g) = (fog.sigma_t, fog.sigma_s, fog.g);
-        Self { at_eye, per_reach, per_height, sigma_t, sigma_s, g, span: (0.0, 0.0) }
+        Self { at_eye, per_reach, per_height, sigma_t, sigma_s, g, span: (0.0, 0.0), scattering: Rgb::ZERO }
     }
 
     /// The lines in which the slice cuts the two faces across an axis of the cube, the one where the

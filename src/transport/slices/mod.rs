@@ -6,6 +6,7 @@
 
 mod fan;
 mod fog_profile;
+mod lit_cells;
 mod solve;
 mod sweep;
 

@@ -4,16 +4,16 @@
 use super::Fan;
 use super::fan::{Place, Slice};
 use super::fog_profile::FogProfile;
-use super::sweep::{LightRays, Sweep};
+use super::sweep::{LightRays, PlanarRay, Sweep};
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, Ray, Sampler};
+use crate::math::{Ray, Sampler};
 use crate::scene::Size;
-use crate::snapshot::{FrozenLight, Snapshot};
+use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
-use crate::transport::direct::reflected_from;
+use crate::transport::direct::Unshadowed;
 use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, own_and_mirrored};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
 const LEAST_SPREAD: f64 = 1e-15;
@@ -21,11 +21,12 @@ const LEAST_SPREAD: f64 = 1e-15;
 /// Memory that the slices of one thread share.
 #[derive(Default)]
 pub struct SliceScratch {
+    rays: Vec<SliceRay>,
+    slopes: Vec<f64>,
     cuts: Vec<Cut>,
     sweep: Sweep,
-    shadows: IntervalSet,
     fog: FogProfile,
-    rays: Scratch,
+    followed: Scratch,
 }
 
 /// A sample and where it lies.
@@ -56,6 +57,15 @@ pub struct SliceJob<'a> {
     pub wanted: &'a (dyn Fn(usize, usize) -> bool + Sync),
 }
 
+/// A sample's ray.
+#[derive(Clone, Copy)]
+struct SliceRay {
+    /// Counted along the slice.
+    index: usize,
+    place: Place,
+    planar: PlanarRay,
+}
+
 /// Values of samples at ever larger areas of a slice (see [`Slice::place`]).
 pub fn solve(
     job: &SliceJob,
@@ -66,82 +76,109 @@ pub fn solve(
 ) {
     let snapshot = job.snapshot;
     let (light, eye) = (job.light, job.fan.eye);
-    let rays = match *light {
+    let light_rays = match *light {
         FrozenLight::Sun { .. } => LightRays::Parallel,
         FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
     };
     // Rounding must not put a ray along the axis on the other side of it.
-    let spread_of = |direction: DVec3| direction.dot(slice.outward).max(LEAST_SPREAD);
-    let slope_of = |direction: DVec3| direction.dot(job.fan.axis) / spread_of(direction);
-    let lowest_slope = slope_of(slice.far_end());
-    let SliceScratch { cuts, sweep, shadows, fog, rays: ray_scratch } = scratch;
-    let is_wanted = |place: &Place| {
-        let (x, y) = place.pixel(job.size);
-        (job.wanted)(x, y)
+    let in_plane = |direction: DVec3| {
+        DVec2::new(direction.dot(slice.outward).max(LEAST_SPREAD), direction.dot(job.fan.axis))
     };
-    let mut places = areas_per_rad
-        .map(|area| slice.place(area))
-        .enumerate()
-        .filter(|(_, place)| is_wanted(place))
-        .peekable();
-    if places.peek().is_none() {
+    let lowest_slope = PlanarRay::new(in_plane(slice.far_end())).slope;
+    let SliceScratch { rays, slopes, cuts, sweep, fog, followed } = scratch;
+    rays.clear();
+    rays.extend(areas_per_rad.enumerate().filter_map(|(index, area)| {
+        let place = slice.place(area);
+        let (x, y) = place.pixel(job.size);
+        (job.wanted)(x, y).then(|| SliceRay {
+            index,
+            place,
+            planar: PlanarRay::new(in_plane(place.direction)),
+        })
+    }));
+    if rays.is_empty() {
         return;
     }
+    slopes.clear();
+    slopes.extend(rays.iter().map(|ray| ray.planar.slope));
     cuts.clear();
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
     snapshot.tree.add_cuts(&half_plane, cuts);
-    sweep.start(cuts, rays, lowest_slope);
+    sweep.start(cuts, light_rays, slopes);
     let has_profile = snapshot.medium.is_even() && matches!(light, FrozenLight::Sun { .. });
     if has_profile {
         fog.start(&snapshot.medium, &half_plane);
     }
 
-    for (index, place) in places {
-        let direction = place.direction;
-        let slope = slope_of(direction);
-        let spread = spread_of(direction);
-        let meeting = sweep.advance(slope, rays, shadows);
-        let ray = Ray { origin: eye, direction };
-        let hit = meeting.and_then(|meeting| snapshot.hit_on(&ray, meeting.primitive));
-        let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
+    let mut met: Option<Facet> = None;
+    for &SliceRay { index, place, planar } in rays.iter() {
+        let ray = Ray { origin: eye, direction: place.direction };
+        let meeting = sweep.advance(&planar, light_rays, |start, end| {
+            if has_profile {
+                fog.darken(start, end);
+            }
+        });
+        let (shadows, own_shadows) = sweep.shadows();
+        if let Some(meeting) =
+            meeting.filter(|meeting| met.is_none_or(|met| met.primitive != meeting.primitive))
+        {
+            met = Some(snapshot.facet(meeting.primitive));
+        }
+        let surface = meeting.zip(met.as_ref()).map(|(meeting, facet)| {
+            // The plane is known in double precision, the segment only in single.
+            let on_plane = facet.distance_along(&ray);
+            let distance = if on_plane.is_finite() { on_plane } else { meeting.distance };
+            (facet.seen_along(&ray, distance), distance, meeting.is_lit)
+        });
+        let distance = surface.map_or(f64::INFINITY, |(_, distance, _)| distance);
+        let end = distance * planar.direction.x;
         let (shafts, transmittance) = match *light {
             FrozenLight::Sun { irradiance, .. } if has_profile => {
-                let passage = fog.follow(slope, spread, distance * spread, shadows);
+                let passage = fog.follow(&planar, end, shadows, own_shadows);
                 (passage.scattered * irradiance, passage.transmittance)
             }
             _ => {
-                let names = shadows.as_slice().iter();
-                let distance_of = |name: f64| rays.reach(name, slope) / spread;
-                let known = names.map(|&(start, end)| (distance_of(start), distance_of(end)));
-                by_segments(snapshot, light, &ray, distance, known, ray_scratch)
+                let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
+                let all = shadows.as_slice().iter().chain(own_shadows.as_slice());
+                let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
+                by_segments(snapshot, light, &ray, distance, shadows, followed)
             }
         };
-        let surface = hit.map(|hit| snapshot.surface(&ray, &hit));
         let illumination =
             Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
-        let behind_fog = surface.zip(meeting).map_or_else(
-            || illumination.background(snapshot, direction),
-            |(point, meeting)| {
+        let behind_fog = surface.map_or_else(
+            || illumination.background(snapshot, ray.direction),
+            |(point, _, is_lit)| {
+                let unshadowed = if is_lit { Unshadowed::new(light, &point) } else { None };
+                let reflected = unshadowed.map_or(Rgb::ZERO, |unshadowed| {
+                    unshadowed.radiance
+                        * match light {
+                            FrozenLight::Sun { .. } if has_profile => {
+                                fog.transmittance_to_light(&planar, end)
+                            }
+                            _ => {
+                                let Unshadowed { to_light, distance, .. } = unshadowed;
+                                snapshot.medium.transmittance(point.position, to_light, distance)
+                            }
+                        }
+                });
                 let mut sampler = Sampler::new(index as u32, 0, 0, 0);
                 let (transport, mirrors) = (job.transport, job.transport.mirror_depth);
-                reflected_from(
-                    snapshot,
-                    light,
-                    &point,
-                    |_, _| if meeting.is_lit { Rgb::ONE } else { Rgb::ZERO },
-                ) + own_and_mirrored(
-                    snapshot,
-                    transport,
-                    illumination,
-                    &ray,
-                    &point,
-                    mirrors,
-                    &mut sampler,
-                    ray_scratch,
-                )
+                reflected
+                    + own_and_mirrored(
+                        snapshot,
+                        transport,
+                        illumination,
+                        &ray,
+                        &point,
+                        mirrors,
+                        &mut sampler,
+                        followed,
+                    )
             },
         );
         let radiance = behind_fog * transmittance + shafts;
+        let surface = surface.map(|(point, _, _)| point);
         let leg = Leg { radiance, shafts, transmittance, covered: surface.is_some(), surface };
         sample(SliceSample { place, value: leg.sample(snapshot, job.transport) });
     }

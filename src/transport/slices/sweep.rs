@@ -45,128 +45,182 @@ impl LightRays {
     }
 }
 
+/// A ray of the camera within the half plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanarRay {
+    /// Unit vector: reach and height per metre.
+    pub(super) direction: DVec2,
+    /// Height per reach.
+    pub(super) slope: f64,
+}
+
+impl PlanarRay {
+    pub(super) fn new(direction: DVec2) -> Self {
+        Self { direction, slope: direction.y / direction.x }
+    }
+}
+
 /// Places count as the same within this fraction of their coordinates: 16 roundings of the single
 /// precision in which segments are cut.
 const SAME_PLACE: f64 = 1e-6;
 
-/// A segment of the slice, ready for the sweep.
+/// A segment of the slice that some ray meets.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     primitive: PrimitiveId,
-    ends: [DVec2; 2],
-    slopes: [f64; 2],
-    names: [f64; 2],
+    upper: End,
+    lower: End,
+    /// The first ray that it lies wholly above.
+    until: u32,
+}
+
+/// An end of a segment.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    point: DVec2,
+    slope: f64,
+    /// The light's ray through it.
+    name: f64,
 }
 
 impl Segment {
-    fn upper_slope(&self) -> f64 {
-        self.slopes[0].max(self.slopes[1])
-    }
-
-    fn shadow(&self) -> (f64, f64) {
-        (self.names[0].min(self.names[1]), self.names[0].max(self.names[1]))
+    /// Where a ray meets the segment that it is known to meet.
+    fn crossing(&self, ray: &PlanarRay) -> DVec2 {
+        let (a, b) = (self.upper.point, self.lower.point);
+        let (above, below) = (ray.direction.perp_dot(a), ray.direction.perp_dot(b));
+        let fraction = above / (above - below);
+        // Seen edge-on the two are alike, and any place will do.
+        let fraction = if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) };
+        a + fraction * (b - a)
     }
 
     fn length(&self) -> f64 {
-        self.ends[0].distance(self.ends[1])
+        self.upper.point.distance(self.lower.point)
     }
 
-    /// Whether each end lies above a ray; ends on the ray count as above, for all segments alike.
-    fn above(&self, slope: f64) -> [bool; 2] {
-        self.slopes.map(|end| end >= slope)
+    fn shadow(&self) -> (f64, f64) {
+        ordered(self.upper.name, self.lower.name)
     }
+}
 
-    /// Where a ray meets the segment that it is known to meet.
-    fn crossing(&self, slope: f64) -> DVec2 {
-        let [a, b] = self.ends;
-        let (above_a, above_b) = (a.y - slope * a.x, b.y - slope * b.x);
-        let fraction = above_a / (above_a - above_b);
-        let reach = a.x + fraction.clamp(0.0, 1.0) * (b.x - a.x);
-        DVec2::new(reach, slope * reach)
-    }
+fn ordered(a: f64, b: f64) -> (f64, f64) {
+    (a.min(b), a.max(b))
 }
 
 /// The state of the sweep.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
-    /// By descending upper slope.
-    segments: Vec<Segment>,
+    /// By the first ray below their upper ends: segments that rays meet, and the shadows of those that
+    /// lie between two rays.
+    segments: Buckets<Segment>,
+    passed_shadows: Buckets<(f64, f64)>,
+    /// Number of the next ray.
     next: usize,
     /// Segments that the current ray meets.
     active: Vec<Segment>,
     /// What the segments above the current ray shadow.
     shadows: IntervalSet,
+    /// Where each active segment is met and what its upper part shadows, and the union of that.
+    own_shadows: Vec<(DVec2, f64, f64)>,
+    own_union: IntervalSet,
 }
 
 /// What a ray meets first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub(super) primitive: PrimitiveId,
+    /// Where, metres along the ray.
+    pub(super) distance: f64,
     /// Whether the light reaches the place where it is met.
     pub(super) is_lit: bool,
 }
 
 impl Sweep {
-    /// Starts over with the cuts of another slice.
-    pub(super) fn start(&mut self, cuts: &[Cut], rays: LightRays, lowest_slope: f64) {
+    /// Starts over with the cuts of another slice and the slopes of its rays, from the highest to the lowest.
+    pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, slopes: &[f64]) {
         self.segments.clear();
-        self.segments.extend(cuts.iter().filter_map(|cut| segment(cut, rays, lowest_slope)));
-        self.segments.sort_by(|a, b| b.upper_slope().total_cmp(&a.upper_slope()));
+        self.passed_shadows.clear();
+        for cut in cuts {
+            let Some([upper, lower]) = ends_beside_axis(cut, light_rays) else { continue };
+            // An end on a ray counts as above it, for all segments alike.
+            let from = slopes.partition_point(|slope| *slope > upper.slope);
+            let until = from + slopes[from..].iter().take_while(|slope| **slope > lower.slope).count();
+            if from == slopes.len() {
+                continue;
+            }
+            let segment = Segment { primitive: cut.primitive, upper, lower, until: until as u32 };
+            if from < until {
+                self.segments.push(from, segment);
+            } else {
+                self.passed_shadows.push_or_merge(from, segment.shadow());
+            }
+        }
+        self.segments.sort(slopes.len());
+        self.passed_shadows.sort(slopes.len());
         self.next = 0;
         self.active.clear();
         self.shadows.clear();
     }
 
-    /// Goes on to a ray of a lower slope, says what it meets first, and leaves in `shadows` the names
-    /// of all of the light's rays that do not reach it before that.
+    /// Goes on to the next ray and says what it meets first. `darken` is told between which of the
+    /// light's rays the shadow of what lies above has grown.
     pub(super) fn advance(
         &mut self,
-        slope: f64,
-        rays: LightRays,
-        shadows: &mut IntervalSet,
+        ray: &PlanarRay,
+        light_rays: LightRays,
+        mut darken: impl FnMut(f64, f64),
     ) -> Option<Meeting> {
-        while let Some(segment) = self.segments.get(self.next).filter(|s| s.upper_slope() >= slope) {
-            self.active.push(*segment);
-            self.next += 1;
-        }
-        let union = &mut self.shadows;
+        let (current, union) = (self.next, &mut self.shadows);
+        self.next += 1;
+        let mut add = |(start, end): (f64, f64)| {
+            union.for_each_gap(start, end, &mut darken);
+            union.insert(start, end);
+        };
+        self.passed_shadows.bucket(current).iter().copied().for_each(&mut add);
         self.active.retain(|segment| {
-            let is_above = segment.above(slope) == [true, true];
-            if is_above {
-                let (start, end) = segment.shadow();
-                union.insert(start, end);
+            let is_met = segment.until as usize > current;
+            if !is_met {
+                add(segment.shadow());
             }
-            !is_above
+            is_met
         });
+        self.active.extend_from_slice(self.segments.bucket(current));
 
-        shadows.clone_from(union);
-        let mut first: Option<(f64, usize)> = None;
+        self.own_shadows.clear();
+        self.own_union.clear();
+        let mut first: Option<(DVec2, usize)> = None;
         for (index, segment) in self.active.iter().enumerate() {
-            let meets = segment.crossing(slope);
-            if first.is_none_or(|(reach, _)| meets.x < reach) {
-                first = Some((meets.x, index));
+            let point = segment.crossing(ray);
+            if first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction)) {
+                first = Some((point, index));
             }
+            let (start, end) = ordered(light_rays.through(point), segment.upper.name);
+            self.own_shadows.push((point, start, end));
+            self.own_union.insert(start, end);
         }
-        let (reach, met) = first?;
-        let primitive = self.active[met].primitive;
-        let name = rays.through(DVec2::new(reach, slope * reach));
-        let mut is_lit = !shadows.contains(name);
-        for (index, segment) in self.active.iter().enumerate() {
-            let meets = segment.crossing(slope);
-            let crossing = rays.through(meets);
-            let upper_end = segment.names[usize::from(!segment.above(slope)[0])];
-            let (start, end) = (crossing.min(upper_end), crossing.max(upper_end));
-            shadows.insert(start, end);
+        let (place, met) = first?;
+        let name = light_rays.through(place);
+        let is_dark = |index: usize| {
+            let (point, start, end) = self.own_shadows[index];
             // What lies in the same place does not shadow it: two leaves in one plane, say.
-            let is_there = (meets.x - reach).abs() <= SAME_PLACE * (reach + segment.length());
-            is_lit &= index == met || is_there || !(start < name && name < end);
-        }
-        Some(Meeting { primitive, is_lit })
+            let is_there =
+                point.distance(place) <= SAME_PLACE * (place.length() + self.active[index].length());
+            index != met && !is_there && start < name && name < end
+        };
+        let is_lit = !self.shadows.contains(name) && !(0..self.active.len()).any(is_dark);
+        let distance = place.dot(ray.direction);
+        Some(Meeting { primitive: self.active[met].primitive, distance, is_lit })
+    }
+
+    /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and
+    /// what it meets.
+    pub(super) fn shadows(&self) -> (&IntervalSet, &IntervalSet) {
+        (&self.shadows, &self.own_union)
     }
 }
 
-/// A cut without the part beyond the axis; `None` if nothing is left that matters.
-fn segment(cut: &Cut, rays: LightRays, lowest_slope: f64) -> Option<Segment> {
+/// The ends of a cut, the upper first, without the part beyond the axis; `None` if nothing is left.
+fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
     let [a, b] = cut.ends;
     if a.x.max(b.x) <= 0.0 {
         return None;
@@ -178,16 +232,79 @@ fn segment(cut: &Cut, rays: LightRays, lowest_slope: f64) -> Option<Segment> {
         let fraction = end.x / (end.x - other.x);
         DVec2::new(0.0, end.y + fraction * (other.y - end.y))
     };
-    let ends = [clipped(a, b), clipped(b, a)];
-    let slopes = ends.map(|end| {
-        let slope = end.y / end.x;
+    let end = |point: DVec2| {
+        let slope = point.y / point.x;
         // Through the camera itself: neither above nor below anything.
-        if slope.is_nan() { f64::NEG_INFINITY } else { slope }
-    });
-    (slopes[0].max(slopes[1]) >= lowest_slope).then(|| Segment {
-        primitive: cut.primitive,
-        ends,
-        slopes,
-        names: ends.map(|end| rays.through(end)),
-    })
+        let slope = if slope.is_nan() { f64::NEG_INFINITY } else { slope };
+        End { point, slope, name: light_rays.through(point) }
+    };
+    let (a, b) = (end(clipped(a, b)), end(clipped(b, a)));
+    Some(if a.slope >= b.slope { [a, b] } else { [b, a] })
+}
+
+/// Things by number, sorted in linear time; those of one number stay in the order in which they came.
+#[derive(Debug)]
+struct Buckets<T> {
+    unsorted: Vec<(u32, T)>,
+    sorted: Vec<T>,
+    /// Where each bucket ends.
+    ends: Vec<u32>,
+}
+
+impl<T> Default for Buckets<T> {
+    fn default() -> Self {
+        Self { unsorted: Vec::new(), sorted: Vec::new(), ends: Vec::new() }
+    }
+}
+
+impl<T: Copy> Buckets<T> {
+    fn clear(&mut self) {
+        self.unsorted.clear();
+    }
+
+    fn push(&mut self, bucket: usize, item: T) {
+        self.unsorted.push((bucket as u32, item));
+    }
+
+    /// Makes `buckets` buckets of what was pushed.
+    fn sort(&mut self, buckets: usize) {
+        let Self { unsorted, sorted, ends } = self;
+        ends.clear();
+        ends.resize(buckets, 0);
+        for (bucket, _) in unsorted.iter() {
+            ends[*bucket as usize] += 1;
+        }
+        let mut start = 0;
+        for end in ends.iter_mut() {
+            let count = *end;
+            *end = start;
+            start += count;
+        }
+        sorted.clear();
+        sorted.extend(unsorted.iter().map(|(_, item)| *item));
+        for (bucket, item) in unsorted.iter() {
+            let place = &mut ends[*bucket as usize];
+            sorted[*place as usize] = *item;
+            *place += 1;
+        }
+    }
+
+    fn bucket(&self, bucket: usize) -> &[T] {
+        let start = if bucket == 0 { 0 } else { self.ends[bucket - 1] };
+        &self.sorted[start as usize..self.ends[bucket] as usize]
+    }
+}
+
+impl Buckets<(f64, f64)> {
+    /// Pushes an interval, or widens the one pushed last where the two touch: neighbouring triangles mostly do.
+    fn push_or_merge(&mut self, bucket: usize, (start, end): (f64, f64)) {
+        match self.unsorted.last_mut() {
+            Some((last, interval))
+                if *last as usize == bucket && start <= interval.1 && end >= interval.0 =>
+            {
+                *interval = (interval.0.min(start), interval.1.max(end));
+            }
+            _ => self.push(bucket, (start, end)),
+        }
+    }
 }
