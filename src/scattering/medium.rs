@@ -229,11 +229,6 @@ impl Medium {
         if count > 1 && matches!(course, Course::Thinning { .. }) { Course::Mixed } else { course }
     }
 
-    /// Whether the density of some fog changes on a stretch.
-    pub fn thins_out(&self, stretch: &Stretch) -> bool {
-        stretch.thinning != 0
-    }
-
     /// Banks by a mask of their numbers.
     fn members(&self, mut mask: u64) -> impl Iterator<Item = &FogBank> {
         std::iter::from_fn(move || {

@@ -205,8 +205,9 @@ impl<'a> NearLight<'a> {
     }
 
     fn smooth_integral(&self, start: f64, end: f64) -> Rgb {
-        if self.medium.thins_out(self.stretch) {
-            // Density may change by any factor on the way: how finely to cut is found from the integrand.
+        if !self.medium.is_even() {
+            // Such fog may reach far, and change by any factor on the way: how finely to cut is found from the
+            // integrand.
             let angle = |t: f64| ((t - self.nearest) / self.gap).atan();
             let (from, to) = (angle(start), angle(end));
             let mut fitted = Antiderivative::default();
