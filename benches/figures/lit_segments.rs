@@ -24,6 +24,11 @@ pub fn run(rays: u32) {
         let power = Track::from(Rgb::splat(100.0));
         scene.lights = vec![Light { name: "lamp".into(), node, power, kind: LightKind::Point }];
         row(&name, "point", &scene, rays);
+        // The same in fog that scatters almost straight on, where the phase function is sharpest.
+        for fog in &mut scene.fogs {
+            fog.anisotropy = Track::from(0.99);
+        }
+        row(&name, "g .99", &scene, rays);
     }
 }
 

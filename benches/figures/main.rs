@@ -4,6 +4,7 @@
 mod inputs;
 mod leaks;
 mod lit_segments;
+mod near_light;
 mod ray_scenes;
 mod rays;
 mod shafts;
@@ -16,6 +17,7 @@ fn main() {
     let count = |default: u64| arguments.get(1).and_then(|count| count.parse().ok()).unwrap_or(default);
     match arguments.first().map(String::as_str) {
         Some("leaks") => leaks::run(count(100_000_000)),
+        Some("near") => near_light::run(count(9) as usize),
         Some("rays") => rays::run(count(7) as usize),
         Some("segments") => lit_segments::run(count(2000) as u32),
         Some("shafts") => shafts::run(count(3) as usize),
@@ -27,6 +29,7 @@ fn main() {
             println!("bias [seeds]      means of pictures of few samples against the per-ray method");
             println!("canopy [rounds]   whole pictures of 20,000 leaves by slices: time and error");
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
+            println!("near [rounds]     a near light's lit parts, few and many: time and error");
             println!("rays [rounds]     time of a ray and of a shadow query, one thread");
             println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
             println!("slices [rounds]   whole pictures of 500 leaves: time and error, threads");

@@ -73,6 +73,21 @@ mod tests {
     }
 
     #[test]
+    fn the_first_two_of_three_are_stratified_too() {
+        for pixel in 0..50 {
+            let mut hits = [0; 16];
+            for sample in 0..16 {
+                let mut sampler = Sampler::new(7, pixel, 0, sample);
+                sampler.next_2d();
+                let [u, v, w] = sampler.next_3d();
+                assert!((0.0..1.0).contains(&w));
+                hits[(u * 4.0) as usize * 4 + (v * 4.0) as usize] += 1;
+            }
+            assert_eq!(hits, [1; 16]);
+        }
+    }
+
+    #[test]
     fn pixels_differ() {
         assert_ne!(Sampler::new(0, 1, 0, 0).next_2d(), Sampler::new(0, 0, 1, 0).next_2d());
         assert_ne!(Sampler::new(0, 1, 0, 0).next_2d(), Sampler::new(1, 1, 0, 0).next_2d());

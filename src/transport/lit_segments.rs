@@ -2,15 +2,17 @@
 //! ray: visibility is a union of intervals found from the triangles themselves, and what is left
 //! is integrated on smooth pieces. Invariant: nothing is sampled, nothing is stepped.
 
+use super::near_light::NearLight;
 use super::sun_stretch::SunStretch;
 use super::veils::Veils;
 use super::visibility::Layer;
 use crate::accel::LightPlane;
 use crate::color::Rgb;
-use crate::math::{Antiderivative, IntervalSet, Ray, gauss_legendre};
-use crate::scattering::{Medium, Source, Stretch, exp_minus};
+use crate::math::{IntervalSet, Ray};
+use crate::scattering::{Medium, Stretch};
 use crate::snapshot::{Emission, FrozenLight, Snapshot};
 use glam::DVec3;
+use std::ops::Range;
 
 /// The parts of a ray that one light reaches.
 #[derive(Clone, Debug, Default)]
@@ -102,7 +104,7 @@ impl LitSegments {
             FrozenLight::Sun { to_light, irradiance } => {
                 for stretch in stretches {
                     let mut sunny = None;
-                    self.for_each_within(stretch, |start, end, share| {
+                    self.for_each_part(self.part_of(stretch), |start, end, share| {
                         let sunny =
                             sunny.get_or_insert_with(|| SunStretch::new(medium, stretch, ray, to_light));
                         sum += share * sunny.integral(start, end);
@@ -113,19 +115,24 @@ impl LitSegments {
             FrozenLight::Point { position, intensity, emission } => {
                 for stretch in stretches {
                     let near = NearLight::new(medium, stretch, ray, position, emission);
-                    self.for_each_within(stretch, |start, end, share| {
-                        sum += share * near.integral(start, end)
-                    });
+                    sum +=
+                        near.integral(self.part_of(stretch), &|range, part| self.for_each_part(range, part));
                 }
                 sum * intensity
             }
         }
     }
 
-    /// Lit parts of a stretch, with the share of the light that is left there.
-    fn for_each_within(&self, stretch: &Stretch, mut lit: impl FnMut(f64, f64, Rgb)) {
-        let (start, end) = (stretch.start.max(self.range.0), stretch.end.min(self.range.1));
-        self.shadows.for_each_gap(start, end, |start, end| self.veils.for_each_piece(start, end, &mut lit));
+    /// What the range holds of a stretch; the end may come before the start.
+    fn part_of(&self, stretch: &Stretch) -> Range<f64> {
+        stretch.start.max(self.range.0)..stretch.end.min(self.range.1)
+    }
+
+    /// Lit parts of a range, with the share of the light that is left there.
+    fn for_each_part(&self, range: Range<f64>, mut lit: impl FnMut(f64, f64, Rgb)) {
+        self.shadows.for_each_gap(range.start, range.end, |start, end| {
+            self.veils.for_each_piece(start, end, &mut lit);
+        });
     }
 
     /// What lies outside a spot's cone, or behind a flat light, counts as shadow.
@@ -149,149 +156,4 @@ fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range
     let origin = ray.at(0.5 * (range.0 + range.1));
     let (to_light, distance, _) = light.arriving_at(origin);
     snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
-}
-
-/// What a near light scatters into a ray, in the equiangular variable
-/// `theta = atan((t - nearest) / gap)`, in which the inverse square is constant:
-/// `dt / distance^2 = dtheta / gap`.
-struct NearLight<'a> {
-    medium: &'a Medium,
-    stretch: &'a Stretch,
-    ray: &'a Ray,
-    light: DVec3,
-    emission: Emission,
-    kinks: [Option<f64>; 2],
-    nearest: f64,
-    gap: f64,
-    /// How fast the optical depths to eye and light change, both together.
-    depths_per_m: f64,
-    is_soft: bool,
-}
-
-/// A light this near to the ray, as a fraction of its distance, counts as this far from it: the
-/// integral grows beyond all bounds as the gap closes, and no picture shows that.
-const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
-
-impl<'a> NearLight<'a> {
-    fn new(medium: &'a Medium, stretch: &'a Stretch, ray: &'a Ray, light: DVec3, emission: Emission) -> Self {
-        let to_light = light - ray.origin;
-        let nearest = to_light.dot(ray.direction);
-        let gap = ray.direction.cross(to_light).length();
-        let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length()).max(f64::MIN_POSITIVE);
-        let kinks = emission.kinks(ray, light);
-        let is_soft = matches!(emission, Emission::Spot(_));
-        let tau = |t: f64| medium.tau_to_eye(stretch, ray, t);
-        let to_eye = tau(stretch.end) - tau(stretch.start);
-        let to_light = |t: f64| medium.optical_depth_to(ray.at(t), Source::At(light));
-        let middle = to_light(0.5 * (stretch.start + stretch.end));
-        let change = |t: f64| (to_light(t) - middle).abs().max_element();
-        let depths = to_eye.max_element() + change(stretch.start) + change(stretch.end);
-        let depths_per_m = depths / (stretch.end - stretch.start);
-        Self { medium, stretch, ray, light, emission, kinks, nearest, gap, depths_per_m, is_soft }
-    }
-
-    /// Over a lit interval, per unit of intensity, 1/(m^2 sr).
-    fn integral(&self, start: f64, end: f64) -> Rgb {
-        // The falloff's slope jumps at the inner cone.
-        let mut sum = Rgb::ZERO;
-        let mut from = start;
-        for cut in self.kinks.iter().flatten() {
-            if *cut > from && *cut < end {
-                sum += self.smooth_integral(from, *cut);
-                from = *cut;
-            }
-        }
-        sum + self.smooth_integral(from, end)
-    }
-
-    fn smooth_integral(&self, start: f64, end: f64) -> Rgb {
-        if !self.medium.is_even() {
-            // Such fog may reach far, and change by any factor on the way: how finely to cut is found from the
-            // integrand.
-            let angle = |t: f64| ((t - self.nearest) / self.gap).atan();
-            let (from, to) = (angle(start), angle(end));
-            let mut fitted = Antiderivative::default();
-            let integrand = |theta: f64| {
-                let t = self.nearest + self.gap * theta.tan();
-                self.integrand(t.clamp(start, end))
-            };
-            fitted.fit(integrand, from, to, FIT_TOLERANCE);
-            return fitted.between(from, to) / self.gap;
-        }
-        let before = self.one_sided_integral(-1.0, self.nearest - end, self.nearest - start);
-        before + self.one_sided_integral(1.0, start - self.nearest, end - self.nearest)
-    }
-
-    /// Over the part that lies before (`side` -1) or behind (1) the nearest point, between two distances from it.
-    ///
-    /// In `psi = atan(gap / distance)` both the transmittance and the phase function are smooth on the
-    /// scale of psi itself, so pieces shrink with it.
-    fn one_sided_integral(&self, side: f64, from: f64, to: f64) -> Rgb {
-        let mut from = from.max(0.0);
-        let mut sum = Rgb::ZERO;
-        let longest = (1.0 / self.depths_per_m).max((to - from) / MAX_PIECES);
-        while from < to {
-            let psi = |distance: f64| self.gap.atan2(distance);
-            let near = psi(from);
-            let mut reach = to.min(from + longest);
-            if reach <= from {
-                reach = to;
-            }
-            let mut far = psi(reach);
-            if far < SHRINKAGE * near {
-                far = SHRINKAGE * near;
-                reach = self.gap / far.tan();
-            }
-            let (middle, half_width) = (0.5 * (near + far), 0.5 * (near - far));
-            // Optical depth per radian at the far end, where it is largest.
-            let depths = self.depths_per_m * (self.gap * self.gap + reach * reach) / self.gap;
-            let steepness = half_width * (1.0 / middle).max(0.25 * depths);
-            // A spot's soft edge is a cubic of a cosine, however short the piece.
-            let steepness = if self.is_soft { steepness.max(0.5) } else { steepness };
-            for (node, weight) in gauss_legendre(order_for(steepness)) {
-                let distance = (self.gap / (middle + node * half_width).tan()).clamp(from, reach);
-                sum += weight * half_width * self.integrand(self.nearest + side * distance);
-            }
-            from = reach;
-        }
-        sum / self.gap
-    }
-
-    /// Scattering, transmittance both ways and the light's share, without the inverse square.
-    fn integrand(&self, t: f64) -> Rgb {
-        let point = self.ray.at(t);
-        let way = self.light - point;
-        let to_light = way / way.length().max(f64::MIN_POSITIVE);
-        let share = self.emission.share(-to_light);
-        let to_eye = self.medium.tau_to_eye(self.stretch, self.ray, t);
-        let tau = to_eye + self.medium.optical_depth_to(point, Source::At(self.light));
-        let ahead = self.nearest - t;
-        let cos = ahead / ahead.hypot(self.gap);
-        share * self.medium.scattering(self.stretch, self.ray, t, cos) * exp_minus(tau)
-    }
-}
-
-/// What a fit may be wrong by, as a share of itself.
-const FIT_TOLERANCE: f64 = 1e-9;
-
-/// How far the angle may shrink over a piece, as a factor: an ellipse around the piece that keeps out of
-/// the essential singularity at 0 then has the parameter 2.6, and 10 nodes do.
-const SHRINKAGE: f64 = 0.2;
-
-/// A bound on the work for one interval.
-const MAX_PIECES: f64 = 4096.0;
-
-/// Gauss-Legendre nodes for a relative error of 1e-8, where the nearest singularity lies `1 / steepness`
-/// half widths from the middle: the error falls with the power `-2 n` of the ellipse's parameter
-/// `1 / s + sqrt(1 / s^2 - 1)` (Trefethen, Approximation Theory and Approximation Practice, theorem 19.3).
-fn order_for(steepness: f64) -> usize {
-    match steepness {
-        s if s < 0.02 => 2,
-        s if s < 0.09 => 3,
-        s if s < 0.2 => 4,
-        s if s < 0.4 => 6,
-        s if s < 0.57 => 8,
-        s if s < 0.69 => 10,
-        _ => 14,
-    }
 }

@@ -6,6 +6,7 @@ mod direct;
 mod equiangular;
 mod lit_segments;
 mod march;
+mod near_light;
 mod radiance;
 mod sample;
 mod shafts;

@@ -1,0 +1,234 @@
+//! What a near light scatters into a ray. In go a stretch of fog and a light, out comes the integral
+//! over any part of it that is lit. Invariant: few parts are integrated one by one, by rules whose order
+//! follows from where the integrand is not analytic; many share one antiderivative, fitted to a
+//! tolerance.
+//!
+//! The variable is `x = asinh((t - nearest) / gap)`, the Gudermannian inverse of the equiangular angle
+//! `theta` (Kulla & Fajardo 2012): `dt / distance^2 = dtheta / gap = dx / (gap cosh x)`. In `theta` a
+//! phase function is a peak as narrow as `1 - |g|` at the far end; in `x`
+//! the cosine of the deflection is `-tanh x`, and Henyey & Greenstein's function becomes
+//! `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`: a step as wide as the integrand's other changes,
+//! whose singularities, like those of `cosh x`, lie at the distance `pi / 2` from the real axis for every `g`.
+
+use crate::color::Rgb;
+use crate::math::{Antiderivative, Ray, gauss_legendre};
+use crate::scattering::{Medium, Source, Stretch, exp_minus};
+use crate::snapshot::Emission;
+use glam::DVec3;
+use std::ops::Range;
+
+/// A near light over a stretch of a ray.
+pub(super) struct NearLight<'a> {
+    medium: &'a Medium,
+    stretch: &'a Stretch,
+    ray: &'a Ray,
+    light: DVec3,
+    emission: Emission,
+    nearest: f64,
+    gap: f64,
+    /// For a falloff that is itself a polynomial: its degree, halved and rounded up.
+    more_nodes: usize,
+    /// Extinction of all fog together, 1/m: how fast the exponential may change.
+    densest_per_m: f64,
+    /// The nearest poles before and after the stretch, in `x`: see [`NearLight::poles`].
+    poles: (f64, f64),
+}
+
+/// Calls back with the lit parts of a range, in order, and the share of the light that is left there.
+pub(super) type LitParts<'a> = &'a dyn Fn(Range<f64>, &mut dyn FnMut(f64, f64, Rgb));
+
+/// A light this near to the ray, as a fraction of its distance, counts as this far from it: the
+/// integral grows beyond all bounds as the gap closes, and no picture shows that.
+const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
+
+/// What a fit may be wrong by, as a share of the whole that it is fitted to.
+const FIT_TOLERANCE: f64 = 1e-8;
+
+/// From about so many parts on a fit costs no more than the parts one by one (`cargo bench --bench figures -- near`).
+const MANY_PARTS: usize = 20;
+
+/// How far a rule reaches, see [`NearLight::part`].
+const LONGEST_STEP: f64 = 2.0;
+
+/// Of a distance along the ray to the gap: its square is finite.
+const LARGEST_RATIO: f64 = 1e150;
+
+/// Beyond this optical depth parts are fitted too: most of their steps would add nothing.
+const DEEPEST: f64 = 30.0;
+
+impl<'a> NearLight<'a> {
+    pub(super) fn new(
+        medium: &'a Medium,
+        stretch: &'a Stretch,
+        ray: &'a Ray,
+        light: DVec3,
+        emission: Emission,
+    ) -> Self {
+        let to_light = light - ray.origin;
+        let nearest = to_light.dot(ray.direction);
+        let gap = ray.direction.cross(to_light).length();
+        let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length()).max(f64::MIN_POSITIVE);
+        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge.
+        let more_nodes = if matches!(emission, Emission::Spot(_)) { 2 } else { 0 };
+        let densest_per_m = medium.banks().iter().map(|bank| bank.sigma_t.max_element()).sum();
+        let poles = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut near =
+            Self { medium, stretch, ray, light, emission, nearest, gap, more_nodes, densest_per_m, poles };
+        near.poles = near.poles();
+        near
+    }
+
+    /// Over the lit parts of a range, per unit of intensity, 1/(m^2 sr).
+    pub(super) fn integral(&self, range: Range<f64>, lit: LitParts) -> Rgb {
+        let mut sum = Rgb::ZERO;
+        if range.is_empty() {
+            return sum;
+        }
+        let mut start = range.start;
+        // The slope of a spot's falloff changes at kinks.
+        for end in self.emission.kinks(self.ray, self.light).into_iter().flatten().chain([range.end]) {
+            let end = end.clamp(start, range.end);
+            sum += self.smooth_integral(start..end, lit);
+            start = end;
+        }
+        sum
+    }
+
+    fn smooth_integral(&self, range: Range<f64>, lit: LitParts) -> Rgb {
+        let mut parts = 0;
+        let mut hull = range.end..range.start;
+        lit(range.clone(), &mut |start, end, _| {
+            parts += 1;
+            hull = hull.start.min(start)..end;
+        });
+        if parts == 0 {
+            return Rgb::ZERO;
+        }
+        let is_deep = self.densest_per_m * (hull.end - hull.start) > DEEPEST;
+        let mut sum = Rgb::ZERO;
+        if parts < MANY_PARTS && !is_deep && self.medium.is_even() {
+            lit(range, &mut |start, end, share| sum += share * self.part(start, end));
+        } else {
+            let mut fitted = Antiderivative::default();
+            let integrand = |x: f64| self.integrand(x, &hull);
+            fitted.fit(integrand, self.x(hull.start), self.x(hull.end), FIT_TOLERANCE);
+            lit(range, &mut |start, end, share| {
+                sum += share * fitted.between(self.x(start), self.x(end));
+            });
+        }
+        sum / self.gap
+    }
+
+    /// One part, times the gap, by Gauss-Legendre rules.
+    ///
+    /// On a step of width `w` a rule of `n` nodes errs by about `rho^-2n`, where `rho` belongs to the largest
+    /// ellipse about the step in which the integrand is analytic (Trefethen, "Approximation Theory and
+    /// Approximation Practice", theorem 19.3). What bounds it: the lines at `pi / 2` from the real axis, the
+    /// poles before and after the stretch, and, in its stead, how much the exponential changes on the way.
+    fn part(&self, start: f64, end: f64) -> Rgb {
+        let (mut t, mut x, last) = (start, self.x(start), self.x(end));
+        let mut sum = Rgb::ZERO;
+        while x < last {
+            // A step may be 4/3 as long as its distance from a pole.
+            let clear = (4.0 / 3.0 * (x - self.poles.0)).min(4.0 / 7.0 * (self.poles.1 - x));
+            let mut to = last.min(x + LONGEST_STEP.min(clear.max(SHORTEST_STEP)));
+            let mut to_t = if to < last { self.t(to).clamp(t, end) } else { end };
+            let mut depths = self.depths_between(t, to_t);
+            while depths > LONGEST_STEP && to - x > SHORTEST_STEP {
+                to = x + (to - x) * (LONGEST_STEP / depths).clamp(0.1, 0.8);
+                to_t = self.t(to).clamp(t, end);
+                depths = self.depths_between(t, to_t);
+            }
+            let width = to - x;
+            let pole = (x - self.poles.0).min(self.poles.1 - to);
+            let wide = (width * (1.5 / pole).max(1.0)).max(depths);
+            let (middle, half_width) = (0.5 * (x + to), 0.5 * width);
+            let mut step = Rgb::ZERO;
+            for (node, weight) in gauss_legendre(order_for(wide) + self.more_nodes) {
+                step += *weight * self.integrand(middle + node * half_width, &(t..to_t));
+            }
+            sum += step * half_width;
+            (t, x) = (to_t, to);
+        }
+        sum
+    }
+
+    /// How much the exponent changes from one place to another, about.
+    fn depths_between(&self, from: f64, to: f64) -> f64 {
+        let along = self.densest_per_m * (to - from);
+        if self.poles == (f64::NEG_INFINITY, f64::INFINITY) {
+            return along;
+        }
+        // Near a pole the way through the fog grows by more than the way.
+        let to_light = |t: f64| self.medium.optical_depth_to(self.ray.at(t), Source::At(self.light));
+        along + (to_light(to) - to_light(from)).abs().max_element()
+    }
+
+    /// Where the integrand has poles on the real axis just before and just after the stretch.
+    ///
+    /// The way to the light enters a bank through a face `y_i = a` at the fraction `(a - y_i(t)) / (p_i - y_i(t))`
+    /// of itself, `p` being the light in the bank's own space: a pole where the ray has come as far as the
+    /// light along the axis `i`. Within the stretch there is none, as `a` lies between.
+    fn poles(&self) -> (f64, f64) {
+        let (first, last) = (self.x(self.stretch.start), self.x(self.stretch.end));
+        let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
+        for bank in self.medium.banks() {
+            let (origin, direction) = bank.in_cube(self.ray.origin, self.ray.direction);
+            let (light, _) = bank.in_cube(self.light, DVec3::ZERO);
+            for axis in 0..3 {
+                // Between the faces light and ray meet none of the two.
+                if light[axis].abs() <= 1.0 {
+                    continue;
+                }
+                let x = self.x((light[axis] - origin[axis]) / direction[axis]);
+                if x <= first {
+                    before = before.max(x);
+                } else if x >= last {
+                    after = after.min(x);
+                }
+            }
+        }
+        (before, after)
+    }
+
+    fn x(&self, t: f64) -> f64 {
+        // `asinh` of the library keeps its relative precision near 0, at three times the time; the absolute one will do.
+        let ratio = ((t - self.nearest) / self.gap).clamp(-LARGEST_RATIO, LARGEST_RATIO);
+        (ratio.abs() + (ratio * ratio + 1.0).sqrt()).ln().copysign(ratio)
+    }
+
+    fn t(&self, x: f64) -> f64 {
+        self.nearest + self.gap * x.sinh()
+    }
+
+    /// Scattering, transmittance both ways, the light's share and `1 / cosh x`, which is the inverse
+    /// square times `gap dt/dx`; rounding does not leave the range of `t`.
+    fn integrand(&self, x: f64, range: &Range<f64>) -> Rgb {
+        let exp = x.exp();
+        let (sinh, cosh) = (0.5 * (exp - 1.0 / exp), 0.5 * (exp + 1.0 / exp));
+        let t = (self.nearest + self.gap * sinh).clamp(range.start, range.end);
+        let point = self.ray.at(t);
+        let way = self.light - point;
+        let to_light = way / way.length().max(f64::MIN_POSITIVE);
+        let share = self.emission.share(-to_light);
+        let tau_to_eye = self.medium.tau_to_eye(self.stretch, self.ray, t);
+        let tau = tau_to_eye + self.medium.optical_depth_to(point, Source::At(self.light));
+        let scattering = self.medium.scattering(self.stretch, self.ray, t, -sinh / cosh);
+        share / cosh * scattering * exp_minus(tau)
+    }
+}
+
+/// A pole may be as near as rounding puts it; no step is shorter.
+const SHORTEST_STEP: f64 = 1e-6;
+
+/// Nodes for a step of that width, with a relative error below 1e-7 (`tests/near_light.rs`).
+fn order_for(width: f64) -> usize {
+    match width {
+        w if w < 0.06 => 2,
+        w if w < 0.25 => 3,
+        w if w < 0.6 => 4,
+        w if w < 1.0 => 5,
+        w if w < 1.5 => 7,
+        _ => 9,
+    }
+}
