@@ -12,5 +12,9 @@ mod scenes;
 mod truth;
 
 mod alignment;
+mod edges;
+mod fence;
+mod fog;
+mod light_places;
 mod places;
 mod triangles;

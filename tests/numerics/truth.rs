@@ -92,7 +92,7 @@ impl Truth {
             Some(Candidate { face, t, is_certain })
         };
         let mut candidates: Vec<Candidate> =
-            self.triangles.iter().enumerate().filter_map(meets).filter(|met| met.t.1 > 0.0).collect();
+            self.triangles.iter().enumerate().filter_map(meets).filter(|met| met.t.1 > 1e-12).collect();
         candidates.sort_by(|a, b| a.t.0.total_cmp(&b.t.0));
         let certain = candidates.iter().filter(|met| met.is_certain);
         let first = certain.map(|met| met.t.1).fold(f64::INFINITY, f64::min);

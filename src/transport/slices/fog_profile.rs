@@ -151,7 +151,10 @@ impl FogProfile {
         for index in 1..cuts.len() {
             let (start, end) = (cuts[index - 1], cuts[index]);
             if start < end {
-                row += usize::from(breaks.get(row).is_some_and(|reach| *reach <= start));
+                // Boxes that share a face share breaks.
+                while breaks.get(row).is_some_and(|reach| *reach <= start) {
+                    row += 1;
+                }
                 let ways = &ways[row * boxes.len()..][..boxes.len()];
                 let Some(stretch) = Stretch::new(boxes, ways, ray, (start, end)) else { continue };
                 let through =

@@ -238,7 +238,14 @@ fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
         let slope = if slope.is_nan() { f64::NEG_INFINITY } else { slope };
         End { point, slope, name: light_rays.through(point) }
     };
-    let (a, b) = (end(clipped(a, b)), end(clipped(b, a)));
+    let (mut a, mut b) = (end(clipped(a, b)), end(clipped(b, a)));
+    // Out of the camera itself, but for rounding: seen edge-on, so that no ray but one meets it.
+    let length = a.point.distance(b.point);
+    if a.point.length() <= SAME_PLACE * length {
+        a.slope = b.slope;
+    } else if b.point.length() <= SAME_PLACE * length {
+        b.slope = a.slope;
+    }
     Some(if a.slope >= b.slope { [a, b] } else { [b, a] })
 }
 
