@@ -91,9 +91,7 @@ fn boxes_that_share_faces() {
         (corner(-1.0, -2.0, -6.0), corner(3.0, 1.0, 0.0)),
     ];
     for lamp in [HIGH_SUN, LAMP, Lamp::Sun { to_sun: DVec3::Y }] {
-        // Not yet 1e-6 under the lamp: docs/numerics.md.
-        let bound = if matches!(lamp, Lamp::Point { .. }) { 2e-4 } else { 1e-6 };
-        hold(&format!("shared faces, {lamp:?}"), &boxes(lamp, &halves), bound);
+        hold(&format!("shared faces, {lamp:?}"), &boxes(lamp, &halves), 1e-6);
     }
 }
 

@@ -97,9 +97,9 @@ fn images_of_lights_on_round_places() {
                 let mut scene = grove(&Frame::HERE, lamp);
                 // Without the ground, which leaves nothing of a light below it.
                 scene.instances.pop();
-                per_ray(&scene, 1.0, spread(40)).hold(&format!("{name}, {lamp:?}, per ray"), 2e-5);
+                per_ray(&scene, 1.0, spread(40)).hold(&format!("{name}, {lamp:?}, per ray"), 1e-6);
                 by_slices(&scene, &SlicePlan::even(SIZE, 11, 11))
-                    .hold(&format!("{name}, {lamp:?}, slices"), 2e-5);
+                    .hold(&format!("{name}, {lamp:?}, slices"), 1e-6);
             }
         }
     }
