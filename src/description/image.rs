@@ -30,20 +30,23 @@ static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
 });
 
-/// Decodes a PNG, JPEG or PPM image, recognised by its content; colours are taken as sRGB.
+/// Decodes a PNG, JPEG, WebP or PPM image, recognised by its content; colours are taken as sRGB.
 ///
 /// # Errors
 /// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
 pub fn decode(bytes: &[u8], place: Place) -> Result<DecodedImage, Diagnostic> {
     let reject = |found: String| {
         Diagnostic::error(place.clone(), found)
-            .expected("a PNG, JPEG or PPM image of at most 16384 texels a side")
+            .expected("a PNG, JPEG, WebP or PPM image of at most 16384 texels a side")
             .remedy("save the image again as PNG, or scale it down")
     };
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| reject(format!("the image cannot be read: {error}")))?;
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm)) {
+    if !matches!(
+        reader.format(),
+        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm | ImageFormat::WebP)
+    ) {
         return Err(reject(String::from("this is not an image in a format that is read")));
     }
     let mut limits = Limits::default();
@@ -119,6 +122,14 @@ mod tests {
         let image = ImageBuffer::from_pixel(1, 1, Rgba([12_345_u16, 0, 65_535, 32_768]));
         let expected = [linear(12_345.0 / 65_535.0), 0.0, 1.0, 32_768.0 / 65_535.0];
         assert_eq!(texels(&encoded(image, ImageFormat::Png)), [expected]);
+    }
+
+    #[test]
+    fn webp_is_read_as_it_was_written() {
+        let image = ImageBuffer::from_pixel(2, 3, Rgba([200_u8, 100, 50, 128]));
+        let expected = [200.0, 100.0, 50.0].map(|code| linear(code / 255.0));
+        let expected = [expected[0], expected[1], expected[2], 128.0 / 255.0];
+        assert_eq!(texels(&encoded(image, ImageFormat::WebP)), [expected; 6]);
     }
 
     #[test]

@@ -2,9 +2,11 @@
 //! hold before it is known to hold it, and no more in all than a fixed multiple of its size.
 
 use super::buffers::Buffers;
+use super::draco::Unpacked;
 use super::json::{Accessor, Document, Sparse};
 use crate::diagnostic::Diagnostic;
 use std::cell::Cell;
+use std::collections::BTreeMap;
 
 /// How many times over the same bytes may be read: meshes share accessors, within reason.
 const READS_OF_EACH_BYTE: usize = 64;
@@ -15,6 +17,8 @@ const SMALL_BYTES: usize = 64 << 20;
 pub(super) struct Accessors<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
+    /// What stands in place of accessors that compressed meshes fill.
+    unpacked: BTreeMap<usize, Unpacked>,
     bytes_left: Cell<usize>,
 }
 
@@ -86,9 +90,15 @@ impl Component {
 }
 
 impl<'a> Accessors<'a> {
-    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>) -> Self {
-        let limit = buffers.total_bytes().saturating_mul(READS_OF_EACH_BYTE).saturating_add(SMALL_BYTES);
-        Self { document, buffers, bytes_left: Cell::new(limit) }
+    pub(super) fn new(
+        document: &'a Document,
+        buffers: &'a Buffers<'a>,
+        unpacked: BTreeMap<usize, Unpacked>,
+    ) -> Self {
+        let bytes =
+            buffers.total_bytes() + unpacked.values().map(|unpacked| unpacked.bytes.len()).sum::<usize>();
+        let limit = bytes.saturating_mul(READS_OF_EACH_BYTE).saturating_add(SMALL_BYTES);
+        Self { document, buffers, unpacked, bytes_left: Cell::new(limit) }
     }
 
     /// An error at a place in this file.
@@ -98,7 +108,10 @@ impl<'a> Accessors<'a> {
 
     /// How many elements accessor `index` claims to hold; 0 if there is no such accessor.
     pub(super) fn count(&self, index: usize) -> usize {
-        self.document.accessors.get(index).map_or(0, |accessor| accessor.count)
+        match self.unpacked.get(&index) {
+            Some(unpacked) => unpacked.count,
+            None => self.document.accessors.get(index).map_or(0, |accessor| accessor.count),
+        }
     }
 
     /// Every number of accessor `index`, `wanted.width` an element, all finite. `user` is the path of
@@ -108,20 +121,26 @@ impl<'a> Accessors<'a> {
             return Err(self.invalid(user, format!("accessor {index} does not exist")));
         };
         let path = format!("accessors[{index}]");
-        let component = self.check_type(accessor, wanted, &path)?;
-        if accessor.count == 0 {
+        let unpacked = self.unpacked.get(&index);
+        let component = self.check_type(accessor, unpacked, wanted, &path)?;
+        let count = self.count(index);
+        if count == 0 {
             return Err(self
                 .invalid(format!("{path}.count"), "the accessor is empty")
                 .expected("at least 1 element"));
         }
-        self.take_from_budget(accessor, wanted, &path)?;
-        let mut values = match accessor.buffer_view {
-            Some(view) => {
+        self.take_from_budget(count, wanted, &path)?;
+        let mut values = match (unpacked, accessor.buffer_view) {
+            (Some(Unpacked { bytes, .. }), _) => {
+                let source = Source { bytes, offset: 0, stride: None, component };
+                self.elements(source, count, wanted.width, &path)?
+            }
+            (None, Some(view)) => {
                 let (bytes, stride) = self.buffers.view(view, &format!("{path}.bufferView"))?;
                 let source = Source { bytes, offset: accessor.byte_offset, stride, component };
-                self.elements(source, accessor.count, wanted.width, &path)?
+                self.elements(source, count, wanted.width, &path)?
             }
-            None => vec![0.0; accessor.count * wanted.width],
+            (None, None) => vec![0.0; count * wanted.width],
         };
         if let Some(sparse) = &accessor.sparse {
             self.replace_sparse(&mut values, accessor, sparse, component, wanted.width, &path)?;
@@ -142,7 +161,13 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    fn check_type(&self, accessor: &Accessor, wanted: Wanted, path: &str) -> Result<Component, Diagnostic> {
+    fn check_type(
+        &self,
+        accessor: &Accessor,
+        unpacked: Option<&Unpacked>,
+        wanted: Wanted,
+        path: &str,
+    ) -> Result<Component, Diagnostic> {
         let width = match accessor.shape.as_str() {
             "SCALAR" => 1,
             "VEC2" => 2,
@@ -155,18 +180,22 @@ impl<'a> Accessors<'a> {
             let found = format!("{} cannot be of type `{}`", wanted.purpose, accessor.shape);
             return Err(self.invalid(format!("{path}.type"), found).expected(expected));
         }
-        Component::from_code(accessor.component_type)
+        if let Some(unpacked) = unpacked.filter(|unpacked| unpacked.width != wanted.width) {
+            let found = format!("the compressed {} have {} numbers each", wanted.purpose, unpacked.width);
+            return Err(self.invalid(path, found).expected(format!("{} numbers", wanted.width)));
+        }
+        let component_type = unpacked.map_or(accessor.component_type, |unpacked| unpacked.component_type);
+        Component::from_code(component_type)
             .filter(|component| wanted.components.contains(component))
             .ok_or_else(|| {
-                let found =
-                    format!("{} cannot be of component type {}", wanted.purpose, accessor.component_type);
+                let found = format!("{} cannot be of component type {component_type}", wanted.purpose);
                 self.invalid(format!("{path}.componentType"), found)
                     .expected(format!("one of {:?}", wanted.components))
             })
     }
 
-    fn take_from_budget(&self, accessor: &Accessor, wanted: Wanted, path: &str) -> Result<(), Diagnostic> {
-        let bytes = accessor.count.saturating_mul(wanted.width * size_of::<f64>());
+    fn take_from_budget(&self, count: usize, wanted: Wanted, path: &str) -> Result<(), Diagnostic> {
+        let bytes = count.saturating_mul(wanted.width * size_of::<f64>());
         match self.bytes_left.get().checked_sub(bytes) {
             Some(left) => {
                 self.bytes_left.set(left);
@@ -174,7 +203,7 @@ impl<'a> Accessors<'a> {
             }
             None => Err(self.invalid(
                 format!("{path}.count"),
-                format!("{} elements are far more than a file of this size holds", accessor.count),
+                format!("{count} elements are far more than a file of this size holds"),
             )),
         }
     }
@@ -281,7 +310,7 @@ mod tests {
         let mut report = Report::new(file);
         let buffers =
             buffers::load(&document, Some(bytes), file, &mut Files::default(), &mut report).unwrap();
-        Accessors::new(&document, &buffers).read(
+        Accessors::new(&document, &buffers, BTreeMap::new()).read(
             0,
             Wanted { purpose: "numbers", width, components: ANY },
             "test",

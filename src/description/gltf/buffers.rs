@@ -1,13 +1,15 @@
-//! Buffers and the views into them: bytes from the binary chunk, from data URIs and from files.
-//! Invariant: a view that is handed out lies inside its buffer.
+//! Buffers and the views into them: bytes from the binary chunk, from data URIs and from files, and
+//! what is compressed there unpacked. Invariant: a view that is handed out lies inside its buffer.
 
-use super::json::Document;
+use super::json::{self, Document};
+use super::meshopt;
 use super::report::Report;
 use super::{Files, LoadError, invalid};
 use crate::diagnostic::Diagnostic;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// All buffers of a file.
@@ -16,6 +18,8 @@ pub(super) struct Buffers<'a> {
     document: &'a Document,
     /// `None` where the buffer could not be had; that is reported already.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
+    /// What compressed views hold, by the view's index; `None` where that is damaged and reported.
+    unpacked: BTreeMap<usize, Option<Vec<u8>>>,
 }
 
 /// Reads every buffer that a view refers to.
@@ -28,7 +32,9 @@ pub(super) fn load<'a>(
 ) -> Result<Buffers<'a>, LoadError> {
     let mut needed = vec![false; document.buffers.len()];
     for view in &document.buffer_views {
-        if let Some(needed) = needed.get_mut(view.buffer) {
+        // What a compressed view stands in for need not be there.
+        let buffer = view.extensions.meshopt.as_ref().map_or(view.buffer, |packed| packed.buffer);
+        if let Some(needed) = needed.get_mut(buffer) {
             *needed = true;
         }
     }
@@ -65,7 +71,13 @@ pub(super) fn load<'a>(
         });
         buffers.push(report.keep(bytes));
     }
-    Ok(Buffers { file, document, buffers })
+    let mut buffers = Buffers { file, document, buffers, unpacked: BTreeMap::new() };
+    let unpack = |(index, view): (usize, &json::BufferView)| {
+        let packed = view.extensions.meshopt.as_ref()?;
+        Some((index, report.keep(buffers.unpack(packed, &format!("bufferViews[{index}]")))))
+    };
+    buffers.unpacked = document.buffer_views.iter().enumerate().filter_map(unpack).collect();
+    Ok(buffers)
 }
 
 /// The bytes behind a URI: a data URI's, or those of a file beside the glTF file.
@@ -119,7 +131,9 @@ fn percent_decoded(uri: &str) -> Option<String> {
 impl Buffers<'_> {
     /// How many bytes there are in all.
     pub(super) fn total_bytes(&self) -> usize {
-        self.buffers.iter().flatten().map(|buffer| buffer.len()).sum()
+        let read = self.buffers.iter().flatten().map(|buffer| buffer.len());
+        let unpacked = self.unpacked.values().flatten().map(Vec::len);
+        read.chain(unpacked).sum()
     }
 
     /// The bytes of a view and its stride; `user` is the path of what refers to it.
@@ -128,26 +142,40 @@ impl Buffers<'_> {
             return Err(self.invalid(user, format!("buffer view {index} does not exist")));
         };
         let path = format!("bufferViews[{index}]");
-        let Some(buffer) = self.buffers.get(view.buffer) else {
-            return Err(
-                self.invalid(format!("{path}.buffer"), format!("buffer {} does not exist", view.buffer))
-            );
+        let bytes = match self.unpacked.get(&index) {
+            Some(Some(bytes)) => bytes,
+            Some(None) => return Err(self.invalid(path, "the view could not be unpacked")),
+            None => self.range(view.buffer, view.byte_offset, view.byte_length, &path)?,
         };
-        let Some(buffer) = buffer else {
-            return Err(self.invalid(path, format!("buffer {} could not be read", view.buffer)));
+        Ok((bytes, view.byte_stride))
+    }
+
+    fn unpack(&self, packed: &json::MeshoptView, view: &str) -> Result<Vec<u8>, Diagnostic> {
+        let path = format!("{view}.extensions.EXT_meshopt_compression");
+        let source = self.range(packed.buffer, packed.byte_offset, packed.byte_length, &path)?;
+        meshopt::unpack(packed, source).map_err(|found| {
+            self.invalid(path, found).expected("data as gltfpack writes them").remedy(
+                "compress the original file again, or export it without compression (gltfpack: without -c)",
+            )
+        })
+    }
+
+    /// Bytes of a buffer; `path` is that of what says where they lie.
+    fn range(&self, buffer: usize, offset: usize, length: usize, path: &str) -> Result<&[u8], Diagnostic> {
+        let Some(bytes) = self.buffers.get(buffer) else {
+            return Err(self.invalid(format!("{path}.buffer"), format!("buffer {buffer} does not exist")));
         };
-        let length = self.document.buffers[view.buffer].byte_length;
-        let end = view.byte_offset.checked_add(view.byte_length).filter(|end| *end <= length);
-        let Some(end) = end else {
-            return Err(self.invalid(
+        let Some(bytes) = bytes else {
+            return Err(self.invalid(path, format!("buffer {buffer} could not be read")));
+        };
+        let whole = self.document.buffers[buffer].byte_length;
+        match offset.checked_add(length).filter(|end| *end <= whole) {
+            Some(end) => Ok(&bytes[offset..end]),
+            None => Err(self.invalid(
                 path,
-                format!(
-                    "the view spans {} bytes from {}, beyond the buffer's {length}",
-                    view.byte_length, view.byte_offset
-                ),
-            ));
-        };
-        Ok((&buffer[view.byte_offset..end], view.byte_stride))
+                format!("the view spans {length} bytes from {offset}, beyond the buffer's {whole}"),
+            )),
+        }
     }
 
     /// An error at a place in this file.

@@ -17,10 +17,14 @@ enum Support {
 
 fn support(extension: &str) -> Option<Support> {
     Some(match extension {
-        "KHR_lights_punctual"
+        "EXT_meshopt_compression"
+        | "EXT_texture_webp"
+        | "KHR_draco_mesh_compression"
+        | "KHR_lights_punctual"
         | "KHR_materials_emissive_strength"
         | "KHR_materials_specular"
         | "KHR_mesh_quantization"
+        | "KHR_meshopt_compression"
         | "KHR_texture_transform" => Support::Honoured,
         "KHR_animation_pointer"
         | "KHR_materials_anisotropy"
@@ -34,16 +38,9 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_materials_unlit"
         | "KHR_materials_variants"
         | "KHR_materials_volume" => Support::Reported,
-        "KHR_draco_mesh_compression" => {
-            Support::Refused("export without compression (Blender: Data > Compression off)")
-        }
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            Support::Refused("run gltfpack without -c and -cc, or export from the original scene")
-        }
         "EXT_mesh_gpu_instancing" => Support::Refused(
             "export instances as objects (Blender: Data > Scene Graph > GPU Instances off, Geometry Nodes Instances on)",
         ),
-        "EXT_texture_webp" => Support::Refused("export images as PNG or JPEG (Blender: Material > Images)"),
         "KHR_texture_basisu" => Support::Refused("export images as PNG or JPEG, not KTX2"),
         _ => return None,
     })
@@ -65,7 +62,7 @@ pub(super) fn check(document: &Document, report: &mut Report) {
         );
     }
     for name in &document.extensions_used {
-        let reported_elsewhere = name == "EXT_mesh_gpu_instancing" || name.ends_with("_compression");
+        let reported_elsewhere = name == "EXT_mesh_gpu_instancing";
         if !document.extensions_required.contains(name) && support(name).is_none() {
             report.not_honoured("extensions that are not known are passed over", name);
         } else if matches!(support(name), Some(Support::Refused(_))) && !reported_elsewhere {

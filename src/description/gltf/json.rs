@@ -199,6 +199,19 @@ pub(super) struct TextureTransform {
 pub(super) struct Texture {
     pub(super) sampler: Option<usize>,
     pub(super) source: Option<usize>,
+    pub(super) extensions: TextureExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "EXT_texture_webp")]
+    pub(super) webp: Option<ImageReference>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct ImageReference {
+    pub(super) source: usize,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -318,6 +331,29 @@ pub(super) struct BufferView {
     pub(super) byte_offset: usize,
     pub(super) byte_length: usize,
     pub(super) byte_stride: Option<usize>,
+    #[serde(default)]
+    pub(super) extensions: BufferViewExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BufferViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
+    pub(super) meshopt: Option<MeshoptView>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct MeshoptView {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: usize,
+    pub(super) byte_length: usize,
+    pub(super) byte_stride: usize,
+    pub(super) count: usize,
+    pub(super) mode: String,
+    #[serde(default = "unfiltered")]
+    pub(super) filter: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -327,6 +363,9 @@ pub(super) struct Buffer {
     pub(super) byte_length: usize,
 }
 
+fn unfiltered() -> String {
+    String::from("NONE")
+}
 fn white() -> [f64; 3] {
     [1.0; 3]
 }

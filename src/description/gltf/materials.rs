@@ -145,9 +145,11 @@ fn read_texture(
         return Ok(Err(invalid(file, user, format!("texture {index} does not exist"))));
     };
     let path = format!("textures[{index}].source");
-    let Some(source) = texture.source else {
+    // The plain image is the same picture, and every reader's first choice.
+    let webp = texture.extensions.webp.as_ref().map(|webp| webp.source);
+    let Some(source) = texture.source.or(webp) else {
         return Ok(Err(invalid(file, path, "the texture has no image that can be read")
-            .expected("an image in PNG or JPEG")
+            .expected("an image in PNG, JPEG or WebP")
             .remedy("export images as PNG or JPEG (Blender: Material > Images)")));
     };
     let Some(image) = document.images.get(source) else {

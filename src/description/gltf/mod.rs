@@ -10,10 +10,12 @@ mod accessor;
 mod animations;
 mod buffers;
 mod container;
+mod draco;
 mod extensions;
 mod json;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
 pub(crate) mod report;
 
@@ -286,7 +288,8 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         return Err(LoadError::Invalid(report.into_diagnostics()));
     }
     let buffers = buffers::load(&document, binary, path, files, &mut report)?;
-    let accessors = accessor::Accessors::new(&document, &buffers);
+    let unpacked = draco::unpack(&document, &buffers, path, &mut report);
+    let accessors = accessor::Accessors::new(&document, &buffers, unpacked);
 
     let mut scene = GltfScene {
         path: path.to_owned(),

@@ -87,7 +87,7 @@ pub enum Mesh {
 pub struct Material {
     /// Lambert reflectance, linear Rec. 709; multiplied by the texture if there is one.
     pub base_color: Option<Triple<UnitInterval>>,
-    /// A PNG, JPEG or PPM image in sRGB, relative to the scene file.
+    /// A PNG, JPEG, WebP or PPM image in sRGB, relative to the scene file.
     pub texture: Option<PathBuf>,
     /// Alpha; multiplied by that of the texture.
     pub opacity: Option<Number<UnitInterval>>,
@@ -186,7 +186,7 @@ pub enum Light {
         /// How much darker the disc is towards its edge.
         #[serde(default = "no_darkening")]
         limb_darkening: Number<UnitInterval>,
-        /// A PNG, JPEG or PPM image on the disc, relative to the scene file.
+        /// A PNG, JPEG, WebP or PPM image on the disc, relative to the scene file.
         image: Option<PathBuf>,
         /// A fractal on the disc.
         fractal: Option<Julia>,

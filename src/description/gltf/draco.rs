@@ -1,0 +1,117 @@
+//! Primitives compressed with Draco in, plain accessors out (KHR_draco_mesh_compression). Invariant:
+//! every accessor that is handed out has as many bytes as its count and type ask for, and no more
+//! memory is taken than a fixed multiple of what the file holds.
+
+use super::buffers::Buffers;
+use super::invalid;
+use super::json::{Document, Primitive};
+use super::report::Report;
+use crate::diagnostic::Diagnostic;
+use draco_gltf::{DecodeLimits, DracoPrimitiveContract, DracoPrimitiveExtension, JsonValue};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const EXTENSION: &str = "KHR_draco_mesh_compression";
+/// How many bytes one compressed byte can stand for at most: regular meshes take about a bit a triangle.
+const MOST_EXPANSION: u64 = 4096;
+/// What even the smallest stream may unpack to, bytes.
+const SMALL_BYTES: u64 = 1 << 20;
+/// Mode of triangle lists, the one that Draco's streams hold.
+const TRIANGLES: u32 = 4;
+
+/// What stands in place of an accessor that has no buffer view.
+pub(super) struct Unpacked {
+    /// Elements; may be more than the accessor says, where Draco split vertices at seams.
+    pub(super) count: usize,
+    /// Numbers an element.
+    pub(super) width: usize,
+    /// glTF's code of the component type.
+    pub(super) component_type: u32,
+    /// Element by element, little-endian.
+    pub(super) bytes: Vec<u8>,
+}
+
+/// All accessors that compressed primitives fill, by their index; what is damaged is reported.
+pub(super) fn unpack(
+    document: &Document,
+    buffers: &Buffers<'_>,
+    file: &Path,
+    report: &mut Report,
+) -> BTreeMap<usize, Unpacked> {
+    let mut unpacked = BTreeMap::new();
+    for (mesh_index, mesh) in document.meshes.iter().enumerate() {
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            let path = format!("meshes[{mesh_index}].primitives[{number}]");
+            let filled = fill(primitive, document, buffers, file, &path, &mut unpacked);
+            report.keep(filled);
+        }
+    }
+    unpacked
+}
+
+fn fill(
+    primitive: &Primitive,
+    document: &Document,
+    buffers: &Buffers<'_>,
+    file: &Path,
+    path: &str,
+    unpacked: &mut BTreeMap<usize, Unpacked>,
+) -> Result<(), Diagnostic> {
+    let Some(extension) = primitive.extensions.get(EXTENSION) else { return Ok(()) };
+    let path = format!("{path}.extensions.{EXTENSION}");
+    let damaged = |found: String| {
+        invalid(file, path.as_str(), found).expected("a mesh as Draco 2.2 compresses it").remedy(
+            "export the original scene again, or without compression (Blender: Data > Compression off)",
+        )
+    };
+    if primitive.mode != TRIANGLES {
+        return Err(damaged(format!("a compressed mesh cannot be of mode {}", primitive.mode)));
+    }
+    let extension = JsonValue::parse(extension.to_string().as_bytes())
+        .and_then(|json| DracoPrimitiveExtension::from_json(&json).map_err(|error| error.to_string()))
+        .map_err(|error| damaged(format!("the extension is malformed: {error}")))?;
+    let (payload, _) = buffers.view(extension.buffer_view(), &format!("{path}.bufferView"))?;
+
+    let most_bytes = (payload.len() as u64).saturating_mul(MOST_EXPANSION).saturating_add(SMALL_BYTES);
+    let mut limits = DecodeLimits::default();
+    limits.max_points = most_bytes;
+    limits.max_faces = most_bytes;
+    limits.max_decoded_bytes = most_bytes;
+    let mut contract = DracoPrimitiveContract::new().with_limits(limits);
+    for (semantic, _) in extension.attributes() {
+        let accessor = primitive.attributes.get(semantic).and_then(|&index| document.accessors.get(index));
+        let Some(accessor) = accessor else {
+            return Err(damaged(format!("the primitive has no accessor for the compressed {semantic}")));
+        };
+        contract = contract.with_attribute(semantic, accessor.count as u64, accessor.normalized);
+    }
+    if let Some(indices) = primitive.indices.and_then(|index| document.accessors.get(index)) {
+        contract = contract.with_indices(indices.count as u64);
+    }
+    let geometry = extension.decode(payload, &contract).map_err(|error| damaged(error.to_string()))?;
+
+    for attribute in geometry.attributes() {
+        let Some(&index) = primitive.attributes.get(attribute.semantic()) else { continue };
+        unpacked.insert(
+            index,
+            Unpacked {
+                count: attribute.count(),
+                width: usize::from(attribute.components()),
+                component_type: attribute.component_type() as u32,
+                bytes: attribute.bytes().to_vec(),
+            },
+        );
+    }
+    if let (Some(index), Some(indices)) = (primitive.indices, geometry.indices()) {
+        unpacked.insert(
+            index,
+            Unpacked {
+                count: indices.count(),
+                width: 1,
+                component_type: indices.component_type() as u32,
+                bytes: indices.bytes().to_vec(),
+            },
+        );
+    }
+    Ok(())
+}

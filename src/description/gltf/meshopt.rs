@@ -1,0 +1,32 @@
+//! A compressed buffer view in (EXT_meshopt_compression), its bytes out. Invariant: no more memory
+//! is taken than a fixed multiple of what the file holds.
+
+use super::json::MeshoptView;
+use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
+
+/// How many bytes one compressed byte can stand for at most: 256 equal vertices of 256 bytes take two
+/// bits for each byte of a vertex (meshoptimizer's vertex codec).
+const MOST_EXPANSION: usize = 1024;
+/// What even the smallest stream may unpack to, bytes.
+const SMALL_BYTES: usize = 1 << 16;
+
+/// What `source`, the compressed bytes, holds, or what is wrong with it.
+pub(super) fn unpack(view: &MeshoptView, source: &[u8]) -> Result<Vec<u8>, String> {
+    let most = source.len().saturating_mul(MOST_EXPANSION).saturating_add(SMALL_BYTES);
+    let length = view.count.checked_mul(view.byte_stride).filter(|length| *length <= most);
+    let Some(length) = length else {
+        return Err(format!(
+            "{} elements of {} bytes are more than {} compressed bytes hold",
+            view.count,
+            view.byte_stride,
+            source.len()
+        ));
+    };
+    let mode = MeshoptMode::from_name(&view.mode).map_err(|error| error.to_string())?;
+    let filter = MeshoptFilter::from_name(&view.filter).map_err(|error| error.to_string())?;
+    let mut bytes = vec![0; length];
+    match decode_buffer_view(&mut bytes, source, mode, filter, view.count, view.byte_stride) {
+        Ok(()) => Ok(bytes),
+        Err(error) => Err(format!("the compressed data are damaged: {error}")),
+    }
+}
