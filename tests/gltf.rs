@@ -254,6 +254,10 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     };
     assert_eq!((falloff.base, falloff.scale_height_m.at(0.0)), (0.0, 1.0 / 0.35));
     assert_eq!(scene.instances.len(), 9);
+    let leaf = scene.materials.iter().find(|material| material.name == "leaf_card").unwrap();
+    assert!((leaf.base_color - DVec3::splat(0.4)).abs().max_element() < 1e-12);
+    assert!((leaf.transmission - 0.6 * DVec3::new(0.6, 0.7, 0.1)).abs().max_element() < 1e-12);
+    assert_eq!((leaf.base_color_texture, leaf.transmission_texture), (Some(0), None));
     let mut ids: Vec<u32> = scene.instances.iter().map(|instance| instance.leaf_id).collect();
     ids.sort_unstable();
     assert_eq!(ids, (1..=9).collect::<Vec<_>>());
@@ -268,12 +272,7 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     let aperture = scene.cameras[0].aperture.as_ref().unwrap();
     assert!(aperture.f_stop.at(0.0) > 0.0 && aperture.focus_distance_m.at(0.0) > 0.0);
     let remarks = scene.remarks.to_string();
-    for said in [
-        "`sunfleck_ctl` are not yet honoured",
-        "`sunfleck_leaf` is not yet honoured",
-        "alpha is not yet honoured",
-        "leaf ids start at 0",
-    ] {
+    for said in ["`sunfleck_ctl` are not yet honoured", "alpha is not yet honoured", "leaf ids start at 0"] {
         assert!(remarks.contains(said), "{said} is not in\n{remarks}");
     }
 }

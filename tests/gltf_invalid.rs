@@ -79,6 +79,12 @@ const CASES: &[(&str, &str)] = &[
     ("json_nan.gltf", "the JSON is damaged"),
     ("json_negative_index.gltf", "nodes[1].mesh: error: invalid value: integer `-1`"),
     ("json_type.gltf", "nodes[1].mesh: error: invalid type: string \"leaf\""),
+    ("leaf_translucency_above_one.gltf", "sunfleck_leaf.translucency: error: the translucency is 1.2"),
+    (
+        "leaf_transmit_color_negative.gltf",
+        "sunfleck_leaf.transmit_color: error: the colour is [0.5, -0.1, 0.2]",
+    ),
+    ("leaf_transmit_color_text.gltf", "sunfleck_leaf.transmit_color: error: neither a number nor three"),
     ("leaf_id_negative.gltf", "nodes[1].extras.leaf_id: error: -4 is no leaf id"),
     (
         "light_area_and_spot.gltf",

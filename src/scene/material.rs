@@ -1,10 +1,10 @@
-//! What surfaces are made of. Invariant: `base_color + mirror + filter_color <= 1` per channel, so no
-//! surface gives more than it receives.
+//! What surfaces are made of. Invariant: `base_color + transmission + mirror + filter_color <= 1` per
+//! channel, so no surface gives more than it receives.
 
 use super::TextureIndex;
 use crate::color::Rgb;
 
-/// A two-sided surface: Lambert, mirror and emission added up.
+/// A two-sided surface: Lambert to the near and to the far side, mirror and emission added up.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The author's name.
@@ -13,6 +13,11 @@ pub struct Material {
     pub base_color: Rgb,
     /// Image whose colour multiplies `base_color`.
     pub base_color_texture: Option<TextureIndex>,
+    /// Lambert transmittance, `0..=1`: what comes out, diffuse, on the side that the light does not
+    /// fall on.
+    pub transmission: Rgb,
+    /// Image whose colour multiplies `transmission`.
+    pub transmission_texture: Option<TextureIndex>,
     /// Perfect mirror reflectance, `0..=1`.
     pub mirror: Rgb,
     /// Radiance emitted to either side, W m^-2 sr^-1.
@@ -45,6 +50,8 @@ impl Default for Material {
             name: String::from("default"),
             base_color: Rgb::splat(0.8),
             base_color_texture: None,
+            transmission: Rgb::ZERO,
+            transmission_texture: None,
             mirror: Rgb::ZERO,
             emission: Rgb::ZERO,
             alpha_mode: AlphaMode::Opaque,

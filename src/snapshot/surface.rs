@@ -5,7 +5,7 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scene::{AlphaMode, Material, Mesh, Texture};
+use crate::scene::{AlphaMode, Material, Mesh, Texture, TextureIndex};
 use glam::{DVec3, Vec2};
 
 /// A point of a surface, ready for shading.
@@ -19,6 +19,8 @@ pub struct SurfacePoint {
     pub shading_normal: DVec3,
     /// Lambert reflectance.
     pub albedo: Rgb,
+    /// Lambert transmittance.
+    pub transmission: Rgb,
     /// Mirror reflectance.
     pub mirror: Rgb,
     /// Emitted radiance.
@@ -41,6 +43,7 @@ pub struct Facet<'scene> {
     mesh: &'scene Mesh,
     material: &'scene Material,
     texture: Option<&'scene Texture>,
+    transmission_texture: Option<&'scene Texture>,
     leaf_id: u32,
     corners: [usize; 3],
     first_corner: DVec3,
@@ -65,12 +68,15 @@ impl<'scene> Snapshot<'scene> {
             .map(|corner| placed.relative_from_mesh.transform_point3(mesh.positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
         let area_normal = ab.cross(ac);
-        let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
+        let texture = |texture: Option<TextureIndex>| {
+            texture.filter(|_| !mesh.uvs.is_empty()).map(|texture| &self.scene.textures[texture])
+        };
         Facet {
             primitive,
             mesh,
             material,
-            texture: texture.map(|texture| &self.scene.textures[texture]),
+            texture: texture(material.base_color_texture),
+            transmission_texture: texture(material.transmission_texture),
             leaf_id: instance.leaf_id,
             corners,
             first_corner: a,
@@ -97,7 +103,7 @@ impl<'scene> Snapshot<'scene> {
     }
 }
 
-impl Facet<'_> {
+impl<'scene> Facet<'scene> {
     /// How far along a ray its plane lies; not finite if the ray runs within that plane.
     pub fn distance_along(&self, ray: &Ray) -> f64 {
         (self.first_corner - ray.origin).dot(self.normal) / ray.direction.dot(self.normal)
@@ -125,13 +131,18 @@ impl Facet<'_> {
             }
         });
         let material = self.material;
-        let texture = self.texture.map(|texture| {
+        let with_uv = |texture: &'scene Texture| {
             let uv = |corner: usize| self.mesh.uvs[self.corners[corner]];
             let uv: Vec2 = (0..3).map(|corner| weights[corner] as f32 * uv(corner)).sum();
             (texture, uv)
-        });
-        let albedo =
-            texture.map_or(material.base_color, |(texture, uv)| material.base_color * texture.color(uv));
+        };
+        let texture = self.texture.map(with_uv);
+        let color = texture.map_or(Rgb::ONE, |(texture, uv)| texture.color(uv));
+        let transmission_color = match self.transmission_texture {
+            None => Rgb::ONE,
+            _ if material.transmission_texture == material.base_color_texture => color,
+            Some(other) => other.color(with_uv(other).1),
+        };
         let (alpha, see_through) = match material.alpha_mode {
             AlphaMode::Opaque | AlphaMode::Mask { .. } => (1.0, Rgb::ZERO),
             AlphaMode::Blend => {
@@ -144,7 +155,8 @@ impl Facet<'_> {
             position: ray.at(distance),
             geometric_normal,
             shading_normal,
-            albedo,
+            albedo: material.base_color * color,
+            transmission: material.transmission * transmission_color,
             mirror: material.mirror,
             emission: material.emission,
             alpha,

@@ -1,5 +1,6 @@
-//! Direct light on a surface. In goes a surface point, out the radiance that it reflects.
-//! Invariant: a light on the far side of a surface gives nothing (no transmission).
+//! Direct light on a surface. In goes a surface point, out the radiance that it scatters towards the
+//! eye. Invariant: what the light falls on and what the eye sees are both judged by the flat triangle, so
+//! a light is either before a surface or behind it, whatever the shading normal says.
 
 use super::visibility::visibility;
 use crate::color::Rgb;
@@ -8,8 +9,9 @@ use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Lambert: `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
-pub(super) fn reflected(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
+/// Lambert, of lights before the surface by its albedo and of those behind it by its transmission:
+/// `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
+pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     lights
         .iter()
         .map(|light| {
@@ -25,7 +27,7 @@ pub(super) fn reflected(snapshot: &Snapshot, lights: &[FrozenLight], point: &Sur
         .sum()
 }
 
-/// What a surface reflects of one light if nothing is in the way.
+/// What a surface scatters towards the eye of one light if nothing is in the way.
 pub(super) struct Unshadowed {
     /// W m^-2 sr^-1.
     pub(super) radiance: Rgb,
@@ -41,8 +43,10 @@ impl Unshadowed {
     pub(super) fn new(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
         let (to_light, distance, arriving) = light.arriving_at(point.position);
         let cos = point.shading_normal.dot(to_light);
-        let faces_light = cos > 0.0 && point.geometric_normal.dot(to_light) > 0.0;
-        let shines = faces_light && arriving != Rgb::ZERO && point.albedo != Rgb::ZERO;
-        shines.then(|| Self { radiance: FRAC_1_PI * cos * point.albedo * arriving, to_light, distance })
+        let is_before = point.geometric_normal.dot(to_light) > 0.0;
+        let scattered = if is_before { point.albedo } else { point.transmission };
+        let falls_on_that_side = if is_before { cos > 0.0 } else { cos < 0.0 };
+        let shines = falls_on_that_side && arriving != Rgb::ZERO && scattered != Rgb::ZERO;
+        shines.then(|| Self { radiance: FRAC_1_PI * cos.abs() * scattered * arriving, to_light, distance })
     }
 }

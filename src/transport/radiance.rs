@@ -155,7 +155,7 @@ fn follow(
     // Front to back: what each layer shows itself, and what all of them let through.
     let (mut radiance, mut seen_through) = (shafts, Rgb::ONE);
     for layer in &layers {
-        let own = direct::reflected(snapshot, light.lights, &layer.point)
+        let own = direct::scattered(snapshot, light.lights, &layer.point)
             + own_and_mirrored(snapshot, transport, light, ray, &layer.point, mirrors_left, sampler, scratch);
         let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, layer.t);
         radiance += seen_through * through_fog * layer.point.alpha * own;
@@ -165,7 +165,7 @@ fn follow(
     let behind_fog = surface.map_or_else(
         || light.background(snapshot, ray.direction),
         |point| {
-            direct::reflected(snapshot, light.lights, &point)
+            direct::scattered(snapshot, light.lights, &point)
                 + own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch)
         },
     );

@@ -93,6 +93,9 @@ pub struct Material {
     pub opacity: Option<Number<UnitInterval>>,
     /// How much light goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
+    /// Lambert transmittance to the far side; multiplied by the texture if there is one.
+    #[serde(default = "no_reflectance")]
+    pub transmission: Triple<UnitInterval>,
     /// Perfect mirror reflectance.
     #[serde(default = "no_reflectance")]
     pub mirror: Triple<UnitInterval>,

@@ -59,6 +59,17 @@ pub(super) struct Fog {
     pub(super) unknown: BTreeMap<String, Value>,
 }
 
+/// `sunfleck_leaf` of a material: a share of the light comes out on the other side, diffuse.
+#[derive(Debug, Deserialize)]
+pub(super) struct Leaf {
+    /// That share: what is left is reflected.
+    pub(super) translucency: f64,
+    /// Its colour; without one that of the surface.
+    pub(super) transmit_color: Option<Channels>,
+    #[serde(flatten)]
+    pub(super) unknown: BTreeMap<String, Value>,
+}
+
 /// One number for all colour channels, or one for each.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(untagged, expecting = "neither a number nor three, for red, green and blue")]
@@ -173,12 +184,6 @@ impl Builder<'_> {
         }
         for material in &self.source.materials {
             report_unknown(&material.extras, &known, &material.name, &mut self.report);
-            if material.extras.get("sunfleck_leaf").is_some() {
-                self.report.not_honoured(
-                    "`sunfleck_leaf` is not yet honoured, no light shines through these materials",
-                    &material.name,
-                );
-            }
         }
     }
 }

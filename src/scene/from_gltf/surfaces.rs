@@ -2,6 +2,7 @@
 //! is reported, once a kind.
 
 use super::Builder;
+use super::extras::{self, Leaf};
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::scene::{AlphaMode, Material, MaterialIndex, Texture, Wrap};
@@ -10,7 +11,45 @@ impl Builder<'_> {
     /// Adds every material, under the file's numbers, and their textures.
     pub(super) fn add_surfaces(&mut self, textures: Vec<gltf::Texture>) {
         self.scene.textures = textures.into_iter().map(texture).collect();
-        self.scene.materials = self.source.materials.iter().map(material).collect();
+        for (index, source) in self.source.materials.iter().enumerate() {
+            let mut material = material(source);
+            if let Some(leaf) = self.leaf(index, source) {
+                let share = leaf.translucency;
+                let (color, texture) = match leaf.transmit_color {
+                    Some(color) => (Rgb::from(color), None),
+                    None => (material.base_color, material.base_color_texture),
+                };
+                (material.transmission, material.transmission_texture) = (share * color, texture);
+                material.base_color *= 1.0 - share;
+                material.mirror *= 1.0 - share;
+            }
+            self.scene.materials.push(material);
+        }
+    }
+
+    /// What a material's custom property says of the light that it lets through.
+    fn leaf(&mut self, index: usize, material: &gltf::Material) -> Option<Leaf> {
+        let path = format!("materials[{index}]");
+        let leaf: Leaf = extras::read(&material.extras, "sunfleck_leaf", &path, &mut self.report)?;
+        for name in leaf.unknown.keys() {
+            let name = format!("sunfleck_leaf.{name}");
+            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &name);
+        }
+        let path = format!("{path}.extras.sunfleck_leaf");
+        let color = leaf.transmit_color.map_or(Rgb::ONE, Rgb::from);
+        let numbers = [("translucency", Rgb::splat(leaf.translucency)), ("transmit_color", color)];
+        let mut is_valid = true;
+        for (name, value) in numbers {
+            if value.min_element() < 0.0 || value.max_element() > 1.0 {
+                let found = match name {
+                    "translucency" => format!("the translucency is {}", leaf.translucency),
+                    _ => format!("the colour is {value}"),
+                };
+                self.report.error(format!("{path}.{name}"), found, "numbers from 0 to 1");
+                is_valid = false;
+            }
+        }
+        is_valid.then_some(leaf)
     }
 
     /// Our number of a primitive's material; the default one if it has none.
@@ -63,6 +102,8 @@ fn material(material: &gltf::Material) -> Material {
         name: material.name.clone(),
         base_color,
         base_color_texture: material.base_color_texture,
+        transmission: Rgb::ZERO,
+        transmission_texture: None,
         mirror,
         emission: material.emission,
         opacity,

@@ -144,21 +144,24 @@ impl<'a> Resolver<'a> {
                 None if texture.is_some() => Rgb::ONE,
                 None => Material::default().base_color,
             };
-            let mirror = material.mirror.si();
+            let (transmission, mirror) = (material.transmission.si(), material.mirror.si());
             let filter_color = material.filter_color.map_or(Rgb::ZERO, |color| color.si());
-            if (base_color + mirror + filter_color).max_element() > 1.0 {
+            if (base_color + transmission + mirror + filter_color).max_element() > 1.0 {
                 self.problems.error(
                     &format!("materials.{name}"),
                     "the surface would give more light than it receives",
-                    "base_color + mirror + filter_color <= 1 in every channel",
+                    "base_color + transmission + mirror + filter_color <= 1 in every channel",
                     "make one of them darker",
                 );
             }
+            let texture = texture.and_then(|texture| self.textures.get(texture).copied());
             self.materials.insert(name, self.scene.materials.len());
             self.scene.materials.push(Material {
                 name: name.to_owned(),
                 base_color,
-                base_color_texture: texture.and_then(|texture| self.textures.get(texture).copied()),
+                base_color_texture: texture,
+                transmission,
+                transmission_texture: texture,
                 mirror,
                 alpha_mode: match (material.opacity, material.filter_color) {
                     (None, None) => AlphaMode::Opaque,
