@@ -41,6 +41,9 @@ const CASES: &[(&str, &str)] = &[
     ("camera_fov_zero.gltf", "cameras[0].perspective.yfov: error: the vertical field of view is 0"),
     ("camera_missing.gltf", "nodes[2].camera: error: camera 4 does not exist"),
     ("camera_named_but_missing.gltf", "there is no camera `other`"),
+    ("camera_of_no_kind.gltf", "cameras[0]: error: the camera is not of one kind"),
+    ("camera_orthographic_flat.gltf", "cameras[0].orthographic.ymag: error: half the picture's extent is 0"),
+    ("camera_shift_huge.gltf", "sunfleck_camera.shift: error: the lens is shifted by [0.0, 1000000.0]"),
     ("component_type_of_indices.gltf", "indices cannot be of component type 5126"),
     (
         "component_type_unknown.gltf",

@@ -33,6 +33,8 @@ pub enum Reason {
     NoLight,
     /// A light at the camera has no slices.
     LightAtCamera,
+    /// Parallel rays have no eye for slices to pass through.
+    Orthographic,
     /// Slices keep shadows that are dark, and something lets part of the light through.
     Blended,
     /// Both can serve, at this cost a sample, in primary rays.
@@ -59,15 +61,17 @@ pub fn choose(exposure: &Exposure) -> Choice {
     Choice { placement, reason }
 }
 
-/// Why slices cannot render a frame, if they cannot: there must be a light for each picture, none of
-/// them at the eye, and no blended surface.
+/// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture,
+/// none of them at the eye, and no blended surface.
 pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     let at_camera = |light: &Luminaire| match light.centre() {
         FrozenLight::Sun { .. } => false,
         FrozenLight::Point { position, .. } => position.length_squared() == 0.0,
     };
     let lights = &exposure.middle().lights;
-    if lights.is_empty() {
+    if exposure.middle().view.is_orthographic() {
+        Some(Reason::Orthographic)
+    } else if lights.is_empty() {
         Some(Reason::NoLight)
     } else if lights.iter().any(at_camera) {
         Some(Reason::LightAtCamera)
@@ -84,6 +88,7 @@ impl fmt::Display for Choice {
         match self.reason {
             Reason::NoLight => write!(f, "{way}: there is no light"),
             Reason::LightAtCamera => write!(f, "{way}: a light is at the camera"),
+            Reason::Orthographic => write!(f, "{way}: the camera is orthographic"),
             Reason::Blended => write!(f, "{way}: a surface lets part of the light through"),
             Reason::Cost { slices, rays } => {
                 write!(
@@ -101,7 +106,7 @@ mod tests {
     use crate::color::Rgb;
     use crate::scene::{Camera, Fog, FogShape, Lens, Light, LightKind, Motion, Node, Scene, Track};
     use crate::snapshot::{MeshTrees, Shutter};
-    use glam::{DAffine3, DVec3};
+    use glam::{DAffine3, DVec2, DVec3};
 
     fn chosen(suns: usize, lamp: Option<DVec3>, fog: bool) -> Choice {
         let mut scene = Scene::default();
@@ -112,7 +117,13 @@ mod tests {
         };
         let eye = node(&mut scene, DVec3::ZERO);
         let lens = Lens::Perspective { fov_y: Track::from(1.0) };
-        scene.cameras.push(Camera { name: String::new(), node: eye, lens, aperture: None });
+        scene.cameras.push(Camera {
+            name: String::new(),
+            node: eye,
+            lens,
+            shift: DVec2::ZERO,
+            aperture: None,
+        });
         let light = |scene: &mut Scene, place: DVec3, kind: LightKind| {
             let node = node(scene, place);
             scene.lights.push(Light { name: String::new(), node, power: Track::from(Rgb::ONE), kind });

@@ -2,6 +2,7 @@
 //! (glTF and Blender); its node's scale does not reach the picture.
 
 use super::{NodeIndex, Track};
+use glam::{DMat4, DVec2, DVec4};
 
 /// A camera at a node.
 #[derive(Clone, Debug)]
@@ -12,6 +13,9 @@ pub struct Camera {
     pub node: NodeIndex,
     /// What it sees.
     pub lens: Lens,
+    /// How far the picture's middle lies from the view axis, to the right and up, in lengths of the
+    /// picture's longer side: Blender's shift.
+    pub shift: DVec2,
     /// The opening that blurs what is out of focus; `None` is a pinhole.
     pub aperture: Option<Aperture>,
 }
@@ -44,4 +48,65 @@ pub enum Lens {
         /// Full vertical angle, radians.
         fov_y: Track<f64>,
     },
+    /// Parallel rays along the view axis, from the plane of the camera on.
+    Orthographic {
+        /// Of the whole picture, metres, above 0.
+        height_m: Track<f64>,
+    },
+}
+
+impl Lens {
+    /// What of it may be keyed: the angle of view, or the height.
+    pub fn number(&self) -> &Track<f64> {
+        match self {
+            Self::Perspective { fov_y } => fov_y,
+            Self::Orthographic { height_m } => height_m,
+        }
+    }
+
+    /// Half the picture's height, at distance 1 or of parallel rays.
+    pub fn half_height(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Perspective { fov_y } => (0.5 * fov_y.at(time_s)).tan(),
+            Self::Orthographic { height_m } => 0.5 * height_m.at(time_s),
+        }
+    }
+}
+
+impl Camera {
+    /// True if the lens is the same at all times.
+    pub fn is_constant(&self) -> bool {
+        self.lens.number().is_constant() && self.aperture.as_ref().is_none_or(Aperture::is_constant)
+    }
+
+    /// Half the picture's width and height, and its middle, to the right and up, in the plane at
+    /// distance 1 (of an orthographic camera in any plane, metres); `aspect` is width / height.
+    pub fn picture(&self, aspect: f64, time_s: f64) -> (DVec2, DVec2) {
+        let half_height = self.lens.half_height(time_s);
+        let half = DVec2::new(half_height * aspect, half_height);
+        (half, self.shift * 2.0 * half.max_element())
+    }
+
+    /// OpenGL's projection of camera space, but for depth: as there are no clipping planes here, the
+    /// third row gives the distance along the view axis.
+    pub fn projection(&self, aspect: f64, time_s: f64) -> DMat4 {
+        let (half, middle) = self.picture(aspect, time_s);
+        let (scale, offset) = (half.recip(), middle / half);
+        let depth = DVec4::new(0.0, 0.0, -1.0, 0.0);
+        let rows = match self.lens {
+            Lens::Perspective { .. } => [
+                DVec4::new(scale.x, 0.0, offset.x, 0.0),
+                DVec4::new(0.0, scale.y, offset.y, 0.0),
+                depth,
+                depth,
+            ],
+            Lens::Orthographic { .. } => [
+                DVec4::new(scale.x, 0.0, 0.0, -offset.x),
+                DVec4::new(0.0, scale.y, 0.0, -offset.y),
+                depth,
+                DVec4::W,
+            ],
+        };
+        DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    }
 }

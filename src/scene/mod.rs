@@ -124,10 +124,7 @@ impl Scene {
     /// True if every frame shows the same picture.
     pub fn is_still(&self) -> bool {
         let nodes = self.nodes.iter().all(|node| node.motion.is_still() && node.visible.is_constant());
-        let cameras = self.cameras.iter().all(|camera| {
-            let Lens::Perspective { fov_y } = &camera.lens;
-            fov_y.is_constant() && camera.aperture.as_ref().is_none_or(Aperture::is_constant)
-        });
+        let cameras = self.cameras.iter().all(Camera::is_constant);
         let lights = self.lights.iter().all(|light| {
             light.power.is_constant() && light.kind.numbers().iter().all(|number| number.is_constant())
         });

@@ -14,9 +14,11 @@ pub struct View {
     right: DVec3,
     up: DVec3,
     backward: DVec3,
-    /// Half extents of the picture at distance 1.
-    half_width: f64,
-    half_height: f64,
+    /// Half extents of the picture, and its middle, at distance 1; of parallel rays in any plane.
+    half: DVec2,
+    middle: DVec2,
+    /// Whether its rays are parallel.
+    is_orthographic: bool,
     /// 0 for a pinhole.
     lens_radius_m: f64,
     /// Distance of the plane in focus, metres.
@@ -28,8 +30,7 @@ pub struct View {
 impl View {
     /// Freezes `camera`; `aspect` is width / height.
     pub fn new(camera: &Camera, world_from_camera: DAffine3, aspect: f64, time_s: f64) -> Self {
-        let Lens::Perspective { fov_y } = &camera.lens;
-        let half_height = (0.5 * fov_y.at(time_s)).tan();
+        let (half, middle) = camera.picture(aspect, time_s);
         // Scale and shear of the node do not reach the picture: orthonormalise, keeping -Z exact.
         let axes = world_from_camera.matrix3;
         let backward = axes.z_axis.try_normalize().unwrap_or(DVec3::Z);
@@ -38,13 +39,13 @@ impl View {
         // A mirrored camera node shows a mirrored picture.
         let right = right * if right.dot(axes.x_axis) < 0.0 { -1.0 } else { 1.0 };
         let up = backward.cross(right) * backward.cross(right).dot(axes.y_axis).signum();
-        let half_width = half_height * aspect;
-        let aperture = camera.aperture.as_ref();
+        let is_orthographic = matches!(camera.lens, Lens::Orthographic { .. });
+        let aperture = camera.aperture.as_ref().filter(|_| !is_orthographic);
         // A pinhole's plane in focus is anywhere, so at infinity.
         let focus_distance_m =
             aperture.map_or(f64::INFINITY, |aperture| aperture.focus_distance_m.at(time_s));
         let lens_radius_m = aperture.map_or(0.0, |aperture| {
-            let focal_length_m = 0.5 * aperture.sensor_width_m / half_width;
+            let focal_length_m = 0.5 * aperture.sensor_width_m / half.x;
             0.5 * focal_length_m / aperture.f_stop.at(time_s)
         });
         Self {
@@ -52,8 +53,9 @@ impl View {
             right,
             up,
             backward,
-            half_width,
-            half_height,
+            half,
+            middle,
+            is_orthographic,
             lens_radius_m,
             focus_distance_m,
             blades: aperture.map_or(0, |aperture| aperture.blades),
@@ -68,12 +70,20 @@ impl View {
 
     /// The same from a point of the lens, to the right and up from its middle, metres.
     pub fn ray_from(&self, lens_point: DVec2, film_x: f64, film_y: f64) -> Ray {
+        let place = self.middle + DVec2::new(2.0 * film_x - 1.0, 1.0 - 2.0 * film_y) * self.half;
+        let in_plane = |point: DVec2| point.x * self.right + point.y * self.up;
+        if self.is_orthographic {
+            return Ray { origin: in_plane(place), direction: -self.backward };
+        }
         // All rays of a film position meet in the plane in focus.
-        let shift = lens_point / self.focus_distance_m;
-        let x = (2.0 * film_x - 1.0) * self.half_width - shift.x;
-        let y = (1.0 - 2.0 * film_y) * self.half_height - shift.y;
-        let direction = (x * self.right + y * self.up - self.backward).normalize();
-        Ray { origin: lens_point.x * self.right + lens_point.y * self.up, direction }
+        let place = place - lens_point / self.focus_distance_m;
+        let direction = (in_plane(place) - self.backward).normalize();
+        Ray { origin: in_plane(lens_point), direction }
+    }
+
+    /// Whether its rays are parallel, rather than from one eye.
+    pub fn is_orthographic(&self) -> bool {
+        self.is_orthographic
     }
 
     /// Whether it has a lens, rather than a pinhole.
@@ -100,9 +110,14 @@ impl View {
         (self.right, self.up, -self.backward)
     }
 
-    /// Half width and height of the picture at distance 1.
+    /// Half width and height of the picture, at distance 1 unless its rays are parallel.
     pub fn half_extents(&self) -> DVec2 {
-        DVec2::new(self.half_width, self.half_height)
+        self.half
+    }
+
+    /// The picture's middle in the same plane, to the right and up from the view axis.
+    pub fn middle(&self) -> DVec2 {
+        self.middle
     }
 
     /// Distance of the plane that is in focus, metres; infinite without a lens.
@@ -137,7 +152,8 @@ mod tests {
             focus_distance_m: Track::from(3.0),
             blades: 6,
         };
-        let camera = Camera { name: String::new(), node: 0, lens, aperture: Some(aperture) };
+        let camera =
+            Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: Some(aperture) };
         View::new(&camera, world_from_camera, 2.0, 0.0)
     }
 
@@ -149,6 +165,42 @@ mod tests {
         assert!((top.y - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-15 && top.z < 0.0);
         let right = view.ray(1.0, 0.5).direction;
         assert!((right.x / -right.z - 2.0).abs() < 1e-14);
+    }
+
+    /// Every ray of a film position lands there again when it is projected.
+    #[test]
+    fn rays_and_projection_are_inverses() {
+        let lenses = [
+            Lens::Perspective { fov_y: Track::from(0.7) },
+            Lens::Orthographic { height_m: Track::from(3.0) },
+        ];
+        for lens in lenses {
+            for aspect in [0.5, 2.0] {
+                let shift = DVec2::new(0.15, -0.1);
+                let camera =
+                    Camera { name: String::new(), node: 0, lens: lens.clone(), shift, aperture: None };
+                let view = View::new(&camera, DAffine3::IDENTITY, aspect, 0.0);
+                let projection = camera.projection(aspect, 0.0);
+                for film in [DVec2::ZERO, DVec2::new(0.2, 0.9), DVec2::ONE] {
+                    let ray = view.ray(film.x, film.y);
+                    let clip = projection * ray.at(2.5).extend(1.0);
+                    let ndc = clip.truncate().truncate() / clip.w;
+                    let expected = DVec2::new(2.0 * film.x - 1.0, 1.0 - 2.0 * film.y);
+                    assert!(ndc.distance(expected) < 1e-14, "{ndc} is not {expected}");
+                    assert!((clip.z - view.depth(ray.at(2.5))).abs() < 1e-14);
+                }
+                assert!(view.is_orthographic() == matches!(lens, Lens::Orthographic { .. }));
+            }
+        }
+    }
+
+    #[test]
+    fn parallel_rays_start_in_the_plane_of_the_camera() {
+        let lens = Lens::Orthographic { height_m: Track::from(3.0) };
+        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let view = View::new(&camera, DAffine3::IDENTITY, 2.0, 0.0);
+        let ray = view.ray(1.0, 0.0);
+        assert_eq!((ray.origin, ray.direction), (DVec3::new(3.0, 1.5, 0.0), DVec3::NEG_Z));
     }
 
     #[test]

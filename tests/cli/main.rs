@@ -8,3 +8,4 @@ mod frames;
 mod interruption;
 mod program;
 mod questions;
+mod schema;

@@ -1,6 +1,7 @@
 //! What the program answers without rendering: `inspect`, `diff`, `completions`, `--help`.
 
 use crate::program::{Studio, repository};
+use crate::schema::violations;
 use serde_json::Value;
 
 #[test]
@@ -51,6 +52,51 @@ fn inspect_answers_programs_at_any_frame() {
     let leaf = |frame: &Value| frame["nodes"]["leaf"]["world"].clone();
     assert_ne!(leaf(&frames[0]), leaf(&frames[1]), "the leaf turns");
     assert_eq!(leaf(&frames[0]).as_array().unwrap().len(), 16);
+}
+
+#[test]
+fn answers_to_programs_are_as_their_schema_says() {
+    let schema = std::fs::read_to_string(repository("docs/inspect.schema.json")).unwrap();
+    let schema: Value = serde_json::from_str(&schema).unwrap();
+    let studio = Studio::new();
+    let mut described = std::collections::BTreeSet::new();
+    for input in [
+        String::from("tiny.ron"),
+        repository("tests/data/valid/ron/everything.ron").display().to_string(),
+        repository("tests/data/blender/i_conventions.glb").display().to_string(),
+        repository("tests/data/blender/h_cameras.glb").display().to_string(),
+    ] {
+        let answer = studio.succeed(&format!("inspect {input} --json --frames 1,1.5")).out;
+        let answer: Value = serde_json::from_str(&answer).unwrap();
+        assert_eq!(violations(&schema, &answer), Vec::<String>::new(), "{input}");
+        for kind in ["cameras", "lights"] {
+            for thing in answer["frames"][0][kind].as_object().unwrap().values() {
+                described.extend(thing.as_object().unwrap().keys().map(|field| format!("{kind}.{field}")));
+            }
+        }
+        // The check can fail.
+        let mut wrong = answer.clone();
+        wrong["frames"][1]["seconds"] = "late".into();
+        wrong["frames"][0]["nodes"]["extra"] = serde_json::json!({ "visible": true });
+        wrong["unknown"] = 1.into();
+        assert_eq!(violations(&schema, &wrong).len(), 3, "{input}");
+    }
+    for kind in ["camera", "light"] {
+        for field in schema["$defs"][kind]["properties"].as_object().unwrap().keys() {
+            assert!(described.contains(&format!("{kind}s.{field}")), "no {kind} has {field}");
+        }
+    }
+}
+
+#[test]
+fn namesakes_have_keys_of_their_own() {
+    let input = repository("tests/data/blender/e_inst_default.glb");
+    let answer = Studio::new().succeed(&format!("inspect {} --json", input.display())).out;
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    let nodes = answer["frames"][0]["nodes"].as_object().unwrap();
+    let namesakes = nodes.keys().filter(|name| name.contains('#')).count();
+    assert!(namesakes > 0, "{:?}", nodes.keys());
+    assert!(nodes.keys().all(|name| name.split_once('#').is_none_or(|(first, _)| nodes.contains_key(first))));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Scenes built in code for the tests of light transport.
 #![allow(dead_code, reason = "each test binary uses some of these")]
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
@@ -22,7 +22,7 @@ pub(crate) fn camera_at(eye: DVec3) -> Scene {
     let mut scene = Scene::default();
     let node = place(&mut scene, DAffine3::from_translation(eye));
     let lens = Lens::Perspective { fov_y: Track::from(std::f64::consts::FRAC_PI_2) };
-    scene.cameras.push(Camera { name: "camera".into(), node, lens, aperture: None });
+    scene.cameras.push(Camera { name: "camera".into(), node, lens, shift: DVec2::ZERO, aperture: None });
     scene
 }
 

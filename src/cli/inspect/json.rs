@@ -2,7 +2,7 @@
 //! by row, for column vectors, in glTF's space; numbers are SI.
 
 use super::Inspected;
-use crate::scene::{AreaShape, Lens, LightKind, Placement, Sampling};
+use crate::scene::{AreaShape, Camera, Lens, LightKind, Placement, Sampling};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
@@ -79,23 +79,26 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
     });
     let wanted = settings.camera.as_deref();
     let camera = scene.cameras.iter().find(|camera| wanted.is_none_or(|name| name == camera.name));
-    let camera = camera.map(|camera| {
-        let Lens::Perspective { fov_y } = &camera.lens;
-        let aspect = settings.size.width as f64 / settings.size.height as f64;
-        let fov_y = fov_y.at(seconds);
-        json!({
+    let aspect = settings.size.width as f64 / settings.size.height as f64;
+    let describe = |camera: &Camera| {
+        let mut described = json!({
             "name": camera.name,
             "world": world(camera.node),
-            "fov_y_rad": fov_y,
-            "projection": projection(fov_y, aspect),
-        })
-    });
+            "projection": camera.projection(aspect, seconds).transpose().to_cols_array(),
+        });
+        match &camera.lens {
+            Lens::Perspective { fov_y } => described["fov_y_rad"] = fov_y.at(seconds).into(),
+            Lens::Orthographic { height_m } => described["height_m"] = height_m.at(seconds).into(),
+        }
+        described
+    };
     json!({
         "frame": frame,
         "seconds": seconds,
         "method": inspected.choice(frame).to_string(),
         "nodes": by_name(nodes),
-        "camera": camera,
+        "camera": camera.map(describe),
+        "cameras": by_name(scene.cameras.iter().map(|camera| (camera.name.as_str(), describe(camera)))),
         "lights": by_name(lights),
     })
 }
@@ -114,15 +117,4 @@ fn by_name<'a>(entries: impl Iterator<Item = (&'a str, Value)>) -> Map<String, V
 
 fn row_major(affine: DAffine3) -> [f64; 16] {
     DMat4::from(affine).transpose().to_cols_array()
-}
-
-/// OpenGL's perspective projection, infinitely far and from the eye on, as there are no clipping planes here.
-fn projection(fov_y: f64, aspect: f64) -> [f64; 16] {
-    let scale = 1.0 / (0.5 * fov_y).tan();
-    let mut rows = [0.0; 16];
-    rows[0] = scale / aspect;
-    rows[5] = scale;
-    rows[10] = -1.0;
-    rows[14] = -1.0;
-    rows
 }

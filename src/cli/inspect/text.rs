@@ -88,11 +88,16 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
     let placements = scene.placements(time_s);
     writeln!(out, "  at frame {frame} ({time_s:.6} s)")?;
     for camera in &scene.cameras {
-        let Lens::Perspective { fov_y } = &camera.lens;
-        let world = placements[camera.node].world_from_node;
-        let angle = fov_y.at(time_s).to_degrees();
-        let place = world.translation;
-        writeln!(out, "    camera   `{}` at {place:.3}, vertical field of view {angle:.3} deg", camera.name)?;
+        let place = placements[camera.node].world_from_node.translation;
+        write!(out, "    camera   `{}` at {place:.3}, ", camera.name)?;
+        match &camera.lens {
+            Lens::Perspective { fov_y } => {
+                writeln!(out, "vertical field of view {:.3} deg", fov_y.at(time_s).to_degrees())?;
+            }
+            Lens::Orthographic { height_m } => {
+                writeln!(out, "orthographic, {:.3} m high", height_m.at(time_s))?;
+            }
+        }
     }
     for light in &scene.lights {
         let world = placements[light.node].world_from_node;

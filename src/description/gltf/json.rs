@@ -233,6 +233,7 @@ pub(super) struct Sampler {
 pub(super) struct Camera {
     pub(super) name: Option<String>,
     pub(super) perspective: Option<Perspective>,
+    pub(super) orthographic: Option<Orthographic>,
     #[serde(default)]
     pub(super) extras: Value,
 }
@@ -242,6 +243,12 @@ pub(super) struct Camera {
 pub(super) struct Perspective {
     pub(super) yfov: f64,
     pub(super) aspect_ratio: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Orthographic {
+    pub(super) xmag: f64,
+    pub(super) ymag: f64,
 }
 
 #[derive(Debug, Deserialize)]

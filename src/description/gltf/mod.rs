@@ -182,19 +182,39 @@ pub enum Wrap {
 pub struct Camera {
     /// The author's name, else `camera N`.
     pub name: String,
-    /// Perspective, or `None` for an orthographic camera.
-    pub perspective: Option<Perspective>,
+    /// What it sees.
+    pub lens: Lens,
     /// Whatever the author attached.
     pub extras: Value,
 }
 
-/// A pinhole camera.
-#[derive(Clone, Copy, Debug)]
-pub struct Perspective {
-    /// Full vertical angle, radians, in `(0, pi)`.
-    pub fov_y: f64,
-    /// Width over height, if given, > 0.
-    pub aspect: Option<f64>,
+/// The two kinds of camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// A pinhole.
+    Perspective {
+        /// Full vertical angle, radians, in `(0, pi)`.
+        fov_y: f64,
+        /// Width over height, if given, > 0.
+        aspect: Option<f64>,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the picture's width, metres, > 0.
+        half_width: f64,
+        /// Half the picture's height, metres, > 0.
+        half_height: f64,
+    },
+}
+
+impl Lens {
+    /// Width over height of the picture, if given.
+    pub fn aspect(&self) -> Option<f64> {
+        match *self {
+            Self::Perspective { aspect, .. } => aspect,
+            Self::Orthographic { half_width, half_height } => Some(half_width / half_height),
+        }
+    }
 }
 
 /// A light; shines along its node's -Z.

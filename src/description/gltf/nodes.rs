@@ -3,7 +3,7 @@
 
 use super::json::{self, Document};
 use super::report::Report;
-use super::{Camera, GltfScene, Light, LightKind, Node, Perspective, Transform, named};
+use super::{Camera, GltfScene, Lens, Light, LightKind, Node, Transform, named};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -159,24 +159,43 @@ pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &
 /// All cameras.
 pub(super) fn cameras(document: &Document, report: &mut Report) -> Vec<Camera> {
     let convert = |(index, camera): (usize, &json::Camera)| {
-        let path = format!("cameras[{index}].perspective");
-        let perspective = camera.perspective.as_ref().map(|perspective| {
-            if !(perspective.yfov > 0.0 && perspective.yfov < PI) {
-                let found = format!("the vertical field of view is {}", perspective.yfov);
-                report.error(format!("{path}.yfov"), found, "radians between 0 and pi");
-            }
-            if perspective.aspect_ratio.is_some_and(|aspect| aspect <= 0.0) {
-                report.error(
-                    format!("{path}.aspectRatio"),
-                    "the aspect ratio is not positive",
-                    "a number above 0",
-                );
-            }
-            Perspective { fov_y: perspective.yfov, aspect: perspective.aspect_ratio }
-        });
-        Camera { name: named(&camera.name, "camera", index), perspective, extras: camera.extras.clone() }
+        let name = named(&camera.name, "camera", index);
+        let lens = lens(camera, &format!("cameras[{index}]"), report);
+        Camera { name, lens, extras: camera.extras.clone() }
     };
     document.cameras.iter().enumerate().map(convert).collect()
+}
+
+fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
+    match (&camera.perspective, &camera.orthographic) {
+        (Some(json::Perspective { yfov, aspect_ratio }), None) => {
+            let path = format!("{path}.perspective");
+            if !(*yfov > 0.0 && *yfov < PI) {
+                let found = format!("the vertical field of view is {yfov}");
+                report.error(format!("{path}.yfov"), found, "radians between 0 and pi");
+            }
+            if aspect_ratio.is_some_and(|aspect| aspect <= 0.0) {
+                let found = "the aspect ratio is not positive";
+                report.error(format!("{path}.aspectRatio"), found, "a number above 0");
+            }
+            Lens::Perspective { fov_y: *yfov, aspect: *aspect_ratio }
+        }
+        (None, Some(json::Orthographic { xmag, ymag })) => {
+            // Smaller or larger ones would not survive single precision.
+            for (name, size) in [("xmag", *xmag), ("ymag", *ymag)] {
+                if !(1e-15..1e15).contains(&size) {
+                    let found = format!("half the picture's extent is {size}");
+                    report.error(format!("{path}.orthographic.{name}"), found, "metres, more than 0");
+                }
+            }
+            Lens::Orthographic { half_width: *xmag, half_height: *ymag }
+        }
+        _ => {
+            let expected = "either `perspective` or `orthographic`";
+            report.error(path, "the camera is not of one kind", expected);
+            Lens::Perspective { fov_y: 1.0, aspect: None }
+        }
+    }
 }
 
 /// All lights.

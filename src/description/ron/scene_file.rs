@@ -148,8 +148,9 @@ pub struct Camera {
     /// Turned, as a quaternion, from looking along -z.
     pub rotation_quaternion: Option<Keyed<Quaternion>>,
     /// Full vertical field of view.
-    #[serde(default = "normal_lens")]
-    pub fov_deg: Keyed<Number<FieldOfView>>,
+    pub fov_deg: Option<Keyed<Number<FieldOfView>>>,
+    /// Of the picture of a camera whose rays are parallel.
+    pub orthographic_height_m: Option<Keyed<Number<Positive>>>,
     /// The lens that blurs what is out of focus; a pinhole without.
     pub aperture: Option<Aperture>,
 }
@@ -331,10 +332,6 @@ fn up() -> Direction {
 
 fn full_frame() -> Number<Positive> {
     Number::new(36.0)
-}
-
-fn normal_lens() -> Keyed<Number<FieldOfView>> {
-    Keyed::Plain(Number::new(45.0))
 }
 
 fn no_disc() -> Keyed<Number<DiscAngle>> {

@@ -5,13 +5,16 @@ use super::extras::{self, Sunfleck};
 use crate::description::gltf;
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Aperture, Camera, Lens, Motion, Node, RenderSettings, Track};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Vertical field of view of a camera of our own making, radians.
 const DEFAULT_FOV_Y: f64 = 0.7;
+
+/// Shifts of lenses beyond this are refused.
+const MOST_SHIFT: f64 = 100.0;
 
 /// `sunfleck_camera`: what glTF does not say of a lens.
 #[derive(Debug, Deserialize)]
@@ -40,18 +43,22 @@ impl Builder<'_> {
         for (index, node) in self.source.nodes.iter().enumerate() {
             let (Some(number), Some(camera)) = (self.node_numbers[index], node.camera) else { continue };
             let camera = &self.source.cameras[camera];
-            let Some(perspective) = camera.perspective else {
-                self.report
-                    .not_honoured("orthographic cameras are not yet honoured, they are left out", &node.name);
-                continue;
-            };
             seen_by.push(camera);
-            let lens = Lens::Perspective { fov_y: Track::from(perspective.fov_y) };
-            let aperture = self.aperture(camera);
-            self.scene.cameras.push(Camera { name: node.name.clone(), node: number, lens, aperture });
+            let lens = match camera.lens {
+                gltf::Lens::Perspective { fov_y, .. } => Lens::Perspective { fov_y: Track::from(fov_y) },
+                gltf::Lens::Orthographic { half_height, .. } => {
+                    Lens::Orthographic { height_m: Track::from(2.0 * half_height) }
+                }
+            };
+            let extras = self.camera_extras(camera);
+            let shift = extras.as_ref().and_then(|extras| extras.shift).unwrap_or_default();
+            let aperture = extras.and_then(|extras| self.aperture(camera, &extras));
+            let name = node.name.clone();
+            let shift = DVec2::from(shift);
+            self.scene.cameras.push(Camera { name, node: number, lens, shift, aperture });
         }
         let chosen = self.chosen_camera(&seen_by, settings);
-        let aspect = seen_by.get(chosen).and_then(|camera| camera.perspective?.aspect);
+        let aspect = seen_by.get(chosen).and_then(|camera| camera.lens.aspect());
         if let Some(aspect) = aspect.filter(|_| sunfleck.resolution.is_none()) {
             settings.size.width = ((settings.size.height as f64 * aspect).round() as usize).clamp(1, 65536);
         }
@@ -61,16 +68,23 @@ impl Builder<'_> {
     }
 
     /// What `sunfleck_camera` says of a camera's lens.
-    fn aperture(&mut self, camera: &gltf::Camera) -> Option<Aperture> {
+    fn camera_extras(&mut self, camera: &gltf::Camera) -> Option<ThinLens> {
         let path = format!("camera `{}`", camera.name);
         let lens: ThinLens = extras::read(&camera.extras, "sunfleck_camera", &path, &mut self.report)?;
         for name in lens.unknown.keys() {
             let field = format!("sunfleck_camera.{name}` of `{}", camera.name);
             self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
         }
-        if lens.shift.is_some_and(|shift| shift != [0.0, 0.0]) {
-            self.report.not_honoured("a shifted lens is not honoured, the picture is centred", &camera.name);
+        if lens.shift.is_some_and(|shift| !shift.iter().all(|shift| shift.abs() <= MOST_SHIFT)) {
+            let found = format!("the lens is shifted by {:?}", lens.shift.unwrap_or_default());
+            let expected = "two numbers from -100 to 100, in lengths of the picture's longer side";
+            self.report.error(format!("{path}.extras.sunfleck_camera.shift"), found, expected);
         }
+        Some(lens)
+    }
+
+    fn aperture(&mut self, camera: &gltf::Camera, lens: &ThinLens) -> Option<Aperture> {
+        let path = format!("camera `{}`", camera.name);
         let (Some(f_stop), Some(focus_distance)) = (lens.fstop, lens.focus_distance) else {
             if lens.fstop.is_some() || lens.focus_distance.is_some() {
                 let found = "only one of fstop and focus_distance is given";
@@ -92,6 +106,11 @@ impl Builder<'_> {
             );
             return None;
         }
+        if matches!(camera.lens, gltf::Lens::Orthographic { .. }) {
+            let message = "an aperture of orthographic cameras is not honoured, all is in focus";
+            self.report.not_honoured(message, &camera.name);
+            return None;
+        }
         Some(Aperture {
             f_stop: Track::from(f_stop),
             sensor_width_m: 1e-3 * lens.sensor_width_mm,
@@ -110,7 +129,7 @@ impl Builder<'_> {
         }
         let names: Vec<&str> = self.scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
         let expected = if names.is_empty() {
-            String::from("a perspective camera of that name, exported (Blender: Include > Cameras)")
+            String::from("a camera of that name, exported (Blender: Include > Cameras)")
         } else {
             format!("one of: {}", names.join(", "))
         };
@@ -147,11 +166,12 @@ impl Builder<'_> {
             visible: Track::from(true),
         });
         let lens = Lens::Perspective { fov_y: Track::from(DEFAULT_FOV_Y) };
-        self.scene.cameras.push(Camera { name: String::from("camera"), node, lens, aperture: None });
+        let (name, shift) = (String::from("camera"), DVec2::ZERO);
+        self.scene.cameras.push(Camera { name, node, lens, shift, aperture: None });
         self.report.push(
             Diagnostic::warning(
                 self.report.at("cameras"),
-                "the scene has no perspective camera, one that shows all of it is made up",
+                "the scene has no camera, one that shows all of it is made up",
             )
             .remedy("export with cameras (Blender: Include > Cameras; off by default)"),
         );

@@ -22,12 +22,16 @@ use crate::color::Rgb;
 use crate::description::obj::ObjModel;
 use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use glam::DVec2;
 use problems::Problems;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tracks::{rotation, track};
 
 pub(super) use sequence::apply_sequence;
+
+/// Full vertical field of view of a camera that has none of its own.
+const DEFAULT_FOV_DEG: f64 = 45.0;
 
 /// Resolves a scene, and the sequence that wraps it if there is one.
 pub(super) fn resolve(
@@ -235,7 +239,7 @@ impl<'a> Resolver<'a> {
             let owner = format!("cameras.{name}");
             let parent = self.parent(&owner, camera.parent.as_deref());
             let motion = self.camera_motion(&owner, camera);
-            let fov_y = track(&camera.fov_deg, &format!("{owner}.fov_deg"), &mut self.problems);
+            let lens = self.lens(&owner, camera);
             let aperture = camera.aperture.as_ref().and_then(|aperture| {
                 let owner = format!("{owner}.aperture");
                 let f_stop = track(&aperture.f_stop, &format!("{owner}.f_stop"), &mut self.problems);
@@ -248,12 +252,32 @@ impl<'a> Resolver<'a> {
                     blades: aperture.blades.map_or(0, |blades| blades.0),
                 })
             });
-            if let (Some(parent), Some(motion), Some(fov_y)) = (parent, motion, fov_y) {
+            if let (Some(parent), Some(motion), Some(lens)) = (parent, motion, lens) {
                 let node = self.node(name.to_owned(), parent, motion);
-                let lens = Lens::Perspective { fov_y };
-                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, aperture });
+                let shift = DVec2::ZERO;
+                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, shift, aperture });
             }
         }
+    }
+
+    fn lens(&mut self, owner: &str, camera: &ron::Camera) -> Option<Lens> {
+        let Some(height) = &camera.orthographic_height_m else {
+            let fov_y = match &camera.fov_deg {
+                Some(fov) => track(fov, &format!("{owner}.fov_deg"), &mut self.problems)?,
+                None => Track::from(DEFAULT_FOV_DEG.to_radians()),
+            };
+            return Some(Lens::Perspective { fov_y });
+        };
+        if camera.fov_deg.is_some() || camera.aperture.is_some() {
+            self.problems.error(
+                owner,
+                "an orthographic camera has neither an angle of view nor an aperture",
+                "either `orthographic_height_m`, or `fov_deg` and `aperture`",
+                "take one of the two out",
+            );
+        }
+        let height_m = track(height, &format!("{owner}.orthographic_height_m"), &mut self.problems)?;
+        Some(Lens::Orthographic { height_m })
     }
 
     fn camera_motion(&mut self, owner: &str, camera: &ron::Camera) -> Option<Motion> {

@@ -4,7 +4,7 @@ use super::problems::Problems;
 use crate::description::ron::{self, Frames, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
 use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rotation, Sampling, Scene};
-use crate::scene::{Lens, Size, Track};
+use crate::scene::{Size, Track};
 use std::collections::BTreeMap;
 
 /// Applies what the sequence says to the settings of its scene.
@@ -101,8 +101,7 @@ impl KeyTimes {
             times.add_motion(&node.motion);
         }
         for camera in &scene.cameras {
-            let Lens::Perspective { fov_y } = &camera.lens;
-            times.add(fov_y);
+            times.add(camera.lens.number());
         }
         for light in &scene.lights {
             times.add(&light.power);

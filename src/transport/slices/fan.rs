@@ -240,7 +240,7 @@ impl Picture {
         let half = view.half_extents();
         let pixels_per_unit = size.width as f64 / (2.0 * half.x);
         // What is in focus stays in its pixel: the picture shifts against the lens.
-        let shift = -lens_point / view.focus_distance_m();
+        let shift = view.middle() - lens_point / view.focus_distance_m();
         let corner = shift + DVec2::new(-half.x, half.y);
         Self { right, up, forward, pixels_per_unit, corner, low: shift - half, high: shift + half }
     }
