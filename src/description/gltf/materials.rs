@@ -167,6 +167,14 @@ fn read_texture(
         (None, None) => Err(invalid(file, place.as_str(), "the image has neither data nor a file")),
     };
     let name = named(&image.name, "image", source);
+    if let Some(sampler) = texture.sampler {
+        report.index_exists(
+            format!("textures[{index}].sampler"),
+            sampler,
+            document.samplers.len(),
+            "sampler",
+        );
+    }
     let wrap = wrap(document, texture.sampler, &name, report);
     let decoded = bytes.and_then(|bytes| image::decode(&bytes, report.at(place)));
     Ok(decoded.map(|image| Texture { name, image, wrap }))

@@ -50,6 +50,10 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
 
 fn transform(node: &json::Node, path: &str, report: &mut Report) -> Transform {
     if let Some(matrix) = node.matrix {
+        if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+            let found = "the node has a matrix and its parts as well";
+            report.error(path, found, "a matrix, or translation, rotation and scale");
+        }
         let matrix = DMat4::from_cols_array(&matrix);
         if matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6) {
             return Transform::Matrix(DAffine3::from_mat4(matrix));
