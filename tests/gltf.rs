@@ -307,7 +307,7 @@ fn what_is_not_honoured_is_said_once_a_kind() {
         ("g_pbr.glb", "clearcoat is not honoured: `translucent_leaf`"),
         ("g_pbr.glb", "normal maps are not honoured: `pbr_full`"),
         ("g_pbr.glb", "highlights (specular) are not honoured"),
-        ("b_leafcards.glb", "alpha is not yet honoured as a mask, these materials are drawn opaque"),
+        ("b_leafcards.glb", "masked meshes are cut out along alpha = cutoff, to 0.25 texels: "),
         ("e_inst_gpu_static.glb", "EXT_mesh_gpu_instancing is not honoured"),
         ("h_lights_pointer_scene.glb", "KHR_animation_pointer is not honoured, these values keep still"),
         ("f_plain.glb", "24 frames a second are assumed"),

@@ -4,11 +4,13 @@
 mod beer_lambert;
 mod falloff;
 mod fog_bank;
+mod gloss;
 mod medium;
 mod phase;
 
 pub use beer_lambert::{exp_minus, mean_transmittance};
 pub use falloff::{Climb, Falloff};
 pub use fog_bank::FogBank;
+pub use gloss::{Gloss, LEAST_ROUGHNESS};
 pub use medium::{Course, Medium, Source, Stretch};
 pub use phase::henyey_greenstein;

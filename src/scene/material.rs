@@ -22,7 +22,7 @@ pub struct Material {
     pub mirror: Rgb,
     /// Radiance emitted to either side, W m^-2 sr^-1.
     pub emission: Rgb,
-    /// What alpha, `opacity` times that of the texture, does. Masks are rendered opaque.
+    /// What alpha, `opacity` times that of the texture, does.
     pub alpha_mode: AlphaMode,
     /// Alpha, `0..=1`; multiplied by the texture's if there is one.
     pub opacity: f64,
@@ -30,16 +30,11 @@ pub struct Material {
     pub filter_color: Rgb,
 }
 
-/// glTF's alpha modes.
+/// glTF's alpha modes; what a mask hides is cut out of the mesh instead ([`super::outline`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
     /// Alpha is ignored.
     Opaque,
-    /// Visible where alpha >= cutoff.
-    Mask {
-        /// In `0..=1`.
-        cutoff: f64,
-    },
     /// The share `1 - alpha + alpha * filter_color` of what lies behind shows, and the share alpha of the surface.
     Blend,
 }

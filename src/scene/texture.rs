@@ -41,6 +41,12 @@ impl Texture {
         self.look_up(uv).w
     }
 
+    /// Alpha of a texel, which may lie beyond the edges.
+    pub(super) fn texel_alpha(&self, column: i64, row: i64) -> f64 {
+        let (column, row) = (self.wrap.index(column, self.width), self.wrap.index(row, self.height));
+        f64::from(self.texels[row * self.width + column][3])
+    }
+
     /// Whether anything of it is not opaque.
     pub fn has_alpha(&self) -> bool {
         self.texels.iter().any(|texel| texel[3] < 1.0)

@@ -144,7 +144,7 @@ impl<'scene> Facet<'scene> {
             Some(other) => other.color(with_uv(other).1),
         };
         let (alpha, see_through) = match material.alpha_mode {
-            AlphaMode::Opaque | AlphaMode::Mask { .. } => (1.0, Rgb::ZERO),
+            AlphaMode::Opaque => (1.0, Rgb::ZERO),
             AlphaMode::Blend => {
                 let alpha =
                     material.opacity * texture.map_or(1.0, |(texture, uv)| texture.alpha(uv).clamp(0.0, 1.0));

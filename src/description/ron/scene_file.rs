@@ -91,6 +91,8 @@ pub struct Material {
     pub texture: Option<PathBuf>,
     /// Alpha; multiplied by that of the texture.
     pub opacity: Option<Number<UnitInterval>>,
+    /// The surface is cut away where alpha is less than this.
+    pub alpha_cutoff: Option<Number<UnitInterval>>,
     /// How much light goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
     /// Lambert transmittance to the far side; multiplied by the texture if there is one.

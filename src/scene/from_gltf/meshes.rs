@@ -47,6 +47,9 @@ impl Builder<'_> {
         let mut added = Vec::new();
         for primitives in [smooth, flat].iter().filter(|primitives| !primitives.is_empty()) {
             let mesh = self.merged(&source.name, primitives);
+            if mesh.triangles.is_empty() {
+                continue;
+            }
             added.push(self.scene.meshes.len());
             self.scene.meshes.push(mesh);
         }
@@ -60,18 +63,35 @@ impl Builder<'_> {
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
         let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
         for primitive in primitives {
+            let part = self.part(name, primitive);
             let first = mesh.positions.len() as u32;
-            let material = self.material_of(primitive.material);
-            mesh.positions.extend(&primitive.positions);
-            mesh.normals.extend(&primitive.normals);
+            mesh.positions.extend(part.positions);
+            mesh.normals.extend(part.normals);
             if textured {
-                mesh.uvs.extend(&primitive.uvs);
+                mesh.uvs.extend(part.uvs);
                 mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
             }
-            let triangle = |corners: &[u32; 3]| Triangle { vertices: corners.map(|v| first + v), material };
-            mesh.triangles.extend(primitive.triangles.iter().map(triangle));
+            let moved = |Triangle { vertices, material }| Triangle {
+                vertices: vertices.map(|v| first + v),
+                material,
+            };
+            mesh.triangles.extend(part.triangles.into_iter().map(moved));
         }
         mesh
+    }
+
+    /// A primitive as a mesh of its own, without what its material hides.
+    fn part(&mut self, name: &str, primitive: &Primitive) -> Mesh {
+        let material = self.material_of(primitive.material);
+        let triangle = |&vertices: &[u32; 3]| Triangle { vertices, material };
+        let whole = Mesh {
+            name: name.to_owned(),
+            positions: primitive.positions.clone(),
+            normals: primitive.normals.clone(),
+            uvs: primitive.uvs.clone(),
+            triangles: primitive.triangles.iter().map(triangle).collect(),
+        };
+        self.cut_out(whole, primitive.material)
     }
 
     /// A node at the scene's origin: a skinned mesh ignores its own node's place (specification,

@@ -7,10 +7,12 @@ mod extras;
 mod fog;
 mod light_extras;
 mod lights;
+mod masks;
 mod meshes;
 mod nodes;
 mod surfaces;
 
+use super::outline::Tally;
 use super::{LightUnits, RenderSettings, Scene};
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
@@ -27,6 +29,8 @@ struct Builder<'a> {
     node_numbers: Vec<Option<usize>>,
     /// The node of meshes that are drawn in their bind pose, once there is one.
     bind_pose: Option<usize>,
+    /// Meshes that a mask has cut.
+    outlines: Tally,
 }
 
 /// Resolves a glTF file; `units` overrides what it says of its lights.
@@ -44,8 +48,15 @@ pub(super) fn resolve(
 
     let textures = std::mem::take(&mut source.textures);
     let node_numbers = vec![None; source.nodes.len()];
-    let mut builder =
-        Builder { source: &source, clock, scene: Scene::default(), report, node_numbers, bind_pose: None };
+    let mut builder = Builder {
+        source: &source,
+        clock,
+        scene: Scene::default(),
+        report,
+        node_numbers,
+        bind_pose: None,
+        outlines: Tally::default(),
+    };
     builder.add_nodes();
     builder.add_surfaces(textures);
     builder.add_meshes_and_instances();
@@ -55,7 +66,8 @@ pub(super) fn resolve(
     builder.add_cameras(&extras.sunfleck, &mut settings);
     builder.report_other_extras();
 
-    let Builder { mut scene, report, .. } = builder;
+    let Builder { mut scene, mut report, outlines, .. } = builder;
+    outlines.remark(report.at("meshes")).into_iter().for_each(|remark| report.push(remark));
     let remarks = report.into_diagnostics();
     if remarks.has_errors() {
         return Err(remarks);

@@ -76,10 +76,6 @@ impl Builder<'_> {
                 "highlights (specular) are not honoured, these materials are drawn matte",
             ),
             (
-                matches!(material.alpha_mode, gltf::AlphaMode::Mask(_)),
-                "alpha is not yet honoured as a mask, these materials are drawn opaque",
-            ),
-            (
                 !material.double_sided,
                 "backface culling is not honoured, these materials show from both sides",
             ),
@@ -109,8 +105,8 @@ fn material(material: &gltf::Material) -> Material {
         opacity,
         filter_color: Rgb::ZERO,
         alpha_mode: match material.alpha_mode {
-            gltf::AlphaMode::Opaque => AlphaMode::Opaque,
-            gltf::AlphaMode::Mask(cutoff) => AlphaMode::Mask { cutoff },
+            // What a mask shows is cut out.
+            gltf::AlphaMode::Opaque | gltf::AlphaMode::Mask(_) => AlphaMode::Opaque,
             gltf::AlphaMode::Blend => AlphaMode::Blend,
         },
     }

@@ -5,6 +5,7 @@ mod fogs;
 mod hierarchy;
 mod leaves;
 mod lights;
+mod masks;
 mod problems;
 mod sequence;
 mod shapes;
@@ -14,6 +15,7 @@ mod suns;
 mod tests;
 mod tracks;
 
+use super::outline::Tally;
 use super::{
     AlphaMode, Aperture, Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node,
     NodeIndex, RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
@@ -100,6 +102,11 @@ struct Resolver<'a> {
     model_materials: BTreeMap<&'a Path, MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
     leaf_count: u32,
+    /// Of masked materials.
+    cutoffs: BTreeMap<MaterialIndex, f64>,
+    /// What masks have left of meshes.
+    cut_meshes: BTreeMap<(MeshIndex, MaterialIndex), Option<MeshIndex>>,
+    outlines: Tally,
 }
 
 impl<'a> Resolver<'a> {
@@ -117,6 +124,9 @@ impl<'a> Resolver<'a> {
             model_materials: BTreeMap::new(),
             textures: BTreeMap::new(),
             leaf_count: 0,
+            cutoffs: BTreeMap::new(),
+            cut_meshes: BTreeMap::new(),
+            outlines: Tally::default(),
         }
     }
 
@@ -126,6 +136,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
+        let Some(mesh) = self.cut_out(mesh, material) else { return };
         let leaf_id = self.scene.instances.len() as u32 + 1;
         self.scene.instances.push(Instance { node, mesh, material, leaf_id });
     }
@@ -158,6 +169,18 @@ impl<'a> Resolver<'a> {
                     "make one of them darker",
                 );
             }
+            if let Some(cutoff) = &material.alpha_cutoff {
+                if texture.is_none() || material.filter_color.is_some() {
+                    self.problems.error(
+                        &format!("materials.{name}.alpha_cutoff"),
+                        "the material has a mask without a texture, or a filter as well",
+                        "a `texture` with alpha, and no `filter_color`",
+                        "take `alpha_cutoff` or `filter_color` out",
+                    );
+                }
+                self.cutoffs.insert(self.scene.materials.len(), cutoff.si());
+            }
+            let is_blended = material.opacity.is_some() || material.filter_color.is_some();
             let texture = texture.and_then(|texture| self.textures.get(texture).copied());
             self.materials.insert(name, self.scene.materials.len());
             self.scene.materials.push(Material {
@@ -167,9 +190,9 @@ impl<'a> Resolver<'a> {
                 transmission,
                 transmission_texture: texture,
                 mirror,
-                alpha_mode: match (material.opacity, material.filter_color) {
-                    (None, None) => AlphaMode::Opaque,
-                    _ => AlphaMode::Blend,
+                alpha_mode: match material.alpha_cutoff {
+                    None if is_blended => AlphaMode::Blend,
+                    _ => AlphaMode::Opaque,
                 },
                 opacity: material.opacity.map_or(1.0, |opacity| opacity.si()),
                 filter_color,
@@ -312,6 +335,7 @@ impl<'a> Resolver<'a> {
             let place = self.problems.place("lights");
             self.scene.remarks.push(Diagnostic::warning(place, "the scene has no light"));
         }
+        self.scene.remarks.0.extend(self.outlines.remark(self.problems.place("meshes")));
         (self.scene, self.problems)
     }
 }

@@ -1,0 +1,242 @@
+//! The shiny coat of a surface: glTF's metallic-roughness model for one light direction. In go unit vectors and
+//! a normal, out come a BRDF and what is left for the matte surface beneath. Invariant: both are
+//! reciprocal, and coat and a white surface beneath give back what they receive, no more.
+//!
+//! The coat is that of the glTF 2.0 specification, appendix B.3: a GGX distribution of microfacets with separable Smith
+//! shadowing and Schlick's Fresnel term. Beneath it the specification's example weighs Lambert by `1 - F(v.h)`,
+//! which gives up to nearly twice what it receives at grazing angles, and leaves renderers free to do
+//! better (B.1). Here it is weighed by what the coat leaves on the way in and on the way out:
+//! `(1 - E(v)) (1 - E(l)) / (1 - E_mean)` with the coat's albedo `E` (Kelemen and Szirmay-Kalos 2001, "A
+//! microfacet based coupled specular-matte BRDF model", equation 4).
+
+use crate::color::Rgb;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_1_PI, PI};
+use std::sync::LazyLock;
+
+/// Smoother surfaces are taken for this rough: a highlight of a light without extent has to have some.
+pub const LEAST_ROUGHNESS: f64 = 0.03;
+
+/// A coat.
+#[derive(Clone, Copy, Debug)]
+pub struct Gloss {
+    /// Reflectance for light along the normal.
+    f0: Rgb,
+    /// At grazing angles.
+    f90: Rgb,
+    /// glTF's alpha, the square of its roughness.
+    alpha: f64,
+    /// Roughness as a place in the table of albedos.
+    row: f64,
+}
+
+impl Gloss {
+    /// A coat with the reflectances `f0` along the normal and `f90` at grazing angles; `roughness` as in
+    /// glTF, `0..=1`.
+    pub fn new(f0: Rgb, f90: Rgb, roughness: f64) -> Self {
+        let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
+        Self { f0, f90, alpha: roughness * roughness, row: roughness * LAST as f64 }
+    }
+
+    /// The coat's BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
+    pub fn brdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
+        let (cos_eye, cos_light) = (normal.dot(to_eye), normal.dot(to_light));
+        let Some(half) = (to_eye + to_light).try_normalize() else { return Rgb::ZERO };
+        if cos_eye <= 0.0 || cos_light <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let alpha2 = self.alpha * self.alpha;
+        // B.3.2: D = alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2), the sum written so that nothing cancels.
+        let sin2 = normal.cross(half).length_squared();
+        let spread = sin2 + alpha2 * normal.dot(half).powi(2);
+        let distribution = alpha2 * FRAC_1_PI / (spread * spread);
+        // B.3.2: G / (4 n.v n.l).
+        let smith = |cos: f64| cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt();
+        let fresnel = self.f0 + (self.f90 - self.f0) * schlick(to_eye.dot(half));
+        fresnel * distribution / (smith(cos_eye) * smith(cos_light))
+    }
+
+    /// What the BRDF of the surface beneath is to be multiplied with, for the cosines of both directions.
+    pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
+        let [mean0, mean90] = self.look_up(|row| ALBEDOS.means[row]);
+        let mean = self.f0 * mean0 + self.f90 * mean90;
+        let left = Rgb::ONE - mean;
+        // A coat that reflects all leaves nothing.
+        let share = (Rgb::ONE - self.albedo(cos_eye)) * (Rgb::ONE - self.albedo(cos_light)) / left;
+        Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
+    }
+
+    /// Share of the light from a direction that the coat reflects, all directions together.
+    pub fn albedo(&self, cos: f64) -> Rgb {
+        let column = cos.clamp(0.0, 1.0) * LAST as f64;
+        let (left, fraction) = split(column);
+        let [part0, part90] = self.look_up(|row| {
+            let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
+            [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+        });
+        self.f0 * part0 + self.f90 * part90
+    }
+
+    /// Between two rows of a table.
+    fn look_up(&self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+        let (above, fraction) = split(self.row);
+        let [a, b] = [above, above + 1].map(row);
+        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+    }
+}
+
+/// The whole part, less than [`LAST`], and the rest.
+fn split(place: f64) -> (usize, f64) {
+    let whole = (place as usize).min(LAST - 1);
+    (whole, place - whole as f64)
+}
+
+/// `(1 - cos)^5`.
+fn schlick(cos: f64) -> f64 {
+    (1.0 - cos).clamp(0.0, 1.0).powi(5)
+}
+
+/// Number of the last row and column of the table.
+const LAST: usize = 31;
+/// Directions that an entry of the table is the mean of, each way.
+const DIRECTIONS: usize = 24;
+
+/// Albedos of a coat, by roughness and by cosine: the factors of `f0` and of `f90`.
+struct Albedos {
+    directional: Vec<[[f64; 2]; LAST + 1]>,
+    /// Over all directions, by their cosine.
+    means: [[f64; 2]; LAST + 1],
+}
+
+static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
+    let at = |index: usize| index as f64 / LAST as f64;
+    let row = |row: usize| {
+        let roughness = at(row).max(LEAST_ROUGHNESS);
+        std::array::from_fn(|column| directional_albedo(roughness * roughness, at(column).max(1e-4)))
+    };
+    let directional: Vec<[[f64; 2]; LAST + 1]> = (0..=LAST).map(row).collect();
+    // The integral of 2 cos E(cos), of the straight pieces that are looked up.
+    let mean = |row: usize| {
+        [0, 1].map(|part| {
+            let piece = |column: usize| {
+                let (a, b) = (at(column), at(column + 1));
+                let [e, f] = [column, column + 1].map(|column| directional[row][column][part]);
+                (b - a) * (e * (2.0 * a + b) + f * (a + 2.0 * b)) / 3.0
+            };
+            (0..LAST).map(piece).sum()
+        })
+    };
+    Albedos { means: std::array::from_fn(mean), directional }
+});
+
+/// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
+/// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
+fn directional_albedo(alpha: f64, cos: f64) -> [f64; 2] {
+    let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+    let stretched = (to_eye * DVec3::new(alpha, alpha, 1.0)).normalize();
+    let mut sum = [0.0; 2];
+    for index in 0..DIRECTIONS * DIRECTIONS {
+        let (i, j) = (index / DIRECTIONS, index % DIRECTIONS);
+        let point = (DVec2::new(i as f64, j as f64) + 0.5) / DIRECTIONS as f64;
+        // A point of a spherical cap is a visible normal (Dupuy and Benyoub 2023, listing 3).
+        let z = (1.0 - point.y) * (1.0 + stretched.z) - stretched.z;
+        let around = DVec2::from_angle(2.0 * PI * point.x) * (1.0 - z * z).max(0.0).sqrt();
+        let half = ((around.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize();
+        let cos_half = to_eye.dot(half);
+        let cos_light = 2.0 * cos_half * half.z - cos;
+        if cos_light > 0.0 {
+            let alpha2 = alpha * alpha;
+            let shown =
+                2.0 * cos_light / (cos_light + (alpha2 + (1.0 - alpha2) * cos_light * cos_light).sqrt());
+            let fresnel = schlick(cos_half);
+            sum[0] += shown * (1.0 - fresnel);
+            sum[1] += shown * fresnel;
+        }
+    }
+    sum.map(|sum| sum / (DIRECTIONS * DIRECTIONS) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn direction(cos: f64, angle: f64) -> DVec3 {
+        DVec2::from_angle(angle).extend(0.0) * (1.0 - cos * cos).sqrt() + cos * DVec3::Z
+    }
+
+    /// The integral over the hemisphere of a function of the direction to the light, fine about where a mirror would reflect.
+    fn over_lights(to_eye: DVec3, f: impl Fn(DVec3) -> f64) -> f64 {
+        // Half vectors, in angles from the normal that crowd about it: l = 2 (v.h) h - v, dl = 4 (v.h) dh.
+        let (rings, around) = (1200, 240);
+        let mut sum = 0.0;
+        for ring in 0..rings {
+            let s = (f64::from(ring) + 0.5) / f64::from(rings);
+            let (theta, width) = (0.5 * PI * s * s * s, 0.5 * PI * 3.0 * s * s / f64::from(rings));
+            for step in 0..around {
+                let half = direction(theta.cos(), 2.0 * PI * (f64::from(step) + 0.5) / f64::from(around));
+                let cos_half = to_eye.dot(half);
+                let to_light = 2.0 * cos_half * half - to_eye;
+                if cos_half > 0.0 && to_light.z > 0.0 {
+                    let solid_angle = theta.sin() * width * 2.0 * PI / f64::from(around);
+                    sum += f(to_light) * to_light.z * 4.0 * cos_half * solid_angle;
+                }
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn directions_can_be_swapped() {
+        for roughness in [0.1, 0.4, 0.9] {
+            let gloss = Gloss::new(Rgb::new(0.04, 0.5, 0.9), Rgb::ONE, roughness);
+            for (a, b) in [((0.9, 0.3), (0.2, 2.0)), ((0.5, 1.0), (0.55, 4.0)), ((0.05, 0.0), (1.0, 0.0))] {
+                let (v, l) = (direction(a.0, a.1), direction(b.0, b.1));
+                let (there, back) = (gloss.brdf(DVec3::Z, v, l), gloss.brdf(DVec3::Z, l, v));
+                assert!((there - back).abs().max_element() <= 1e-14 * there.max_element());
+                assert_eq!(gloss.beneath(v.z, l.z), gloss.beneath(l.z, v.z));
+            }
+        }
+    }
+
+    #[test]
+    fn the_table_is_the_integral_of_the_brdf() {
+        for roughness in [0.2, 0.5, 0.77, 1.0] {
+            for cos in [0.1, 0.35, 0.8, 1.0] {
+                let gloss = Gloss::new(Rgb::new(0.0, 0.04, 1.0), Rgb::ONE, roughness);
+                let to_eye = direction(cos, 0.4);
+                for channel in 0..3 {
+                    let exact = over_lights(to_eye, |l| gloss.brdf(DVec3::Z, to_eye, l)[channel]);
+                    let found = gloss.albedo(cos)[channel];
+                    assert!((found - exact).abs() < 0.004, "{roughness} {cos} {channel}: {found} {exact}");
+                }
+            }
+        }
+    }
+
+    /// Known values: the albedo of a rough conductor that reflects all, without multiple scattering.
+    #[test]
+    fn a_white_conductor_loses_what_scatters_twice() {
+        // Both ends of GGX: a mirror loses nothing; with alpha 1 D is 1 / pi everywhere, so that E along the
+        // normal is the integral of c / (c + 1) dc.
+        let white = |roughness: f64| Gloss::new(Rgb::ONE, Rgb::ONE, roughness).albedo(1.0).x;
+        assert!((white(0.0) - 1.0).abs() < 1e-3);
+        let exact = 1.0 - 2.0_f64.ln();
+        assert!((white(1.0) - exact).abs() < 1e-3, "{} {exact}", white(1.0));
+    }
+
+    #[test]
+    fn white_furnace() {
+        for roughness in [0.15, 0.5, 1.0] {
+            for f0 in [0.04, 0.3] {
+                let gloss = Gloss::new(Rgb::splat(f0), Rgb::ONE, roughness);
+                for cos in [0.06, 0.3, 0.7, 1.0] {
+                    let to_eye = direction(cos, 1.0);
+                    let all = over_lights(to_eye, |l| {
+                        (gloss.brdf(DVec3::Z, to_eye, l) + FRAC_1_PI * gloss.beneath(cos, l.z)).x
+                    });
+                    assert!((all - 1.0).abs() < 0.006, "{roughness} {f0} {cos}: {all}");
+                }
+            }
+        }
+    }
+}

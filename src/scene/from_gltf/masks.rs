@@ -1,0 +1,28 @@
+//! Masked primitives become outlines. Invariant: what is left is opaque, or the report says why not.
+
+use super::Builder;
+use crate::description::gltf::AlphaMode;
+use crate::scene::Mesh;
+use crate::scene::outline::{self, Mask};
+
+impl Builder<'_> {
+    /// A primitive without what its material's mask hides.
+    pub(super) fn cut_out(&mut self, mut mesh: Mesh, material: Option<usize>) -> Mesh {
+        let Some(material) = material.map(|material| &self.source.materials[material]) else { return mesh };
+        let AlphaMode::Mask(cutoff) = material.alpha_mode else { return mesh };
+        let [.., opacity] = material.base_color;
+        let before = mesh.triangles.len();
+        match material.base_color_texture.filter(|_| !mesh.uvs.is_empty()) {
+            Some(texture) => {
+                match outline::cut_out(&mesh, Mask::new(&self.scene.textures[texture], cutoff, opacity)) {
+                    Ok(cut) => mesh = cut,
+                    Err(reason) => self.report.not_honoured(reason, &mesh.name),
+                }
+            }
+            None if opacity < cutoff => mesh.triangles.clear(),
+            None => {}
+        }
+        self.outlines.add(&mesh.name, before, mesh.triangles.len());
+        mesh
+    }
+}

@@ -1,0 +1,183 @@
+//! Triangles cut along rings, in texels. In go rings and triangles, out come smaller triangles of old and
+//! added vertices. Invariant: all is counted in whole steps of one grid, so what two triangles share they
+//! share to the last bit.
+
+use super::{Between, Outlined};
+use glam::DVec2;
+use i_triangle::i_overlay::core::fill_rule::FillRule;
+use i_triangle::i_overlay::core::overlay::Overlay;
+use i_triangle::i_overlay::core::overlay_rule::OverlayRule;
+use i_triangle::i_overlay::i_float::int::point::IntPoint;
+use i_triangle::int::triangulatable::IntTriangulatable;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Of the grid on which everything is cut. Within `FARTHEST_TEXEL` coordinates keep to 28 bits.
+const STEPS_PER_TEXEL: f64 = 1024.0;
+
+type Point = IntPoint<i32>;
+
+/// What is left of a triangle, in the order of its corners' grid points.
+#[derive(Debug)]
+enum Rest {
+    All,
+    Parts { points: Vec<Point>, triangles: Vec<[u32; 3]> },
+}
+
+/// Cuts triangles.
+pub(super) struct Cutter {
+    rings: Vec<Ring>,
+    /// Triangles that lie in the same place of the texture are cut once.
+    known: HashMap<[Point; 3], Rc<Rest>>,
+    /// Points on edges, by the edge's vertices.
+    on_edges: HashMap<(u32, u32, Point), u32>,
+    added: Vec<Between>,
+    triangles: Vec<Corners>,
+}
+
+/// A corner: a vertex that there was, or the number of an added one.
+type Corners = [Result<u32, u32>; 3];
+
+struct Ring {
+    points: Vec<Point>,
+    low: Point,
+    high: Point,
+}
+
+impl Cutter {
+    pub(super) fn new(rings: impl Iterator<Item = Vec<DVec2>>) -> Self {
+        let rings = rings.map(|ring| {
+            let points: Vec<Point> = ring.into_iter().map(on_grid).collect();
+            let bound = |x: fn(i32, i32) -> i32| {
+                points
+                    .iter()
+                    .copied()
+                    .reduce(|a, b| Point::new(x(a.x, b.x), x(a.y, b.y)))
+                    .unwrap_or(Point::ZERO)
+            };
+            Ring { low: bound(i32::min), high: bound(i32::max), points }
+        });
+        Self {
+            rings: rings.collect(),
+            known: HashMap::new(),
+            on_edges: HashMap::new(),
+            added: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    /// Adds what is left of a triangle whose vertices lie at `texels`; if it has no area there, all or
+    /// nothing, as `is_shown` says of its middle.
+    pub(super) fn cut(&mut self, vertices: [u32; 3], texels: [DVec2; 3], is_shown: impl Fn(DVec2) -> bool) {
+        let corners = texels.map(on_grid);
+        if twice_area(corners) == 0 {
+            if is_shown((texels[0] + texels[1] + texels[2]) / 3.0) {
+                self.triangles.push(vertices.map(Ok));
+            }
+            return;
+        }
+        let rest = self.known.get(&corners).map(Rc::clone).unwrap_or_else(|| {
+            let rest = Rc::new(rest(&self.rings, corners));
+            self.known.insert(corners, Rc::clone(&rest));
+            rest
+        });
+        match &*rest {
+            Rest::All => self.triangles.push(vertices.map(Ok)),
+            Rest::Parts { points, triangles } => {
+                let vertices: Vec<_> =
+                    points.iter().map(|&point| self.vertex(vertices, corners, point)).collect();
+                let triangles =
+                    triangles.iter().map(|triangle| triangle.map(|point| vertices[point as usize]));
+                self.triangles.extend(triangles.filter(|[a, b, c]| a != b && b != c && c != a));
+            }
+        }
+    }
+
+    fn vertex(&mut self, vertices: [u32; 3], corners: [Point; 3], point: Point) -> Result<u32, u32> {
+        if let Some(corner) = corners.iter().position(|&corner| corner == point) {
+            return Ok(vertices[corner]);
+        }
+        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+            // The same edge of the neighbour runs the other way.
+            let (from, to) = if vertices[from] < vertices[to] { (from, to) } else { (to, from) };
+            let (a, b) = (difference(corners[from], corners[to]), difference(corners[from], point));
+            let length_squared = dot(a, a);
+            // Within rounding to the grid.
+            if (cross(a, b) as f64).powi(2) <= 2.0 * length_squared as f64 {
+                let key = (vertices[from], vertices[to], point);
+                let added = &mut self.added;
+                return Err(*self.on_edges.entry(key).or_insert_with(|| {
+                    let t = dot(a, b) as f64 / length_squared as f64;
+                    added.push(Between {
+                        corners: [vertices[from], vertices[to], vertices[to]],
+                        weights: [1.0 - t, t, 0.0],
+                    });
+                    added.len() as u32 - 1
+                }));
+            }
+        }
+        let [a, b, c] = corners;
+        let whole = twice_area(corners) as f64;
+        let weights =
+            [[point, b, c], [a, point, c], [a, b, point]].map(|part| twice_area(part) as f64 / whole);
+        self.added.push(Between { corners: vertices, weights });
+        Err(self.added.len() as u32 - 1)
+    }
+
+    /// What is left of all, of a mesh that had so many vertices.
+    pub(super) fn finish(self, vertices: usize) -> Outlined {
+        let number = |corner: Result<u32, u32>| corner.unwrap_or_else(|added| vertices as u32 + added);
+        let triangles = self.triangles.iter().map(|corners| corners.map(number)).collect();
+        Outlined { added: self.added, triangles }
+    }
+}
+
+fn rest(rings: &[Ring], corners: [Point; 3]) -> Rest {
+    let [a, b, c] = corners;
+    let low = Point::new(a.x.min(b.x).min(c.x), a.y.min(b.y).min(c.y));
+    let high = Point::new(a.x.max(b.x).max(c.x), a.y.max(b.y).max(c.y));
+    let meets = |ring: &&Ring| {
+        ring.low.x <= high.x && ring.high.x >= low.x && ring.low.y <= high.y && ring.high.y >= low.y
+    };
+    let rings: Vec<Vec<Point>> = rings.iter().filter(meets).map(|ring| ring.points.clone()).collect();
+    let triangle = vec![corners.to_vec()];
+    let shapes =
+        Overlay::from_subj_and_clip(&rings, &triangle).overlay(OverlayRule::Intersect, FillRule::EvenOdd);
+    if let [shape] = shapes.as_slice()
+        && let [outline] = shape.as_slice()
+        && outline.len() == 3
+        && corners.iter().all(|corner| outline.contains(corner))
+    {
+        return Rest::All;
+    }
+    let mesh = shapes.triangulate().into_delaunay().into_triangulation::<u32>();
+    let turn = |triangle: &[u32]| {
+        let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
+        let same = twice_area([a, b, c].map(|point| mesh.points[point as usize])) > 0;
+        // Seen from the same side as before.
+        if same == (twice_area(corners) > 0) { [a, b, c] } else { [a, c, b] }
+    };
+    let triangles = mesh.indices.chunks_exact(3).map(turn).collect();
+    Rest::Parts { points: mesh.points, triangles }
+}
+
+fn on_grid(texel: DVec2) -> Point {
+    let steps = (texel * STEPS_PER_TEXEL).round();
+    Point::new(steps.x as i32, steps.y as i32)
+}
+
+fn difference(from: Point, to: Point) -> [i64; 2] {
+    [i64::from(to.x) - i64::from(from.x), i64::from(to.y) - i64::from(from.y)]
+}
+
+fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn dot(a: [i64; 2], b: [i64; 2]) -> i64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn twice_area([a, b, c]: [Point; 3]) -> i64 {
+    cross(difference(a, b), difference(a, c))
+}

@@ -1,0 +1,147 @@
+//! Masked triangles in, opaque ones out: what a texture's alpha hides is cut away along the curve where
+//! alpha equals the cutoff. Invariant: neighbouring triangles are cut at the very same points of their
+//! common edge, and a triangle without anything to cut away stays as it is.
+
+mod contour;
+mod cut;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
+
+use super::{Mesh, Texture, Triangle};
+use crate::diagnostic::{Diagnostic, Place};
+use contour::Window;
+use cut::Cutter;
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+/// How far an outline may pass from the curve of the cutoff, in texels.
+pub const OUTLINE_TOLERANCE_TEXELS: f64 = 0.25;
+
+/// Texture coordinates may spread over so many texels, repetitions counted.
+const MOST_TEXELS: i64 = 1 << 27;
+/// And so far from 0, in texels.
+const FARTHEST_TEXEL: f64 = (1 << 18) as f64;
+
+/// What hides parts of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mask<'a> {
+    /// Its alpha counts.
+    texture: &'a Texture,
+    /// The surface shows where the texture's alpha is at least this.
+    threshold: f64,
+}
+
+impl<'a> Mask<'a> {
+    /// The surface shows where the texture's alpha times `opacity` is at least `cutoff`.
+    pub(super) fn new(texture: &'a Texture, cutoff: f64, opacity: f64) -> Self {
+        // Nothing is less than 0, not even where the surface has no opacity at all.
+        Self { texture, threshold: if cutoff > 0.0 { cutoff / opacity } else { 0.0 } }
+    }
+}
+
+/// A vertex on an edge of a triangle or within it.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    /// Vertices of the triangle.
+    corners: [u32; 3],
+    /// How much each of them counts; 1 in sum.
+    weights: [f64; 3],
+}
+
+/// Which meshes were cut out, to be said once.
+#[derive(Debug, Default)]
+pub(super) struct Tally(Vec<(String, usize, usize)>);
+
+impl Tally {
+    /// Notes that a mesh had so many triangles before and after.
+    pub(super) fn add(&mut self, mesh: &str, before: usize, after: usize) {
+        if before != after {
+            self.0.push((mesh.to_owned(), before, after));
+        }
+    }
+
+    /// A remark about all of them; none if there are none.
+    pub(super) fn remark(&self, place: Place) -> Option<Diagnostic> {
+        const NAMED: usize = 6;
+        let named: Vec<String> = (self.0.iter().take(NAMED))
+            .map(|(mesh, before, after)| format!("`{mesh}` from {before} triangles to {after}"))
+            .collect();
+        let more = match self.0.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let message = format!(
+            "masked meshes are cut out along alpha = cutoff, to {OUTLINE_TOLERANCE_TEXELS} texels: {}{more}",
+            named.join(", ")
+        );
+        (!self.0.is_empty()).then(|| Diagnostic::note(place, message))
+    }
+}
+
+/// What is left of a mesh.
+#[derive(Debug, Default)]
+struct Outlined {
+    /// Vertices that follow those that there were.
+    added: Vec<Between>,
+    /// Triangles of old and added vertices.
+    triangles: Vec<[u32; 3]>,
+}
+
+/// What is left of a mesh whose triangles all have one material; none of them if the mask hides all.
+pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, &'static str> {
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
+    let Outlined { added, triangles } = outlined(mask, &mesh.uvs, &triangles)?;
+    let blended = |values: &[Vec3]| -> Vec<Vec3> {
+        let blend = |Between { corners, weights }: &Between| {
+            let terms = (0..3).map(|corner| weights[corner] * values[corners[corner] as usize].as_dvec3());
+            terms.sum::<DVec3>().as_vec3()
+        };
+        let added = if values.is_empty() { &[] } else { added.as_slice() };
+        values.iter().copied().chain(added.iter().map(blend)).collect()
+    };
+    let uvs: Vec<Vec3> = mesh.uvs.iter().map(|uv| uv.extend(0.0)).collect();
+    let material = mesh.triangles.first().map_or(0, |triangle| triangle.material);
+    Ok(Mesh {
+        name: mesh.name.clone(),
+        positions: blended(&mesh.positions),
+        // Two that cancel each other leave none: any direction will do.
+        normals: blended(&mesh.normals).into_iter().map(|normal| normal.normalize_or(Vec3::Y)).collect(),
+        uvs: blended(&uvs).into_iter().map(Vec3::truncate).collect(),
+        triangles: triangles.into_iter().map(|vertices| Triangle { vertices, material }).collect(),
+    })
+}
+
+/// Cuts out what the mask shows; the reason if that cannot be done.
+fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined, &'static str> {
+    let texels_of_texture = DVec2::new(mask.texture.width as f64, mask.texture.height as f64);
+    let texels: Vec<DVec2> = uvs.iter().map(|uv| uv.as_dvec2() * texels_of_texture).collect();
+    let least = mask.texture.texels.iter().map(|texel| f64::from(texel[3])).fold(f64::INFINITY, f64::min);
+    if least >= mask.threshold {
+        return Ok(Outlined { added: Vec::new(), triangles: triangles.to_vec() });
+    }
+    let used = || triangles.iter().flatten().map(|&vertex| texels[vertex as usize]);
+    let low = used().fold(DVec2::INFINITY, DVec2::min);
+    let high = used().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let is_near = low.min_element() >= -FARTHEST_TEXEL && high.max_element() <= FARTHEST_TEXEL;
+    if !is_near {
+        return Err(TOO_WIDE);
+    }
+    // A texel more on every side: what is made up at the window's border is cut away again.
+    let (low, high) = ((low - 2.5).floor().as_i64vec2(), (high + 1.5).ceil().as_i64vec2());
+    if (high.x - low.x) * (high.y - low.y) > MOST_TEXELS {
+        return Err(TOO_WIDE);
+    }
+    let window = Window { columns: low.x..=high.x, rows: low.y..=high.y };
+    let alpha = |column: i64, row: i64| mask.texture.texel_alpha(column, row);
+    let rings = contour::rings(alpha, mask.threshold, &window);
+    let rings = rings.iter().map(|ring| contour::simplified(ring, OUTLINE_TOLERANCE_TEXELS));
+    let is_shown = |at: DVec2| mask.texture.alpha((at / texels_of_texture).as_vec2()) >= mask.threshold;
+    let mut cutter = Cutter::new(rings.filter(|ring| ring.len() > 2));
+    for &triangle in triangles {
+        cutter.cut(triangle, triangle.map(|vertex| texels[vertex as usize]), is_shown);
+    }
+    Ok(cutter.finish(uvs.len()))
+}
+
+const TOO_WIDE: &str =
+    "texture coordinates reach too far for masks to be cut out, these meshes are drawn whole";
