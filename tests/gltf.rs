@@ -270,7 +270,11 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     let aperture = scene.cameras[0].aperture.as_ref().unwrap();
     assert!(aperture.f_stop.at(0.0) > 0.0 && aperture.focus_distance_m.at(0.0) > 0.0);
     let remarks = scene.remarks.to_string();
-    for said in ["`sunfleck_ctl` are not yet honoured", "masked meshes are cut out along alpha = cutoff", "leaf ids start at 0"] {
+    for said in [
+        "`sunfleck_ctl` are not yet honoured",
+        "masked meshes are cut out along alpha = cutoff",
+        "leaf ids start at 0",
+    ] {
         assert!(remarks.contains(said), "{said} is not in\n{remarks}");
     }
 }
