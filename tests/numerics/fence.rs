@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use std::f64::consts::PI;
 use sunfleck::scene::Scene;
 
-const SLATS: u32 = 10_000;
+const SLATS: u32 = 100_000;
 /// A power of two, so that every slat lies where it should.
 const PITCH_M: f64 = 1.0 / 1024.0;
 
