@@ -34,9 +34,18 @@ pub(super) struct Instance {
     pub(super) mesh_from_relative: DAffine3,
     /// Middle of the mesh's box, in the mesh's space.
     pub(super) mesh_centre: DVec3,
+    /// Whether shadows and slices cut it in double precision.
+    pub(super) needs_doubles: bool,
     /// Position in the list of placed meshes.
     pub(super) index: u32,
 }
+
+/// Single precision knows a mesh to some 1e-7 of its size. That shows on a ground that reaches to the
+/// horizon but is looked at from near by: from nearer than this fraction of its size.
+const NEAR: f64 = 0.25;
+
+/// Only meshes of up to so many blocks: double precision is slower.
+const FEW_BLOCKS: usize = 64;
 
 impl Instance {
     fn new(index: u32, placed: PlacedMesh) -> Option<Self> {
@@ -55,7 +64,11 @@ impl Instance {
             return None;
         }
         let mesh_centre = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
-        Some(Self { mesh, relative_from_mesh, mesh_from_relative, mesh_centre, index })
+        let nearest = mesh_from_relative.translation.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let distance = relative_from_mesh.transform_point3(nearest).length();
+        let half_size = relative_from_mesh.transform_vector3(bounds.max.as_dvec3() - mesh_centre).length();
+        let needs_doubles = mesh.blocks.len() <= FEW_BLOCKS && distance < NEAR * half_size;
+        Some(Self { mesh, relative_from_mesh, mesh_from_relative, mesh_centre, needs_doubles, index })
     }
 
     /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.

@@ -192,7 +192,7 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
         let single_limits = (limits.0 as f32, limits.1 as f32);
         let sink =
             ShadowSink { t_range: (t0, t1), t_centre, limits, pending: NOTHING, shadows: self.shadows };
-        if self.plane.needs_doubles {
+        if self.plane.needs_doubles || instance.needs_doubles {
             let is_fan = self.plane.is_fan;
             let mut query = DoubleQuery { blocks: &mesh.blocks, cut, is_fan, sink };
             visit_leaves(simd, &mesh.tree, &box_region, stack, &mut query);

@@ -99,6 +99,12 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
             above: here(&self.region.above),
         };
         let limits = region.limits(simd, mesh.tree.bounds);
+        if instance.needs_doubles {
+            let (blocks, instance) = (&mesh.blocks[..], instance.index);
+            let mut query = DoubleQuery { blocks, region, instance, cuts: self.cuts };
+            visit_leaves(simd, &mesh.tree, &limits, stack, &mut query);
+            return;
+        }
         // Coordinates are counted from the middle of the mesh: single precision has to resolve a leaf.
         let centre =
             DVec2::new(region.reach.at(instance.mesh_centre), region.height.at(instance.mesh_centre));
@@ -152,6 +158,32 @@ impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
             };
             let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
             self.cuts.push(Cut { primitive, ends: [end(0), end(1)] });
+        }
+    }
+}
+
+/// The same in double precision, a triangle at a time.
+struct DoubleQuery<'a> {
+    blocks: &'a [Block],
+    region: Region,
+    instance: u32,
+    cuts: &'a mut Vec<Cut>,
+}
+
+impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
+    fn visit(&mut self, _: S, leaf: u32, _: &mut Stack) {
+        let block = &self.blocks[leaf as usize];
+        for lane in block.lanes() {
+            let vertices = block.corners(lane);
+            let corners = |functional: &Functional| vertices.map(|vertex: DVec3| functional.at(vertex));
+            let crossing = Crossing::new(0.0, corners(&self.region.out_of_plane));
+            if crossing.exists {
+                let reach = crossing.at_ends(corners(&self.region.reach));
+                let height = crossing.at_ends(corners(&self.region.height));
+                let ends = [0, 1].map(|end| DVec2::new(reach[end], height[end]));
+                let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
+                self.cuts.push(Cut { primitive, ends });
+            }
         }
     }
 }

@@ -131,12 +131,12 @@ impl WideTree {
     }
 }
 
-/// How much larger a box may look to the builder than it is, as a fraction of its extent.
+/// How far a box may seem to be moved to the builder, as a fraction of its extent.
 ///
 /// PLOC joins boxes that are each other's best. In a row of equal boxes at equal distances all pairs are
 /// as good, each box takes its neighbour on the same side, and a whole pass joins one pair: 100,000
-/// slats of a fence took minutes. Sizes that differ by a little let a third of them agree.
-const LARGEST_SWELLING: f64 = 1.0 / 4096.0;
+/// slats of a fence took minutes. Distances that differ by a little let a third of them agree.
+const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 
 /// Its multiples modulo 1 are spread evenly, however many there are.
 const GOLDEN_FRACTION: f64 = 0.618_033_988_749_894_8;
@@ -148,14 +148,15 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     let largest = boxes.iter().fold(0.0_f32, |m, b| m.max(b.magnitude().max_element()));
     let scale = (-f64::from(largest).log2().ceil()).clamp(-200.0, 200.0).exp2();
     let scaled = |v: Vec3| Vec3A::from((v.as_dvec3() * scale).as_vec3());
-    let swollen = |(index, b): (usize, &Bounds)| {
+    let moved = |(index, b): (usize, &Bounds)| {
         let (min, max) = (scaled(b.min), scaled(b.max));
-        let share = (index as f64 * GOLDEN_FRACTION).fract() * LARGEST_SWELLING;
-        Aabb::new(min, max + share as f32 * (max - min))
+        let share = (index as f64 * GOLDEN_FRACTION).fract() * LARGEST_SHIFT;
+        let shift = share as f32 * (max - min);
+        Aabb::new(min + shift, max + shift)
     };
-    let swollen: Vec<Aabb> = boxes.iter().enumerate().map(swollen).collect();
+    let moved: Vec<Aabb> = boxes.iter().enumerate().map(moved).collect();
     let settings = BvhBuildParams { max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
-    let tree = build_bvh2(&swollen, settings, &mut Duration::default());
+    let tree = build_bvh2(&moved, settings, &mut Duration::default());
     let bounds = tight_bounds(&tree, boxes);
     BinaryTree { tree, bounds }
 }

@@ -41,6 +41,10 @@ pub(super) type LitParts<'a> = &'a dyn Fn(Range<f64>, &mut dyn FnMut(f64, f64, R
 /// integral grows beyond all bounds as the gap closes, and no picture shows that.
 const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
 
+/// Nor is one nearer than this fraction of the way to the end of the fog: with a lamp at the camera every
+/// ray passes through it.
+const SMALLEST_SHARE: f64 = 1e-18;
+
 /// What a fit may be wrong by, as a share of the whole that it is fitted to.
 const FIT_TOLERANCE: f64 = 1e-8;
 
@@ -67,7 +71,8 @@ impl<'a> NearLight<'a> {
         let to_light = light - ray.origin;
         let nearest = to_light.dot(ray.direction);
         let gap = ray.direction.cross(to_light).length();
-        let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length()).max(f64::MIN_POSITIVE);
+        let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length());
+        let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
         // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge.
         let more_nodes = if matches!(emission, Emission::Spot(_)) { 2 } else { 0 };
         let densest_per_m = medium.banks().iter().map(|bank| bank.sigma_t.max_element()).sum();

@@ -104,9 +104,9 @@ fn sun_at_the_horizon() {
             );
             let lamp = Lamp::Sun { to_sun: DVec3::new(0.2, height, -ahead) };
             light(&mut scene, &Frame::HERE, lamp);
-            per_ray(&scene, 1.0, spread(200)).hold(&format!("horizon, {lamp:?}, per ray"), 1e-3);
+            per_ray(&scene, 1.0, spread(200)).hold(&format!("horizon, {lamp:?}, per ray"), 1e-6);
             by_slices(&scene, &SlicePlan::even(SIZE, 13, 13))
-                .hold(&format!("horizon, {lamp:?}, slices"), 1e-3);
+                .hold(&format!("horizon, {lamp:?}, slices"), 1e-6);
         }
     }
 }

@@ -36,7 +36,10 @@ impl FogTruth {
             sigma_s: fog.density_per_m.at(0.0) * fog.albedo.at(0.0),
             g: fog.anisotropy.at(0.0),
         };
-        Self { boxes: fogs.map(freeze).collect() }
+        // A flat box holds nothing.
+        let has_room =
+            |(_, relative_from_cube): &(&Fog, DAffine3)| relative_from_cube.matrix3.determinant() != 0.0;
+        Self { boxes: fogs.filter(has_room).map(freeze).collect() }
     }
 
     /// Beer and Lambert along `origin + t * direction`, `0 < t < end`.
@@ -166,18 +169,22 @@ pub(crate) fn integral(
     }
     cuts.retain(|cut| *cut >= first && *cut <= last);
     cuts.sort_by(f64::total_cmp);
-    let value = |t: f64| fog.scattered_at(ray, t, light);
+    quadrature(&|t: f64| fog.scattered_at(ray, t, light), &cuts, shadows)
+}
+
+/// Over what shadows leave, on pieces between cuts.
+pub(crate) fn quadrature(value: &impl Fn(f64) -> Rgb, cuts: &[f64], shadows: &IntervalSet) -> Rgb {
     let pieces = |handle: &mut dyn FnMut(f64, f64)| {
         for pair in cuts.windows(2) {
             shadows.for_each_gap(pair[0], pair[1], &mut *handle);
         }
     };
     let mut rough = Rgb::ZERO;
-    pieces(&mut |start, end| rough += rule(&value, start, end));
+    pieces(&mut |start, end| rough += rule(value, start, end));
     let mut sum = Rgb::ZERO;
     pieces(&mut |start, end| {
-        let whole = rule(&value, start, end);
-        sum += refine(&value, (start, end), whole, TOLERANCE * rough.max_element(), 60);
+        let whole = rule(value, start, end);
+        sum += refine(value, (start, end), whole, TOLERANCE * rough.max_element(), 60);
     });
     sum
 }

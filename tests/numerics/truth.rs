@@ -56,6 +56,11 @@ pub(crate) struct Light {
 
 impl Truth {
     pub(crate) fn new(scene: &Scene, snapshot: &Snapshot) -> Self {
+        Self::lit_by(scene, snapshot, snapshot.lights.iter().map(Luminaire::centre).collect())
+    }
+
+    /// The scene in another light.
+    pub(crate) fn lit_by(scene: &Scene, snapshot: &Snapshot, lights: Vec<FrozenLight>) -> Self {
         let placements = scene.placements(0.0);
         let relative_from = |node: usize| {
             let mut relative = placements[node].world_from_node;
@@ -80,7 +85,6 @@ impl Truth {
             }
         }
         let fog = FogTruth::new(scene.fogs.iter().map(|fog| (fog, relative_from(fog.node))));
-        let lights = snapshot.lights.iter().map(Luminaire::centre).collect();
         Self { triangles, fog, lights, background: snapshot.background }
     }
 

@@ -226,7 +226,8 @@ fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
         return None;
     }
     let clipped = |end: DVec2, other: DVec2| {
-        if end.x >= 0.0 {
+        // Not at -0 either, whose slope has the wrong sign.
+        if end.x > 0.0 {
             return end;
         }
         let fraction = end.x / (end.x - other.x);
