@@ -265,7 +265,13 @@ fn ray_and_light_in_line() {
 fn textured_alpha_and_the_baselines() {
     let mut scene = with_sun(foggy());
     let texels = (0..64).map(|column| [0.5, 0.4, 0.3, column as f32 / 63.0]).collect();
-    scene.textures.push(Texture { name: String::new(), width: 64, height: 1, texels, wrap: Wrap::Clamp });
+    scene.textures.push(Texture {
+        name: String::new(),
+        width: 64,
+        height: 1,
+        texels,
+        wrap: [Wrap::Clamp; 2],
+    });
     let tilted = sheet(DVec3::new(0.0, 1.0, -4.0), DVec3::new(2.0, 0.3, 0.0), DVec3::new(0.0, 0.2, -2.5));
     add_mesh(&mut scene, &tilted, Material { base_color_texture: Some(0), ..veil(0.9) });
     add_mesh(&mut scene, &sheet(DVec3::new(0.0, 0.0, -5.0), DVec3::X, DVec3::Y), veil(0.5));

@@ -25,16 +25,25 @@ pub struct DecodedImage {
     pub texels: Vec<[f32; 4]>,
 }
 
+/// What the numbers of an image stand for; alpha is always itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Encoding {
+    /// Colours in sRGB.
+    Srgb,
+    /// Numbers as they are.
+    Linear,
+}
+
 /// Linear light for every sRGB code of 16 bits; 8-bit codes are multiples of 257.
 static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
 });
 
-/// Decodes a PNG, JPEG, WebP or PPM image, recognised by its content; colours are taken as sRGB.
+/// Decodes a PNG, JPEG, WebP or PPM image, recognised by its content.
 ///
 /// # Errors
 /// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
-pub fn decode(bytes: &[u8], place: Place) -> Result<DecodedImage, Diagnostic> {
+pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedImage, Diagnostic> {
     let reject = |found: String| {
         Diagnostic::error(place.clone(), found)
             .expected("a PNG, JPEG, WebP or PPM image of at most 16384 texels a side")
@@ -61,7 +70,7 @@ pub fn decode(bytes: &[u8], place: Place) -> Result<DecodedImage, Diagnostic> {
     let decoded = reader
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
-    Ok(linear_light(decoded))
+    Ok(linear(decoded, encoding))
 }
 
 fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
@@ -72,15 +81,19 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
         .map_err(|error| format!("the image cannot be decoded: {}", error.to_string().trim_end()))
 }
 
-fn linear_light(decoded: DynamicImage) -> DecodedImage {
+fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
     let rgba = decoded.into_rgba16();
     let curve = LINEAR_FROM_CODE.as_slice();
     let texels = rgba
         .pixels()
         .map(|pixel| {
             let [r, g, b, alpha] = pixel.0;
-            let [r, g, b] = [r, g, b].map(|code| curve[usize::from(code)]);
-            [r, g, b, f32::from(alpha) / f32::from(u16::MAX)]
+            let plain = |code: u16| f32::from(code) / f32::from(u16::MAX);
+            let [r, g, b] = match encoding {
+                Encoding::Srgb => [r, g, b].map(|code| curve[usize::from(code)]),
+                Encoding::Linear => [r, g, b].map(plain),
+            };
+            [r, g, b, plain(alpha)]
         })
         .collect();
     DecodedImage { width: rgba.width() as usize, height: rgba.height() as usize, texels }
@@ -99,7 +112,7 @@ mod tests {
     }
 
     fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
-        decode(bytes, Place::Nowhere).unwrap().texels
+        decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap().texels
     }
 
     fn linear(encoded: f64) -> f32 {
@@ -111,7 +124,7 @@ mod tests {
         let expected = [[1.0, 0.0, linear(51.0 / 255.0), 1.0], [0.0, 0.0, 0.0, 1.0]];
         for bytes in [&b"P3\n# by hand\n1 2\n255\n255 0 51 0 0 0\n"[..], b"P6\n1 2\n255\n\xff\x00\x33\0\0\0"]
         {
-            let image = decode(bytes, Place::Nowhere).unwrap();
+            let image = decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap();
             assert_eq!((image.width, image.height), (1, 2));
             assert_eq!(image.texels, expected);
         }

@@ -27,7 +27,7 @@ pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
 pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
-pub use material::{AlphaMode, Material};
+pub use material::{AlphaMode, Coat, Material, TextureMap};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;

@@ -14,8 +14,8 @@ pub struct Texture {
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
     pub texels: Vec<[f32; 4]>,
-    /// What lies beyond the edges.
-    pub wrap: Wrap,
+    /// What lies beyond the edges, across and down.
+    pub wrap: [Wrap; 2],
 }
 
 /// What lies beyond a texture's edges.
@@ -43,7 +43,7 @@ impl Texture {
 
     /// Alpha of a texel, which may lie beyond the edges.
     pub(super) fn texel_alpha(&self, column: i64, row: i64) -> f64 {
-        let (column, row) = (self.wrap.index(column, self.width), self.wrap.index(row, self.height));
+        let (column, row) = (self.wrap[0].index(column, self.width), self.wrap[1].index(row, self.height));
         f64::from(self.texels[row * self.width + column][3])
     }
 
@@ -58,8 +58,8 @@ impl Texture {
         let (column, row) = (x.floor(), y.floor());
         let (right, below) = (f64::from(x - column), f64::from(y - row));
         let texel = |dx: i64, dy: i64| {
-            let column = self.wrap.index(column as i64 + dx, self.width);
-            let row = self.wrap.index(row as i64 + dy, self.height);
+            let column = self.wrap[0].index(column as i64 + dx, self.width);
+            let row = self.wrap[1].index(row as i64 + dy, self.height);
             DVec4::from_array(self.texels[row * self.width + column].map(f64::from))
         };
         let top = texel(0, 0).lerp(texel(1, 0), right);
@@ -94,7 +94,7 @@ mod tests {
             width: 2,
             height: 1,
             texels: vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]],
-            wrap,
+            wrap: [wrap; 2],
         }
     }
 

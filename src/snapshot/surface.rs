@@ -5,8 +5,9 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scene::{AlphaMode, Material, Mesh, Texture, TextureIndex};
-use glam::{DVec3, Vec2};
+use crate::scattering::Gloss;
+use crate::scene::{AlphaMode, Material, Mesh, Texture, TextureMap};
+use glam::{DVec2, DVec3, Vec2};
 
 /// A point of a surface, ready for shading.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +22,10 @@ pub struct SurfacePoint {
     pub albedo: Rgb,
     /// Lambert transmittance.
     pub transmission: Rgb,
+    /// Its coat, if it shines.
+    pub gloss: Option<Gloss>,
+    /// Unit vector to where it is seen from.
+    pub to_eye: DVec3,
     /// Mirror reflectance.
     pub mirror: Rgb,
     /// Emitted radiance.
@@ -42,8 +47,10 @@ pub struct Facet<'scene> {
     pub primitive: PrimitiveId,
     mesh: &'scene Mesh,
     material: &'scene Material,
+    textures: &'scene [Texture],
     texture: Option<&'scene Texture>,
-    transmission_texture: Option<&'scene Texture>,
+    /// Right and up in the normal map, where there is one.
+    tangents: Option<[DVec3; 2]>,
     leaf_id: u32,
     corners: [usize; 3],
     first_corner: DVec3,
@@ -68,15 +75,17 @@ impl<'scene> Snapshot<'scene> {
             .map(|corner| placed.relative_from_mesh.transform_point3(mesh.positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
         let area_normal = ab.cross(ac);
-        let texture = |texture: Option<TextureIndex>| {
-            texture.filter(|_| !mesh.uvs.is_empty()).map(|texture| &self.scene.textures[texture])
-        };
+        let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
         Facet {
             primitive,
             mesh,
             material,
-            texture: texture(material.base_color_texture),
-            transmission_texture: texture(material.transmission_texture),
+            textures: &self.scene.textures,
+            texture: texture.map(|texture| &self.scene.textures[texture]),
+            tangents: material.normal_map.and_then(|(map, _)| {
+                let uvs = layer(mesh, map.layer)?;
+                tangents([ab, ac], corners.map(|corner| uvs[corner].as_dvec2()))
+            }),
             leaf_id: instance.leaf_id,
             corners,
             first_corner: a,
@@ -103,7 +112,7 @@ impl<'scene> Snapshot<'scene> {
     }
 }
 
-impl<'scene> Facet<'scene> {
+impl Facet<'_> {
     /// How far along a ray its plane lies; not finite if the ray runs within that plane.
     pub fn distance_along(&self, ray: &Ray) -> f64 {
         (self.first_corner - ray.origin).dot(self.normal) / ray.direction.dot(self.normal)
@@ -122,7 +131,8 @@ impl<'scene> Facet<'scene> {
             normal if normal.dot(ray.direction) > 0.0 => -normal,
             normal => normal,
         };
-        let shading_normal = self.corner_normals.map_or(geometric_normal, |normals| {
+        let material = self.material;
+        let mut shading_normal = self.corner_normals.map_or(geometric_normal, |normals| {
             let normal: DVec3 = (0..3).map(|corner| weights[corner] * normals[corner]).sum();
             match normal.try_normalize() {
                 Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
@@ -130,19 +140,37 @@ impl<'scene> Facet<'scene> {
                 None => geometric_normal,
             }
         });
-        let material = self.material;
-        let with_uv = |texture: &'scene Texture| {
-            let uv = |corner: usize| self.mesh.uvs[self.corners[corner]];
-            let uv: Vec2 = (0..3).map(|corner| weights[corner] as f32 * uv(corner)).sum();
-            (texture, uv)
-        };
-        let texture = self.texture.map(with_uv);
+        if let Some((tangents, (map, scale))) = self.tangents.zip(material.normal_map) {
+            let is_turned = self.normal.dot(geometric_normal) < 0.0;
+            let bending = self.texel(map, weights).map(|texel| 2.0 * texel - Rgb::ONE);
+            shading_normal = bent(shading_normal, is_turned, tangents, bending.unwrap_or(Rgb::Z), scale);
+        }
+        let texture = self.texture.map(|texture| (texture, self.uv(&self.mesh.uvs, weights)));
         let color = texture.map_or(Rgb::ONE, |(texture, uv)| texture.color(uv));
-        let transmission_color = match self.transmission_texture {
+        let looked_up = |map: Option<TextureMap>| match map {
             None => Rgb::ONE,
-            _ if material.transmission_texture == material.base_color_texture => color,
-            Some(other) => other.color(with_uv(other).1),
+            // Mostly that of the base colour again.
+            Some(TextureMap { texture, layer: 0 }) if material.base_color_texture == Some(texture) => color,
+            Some(map) => self.texel(map, weights).unwrap_or(Rgb::ONE),
         };
+        let tint = |color: Rgb| match self.mesh.colors.as_slice() {
+            [] => color,
+            colors => {
+                let corner = |corner: usize| weights[corner] * colors[self.corners[corner]].as_dvec3();
+                color * (0..3).map(corner).sum::<DVec3>()
+            }
+        };
+        let mut albedo = tint(material.base_color * color);
+        let mut transmission = material.transmission * looked_up(material.transmission_texture);
+        let gloss = material.coat.map(|coat| {
+            let texel = coat.texture.and_then(|map| self.texel(map, weights)).unwrap_or(Rgb::ONE);
+            let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
+            // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
+            let f0 = coat.f0.lerp(albedo, metallic);
+            albedo *= 1.0 - metallic;
+            transmission *= 1.0 - metallic;
+            Gloss::new(f0, Rgb::splat(coat.f90 + metallic * (1.0 - coat.f90)), roughness)
+        });
         let (alpha, see_through) = match material.alpha_mode {
             AlphaMode::Opaque => (1.0, Rgb::ZERO),
             AlphaMode::Blend => {
@@ -155,14 +183,57 @@ impl<'scene> Facet<'scene> {
             position: ray.at(distance),
             geometric_normal,
             shading_normal,
-            albedo: material.base_color * color,
-            transmission: material.transmission * transmission_color,
+            albedo,
+            transmission,
+            gloss,
+            to_eye: -ray.direction,
             mirror: material.mirror,
-            emission: material.emission,
+            emission: match material.emission {
+                Rgb::ZERO => Rgb::ZERO,
+                emission => emission * looked_up(material.emission_texture),
+            },
             alpha,
             see_through,
             primitive: self.primitive,
             leaf_id: self.leaf_id,
         }
     }
+
+    fn uv(&self, uvs: &[Vec2], weights: [f64; 3]) -> Vec2 {
+        (0..3).map(|corner| weights[corner] as f32 * uvs[self.corners[corner]]).sum()
+    }
+
+    /// The colour of an image; `None` if the mesh has no coordinates for it.
+    fn texel(&self, map: TextureMap, weights: [f64; 3]) -> Option<Rgb> {
+        let uvs = layer(self.mesh, map.layer)?;
+        Some(self.textures[map.texture].color(self.uv(uvs, weights)))
+    }
+}
+
+/// A mesh's texture coordinates of a layer, if it has them.
+fn layer(mesh: &Mesh, layer: usize) -> Option<&[Vec2]> {
+    let uvs = if layer == 0 { Some(&mesh.uvs) } else { mesh.more_uvs.get(layer - 1) };
+    uvs.map(Vec::as_slice).filter(|uvs| !uvs.is_empty())
+}
+
+/// How a place in the triangle moves as one goes to the right in the texture, and upwards; `None` if the
+/// triangle has no area there.
+fn tangents([ab, ac]: [DVec3; 2], [a, b, c]: [DVec2; 3]) -> Option<[DVec3; 2]> {
+    let (ab_uv, ac_uv) = (b - a, c - a);
+    let area = ab_uv.perp_dot(ac_uv);
+    let right = (ab * ac_uv.y - ac * ab_uv.y) / area;
+    let down = (ac * ab_uv.x - ab * ac_uv.x) / area;
+    (right.is_finite() && down.is_finite() && area != 0.0).then_some([right, -down])
+}
+
+/// A normal as a normal map bends it; on the side that is turned away it is bent as seen from the other.
+fn bent(normal: DVec3, is_turned: bool, [right, up]: [DVec3; 2], bending: DVec3, scale: f64) -> DVec3 {
+    let front = if is_turned { -normal } else { normal };
+    let across = right.reject_from_normalized(front).normalize_or_zero();
+    let upwards = front.cross(across);
+    let upwards = if upwards.dot(up) < 0.0 { -upwards } else { upwards };
+    // glTF 2.0, 3.9.3: +X is to the right, +Y up, +Z towards the viewer; only x and y are scaled.
+    let bent = scale * (bending.x * across + bending.y * upwards) + bending.z * front;
+    let bent = bent.try_normalize().unwrap_or(front);
+    if is_turned { -bent } else { bent }
 }

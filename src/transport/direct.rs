@@ -9,7 +9,7 @@ use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Lambert, of lights before the surface by its albedo and of those behind it by its transmission:
+/// Of lights before the surface by its albedo and of those behind it by its transmission:
 /// `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     lights
@@ -46,7 +46,18 @@ impl Unshadowed {
         let is_before = point.geometric_normal.dot(to_light) > 0.0;
         let scattered = if is_before { point.albedo } else { point.transmission };
         let falls_on_that_side = if is_before { cos > 0.0 } else { cos < 0.0 };
-        let shines = falls_on_that_side && arriving != Rgb::ZERO && scattered != Rgb::ZERO;
-        shines.then(|| Self { radiance: FRAC_1_PI * cos.abs() * scattered * arriving, to_light, distance })
+        if !falls_on_that_side || arriving == Rgb::ZERO {
+            return None;
+        }
+        let mut radiance = FRAC_1_PI * cos.abs() * scattered * arriving;
+        if let Some(gloss) = &point.gloss {
+            // Seen from behind, as interpolated normals may be at a silhouette, there is no shine.
+            let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
+            radiance *= gloss.beneath(cos_eye, cos.abs());
+            if is_before {
+                radiance += cos * arriving * gloss.brdf(point.shading_normal, point.to_eye, to_light);
+            }
+        }
+        (radiance != Rgb::ZERO).then_some(Self { radiance, to_light, distance })
     }
 }

@@ -21,21 +21,21 @@ fn support(extension: &str) -> Option<Support> {
         | "EXT_texture_webp"
         | "KHR_draco_mesh_compression"
         | "KHR_lights_punctual"
+        | "KHR_materials_diffuse_transmission"
         | "KHR_materials_emissive_strength"
+        | "KHR_materials_ior"
         | "KHR_materials_specular"
+        | "KHR_materials_unlit"
         | "KHR_mesh_quantization"
         | "KHR_meshopt_compression"
         | "KHR_texture_transform" => Support::Honoured,
         "KHR_animation_pointer"
         | "KHR_materials_anisotropy"
         | "KHR_materials_clearcoat"
-        | "KHR_materials_diffuse_transmission"
         | "KHR_materials_dispersion"
-        | "KHR_materials_ior"
         | "KHR_materials_iridescence"
         | "KHR_materials_sheen"
         | "KHR_materials_transmission"
-        | "KHR_materials_unlit"
         | "KHR_materials_variants"
         | "KHR_materials_volume" => Support::Reported,
         "EXT_mesh_gpu_instancing" => Support::Refused(
@@ -77,16 +77,18 @@ pub(super) fn check(document: &Document, report: &mut Report) {
 /// What a material's extension asks for that is not honoured, and what is done instead.
 pub(super) fn material_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "KHR_materials_emissive_strength" | "KHR_materials_specular" => return None,
-        "KHR_materials_transmission" | "KHR_materials_volume" | "KHR_materials_dispersion" => {
-            "transparency of materials is not honoured, they are drawn opaque"
+        "KHR_materials_diffuse_transmission"
+        | "KHR_materials_emissive_strength"
+        | "KHR_materials_ior"
+        | "KHR_materials_specular"
+        | "KHR_materials_unlit" => return None,
+        "KHR_materials_transmission" => {
+            "what transparent materials let through goes straight on, neither bent nor blurred"
         }
-        "KHR_materials_diffuse_transmission" => {
-            "light shining through materials is not honoured, they are drawn opaque"
+        "KHR_materials_volume" | "KHR_materials_dispersion" => {
+            "the inside of transparent materials is not honoured, light goes straight through"
         }
-        "KHR_materials_unlit" => "unlit materials are lit like any other",
         "KHR_materials_variants" => "material variants are not honoured, the default one is drawn",
-        "KHR_materials_ior" => "index of refraction is not honoured, surfaces are drawn as Lambert",
         "KHR_materials_clearcoat" => "clearcoat is not honoured",
         "KHR_materials_sheen" => "sheen is not honoured",
         "KHR_materials_anisotropy" => "anisotropy of highlights is not honoured",

@@ -132,9 +132,9 @@ pub(super) struct Primitive {
 pub(super) struct Material {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: PbrMetallicRoughness,
-    pub(super) normal_texture: Option<Value>,
+    pub(super) normal_texture: Option<TextureInfo>,
     pub(super) occlusion_texture: Option<Value>,
-    pub(super) emissive_texture: Option<Value>,
+    pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) emissive_factor: [f64; 3],
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<f64>,
@@ -150,7 +150,7 @@ pub(super) struct PbrMetallicRoughness {
     pub(super) base_color_texture: Option<TextureInfo>,
     pub(super) metallic_factor: f64,
     pub(super) roughness_factor: f64,
-    pub(super) metallic_roughness_texture: Option<Value>,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
 }
 
 impl Default for PbrMetallicRoughness {
@@ -165,24 +165,27 @@ impl Default for PbrMetallicRoughness {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
     pub(super) index: usize,
     #[serde(default)]
     pub(super) tex_coord: usize,
+    /// Of normal maps alone.
+    #[serde(default = "one")]
+    pub(super) scale: f64,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct TextureInfoExtensions {
     #[serde(rename = "KHR_texture_transform")]
     pub(super) transform: Option<TextureTransform>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureTransform {
     #[serde(default)]
@@ -227,6 +230,7 @@ pub(super) struct Image {
 pub(super) struct Sampler {
     pub(super) wrap_s: Option<u32>,
     pub(super) wrap_t: Option<u32>,
+    pub(super) mag_filter: Option<u32>,
 }
 
 #[derive(Debug, Deserialize)]

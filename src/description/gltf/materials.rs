@@ -4,10 +4,12 @@ use super::buffers::{Buffers, fetch};
 use super::extensions::material_extension;
 use super::json::{self, Document};
 use super::report::Report;
-use super::{AlphaMode, Files, LoadError, Material, Texture, Wrap, invalid, named};
-use crate::description::image;
+use super::texture_maps::{Purpose, Slot, layer, layers, slots};
+use super::{AlphaMode, Files, LoadError, Material, Texture, TextureMap, Wrap, invalid, named};
+use crate::description::image::{self, Encoding};
 use crate::diagnostic::Diagnostic;
 use glam::DVec3;
+use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +17,7 @@ use std::path::Path;
 /// Most texels that the textures of one file may have together; 2 GiB once decoded.
 const MAX_TEXELS: usize = 1 << 27;
 
-/// All materials, and the base colour textures of those that a mesh uses.
+/// All materials, and the textures of those that a mesh uses.
 pub(super) fn read(
     document: &Document,
     buffers: &Buffers<'_>,
@@ -36,9 +38,12 @@ pub(super) fn read(
         let mut converted = convert(index, material, report);
         if used[index] {
             report_unused(material, &converted.name, report);
-            if let Some(info) = &material.pbr_metallic_roughness.base_color_texture {
-                let user = format!("materials[{index}].pbrMetallicRoughness.baseColorTexture.index");
-                let number = match texture_numbers.get(&info.index) {
+            let slots = slots(material);
+            let layers = layers(&slots);
+            for Slot { purpose, info, path } in &slots {
+                let user = format!("materials[{index}].{path}.index");
+                let key = (info.index, purpose.encoding());
+                let number = match texture_numbers.get(&key) {
                     Some(number) => *number,
                     None => {
                         let texels = textures.iter().map(|texture| texture.image.texels.len()).sum::<usize>();
@@ -46,17 +51,24 @@ pub(super) fn read(
                             report.error(user, "the textures are too large together", "2^27 texels in all");
                             break;
                         }
-                        let texture =
-                            read_texture(document, info.index, &user, buffers, file, files, report)?;
+                        let texture = read_texture(document, key, &user, buffers, file, files, report)?;
                         let number = report.keep(texture).map(|texture| {
                             textures.push(texture);
                             textures.len() - 1
                         });
-                        texture_numbers.insert(info.index, number);
+                        texture_numbers.insert(key, number);
                         number
                     }
                 };
-                converted.base_color_texture = number;
+                let layer = layers.iter().position(|known| *known == layer(info)).unwrap_or_default();
+                let map = number.map(|texture| TextureMap { texture, layer });
+                match purpose {
+                    Purpose::BaseColor => converted.base_color_texture = number,
+                    Purpose::DiffuseTransmission => converted.diffuse_transmission_texture = map,
+                    Purpose::Emission => converted.emission_texture = map,
+                    Purpose::MetallicRoughness => converted.metallic_roughness_texture = map,
+                    Purpose::Normal => converted.normal_map = map.map(|map| (map, info.scale)),
+                }
             }
         }
         materials.push(converted);
@@ -76,14 +88,17 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     in_unit_range(report, "pbrMetallicRoughness.metallicFactor", &[pbr.metallic_factor]);
     in_unit_range(report, "pbrMetallicRoughness.roughnessFactor", &[pbr.roughness_factor]);
     in_unit_range(report, "emissiveFactor", &material.emissive_factor);
-    let number = |extension: &str, field: &str| material.extensions.get(extension)?.get(field)?.as_f64();
-    let specular = number("KHR_materials_specular", "specularFactor").unwrap_or(1.0);
-    in_unit_range(report, "extensions.KHR_materials_specular.specularFactor", &[specular]);
-    let strength = number("KHR_materials_emissive_strength", "emissiveStrength").unwrap_or(1.0);
-    if strength < 0.0 {
-        let at = format!("{path}.extensions.KHR_materials_emissive_strength.emissiveStrength");
-        report.error(at, format!("the strength is {strength}"), "a number of at least 0");
-    }
+    let extensions = Extensions { material, path: &path };
+    let specular = extensions.number("KHR_materials_specular", "specularFactor", 1.0, 1.0, report);
+    let specular_color = extensions.color("KHR_materials_specular", "specularColorFactor", f64::MAX, report);
+    let ior = extensions.number("KHR_materials_ior", "ior", 1.5, f64::MAX, report);
+    let through = "KHR_materials_diffuse_transmission";
+    let share = extensions.number(through, "diffuseTransmissionFactor", 0.0, 1.0, report);
+    let through_color = extensions.color(through, "diffuseTransmissionColorFactor", 1.0, report);
+    let transmission =
+        extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0, report);
+    let strength =
+        extensions.number("KHR_materials_emissive_strength", "emissiveStrength", 1.0, f64::MAX, report);
     let alpha_mode = match material.alpha_mode.as_deref() {
         None | Some("OPAQUE") => AlphaMode::Opaque,
         Some("BLEND") => AlphaMode::Blend,
@@ -104,37 +119,92 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
         base_color_texture: None,
         metallic: pbr.metallic_factor,
         roughness: pbr.roughness_factor,
+        metallic_roughness_texture: None,
+        // The specification of KHR_materials_specular, with F0 of KHR_materials_ior; its 0 means infinite.
+        f0: (specular_color * if ior == 0.0 { 1.0 } else { ((ior - 1.0) / (ior + 1.0)).powi(2) })
+            .min(DVec3::ONE)
+            * specular,
         specular,
+        normal_map: None,
         emission: DVec3::from(material.emissive_factor) * strength,
+        emission_texture: None,
+        unlit: material.extensions.contains_key("KHR_materials_unlit"),
+        diffuse_transmission: (share, through_color),
+        diffuse_transmission_texture: None,
+        transmission,
         alpha_mode,
         double_sided: material.double_sided,
         extras: material.extras.clone(),
     }
 }
 
+/// Numbers of a material's extensions.
+struct Extensions<'a> {
+    material: &'a json::Material,
+    path: &'a str,
+}
+
+impl Extensions<'_> {
+    /// A number from 0 to `most`, `default` if there is none.
+    fn number(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> f64 {
+        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
+            return default;
+        };
+        let number = value.as_f64().filter(|number| (0.0..=most).contains(number));
+        number.unwrap_or_else(|| {
+            self.report(extension, field, value, most, report);
+            default
+        })
+    }
+
+    /// Three such numbers; white if there are none.
+    fn color(&self, extension: &str, field: &str, most: f64, report: &mut Report) -> DVec3 {
+        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
+            return DVec3::ONE;
+        };
+        let color = serde_json::from_value::<[f64; 3]>(value.clone()).ok();
+        let color = color.filter(|color| color.iter().all(|number| (0.0..=most).contains(number)));
+        color.map(DVec3::from).unwrap_or_else(|| {
+            self.report(extension, field, value, most, report);
+            DVec3::ONE
+        })
+    }
+
+    fn report(&self, extension: &str, field: &str, value: &Value, most: f64, report: &mut Report) {
+        let expected = if most < f64::MAX {
+            format!("numbers from 0 to {most}")
+        } else {
+            String::from("numbers of at least 0")
+        };
+        let at = format!("{}.extensions.{extension}.{field}", self.path);
+        report.error(at, format!("{value} is out of range"), &expected);
+    }
+}
+
 fn report_unused(material: &json::Material, name: &str, report: &mut Report) {
-    let textures = [
-        (&material.normal_texture, "normal maps are not honoured"),
-        (&material.occlusion_texture, "occlusion maps are not honoured"),
-        (&material.emissive_texture, "emissive textures are not honoured, the plain emissive factor is used"),
-        (
-            &material.pbr_metallic_roughness.metallic_roughness_texture,
-            "metallic-roughness textures are not honoured, the plain factors are used",
-        ),
-    ];
-    for (texture, message) in textures {
-        if texture.is_some() {
+    if material.occlusion_texture.is_some() {
+        report.not_honoured(
+            "occlusion maps are not honoured: they dim light from all around, of which there is none",
+            name,
+        );
+    }
+    for (extension, values) in &material.extensions {
+        if let Some(message) = material_extension(extension) {
             report.not_honoured(message, name);
         }
-    }
-    for message in material.extensions.keys().filter_map(|extension| material_extension(extension)) {
-        report.not_honoured(message, name);
+        let has = |field: &str| values.get(field).is_some();
+        if ["specularTexture", "specularColorTexture", "diffuseTransmissionTexture", "transmissionTexture"]
+            .into_iter()
+            .any(has)
+        {
+            report.not_honoured("textures of specular reflection and transmission are not honoured, the plain factors are used", name);
+        }
     }
 }
 
 fn read_texture(
     document: &Document,
-    index: usize,
+    (index, encoding): (usize, Encoding),
     user: &str,
     buffers: &Buffers<'_>,
     file: &Path,
@@ -175,18 +245,17 @@ fn read_texture(
             "sampler",
         );
     }
-    let wrap = wrap(document, texture.sampler, &name, report);
-    let decoded = bytes.and_then(|bytes| image::decode(&bytes, report.at(place)));
+    let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler));
+    let wrap = sampler.map_or([Wrap::Repeat; 2], |sampler| [sampler.wrap_s, sampler.wrap_t].map(wrap));
+    if sampler.is_some_and(|sampler| sampler.mag_filter == Some(9728)) {
+        report.not_honoured("textures are smooth between texels, also those that ask for squares", &name);
+    }
+    let decoded = bytes.and_then(|bytes| image::decode(&bytes, encoding, report.at(place)));
     Ok(decoded.map(|image| Texture { name, image, wrap }))
 }
 
-fn wrap(document: &Document, sampler: Option<usize>, image: &str, report: &mut Report) -> Wrap {
-    let sampler = sampler.and_then(|sampler| document.samplers.get(sampler));
-    let (across, down) = sampler.map_or((None, None), |sampler| (sampler.wrap_s, sampler.wrap_t));
-    if across.unwrap_or(10497) != down.unwrap_or(10497) {
-        report.not_honoured("textures that wrap differently in u and v wrap both ways as in u", image);
-    }
-    match across {
+fn wrap(code: Option<u32>) -> Wrap {
+    match code {
         Some(33071) => Wrap::Clamp,
         Some(33648) => Wrap::Mirror,
         _ => Wrap::Repeat,

@@ -4,9 +4,10 @@
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
+use super::texture_maps::{Purpose, layers as layers_of, slots};
 use super::{Mesh, Primitive, named};
 use crate::diagnostic::Diagnostic;
-use glam::{DAffine2, DMat2, DVec2, Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 use std::collections::BTreeMap;
 
 // Integers where KHR_mesh_quantization allows them; floats are what the core specification has.
@@ -16,6 +17,11 @@ const POSITIONS: Wanted = Wanted { purpose: "positions", width: 3, components: S
 const NORMALS: Wanted =
     Wanted { purpose: "normals", width: 3, components: &[Component::F32, Component::I8, Component::I16] };
 const UVS: Wanted = Wanted { purpose: "texture coordinates", width: 2, components: SIGNED_OR_NOT };
+const COLORS: Wanted = Wanted {
+    purpose: "vertex colours",
+    width: 3,
+    components: &[Component::F32, Component::U8, Component::U16],
+};
 const INDICES: Wanted =
     Wanted { purpose: "indices", width: 1, components: &[Component::U8, Component::U16, Component::U32] };
 
@@ -106,8 +112,10 @@ fn read_primitive(
         report.not_honoured("some normals have no length, these meshes are shaded flat", mesh);
         Vec::new()
     });
-    let uvs = match base_color_uvs(document, primitive) {
-        Some((set, transform)) => match attribute(&format!("TEXCOORD_{set}")) {
+    let slots = primitive.material.and_then(|material| document.materials.get(material)).map(slots);
+    let mut layers = Vec::new();
+    for (set, transform) in layers_of(slots.as_deref().unwrap_or_default()) {
+        layers.push(match attribute(&format!("TEXCOORD_{set}")) {
             Some((index, user)) => {
                 same_count(index, &user)?;
                 let uvs = accessors.read(index, UVS, &user)?;
@@ -121,9 +129,29 @@ fn read_primitive(
                 );
                 vec![Vec2::ZERO; positions.len()]
             }
-        },
+        });
+    }
+    let mut layers = layers.into_iter();
+    let (uvs, more_uvs) = (layers.next().unwrap_or_default(), layers.collect());
+    let colors = match attribute("COLOR_0") {
+        Some((index, user)) => {
+            same_count(index, &user)?;
+            let has_alpha = document.accessors.get(index).is_some_and(|accessor| accessor.shape == "VEC4");
+            let width = if has_alpha { 4 } else { 3 };
+            colors(&accessors.read(index, Wanted { width, ..COLORS }, &user)?, width, mesh, report)
+        }
         None => Vec::new(),
     };
+    if attribute("COLOR_1").is_some() {
+        report.not_honoured("vertex colours after the first are not honoured (COLOR_1)", mesh);
+    }
+    let has_normal_map = slots.iter().flatten().any(|slot| slot.purpose == Purpose::Normal);
+    if has_normal_map && attribute("TANGENT").is_some() {
+        report.not_honoured(
+            "tangents of the file are passed over, normal maps take those of their texture coordinates",
+            mesh,
+        );
+    }
     let indices = match primitive.indices {
         Some(index) => indices(accessors, index, positions.len(), &format!("{path}.indices"))?,
         None => (0..positions.len() as u32).collect(),
@@ -133,7 +161,8 @@ fn read_primitive(
             .invalid(format!("{path}.mode"), format!("{} vertices of mode {}", indices.len(), primitive.mode))
             .expected("whole triangles: mode 4 with a multiple of 3 vertices, or mode 5 or 6 with 3 or more")
     })?;
-    Ok(Primitive { positions, normals, uvs, triangles, material: primitive.material })
+    let material = primitive.material;
+    Ok(Primitive { positions, normals, uvs, more_uvs, colors, triangles, material })
 }
 
 fn attribute(attributes: &BTreeMap<String, usize>, name: &str, path: &str) -> Option<(usize, String)> {
@@ -174,21 +203,14 @@ fn triangles(indices: &[u32], mode: u32) -> Option<Vec<[u32; 3]>> {
     }
 }
 
-/// Which set of texture coordinates the base colour uses, and what is to be done to them.
-fn base_color_uvs(document: &Document, primitive: &json::Primitive) -> Option<(usize, DAffine2)> {
-    let material = document.materials.get(primitive.material?)?;
-    let texture = material.pbr_metallic_roughness.base_color_texture.as_ref()?;
-    let Some(transform) = &texture.extensions.transform else {
-        return Some((texture.tex_coord, DAffine2::IDENTITY));
-    };
-    Some((transform.tex_coord.unwrap_or(texture.tex_coord), uv_transform(transform)))
-}
-
-/// Scale first, then rotation, then offset. The rotation is counter-clockwise as one sees it, and v
-/// points down (KHR_texture_transform, "Overview").
-fn uv_transform(transform: &json::TextureTransform) -> DAffine2 {
-    let linear = DMat2::from_angle(-transform.rotation) * DMat2::from_diagonal(DVec2::from(transform.scale));
-    DAffine2::from_mat2_translation(linear, DVec2::from(transform.offset))
+/// Linear colours at the vertices; none if all are white, which Blender writes where nothing uses them.
+fn colors(numbers: &[f64], width: usize, mesh: &str, report: &mut Report) -> Vec<Vec3> {
+    if width == 4 && numbers.chunks_exact(4).any(|color| color[3] < 1.0) {
+        report.not_honoured("alpha of vertex colours is not honoured", mesh);
+    }
+    let color = |c: &[f64]| Vec3::new(c[0] as f32, c[1] as f32, c[2] as f32).clamp(Vec3::ZERO, Vec3::ONE);
+    let colors: Vec<Vec3> = numbers.chunks_exact(width).map(color).collect();
+    if colors.iter().all(|color| *color == Vec3::ONE) { Vec::new() } else { colors }
 }
 
 fn vectors(numbers: &[f64]) -> Vec<Vec3> {
@@ -210,22 +232,5 @@ mod tests {
         assert_eq!(triangles(&indices, 5), Some(vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]]));
         assert_eq!(triangles(&indices, 6), Some(vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]]));
         assert_eq!(triangles(&indices, 4), None);
-    }
-
-    #[test]
-    fn texture_transform_is_that_of_blenders_mapping_node() {
-        // Blender 5.0.1 exports a mapping node with location (0.1, 0.2), rotation 0.5 and scale 2 so.
-        let exported = json::TextureTransform {
-            offset: [-0.858_851_075_718_289_9, -0.955_165_126_760_977_8],
-            rotation: 0.5,
-            scale: [2.0, 2.0],
-            tex_coord: None,
-        };
-        let blender = DAffine2::from_scale_angle_translation(DVec2::splat(2.0), 0.5, DVec2::new(0.1, 0.2));
-        let flip = |uv: DVec2| DVec2::new(uv.x, 1.0 - uv.y);
-        for uv in [DVec2::ZERO, DVec2::X, DVec2::new(0.3, 0.9)] {
-            let expected = flip(blender.transform_point2(flip(uv)));
-            assert!((uv_transform(&exported).transform_point2(uv) - expected).length() < 1e-6);
-        }
     }
 }

@@ -18,6 +18,7 @@ mod meshes;
 mod meshopt;
 mod nodes;
 pub(crate) mod report;
+mod texture_maps;
 
 use super::image::DecodedImage;
 use super::{Files, LoadError};
@@ -46,7 +47,7 @@ pub struct GltfScene {
     pub meshes: Vec<Mesh>,
     /// All materials.
     pub materials: Vec<Material>,
-    /// Base colour textures that the meshes need.
+    /// Textures that the meshes need.
     pub textures: Vec<Texture>,
     /// All cameras.
     pub cameras: Vec<Camera>,
@@ -111,8 +112,13 @@ pub struct Primitive {
     pub positions: Vec<Vec3>,
     /// Unit length, one a position, or none at all.
     pub normals: Vec<Vec3>,
-    /// Of the base colour texture, its KHR_texture_transform applied; one a position, or none at all.
+    /// Of the base colour texture or else of the first there is, its KHR_texture_transform applied; one a
+    /// position, or none at all.
     pub uvs: Vec<Vec2>,
+    /// The same for textures with others: layers 1, 2 and so on.
+    pub more_uvs: Vec<Vec<Vec2>>,
+    /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
+    pub colors: Vec<Vec3>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`GltfScene::materials`].
@@ -132,16 +138,42 @@ pub struct Material {
     pub metallic: f64,
     /// In `0..=1`.
     pub roughness: f64,
-    /// Strength of the dielectric reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
+    /// Its blue multiplies `metallic`, its green `roughness`.
+    pub metallic_roughness_texture: Option<TextureMap>,
+    /// Reflectance along the normal where it is no metal (KHR_materials_ior, KHR_materials_specular).
+    pub f0: DVec3,
+    /// Strength of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
     pub specular: f64,
+    /// Directions that bend the normal, and how much of their bending counts.
+    pub normal_map: Option<(TextureMap, f64)>,
     /// Emissive factor times KHR_materials_emissive_strength, linear.
     pub emission: DVec3,
+    /// Multiplies it.
+    pub emission_texture: Option<TextureMap>,
+    /// Shines in its base colour instead of being lit (KHR_materials_unlit).
+    pub unlit: bool,
+    /// Share of the matte light that comes out on the other side, and in which colour
+    /// (KHR_materials_diffuse_transmission).
+    pub diffuse_transmission: (f64, DVec3),
+    /// Multiplies that colour.
+    pub diffuse_transmission_texture: Option<TextureMap>,
+    /// Share of the matte light that goes straight through (KHR_materials_transmission).
+    pub transmission: f64,
     /// What alpha means.
     pub alpha_mode: AlphaMode,
     /// Whether it shows from behind.
     pub double_sided: bool,
     /// Whatever the author attached.
     pub extras: Value,
+}
+
+/// A texture and the layer of texture coordinates that it is looked up with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TextureMap {
+    /// Index into [`GltfScene::textures`].
+    pub texture: usize,
+    /// 0 is [`Primitive::uvs`], the others are [`Primitive::more_uvs`].
+    pub layer: usize,
 }
 
 /// What alpha means.
@@ -162,8 +194,8 @@ pub struct Texture {
     pub name: String,
     /// Its texels.
     pub image: DecodedImage,
-    /// Both ways.
-    pub wrap: Wrap,
+    /// Across, and down.
+    pub wrap: [Wrap; 2],
 }
 
 /// How a texture goes on beyond its edges.

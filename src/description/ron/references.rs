@@ -113,7 +113,7 @@ impl Loader<'_> {
         }
         let path = beside(self.path, &texture);
         let bytes = self.files.read(&path, Some(&format!("{}: {referrer}", self.path.display())))?;
-        match image::decode(&bytes, Place::File(path)) {
+        match image::decode(&bytes, image::Encoding::Srgb, Place::File(path)) {
             Ok(image) => {
                 images.insert(texture, image);
             }

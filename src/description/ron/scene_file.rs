@@ -98,6 +98,10 @@ pub struct Material {
     /// Lambert transmittance to the far side; multiplied by the texture if there is one.
     #[serde(default = "no_reflectance")]
     pub transmission: Triple<UnitInterval>,
+    /// How rough its shine is; matte without.
+    pub roughness: Option<Number<UnitInterval>>,
+    /// How much of a metal it is.
+    pub metallic: Option<Number<UnitInterval>>,
     /// Perfect mirror reflectance.
     #[serde(default = "no_reflectance")]
     pub mirror: Triple<UnitInterval>,

@@ -5,7 +5,7 @@ use super::Builder;
 use crate::description::gltf::{self, Primitive};
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Instance, Mesh, MeshIndex, Motion, Node, NodeIndex, Track, Triangle};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 impl Builder<'_> {
     /// Adds an instance for every node of the scene that shows a mesh, and those meshes.
@@ -62,6 +62,9 @@ impl Builder<'_> {
     fn merged(&mut self, name: &str, primitives: &[&Primitive]) -> Mesh {
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
         let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
+        let colored = primitives.iter().any(|primitive| !primitive.colors.is_empty());
+        let layers = primitives.iter().map(|primitive| primitive.more_uvs.len()).max().unwrap_or_default();
+        mesh.more_uvs.resize(layers, Vec::new());
         for primitive in primitives {
             let part = self.part(name, primitive);
             let first = mesh.positions.len() as u32;
@@ -70,6 +73,15 @@ impl Builder<'_> {
             if textured {
                 mesh.uvs.extend(part.uvs);
                 mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
+            }
+            if colored {
+                mesh.colors.extend(part.colors);
+                mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
+            }
+            let mut more_uvs = part.more_uvs.into_iter();
+            for uvs in &mut mesh.more_uvs {
+                uvs.extend(more_uvs.next().unwrap_or_default());
+                uvs.resize(mesh.positions.len(), Vec2::ZERO);
             }
             let moved = |Triangle { vertices, material }| Triangle {
                 vertices: vertices.map(|v| first + v),
@@ -89,6 +101,8 @@ impl Builder<'_> {
             positions: primitive.positions.clone(),
             normals: primitive.normals.clone(),
             uvs: primitive.uvs.clone(),
+            more_uvs: primitive.more_uvs.clone(),
+            colors: primitive.colors.clone(),
             triangles: primitive.triangles.iter().map(triangle).collect(),
         };
         self.cut_out(whole, primitive.material)

@@ -1,11 +1,10 @@
-//! Materials and textures. Invariant: what a material asks for beyond Lambert, mirror and emission
-//! is reported, once a kind.
+//! Materials and textures. Invariant: what a material asks for and does not get is reported, once a kind.
 
 use super::Builder;
 use super::extras::{self, Leaf};
 use crate::color::Rgb;
 use crate::description::gltf;
-use crate::scene::{AlphaMode, Material, MaterialIndex, Texture, Wrap};
+use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Texture, TextureMap, Wrap};
 
 impl Builder<'_> {
     /// Adds every material, under the file's numbers, and their textures.
@@ -15,13 +14,15 @@ impl Builder<'_> {
             let mut material = material(source);
             if let Some(leaf) = self.leaf(index, source) {
                 let share = leaf.translucency;
+                let [r, g, b, _] = source.base_color;
                 let (color, texture) = match leaf.transmit_color {
                     Some(color) => (Rgb::from(color), None),
-                    None => (material.base_color, material.base_color_texture),
+                    None => (Rgb::new(r, g, b), material.base_color_texture),
                 };
+                let texture = texture.map(|texture| TextureMap { texture, layer: 0 });
                 (material.transmission, material.transmission_texture) = (share * color, texture);
-                material.base_color *= 1.0 - share;
-                material.mirror *= 1.0 - share;
+                material.base_color = (1.0 - share) * Rgb::new(r, g, b);
+                material.mirror = Rgb::ZERO;
             }
             self.scene.materials.push(material);
         }
@@ -68,12 +69,8 @@ impl Builder<'_> {
         let is_mirror = is_mirror(material);
         let asked = [
             (
-                material.metallic > 0.0 && !is_mirror,
-                "metals are mirrors at roughness 0 only: these are drawn matte, in their base colour",
-            ),
-            (
-                material.metallic == 0.0 && material.specular > 0.0,
-                "highlights (specular) are not honoured, these materials are drawn matte",
+                material.metallic > 0.0 && !is_mirror && !material.unlit,
+                "metals show lights alone, and what stands around them only at roughness 0",
             ),
             (
                 !material.double_sided,
@@ -87,28 +84,60 @@ impl Builder<'_> {
 }
 
 fn is_mirror(material: &gltf::Material) -> bool {
-    material.metallic == 1.0 && material.roughness == 0.0
+    material.metallic == 1.0 && material.roughness == 0.0 && material.metallic_roughness_texture.is_none()
 }
 
 fn material(material: &gltf::Material) -> Material {
     let [r, g, b, opacity] = material.base_color;
     let color = Rgb::new(r, g, b);
-    let (base_color, mirror) = if is_mirror(material) { (Rgb::ZERO, color) } else { (color, Rgb::ZERO) };
-    Material {
+    let map = |map: gltf::TextureMap| TextureMap { texture: map.texture, layer: map.layer };
+    let matte = Material {
         name: material.name.clone(),
-        base_color,
+        base_color: color,
         base_color_texture: material.base_color_texture,
-        transmission: Rgb::ZERO,
-        transmission_texture: None,
-        mirror,
         emission: material.emission,
+        emission_texture: material.emission_texture.map(map),
+        normal_map: material.normal_map.map(|(texture, scale)| (map(texture), scale)),
         opacity,
-        filter_color: Rgb::ZERO,
         alpha_mode: match material.alpha_mode {
             // What a mask shows is cut out.
             gltf::AlphaMode::Opaque | gltf::AlphaMode::Mask(_) => AlphaMode::Opaque,
             gltf::AlphaMode::Blend => AlphaMode::Blend,
         },
+        ..Material::default()
+    };
+    if material.unlit {
+        let emission_texture = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
+        return Material { base_color: Rgb::ZERO, emission: color, emission_texture, ..matte };
+    }
+    if is_mirror(material) {
+        return Material { base_color: Rgb::ZERO, mirror: color, ..matte };
+    }
+    let is_shiny = material.metallic > 0.0 || material.f0 != Rgb::ZERO || material.specular > 0.0;
+    let coat = is_shiny.then(|| Coat {
+        metallic: material.metallic,
+        roughness: material.roughness,
+        texture: material.metallic_roughness_texture.map(map),
+        f0: material.f0,
+        f90: material.specular,
+    });
+    // What goes through is taken from what is reflected: diffuse on the far side, or straight on.
+    let (diffuse, diffuse_color) = material.diffuse_transmission;
+    let straight = material.transmission * (1.0 - material.metallic);
+    let (alpha_mode, filter_color) = match straight {
+        0.0 => (matte.alpha_mode, Rgb::ZERO),
+        _ => (AlphaMode::Blend, straight * color),
+    };
+    Material {
+        base_color: (1.0 - straight) * (1.0 - diffuse) * color,
+        transmission: (1.0 - straight) * diffuse * diffuse_color,
+        transmission_texture: material.diffuse_transmission_texture.map(map),
+        coat,
+        alpha_mode,
+        filter_color,
+        // Only where it blends does its opacity count.
+        opacity: if material.alpha_mode == gltf::AlphaMode::Blend { opacity } else { 1.0 },
+        ..matte
     }
 }
 
@@ -118,10 +147,10 @@ fn texture(texture: gltf::Texture) -> Texture {
         width: texture.image.width,
         height: texture.image.height,
         texels: texture.image.texels,
-        wrap: match texture.wrap {
+        wrap: texture.wrap.map(|wrap| match wrap {
             gltf::Wrap::Repeat => Wrap::Repeat,
             gltf::Wrap::Clamp => Wrap::Clamp,
             gltf::Wrap::Mirror => Wrap::Mirror,
-        },
+        }),
     }
 }

@@ -17,8 +17,8 @@ mod tracks;
 
 use super::outline::Tally;
 use super::{
-    AlphaMode, Aperture, Camera, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node,
-    NodeIndex, RenderSettings, Scene, Texture, TextureIndex, Track, Triangle, Wrap,
+    AlphaMode, Aperture, Camera, Coat, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion,
+    Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::obj::ObjModel;
@@ -51,7 +51,7 @@ pub(super) fn resolve(
             width: image.width,
             height: image.height,
             texels: image.texels,
-            wrap: Wrap::Repeat,
+            wrap: [Wrap::Repeat; 2],
         });
     }
     resolver.materials();
@@ -86,6 +86,9 @@ fn name_of(path: &Path) -> String {
         (None, _) => String::from("scene"),
     }
 }
+
+/// Reflectance of plastics, leaves and most of what is no metal; glTF's default.
+const DIELECTRIC_F0: f64 = 0.04;
 
 /// A scene on its way from names to indices.
 struct Resolver<'a> {
@@ -180,6 +183,7 @@ impl<'a> Resolver<'a> {
                 }
                 self.cutoffs.insert(self.scene.materials.len(), cutoff.si());
             }
+            let coat = self.coat(name, material);
             let is_blended = material.opacity.is_some() || material.filter_color.is_some();
             let texture = texture.and_then(|texture| self.textures.get(texture).copied());
             self.materials.insert(name, self.scene.materials.len());
@@ -188,7 +192,7 @@ impl<'a> Resolver<'a> {
                 base_color,
                 base_color_texture: texture,
                 transmission,
-                transmission_texture: texture,
+                transmission_texture: texture.map(|texture| TextureMap { texture, layer: 0 }),
                 mirror,
                 alpha_mode: match material.alpha_cutoff {
                     None if is_blended => AlphaMode::Blend,
@@ -197,8 +201,26 @@ impl<'a> Resolver<'a> {
                 opacity: material.opacity.map_or(1.0, |opacity| opacity.si()),
                 filter_color,
                 emission: material.emission_w_per_m2_sr.si(),
+                emission_texture: None,
+                coat,
+                normal_map: None,
             });
         }
+    }
+
+    /// Shiny if it has a roughness.
+    fn coat(&mut self, name: &str, material: &ron::Material) -> Option<Coat> {
+        let metallic = material.metallic.as_ref().map_or(0.0, |metallic| metallic.si());
+        let Some(roughness) = &material.roughness else {
+            if material.metallic.is_some() {
+                let remedy = "add `roughness`, or take `metallic` out; a perfect mirror has `mirror`";
+                let field = format!("materials.{name}.metallic");
+                self.problems.error(&field, "the metal has no roughness", "a `roughness` beside it", remedy);
+            }
+            return None;
+        };
+        let f0 = Rgb::splat(DIELECTRIC_F0);
+        Some(Coat { metallic, roughness: roughness.si(), texture: None, f0, f90: 1.0 })
     }
 
     fn material(&mut self, field: &str, name: &str) -> Option<MaterialIndex> {
@@ -242,6 +264,8 @@ impl<'a> Resolver<'a> {
             positions: model.positions.clone(),
             normals: model.normals.clone(),
             uvs: model.uvs.clone(),
+            more_uvs: Vec::new(),
+            colors: Vec::new(),
             triangles: model
                 .triangles
                 .iter()

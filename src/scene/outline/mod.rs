@@ -99,14 +99,19 @@ pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, &'static str> {
         let added = if values.is_empty() { &[] } else { added.as_slice() };
         values.iter().copied().chain(added.iter().map(blend)).collect()
     };
-    let uvs: Vec<Vec3> = mesh.uvs.iter().map(|uv| uv.extend(0.0)).collect();
+    let blended_uvs = |uvs: &Vec<Vec2>| -> Vec<Vec2> {
+        let uvs: Vec<Vec3> = uvs.iter().map(|uv| uv.extend(0.0)).collect();
+        blended(&uvs).into_iter().map(Vec3::truncate).collect()
+    };
     let material = mesh.triangles.first().map_or(0, |triangle| triangle.material);
     Ok(Mesh {
         name: mesh.name.clone(),
         positions: blended(&mesh.positions),
         // Two that cancel each other leave none: any direction will do.
         normals: blended(&mesh.normals).into_iter().map(|normal| normal.normalize_or(Vec3::Y)).collect(),
-        uvs: blended(&uvs).into_iter().map(Vec3::truncate).collect(),
+        uvs: blended_uvs(&mesh.uvs),
+        more_uvs: mesh.more_uvs.iter().map(blended_uvs).collect(),
+        colors: blended(&mesh.colors),
         triangles: triangles.into_iter().map(|vertices| Triangle { vertices, material }).collect(),
     })
 }

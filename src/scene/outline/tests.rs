@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 fn texture(size: usize, wrap: Wrap, alpha: impl Fn(DVec2) -> f64) -> Texture {
     let texel = |index: usize| DVec2::new((index % size) as f64 + 0.5, (index / size) as f64 + 0.5);
     let texels = (0..size * size).map(|index| [1.0, 1.0, 1.0, alpha(texel(index)).clamp(0.0, 1.0) as f32]);
-    Texture { name: String::new(), width: size, height: size, texels: texels.collect(), wrap }
+    Texture { name: String::new(), width: size, height: size, texels: texels.collect(), wrap: [wrap; 2] }
 }
 
 /// Triangles whose positions are their texture coordinates.

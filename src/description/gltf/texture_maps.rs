@@ -1,0 +1,133 @@
+//! Which textures of a material are honoured, and with which texture coordinates they are looked up. Invariant:
+//! the base colour's coordinates come first; coordinates that textures have in common are there once.
+
+use super::json::{Material, TextureInfo, TextureTransform};
+use crate::description::image::Encoding;
+use glam::{DAffine2, DMat2, DVec2};
+
+/// A texture of a material.
+#[derive(Debug)]
+pub(super) struct Slot {
+    pub(super) purpose: Purpose,
+    pub(super) info: TextureInfo,
+    /// Where in the material.
+    pub(super) path: &'static str,
+}
+
+/// What a texture tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    BaseColor,
+    DiffuseTransmission,
+    Emission,
+    MetallicRoughness,
+    Normal,
+}
+
+impl Purpose {
+    pub(super) fn encoding(self) -> Encoding {
+        match self {
+            Self::BaseColor | Self::DiffuseTransmission | Self::Emission => Encoding::Srgb,
+            Self::MetallicRoughness | Self::Normal => Encoding::Linear,
+        }
+    }
+}
+
+/// A set of texture coordinates, and what is done to them.
+pub(super) type Layer = (usize, DAffine2);
+
+/// The textures of a material that are honoured.
+pub(super) fn slots(material: &Material) -> Vec<Slot> {
+    let pbr = &material.pbr_metallic_roughness;
+    // One that is malformed is reported with its extension.
+    let transmission = (material.extensions.get("KHR_materials_diffuse_transmission"))
+        .and_then(|extension| extension.get("diffuseTransmissionColorTexture"))
+        .and_then(|info| serde_json::from_value(info.clone()).ok());
+    let unlit = material.extensions.contains_key("KHR_materials_unlit");
+    let all = [
+        (Purpose::BaseColor, pbr.base_color_texture.clone(), "pbrMetallicRoughness.baseColorTexture"),
+        (
+            Purpose::DiffuseTransmission,
+            transmission,
+            "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorTexture",
+        ),
+        (Purpose::Emission, material.emissive_texture.clone(), "emissiveTexture"),
+        (
+            Purpose::MetallicRoughness,
+            pbr.metallic_roughness_texture.clone(),
+            "pbrMetallicRoughness.metallicRoughnessTexture",
+        ),
+        (Purpose::Normal, material.normal_texture.clone(), "normalTexture"),
+    ];
+    let slots = all.into_iter().filter(|(purpose, ..)| !unlit || *purpose == Purpose::BaseColor);
+    slots.filter_map(|(purpose, info, path)| Some(Slot { purpose, info: info?, path })).collect()
+}
+
+/// The texture coordinates that a material looks up.
+pub(super) fn layers(slots: &[Slot]) -> Vec<Layer> {
+    let mut layers: Vec<Layer> = Vec::new();
+    for layer in slots.iter().map(|slot| layer(&slot.info)) {
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    layers
+}
+
+/// Those of one texture.
+pub(super) fn layer(info: &TextureInfo) -> Layer {
+    match &info.extensions.transform {
+        Some(transform) => (transform.tex_coord.unwrap_or(info.tex_coord), uv_transform(transform)),
+        None => (info.tex_coord, DAffine2::IDENTITY),
+    }
+}
+
+/// Scale first, then rotation, then offset. The rotation is counter-clockwise as one sees it, and v
+/// points down (KHR_texture_transform, "Overview").
+fn uv_transform(transform: &TextureTransform) -> DAffine2 {
+    let linear = DMat2::from_angle(-transform.rotation) * DMat2::from_diagonal(DVec2::from(transform.scale));
+    DAffine2::from_mat2_translation(linear, DVec2::from(transform.offset))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_transform_is_that_of_blenders_mapping_node() {
+        // Blender 5.0.1 exports a mapping node with location (0.1, 0.2), rotation 0.5 and scale 2 so.
+        let exported = TextureTransform {
+            offset: [-0.858_851_075_718_289_9, -0.955_165_126_760_977_8],
+            rotation: 0.5,
+            scale: [2.0, 2.0],
+            tex_coord: None,
+        };
+        let blender = DAffine2::from_scale_angle_translation(DVec2::splat(2.0), 0.5, DVec2::new(0.1, 0.2));
+        let flip = |uv: DVec2| DVec2::new(uv.x, 1.0 - uv.y);
+        for uv in [DVec2::ZERO, DVec2::X, DVec2::new(0.3, 0.9)] {
+            let expected = flip(blender.transform_point2(flip(uv)));
+            assert!((uv_transform(&exported).transform_point2(uv) - expected).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn common_coordinates_are_there_once_and_a_transform_may_name_its_set() {
+        let material: Material = serde_json::from_value(serde_json::json!({
+            "pbrMetallicRoughness": {
+                "baseColorTexture": { "index": 0, "texCoord": 1 },
+                "metallicRoughnessTexture": { "index": 1, "texCoord": 1 }
+            },
+            "normalTexture": { "index": 2, "extensions": { "KHR_texture_transform": { "texCoord": 1 } } },
+            "emissiveTexture": { "index": 3, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } }
+        }))
+        .expect("a material");
+        let slots = slots(&material);
+        let layers = layers(&slots);
+        assert_eq!(layers.iter().map(|layer| layer.0).collect::<Vec<_>>(), [1, 0]);
+        assert_eq!(layers[1].1.transform_point2(DVec2::new(0.25, 0.5)), DVec2::new(0.5, 1.0));
+        assert_eq!(
+            slots.iter().map(|slot| slot.purpose.encoding()).filter(|e| *e == Encoding::Linear).count(),
+            2
+        );
+    }
+}
