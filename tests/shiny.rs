@@ -233,9 +233,43 @@ fn blenders_material_with_all_its_maps() {
     assert!((scale - 0.7).abs() < 1e-6 && (coat.metallic, coat.roughness) == (1.0, 1.0));
     let mesh = scene.meshes.iter().find(|mesh| mesh.more_uvs.len() == 2).unwrap();
     assert!(mesh.more_uvs.iter().all(|uvs| uvs.len() == mesh.positions.len()));
-    assert!(scene.meshes.iter().all(|mesh| mesh.colors.is_empty()), "Blender's white filler");
-    // What tells directions is not taken for a colour.
-    let texel = scene.textures[normal.texture].texels[0];
-    let length = Vec3::new(texel[0], texel[1], texel[2]) * 2.0 - 1.0;
-    assert!((length.length() - 1.0).abs() < 0.02, "{texel:?}");
+    assert!(scene.meshes.iter().any(|mesh| mesh.name == "vcol" && mesh.colors.len() == mesh.positions.len()));
+}
+
+/// What Blender writes where no material uses the vertex colours: white first, and what was painted after it.
+#[test]
+fn a_white_filler_is_no_colour() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/blender/f_plain.glb");
+    let description = description::load(std::path::Path::new(path)).unwrap();
+    let scene = scene::resolve(description, None).unwrap().0;
+    assert!(scene.meshes.iter().all(|mesh| mesh.colors.is_empty()));
+    assert!(scene.remarks.to_string().contains("vertex colours after the first are not honoured"));
+}
+
+/// Half of 255 is half a roughness, and far less than half the light.
+#[test]
+fn roughness_is_no_colour() {
+    use base64::prelude::{BASE64_STANDARD, Engine};
+    let mut png = std::io::Cursor::new(Vec::new());
+    let grey = image::RgbImage::from_pixel(1, 1, image::Rgb([128; 3]));
+    grey.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let uri = format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png.into_inner()));
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/valid/gltf/leaf.gltf");
+    let mut file: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    file["images"] = json!([{ "uri": uri }]);
+    file["textures"] = json!([{ "source": 0 }]);
+    let texture = json!({ "index": 0 });
+    file["materials"][0] = json!({ "normalTexture": texture, "emissiveTexture": texture, "emissiveFactor": [1, 1, 1],
+        "pbrMetallicRoughness": { "metallicRoughnessTexture": texture } });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("leaf.gltf");
+    std::fs::write(&path, serde_json::to_vec(&file).unwrap()).unwrap();
+    let scene = scene::resolve(description::load(&path).unwrap(), None).unwrap().0;
+    let material = &scene.materials[0];
+    let texel = |map: TextureMap| scene.textures[map.texture].texels[0][1];
+    let half = 128.0 / 255.0;
+    assert!((texel(material.coat.unwrap().texture.unwrap()) - half).abs() < 1e-6);
+    assert!((texel(material.normal_map.unwrap().0) - half).abs() < 1e-6);
+    assert!((texel(material.emission_texture.unwrap()) - 0.2158605).abs() < 1e-6);
+    assert_eq!(scene.textures.len(), 2, "each encoding once");
 }
