@@ -1,0 +1,12 @@
+"""Tools around the frames that sunfleck renders.
+
+`validate(target, options)` says of a sequence of EXR frames whether it can be trusted; `sunfleck-tools validate` is the same
+on the command line.
+"""
+
+from .options import Options
+from .sequence import SequenceError
+from .validation import Report, validate
+
+__version__ = "0.1.0"
+__all__ = ["Options", "Report", "SequenceError", "validate", "__version__"]

@@ -1,0 +1,112 @@
+"""Checks that what should be the same in all frames is, and that what counts frames agrees with their names."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterator
+from fractions import Fraction
+
+from ..exr.header import TimeCode
+from ..findings import Found, Scope, Severity, check
+from ..summary import FrameSummary, Rendered
+
+
+def odd_ones(
+    rendered: Rendered, what: str, value_of: Callable[[FrameSummary], Hashable], expected: Hashable = None
+) -> Iterator[Found]:
+    """Frames whose value is not that of most frames (the earliest of equals), or not the expected one."""
+    frames = [frame for frame in rendered.frames if frame.structure]
+    values = {frame.number: value_of(frame) for frame in frames}
+    if expected is None:
+        if not (counts := Counter(values.values()).most_common(1)):
+            return
+        expected = counts[0][0]
+        share = f"{counts[0][1]} of {len(frames)} frames have"
+    else:
+        share = "was asked for:"
+    for frame in frames:
+        if (value := values[frame.number]) != expected:
+            message = f"its {what} is {_shown(value)} where {share} {_shown(expected)}"
+            yield Found(message, frame=frame.number, path=frame.path)
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "not said"
+    if isinstance(value, str) and len(value) == 64:
+        return f"{value[:12]}..."
+    text = str(value)
+    return text if len(text) <= 120 else f"{text[:117]}..."
+
+
+@check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows or compression differ from the other frames'")
+def structure(rendered: Rendered) -> Iterator[Found]:
+    """Readers take them from the first frame."""
+    for part in ("channels", "display window", "data window", "compression", "layout"):
+        yield from odd_ones(rendered, part, lambda frame: frame.structure[part])
+
+
+@check("mixed-version", Severity.ERROR, Scope.SEQUENCE, "frames were rendered by different versions")
+def mixed_version(rendered: Rendered) -> Iterator[Found]:
+    """A farm whose machines were not all brought up to date."""
+    yield from odd_ones(rendered, "version", lambda frame: frame.provenance.get("version"))
+
+
+@check("mixed-scene", Severity.ERROR, Scope.SEQUENCE, "frames show different states of the scene")
+def mixed_scene(rendered: Rendered) -> Iterator[Found]:
+    """The scene was changed and only part of it rendered again."""
+    yield from odd_ones(rendered, "scene's hash", lambda frame: frame.provenance.get("sceneHash"))
+
+
+@check("mixed-settings", Severity.ERROR, Scope.SEQUENCE, "frames were rendered with different settings")
+def mixed_settings(rendered: Rendered) -> Iterator[Found]:
+    """Samples, size, passes, method, and so on."""
+    yield from odd_ones(rendered, "settings' hash", lambda frame: frame.provenance.get("settingsHash"))
+
+
+@check("mixed-seed", Severity.WARNING, Scope.SEQUENCE, "frames were rendered with different seeds")
+def mixed_seed(rendered: Rendered) -> Iterator[Found]:
+    """Harmless in a picture, and a sign of two runs."""
+    yield from odd_ones(rendered, "seed", lambda frame: frame.provenance.get("seed"))
+
+
+@check("unsigned", Severity.WARNING, Scope.SEQUENCE, "a file carries no pixel hash: damage may go unseen")
+def unsigned(rendered: Rendered) -> Iterator[Found]:
+    """One finding if no frame has one: then another program wrote them."""
+    frames = [frame for frame in rendered.frames if frame.structure]
+    without = [frame for frame in frames if "pixelHash" not in frame.provenance]
+    if frames and len(without) == len(frames):
+        yield Found("no frame carries a pixel hash: damage that decodes goes unseen")
+    else:
+        for frame in without:
+            yield Found("it carries no pixel hash", frame=frame.number, path=frame.path)
+
+
+@check("frame-rate", Severity.ERROR, Scope.SEQUENCE, "the frame rate differs from the other frames', or from --fps")
+def frame_rate(rendered: Rendered) -> Iterator[Found]:
+    """Editors take it from any frame."""
+    yield from odd_ones(
+        rendered, "frame rate", lambda frame: frame.attributes.get("framesPerSecond"), rendered.options.fps
+    )
+
+
+@check("image-counter", Severity.ERROR, Scope.SEQUENCE, "the file's frame number is not that of its name", rerender=True)
+def image_counter(rendered: Rendered) -> Iterator[Found]:
+    """Swapped, copied and renumbered frames."""
+    for frame in rendered.frames:
+        counter = frame.attributes.get("imageCounter")
+        if counter is not None and counter != frame.number:
+            yield Found(f"the file says that it is frame {counter}", frame=frame.number, path=frame.path)
+
+
+@check("time-code", Severity.ERROR, Scope.SEQUENCE, "time codes do not advance as the names do")
+def time_code(rendered: Rendered) -> Iterator[Found]:
+    """Where they begin is the author's choice; most frames say it."""
+
+    def offset(frame: FrameSummary) -> int | None:
+        code, rate = frame.attributes.get("timeCode"), frame.attributes.get("framesPerSecond")
+        if not isinstance(code, TimeCode) or not isinstance(rate, Fraction):
+            return None
+        return code.frame(round(rate)) - frame.number
+
+    yield from odd_ones(rendered, "time code ahead of its name by", offset)

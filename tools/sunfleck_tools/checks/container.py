@@ -1,0 +1,68 @@
+"""Checks of the file around the pixels: header, chunks, and what the decoder says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..findings import Found, Scope, Severity, check
+from ..frame import FileBytes, Frame
+
+NAME = "sunfleck:pixelHash"
+
+
+@check("unreadable", Severity.ERROR, Scope.FILE, "the system does not let the file be read")
+def unreadable(file: FileBytes) -> Iterator[Found]:
+    """Rights, and disks that fail."""
+    if file.read_error:
+        yield Found(f"it cannot be read: {file.read_error}")
+
+
+@check("empty-file", Severity.ERROR, Scope.FILE, "the file has no bytes", rerender=True)
+def empty_file(file: FileBytes) -> Iterator[Found]:
+    """Placeholders that a farm claimed and never filled."""
+    if file.bytes == 0 and not file.read_error:
+        yield Found("the file is empty")
+
+
+@check("header", Severity.ERROR, Scope.FILE, "the header is damaged or cut off", rerender=True)
+def header(file: FileBytes) -> Iterator[Found]:
+    """Nothing else can be said of such a file."""
+    if file.header_error and file.bytes:
+        yield Found(file.header_error)
+
+
+@check("size-claim", Severity.ERROR, Scope.FILE, "the header claims more pixels than the file can hold", rerender=True)
+def size_claim(file: FileBytes) -> Iterator[Found]:
+    """Asked before the decoder allocates."""
+    if file.claim:
+        yield Found(file.claim)
+
+
+@check("unsupported", Severity.ERROR, Scope.FILE, "deep data, several parts, or subsampled channels")
+def unsupported(file: FileBytes) -> Iterator[Found]:
+    """The renderer writes none of these, and reads none."""
+    if file.unsupported:
+        yield Found(f"{file.unsupported} cannot be checked: convert it to one flat part of full-size channels")
+
+
+@check("chunks", Severity.ERROR, Scope.FILE, "a chunk of pixels is missing, misplaced or cut off", rerender=True)
+def chunks(file: FileBytes) -> Iterator[Found]:
+    """The first of them; one cut leaves many."""
+    if file.chunk_faults:
+        more = len(file.chunk_faults) - 1
+        yield Found(file.chunk_faults[0] + (f", and {more} more chunks are damaged" if more else ""))
+
+
+@check("decode", Severity.ERROR, Scope.FILE, "a chunk cannot be decompressed", rerender=True)
+def decode(file: FileBytes) -> Iterator[Found]:
+    """Checksums of deflate, and every other complaint of OpenEXR."""
+    if file.decode_error:
+        yield Found(f"it cannot be decoded: {file.decode_error}")
+
+
+@check("pixel-hash", Severity.ERROR, Scope.FRAME, "the pixels are not those that the file was written with", rerender=True)
+def pixel_hash(frame: Frame) -> Iterator[Found]:
+    """Damage that decodes without complaint, as in uncompressed or PIZ files."""
+    stored = frame.header.text(NAME)
+    if stored is not None and stored != frame.hash:
+        yield Found(f"the pixels' hash is {frame.hash[:12]}..., the header says {stored[:12]}...")

@@ -1,0 +1,85 @@
+"""Single pixels far brighter than all around them, in space and in time.
+
+A spike of noise is one pixel in one frame; a spark, a gap between leaves or a highlight is wider, or lasts. Spikes no brighter
+than what is lit well are not told from small leaves, and pass. Invariant: no more
+than `MOST` candidates a frame, so that a picture of noise costs no more than another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..findings import Found, Scope, Severity, check
+from ..summary import Rendered
+
+REACH = 2
+"""The neighbourhood: 5x5 pixels."""
+DEVIATIONS = 20.0
+"""Standard deviations (by the median absolute deviation of the neighbours) above the neighbours' median."""
+ISOLATION = 5.0
+"""How many times brighter than the brightest neighbour in space, and than the place in the frames before and after."""
+COMPANY = 2.0
+"""And how many times brighter than the brightest pixel of the picture that is no spike: a leaf too small for a pixel is a
+spike as well, and no brighter than the larger ones."""
+MOST = 1000
+NORMAL_FROM_MAD = 1.4826
+
+Candidate = tuple[int, int, float, float]
+"""Column, row, luminance, median of the neighbours."""
+
+
+def candidates(luminance: np.ndarray) -> list[Candidate]:
+    """Spikes in space, from the upper left of the data window."""
+    padded = np.pad(luminance, REACH, mode="edge")
+    inner = padded[1:-1, 1:-1]
+    rows = inner[:, :-2] + inner[:, 1:-1] + inner[:, 2:]
+    sums = rows[:-2] + rows[1:-1] + rows[2:]
+    # A spike is above its neighbours' mean by more than it is above the brightest of them.
+    rough = luminance * (8.0 + ISOLATION) > ISOLATION * sums
+    # Of what is no rough spike, the brightest; of fine spikes it is asked again below.
+    rough &= luminance > COMPANY * float(luminance[~rough].max(initial=0.0))
+    ys, xs = np.nonzero(rough)
+    if len(ys) > MOST:
+        brightest = np.argpartition(luminance[ys, xs], -MOST)[-MOST:]
+        ys, xs = ys[brightest], xs[brightest]
+    if not len(ys):
+        return []
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (2 * REACH + 1, 2 * REACH + 1))[ys, xs]
+    others = np.delete(windows.reshape(len(ys), -1), (2 * REACH + 1) ** 2 // 2, axis=1)
+    middle = np.median(others, axis=1)
+    deviation = NORMAL_FROM_MAD * np.median(np.abs(others - middle[:, None]), axis=1)
+    value = luminance[ys, xs]
+    spikes = (value > middle + DEVIATIONS * deviation) & (value > ISOLATION * others.max(axis=1))
+    spikes &= value > COMPANY * value[~spikes].max(initial=0.0)
+    return [
+        (int(x), int(y), float(v), float(m))
+        for x, y, v, m in zip(xs[spikes], ys[spikes], value[spikes], middle[spikes])
+    ]
+
+
+def absent_in(luminance: np.ndarray, found: list[Candidate]) -> list[Candidate]:
+    """Those candidates that this picture, of the frame before or after, does not show within a pixel."""
+    height, width = luminance.shape
+    absent = []
+    for x, y, value, middle in found:
+        if x >= width or y >= height:
+            continue
+        near = luminance[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2]
+        if value > ISOLATION * float(near.max()):
+            absent.append((x, y, value, middle))
+    return absent
+
+
+@check("firefly", Severity.WARNING, Scope.SEQUENCE, "a single pixel is far brighter than its neighbours in space and time")
+def firefly(rendered: Rendered) -> Iterator[Found]:
+    """One finding a frame, for its brightest."""
+    for frame in rendered.decoded:
+        if frame.fireflies:
+            x, y, value, middle = max(frame.fireflies, key=lambda found: found[2])
+            x, y = x + frame.structure["data window"][0], y + frame.structure["data window"][1]
+            count = len(frame.fireflies)
+            pixels = "a pixel" if count == 1 else f"{count} pixels, the brightest"
+            message = f"{pixels} at ({x}, {y}) has luminance {value:.4g} among {middle:.4g}"
+            yield Found(message, frame=frame.number, path=frame.path, pixel=(x, y))

@@ -1,0 +1,58 @@
+"""Checks of names alone: what is there, what is not, what should not be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..findings import Found, Scope, Severity, check
+from ..frame_list import format_frames
+from ..sequence import Listing
+
+
+@check("missing-frame", Severity.ERROR, Scope.LISTING, "a frame of the range has no file", rerender=True)
+def missing_frame(listing: Listing) -> Iterator[Found]:
+    """Lost frames, as farms leave them."""
+    for number in listing.missing:
+        yield Found(f"there is no {listing.name_of(number)}", frame=number)
+
+
+@check("unexpected-frame", Severity.WARNING, Scope.LISTING, "a file's number lies outside of the range asked for")
+def unexpected_frame(listing: Listing) -> Iterator[Found]:
+    """Only where a range was asked for: else all that is found is expected."""
+    expected = set(listing.expected)
+    for file in listing.frames:
+        if file.number not in expected:
+            yield Found(f"it is none of {format_frames(expected)}", frame=file.number, path=str(file.path))
+
+
+@check("duplicate-frame", Severity.ERROR, Scope.LISTING, "two files have one frame's number")
+def duplicate_frame(listing: Listing) -> Iterator[Found]:
+    """x.1.exr beside x.0001.exr: which of them a program reads is chance."""
+    chosen = {file.number: file for file in listing.frames}
+    for file in listing.files:
+        first = chosen[file.number]
+        if file is not first:
+            yield Found(f"{file.path.name} has the number of {first.path.name}", frame=file.number, path=str(file.path))
+
+
+@check("mixed-padding", Severity.WARNING, Scope.LISTING, "a number is padded otherwise than the sequence's")
+def mixed_padding(listing: Listing) -> Iterator[Found]:
+    """Programs that are given x.####.exr do not find x.7.exr."""
+    for file in listing.frames:
+        if file.path.name != listing.name_of(file.number):
+            message = f"{file.path.name} should be {listing.name_of(file.number)}"
+            yield Found(message, frame=file.number, path=str(file.path))
+
+
+@check("foreign-file", Severity.WARNING, Scope.LISTING, "an EXR file beside the sequence belongs to no frame of it")
+def foreign_file(listing: Listing) -> Iterator[Found]:
+    """Renamed frames, and other sequences in the same folder."""
+    for path in listing.strangers:
+        yield Found(f"{path.name} is no frame of {listing.pattern}", path=str(path))
+
+
+@check("temporary-file", Severity.WARNING, Scope.LISTING, "a render that was killed left a temporary file")
+def temporary_file(listing: Listing) -> Iterator[Found]:
+    """`sunfleck render --skip valid` removes them."""
+    for path in listing.leftovers:
+        yield Found(f"{path.name} is what a killed render left", path=str(path))

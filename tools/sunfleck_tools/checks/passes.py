@@ -1,0 +1,81 @@
+"""Checks that passes keep what they promise, each where the file has them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..findings import Found, Scope, Severity, check
+from ..frame import Frame
+from .values import first_bad
+
+FARTHEST = 1.0001e10
+"""Where a ray meets nothing, `Z` is 1e10."""
+HALF_ROUNDING = 2.0**-9
+"""Relative: two values, each rounded to half precision, and a sum in single precision."""
+HALF_SMALLEST = 2.0**-23
+"""Absolute: a step of the halves next to zero."""
+MOTION = re.compile(r"(^|\.)(motion|vector|velocity)\.", re.IGNORECASE)
+LARGEST_MOTION = 100.0
+"""Pictures' widths that something moves within a frame."""
+
+
+@check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")
+def beauty_sum(frame: Frame) -> Iterator[Found]:
+    """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no term is negative."""
+    for letter in "RGB":
+        if letter in frame.channels and f"shafts.{letter}" in frame.channels:
+            beauty, shafts = frame.float(letter), frame.float(f"shafts.{letter}")
+            with np.errstate(invalid="ignore"):
+                bad = shafts * (1 - HALF_ROUNDING) > beauty + HALF_SMALLEST
+            yield from first_bad(frame, f"shafts.{letter}", bad, f"brighter than {letter}")
+
+
+@check("transmittance-range", Severity.ERROR, Scope.FRAME, "transmittance is more than 1")
+def transmittance_range(frame: Frame) -> Iterator[Found]:
+    """Fog and filters take light away."""
+    for name in frame.channels:
+        if name.startswith("transmittance."):
+            with np.errstate(invalid="ignore"):
+                yield from first_bad(frame, name, frame.float(name) > 1 + 2.0**-10, "more than 1")
+
+
+@check("depth", Severity.ERROR, Scope.FRAME, "depth is zero, negative, or beyond where rays end")
+def depth(frame: Frame) -> Iterator[Found]:
+    """Nothing lies in the camera or behind it."""
+    if "Z" in frame.channels:
+        z = frame.float("Z")
+        with np.errstate(invalid="ignore"):
+            yield from first_bad(frame, "Z", (z <= 0) | ((z > FARTHEST) & np.isfinite(z)), "no depth")
+
+
+@check("normal-length", Severity.ERROR, Scope.FRAME, "a normal is longer than 1")
+def normal_length(frame: Frame) -> Iterator[Found]:
+    """Averages of unit vectors may be shorter, never longer."""
+    names = [f"Normal.{axis}" for axis in "XYZ"]
+    if all(name in frame.channels for name in names):
+        with np.errstate(all="ignore"):
+            squared = sum(np.square(frame.float(name)) for name in names)
+            yield from first_bad(frame, names[0], squared > 1.001**2, "part of a normal longer than 1")
+
+
+@check("leaf-id", Severity.ERROR, Scope.FRAME, "a leaf's number is no whole number")
+def leaf_id(frame: Frame) -> Iterator[Found]:
+    """The average of two ids would be a third leaf."""
+    for name in frame.channels:
+        if name.startswith("leaf_id.") and frame.channels[name].dtype.kind == "f":
+            values = frame.float(name)
+            with np.errstate(invalid="ignore"):
+                yield from first_bad(frame, name, np.isfinite(values) & (values != np.rint(values)), "not whole")
+
+
+@check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or as wide as a hundred pictures")
+def motion(frame: Frame) -> Iterator[Found]:
+    """Vectors in pixels a frame."""
+    limit = LARGEST_MOTION * frame.header.size[0]
+    for name in frame.channels:
+        if MOTION.search(name) and frame.channels[name].dtype.kind == "f":
+            with np.errstate(invalid="ignore"):
+                yield from first_bad(frame, name, ~(np.abs(frame.float(name)) <= limit), "no motion")

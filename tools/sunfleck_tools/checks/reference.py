@@ -1,0 +1,60 @@
+"""Frames against reference frames of the same numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..findings import Found, Scope, Severity, check
+from ..frame import Frame
+from ..summary import Rendered
+
+
+def relative_mse(output: list[np.ndarray], reference: list[np.ndarray]) -> float:
+    """mean((o - r)^2 / (r^2 + (0.1 mean(r))^2)) over R, G and B, as `sunfleck diff` has it."""
+    o, r = (np.stack(channels).astype(np.float64) for channels in (output, reference))
+    floor = (0.1 * r.mean()) ** 2
+    squares = np.square(o - r)
+    with np.errstate(all="ignore"):
+        # Where both are black, 0 / 0 would be no error at all.
+        return float(np.mean(np.where(squares > 0, squares / (np.square(r) + floor), 0.0)))
+
+
+def mean_flip(output: list[np.ndarray], reference: list[np.ndarray]) -> float:
+    """HDR-FLIP (Andersson et al. 2021), its mean over the picture, by the authors' own package."""
+    import flip_evaluator
+
+    stacked = [np.ascontiguousarray(np.stack(channels, axis=-1), np.float32) for channels in (reference, output)]
+    return float(flip_evaluator.evaluate(*stacked, "HDR")[1])
+
+
+def comparable(frame: Frame, reference: Frame) -> str | None:
+    """A sentence if the two cannot be compared."""
+    if frame.group() is None or reference.group() is None:
+        return "one of the two has no R, G and B"
+    if frame.header.data_window != reference.header.data_window:
+        return f"the reference's data window is {reference.header.data_window}, not {frame.header.data_window}"
+    return None
+
+
+@check("reference-missing", Severity.WARNING, Scope.SEQUENCE, "a frame has no reference that it can be compared with")
+def reference_missing(rendered: Rendered) -> Iterator[Found]:
+    """Only where references were asked for."""
+    for frame in rendered.decoded:
+        if frame.reference_error:
+            yield Found(frame.reference_error, frame=frame.number, path=frame.path)
+
+
+@check("reference", Severity.ERROR, Scope.SEQUENCE, "a frame is too far from its reference")
+def reference(rendered: Rendered) -> Iterator[Found]:
+    """By relative mean square error, and by FLIP if a limit is given."""
+    options = rendered.options
+    for frame in rendered.decoded:
+        # Not `>`: an error that is no number is too large as well.
+        if frame.relmse is not None and not frame.relmse <= options.max_relmse:
+            message = f"relative mean square error {frame.relmse:.4g}, allowed {options.max_relmse:g}"
+            yield Found(message, frame=frame.number, path=frame.path)
+        if frame.flip is not None and options.max_flip is not None and not frame.flip <= options.max_flip:
+            message = f"mean FLIP {frame.flip:.4g}, allowed {options.max_flip:g}"
+            yield Found(message, frame=frame.number, path=frame.path)

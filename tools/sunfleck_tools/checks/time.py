@@ -1,0 +1,117 @@
+"""Checks of frames against their neighbours in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from statistics import median
+
+from ..findings import Found, Scope, Severity, check
+from ..summary import FrameSummary, Rendered
+
+NEIGHBOURS = 5
+"""Frames to either side that a median is taken of."""
+SIZE_RATIO = 2.0
+"""How many times larger or smaller than the median a file may be."""
+POP_RATIO = {"mean": 0.15, "p99": 0.5}
+"""Relative step, to one frame alone, that is taken for a pop; the brightest hundredth may be a single leaf that turns."""
+POP_DEVIATIONS = 6.0
+"""And how many times the usual step it has to be."""
+REST_FRAMES = 3
+"""Equal frames at the beginning or end that are a rest; fewer are a frame written twice."""
+FLICKER_FRAMES = 8
+"""Steps in turns up and down, without a break, that are no chance: 2^-7."""
+FLICKER_RATIO = 0.02
+"""Median relative step of such a run."""
+
+
+@check("black", Severity.ERROR, Scope.SEQUENCE, "a frame is black", rerender=True)
+def black(rendered: Rendered) -> Iterator[Found]:
+    """A light or a camera that was lost."""
+    for frame in rendered.decoded:
+        if frame.largest == 0 and frame.smallest == 0:
+            yield Found("every pixel is black", frame=frame.number, path=frame.path)
+
+
+@check("constant", Severity.WARNING, Scope.SEQUENCE, "a frame has a single colour")
+def constant(rendered: Rendered) -> Iterator[Found]:
+    """A camera within a wall, or fog alone."""
+    for frame in rendered.decoded:
+        if frame.constant and frame.largest != 0:
+            yield Found("all pixels have one colour", frame=frame.number, path=frame.path)
+
+
+@check("stuck", Severity.WARNING, Scope.SEQUENCE, "a frame has the pixels of the one before")
+def stuck(rendered: Rendered) -> Iterator[Found]:
+    """One finding for each run of equal frames. A sequence may rest at its beginning and end."""
+    frames = rendered.decoded
+    start = 0
+    for end in range(1, len(frames) + 1):
+        if end < len(frames) and frames[end].hash == frames[start].hash:
+            continue
+        run = frames[start:end]
+        rests = (start == 0 or end == len(frames)) and REST_FRAMES <= len(run) < len(frames)
+        if len(run) > 1 and not rests:
+            until = f", and so do all until frame {run[-1].number}" if len(run) > 2 else ""
+            yield Found(f"it has the pixels of frame {run[0].number}{until}", frame=run[1].number, path=run[1].path)
+        start = end
+
+
+@check("file-size", Severity.WARNING, Scope.SEQUENCE, "a file is much smaller or larger than its neighbours")
+def file_size(rendered: Rendered) -> Iterator[Found]:
+    """Partial and empty pictures compress well."""
+    for frame, around in _surrounded(rendered.frames):
+        usual = median(other.bytes for other in around)
+        if frame.bytes * SIZE_RATIO < usual or frame.bytes > usual * SIZE_RATIO:
+            message = f"the file has {frame.bytes} bytes where its neighbours have about {usual:.0f}"
+            yield Found(message, frame=frame.number, path=frame.path)
+
+
+@check("pop", Severity.WARNING, Scope.SEQUENCE, "a frame alone is brighter or darker than both neighbours")
+def pop(rendered: Rendered) -> Iterator[Found]:
+    """The second difference of mean and 99th percentile, against the usual one around."""
+    frames = [frame for frame in rendered.decoded if frame.mean is not None]
+    for name, label in (("mean", "mean"), ("p99", "99th percentile")):
+        values = [getattr(frame, name) for frame in frames]
+        bends = [_bend(values, i) if 0 < i < len(values) - 1 else 0.0 for i in range(len(values))]
+        for i, frame in enumerate(frames):
+            around = [abs(bends[j]) for j in _around(i, len(frames), NEIGHBOURS) if abs(j - i) > 1]
+            level = max(values[i], median(values[j] for j in _around(i, len(frames), 2)) if len(frames) > 1 else 0.0)
+            if len(around) >= 3 and abs(bends[i]) > max(POP_RATIO[name] * level, POP_DEVIATIONS * median(around)):
+                message = f"{label} {values[i]:.4g} between {values[i - 1]:.4g} and {values[i + 1]:.4g}"
+                yield Found(f"it pops: {message}", frame=frame.number, path=frame.path)
+
+
+@check("flicker", Severity.WARNING, Scope.SEQUENCE, "brightness goes up and down from frame to frame")
+def flicker(rendered: Rendered) -> Iterator[Found]:
+    """Runs of steps whose signs alternate."""
+    frames = [frame for frame in rendered.decoded if frame.mean is not None]
+    steps = [after.mean - before.mean for before, after in zip(frames, frames[1:])]
+    start = 0
+    for i in range(1, len(steps) + 1):
+        if i < len(steps) and steps[i] * steps[i - 1] < 0:
+            continue
+        run = steps[start:i]
+        level = median(frame.mean for frame in frames[start : i + 1])
+        if len(run) >= FLICKER_FRAMES and median(map(abs, run)) > FLICKER_RATIO * level:
+            first, last = frames[start], frames[i]
+            share = 100 * median(map(abs, run)) / level if level else 0.0
+            message = f"its mean goes up and down by {share:.1f} % until frame {last.number}"
+            yield Found(message, frame=first.number, path=first.path)
+        start = i
+
+
+def _bend(values: list[float], i: int) -> float:
+    """How far a value is outside of the span of its neighbours: a step or ramp has none, a pop has."""
+    low, high = sorted((values[i - 1], values[i + 1]))
+    return min(values[i] - low, 0.0) + max(values[i] - high, 0.0)
+
+
+def _around(i: int, count: int, reach: int) -> list[int]:
+    return [j for j in range(max(0, i - reach), min(count, i + reach + 1)) if j != i]
+
+
+def _surrounded(frames: list[FrameSummary]) -> Iterator[tuple[FrameSummary, list[FrameSummary]]]:
+    for i, frame in enumerate(frames):
+        around = [frames[j] for j in _around(i, len(frames), NEIGHBOURS)]
+        if len(around) >= 3:
+            yield frame, around

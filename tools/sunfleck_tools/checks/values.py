@@ -1,0 +1,80 @@
+"""Checks of single values, with the place of the first bad one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..findings import Found, Scope, Severity, check
+from ..frame import Frame
+
+LARGEST_HALF = 65504.0
+SIGNED = re.compile(r"(^|\.)(normal|position|motion|vector|velocity|uv)\.", re.IGNORECASE)
+"""Layers whose values may be negative."""
+ALPHA_ROUNDING = 2.0**-10
+"""One step of half precision above 1: averages of ones may round to it."""
+
+
+def first_bad(frame: Frame, name: str, bad: np.ndarray, what: str) -> Iterator[Found]:
+    """One finding for a channel: how many values are bad, where the first is, and what it is."""
+    count = int(np.count_nonzero(bad))
+    if count:
+        at = int(np.argmax(bad))
+        x, y = frame.place(at)
+        value = float(frame.channels[name].flat[at])
+        values = "1 value is" if count == 1 else f"{count} values are"
+        yield Found(f"{name}: {values} {what}, the first at ({x}, {y}): {value:g}", channel=name, pixel=(x, y))
+
+
+def suspects(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
+    """Channels that hold something not finite: their sum is not, and sums are quick."""
+    with np.errstate(all="ignore"):
+        for name, stored in frame.channels.items():
+            if stored.dtype.kind == "f" and not np.isfinite(frame.float(name).sum(dtype=np.float64)):
+                yield name, frame.float(name)
+
+
+@check("nan", Severity.ERROR, Scope.FRAME, "a value is not a number", rerender=True)
+def nan(frame: Frame) -> Iterator[Found]:
+    """Bad mathematics; spreads with every filter."""
+    for name, values in suspects(frame):
+        yield from first_bad(frame, name, np.isnan(values), "NaN")
+
+
+@check("infinity", Severity.ERROR, Scope.FRAME, "a value is infinite", rerender=True)
+def infinity(frame: Frame) -> Iterator[Found]:
+    """Also what overflows half precision in programs that do not clamp."""
+    for name, values in suspects(frame):
+        yield from first_bad(frame, name, np.isinf(values), "infinite")
+
+
+@check("half-overflow", Severity.WARNING, Scope.FRAME, "a value of half precision is the largest that there is")
+def half_overflow(frame: Frame) -> Iterator[Found]:
+    """The renderer clamps there: the true value was larger."""
+    for name, stored in frame.channels.items():
+        if stored.dtype == np.float16:
+            # As integers: larger halves have larger bits, and infinity follows the largest.
+            bits = stored.view(np.uint16) & 0x7FFF
+            yield from first_bad(frame, name, bits == 0x7BFF, f"at the limit of half precision, {LARGEST_HALF:g}")
+
+
+@check("negative", Severity.ERROR, Scope.FRAME, "light, transmittance or albedo is negative")
+def negative(frame: Frame) -> Iterator[Found]:
+    """Filters with negative lobes, and subtraction in the wrong order."""
+    for name in frame.channels:
+        if name != "A" and frame.channels[name].dtype.kind == "f" and not SIGNED.search(name):
+            with np.errstate(invalid="ignore"):
+                values = frame.float(name)
+                if values.min() < 0 or np.isnan(values.min()):
+                    yield from first_bad(frame, name, values < 0, "negative")
+
+
+@check("alpha-range", Severity.ERROR, Scope.FRAME, "alpha is not between 0 and 1")
+def alpha_range(frame: Frame) -> Iterator[Found]:
+    """Haloes, once composited."""
+    if "A" in frame.channels:
+        alpha = frame.float("A")
+        with np.errstate(invalid="ignore"):
+            yield from first_bad(frame, "A", (alpha < 0) | (alpha > 1 + ALPHA_ROUNDING), "not between 0 and 1")

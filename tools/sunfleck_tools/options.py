@@ -1,0 +1,32 @@
+"""What a caller may choose about a validation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Options:
+    """Every field has a default that suits a sequence rendered by one command."""
+
+    frames: tuple[int, ...] | None = None
+    """The frames that must be there; `None` is all from the first to the last found."""
+    fps: Fraction | None = None
+    """The frame rate that every file must carry; `None` is the one that most of them carry."""
+    reference: Path | None = None
+    """A folder or pattern of reference frames to compare with, by number."""
+    max_relmse: float = 0.01
+    """Largest relative mean square error against the reference."""
+    max_flip: float | None = None
+    """Largest mean FLIP against the reference; needs the extra `flip`."""
+    stats: Path | None = None
+    """What `sunfleck render --stats` wrote, for render times in the report."""
+    skip_checks: frozenset[str] = frozenset()
+    """Ids of checks that are not run."""
+    processes: int | None = None
+    """Processes that decode; `None` is one for each processor. 0 decodes in the caller's own: quicker for a few small frames,
+    but a decoder that crashes takes the caller along."""
+    thumbnails: bool = False
+    """Keep small pictures of the frames, for a report."""

@@ -1,0 +1,71 @@
+"""A report as the JSON that validate.schema.json describes."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from ..findings import CHECKS, Finding, Severity
+from ..frame_list import format_frames
+from ..summary import FrameSummary
+from ..validation import Report
+
+FORMAT_VERSION = 1
+
+
+def json_report(report: Report) -> str:
+    """The report as text; numbers that JSON cannot hold are null."""
+    return json.dumps(as_object(report), indent=1, allow_nan=False)
+
+
+def as_object(report: Report) -> dict:
+    """The report as dictionaries and lists."""
+    return {
+        "format_version": FORMAT_VERSION,
+        "sequence": {
+            "pattern": report.listing.pattern,
+            "frames": format_frames(frame.number for frame in report.frames),
+            "missing": format_frames(report.listing.missing),
+            "rerender": format_frames(report.rerender),
+        },
+        "errors": report.count(Severity.ERROR),
+        "warnings": report.count(Severity.WARNING),
+        "findings": [_finding(finding) for finding in report.findings],
+        "frames": [_frame(frame) for frame in report.frames],
+        "checks": [
+            {"id": check.id, "severity": check.severity.value, "about": check.about}
+            for check in CHECKS.values()
+            if check.id not in report.options.skip_checks
+        ],
+    }
+
+
+def _finding(finding: Finding) -> dict:
+    return {
+        "check": finding.check,
+        "severity": finding.severity.value,
+        "frame": finding.frame,
+        "path": finding.path,
+        "channel": finding.channel,
+        "pixel": None if finding.pixel is None else list(finding.pixel),
+        "message": finding.message,
+    }
+
+
+def _frame(frame: FrameSummary) -> dict:
+    return {
+        "frame": frame.number,
+        "path": frame.path,
+        "bytes": frame.bytes,
+        "pixel_hash": frame.hash,
+        "mean": _number(frame.mean),
+        "p99": _number(frame.p99),
+        "largest": _number(frame.largest),
+        "render_seconds": _number(frame.render_seconds),
+        "relative_mse": _number(frame.relmse),
+        "flip": _number(frame.flip),
+    }
+
+
+def _number(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

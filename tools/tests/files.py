@@ -1,0 +1,88 @@
+"""Sequences and single files for the tests, made from a few good frames in `data`.
+
+What OpenEXR for Python cannot write (rational numbers) is put into the bytes here.
+"""
+
+from __future__ import annotations
+
+import shutil
+import struct
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+from sunfleck_tools.exr.decode import decode
+from sunfleck_tools.exr.header import parse_header
+from sunfleck_tools.exr.pixel_hash import pixel_hash
+
+DATA = Path(__file__).parent / "data"
+TEXTS = ("version", "sceneHash", "settingsHash", "seed", "samples", "pixelHash")
+Channels = dict[str, np.ndarray]
+
+
+def good_sequence(folder: Path, name: str = "leaf") -> Path:
+    """Copies the good frames of that name into `folder`, which is made."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in sorted(DATA.glob(f"{name}.*.exr")):
+        shutil.copy(path, folder / path.name)
+    return folder
+
+
+def frame_path(folder: Path, number: int, name: str = "leaf") -> Path:
+    """The file of a frame of `good_sequence`."""
+    return folder / f"{name}.{number:04d}.exr"
+
+
+def rewrite(
+    path: Path,
+    pixels: Callable[[Channels], Channels | None] = lambda channels: None,
+    texts: dict[str, str] | None = None,
+    fps: Fraction | None = Fraction(24),
+    counter: int | None = None,
+    compression: int = 3,
+    extra: dict[str, object] | None = None,
+    sign: bool = True,
+) -> None:
+    """Decodes a file, changes it, and writes it with a pixel hash that fits (unless not `sign`ed)."""
+    header = parse_header(path.read_bytes())
+    channels = {name: values.copy() for name, values in decode(path).items()}
+    channels = pixels(channels) or channels
+    attributes: dict[str, object] = {f"sunfleck:{name}": header.text(f"sunfleck:{name}") for name in TEXTS}
+    attributes.update({f"sunfleck:{name}": value for name, value in (texts or {}).items()})
+    attributes["imageCounter"] = header.values["imageCounter"] if counter is None else counter
+    attributes.update(compression=OpenEXR.Compression(compression), type=OpenEXR.scanlineimage, **(extra or {}))
+    attributes = {name: value for name, value in attributes.items() if value is not None}
+    if sign:
+        # Lossy compressions: the hash is of what comes back.
+        _write(path, attributes, channels)
+        attributes["sunfleck:pixelHash"] = pixel_hash(decode(path))
+    _write(path, attributes, channels)
+    if fps is not None:
+        add_attribute(path, "framesPerSecond", "rational", struct.pack("<iI", fps.numerator, fps.denominator))
+
+
+def _write(path: Path, attributes: dict[str, object], channels: Channels) -> None:
+    stored = {name: OpenEXR.Channel(np.ascontiguousarray(values), 1, 1) for name, values in channels.items()}
+    with OpenEXR.File(dict(attributes), stored) as file:
+        file.write(str(path))
+
+
+def add_attribute(path: Path, name: str, kind: str, value: bytes) -> None:
+    """Puts an attribute at the end of a header and moves all chunks."""
+    data = path.read_bytes()
+    end = parse_header(data).end
+    record = name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+    (first,) = struct.unpack_from("<Q", data, end)
+    count = (first - end) // 8
+    offsets = [offset + len(record) for offset in struct.unpack_from(f"<{count}Q", data, end)]
+    path.write_bytes(data[: end - 1] + record + b"\0" + struct.pack(f"<{count}Q", *offsets) + data[first:])
+
+
+def flip(path: Path, at: int, bits: int = 0xFF) -> None:
+    """Flips bits of a byte; negative places count from the end."""
+    data = bytearray(path.read_bytes())
+    data[at] ^= bits
+    path.write_bytes(bytes(data))

@@ -1,0 +1,85 @@
+"""Every kind of damage is found by the check that is there for it; good frames are not accused."""
+
+from __future__ import annotations
+
+import tempfile
+import unittest
+from pathlib import Path
+
+from sunfleck_tools import Options, validate
+from sunfleck_tools.findings import CHECKS
+
+from .damages import DAMAGES, VICTIM
+from .files import DATA, flip, frame_path, good_sequence, rewrite
+
+HERE = Options(processes=0)
+ROOT = Path(__file__).parents[2]
+# They need more than one folder, or are made elsewhere.
+TESTED_APART = {"unexpected-frame", "unreadable", "unsupported", "reference", "reference-missing"}
+
+
+class Damaged(unittest.TestCase):
+    def test_each_is_found_where_it_is(self):
+        for entry in DAMAGES:
+            with self.subTest(entry.what), tempfile.TemporaryDirectory() as scratch:
+                folder = good_sequence(Path(scratch))
+                entry.make(folder)
+                report = validate(folder, HERE)
+                found = {finding.frame for finding in report.findings if finding.check == entry.found_by}
+                self.assertEqual(found, set(entry.frames))
+
+    def test_each_check_has_a_damage(self):
+        damaged = {entry.found_by for entry in DAMAGES} | TESTED_APART
+        self.assertEqual(damaged, set(CHECKS))
+
+    def test_the_table_in_the_docs_has_each(self):
+        text = (ROOT / "docs/validate.md").read_text()
+        for entry in DAMAGES:
+            self.assertIn(f"| {entry.what} | `{entry.found_by}` | yes |", text)
+        for check in CHECKS.values():
+            self.assertIn(f"| `{check.id}` | {check.severity.value} | {check.about} |", text)
+
+    def test_a_file_cut_off_at_forty_places(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = good_sequence(Path(scratch))
+            path = frame_path(folder, VICTIM)
+            whole = path.read_bytes()
+            for cut in range(40):
+                path.write_bytes(whole[: len(whole) * cut // 40])
+                report = validate(folder, HERE)
+                self.assertEqual([finding.frame for finding in report.findings][:1], [VICTIM], cut)
+                self.assertEqual(report.rerender, [VICTIM])
+
+    def test_any_byte_may_be_wrong_without_a_traceback(self):
+        for compression in (0, 3, 4):
+            with tempfile.TemporaryDirectory() as scratch:
+                path = Path(scratch) / "leaf.0001.exr"
+                path.write_bytes((DATA / "leaf.0001.exr").read_bytes())
+                rewrite(path, compression=compression)
+                whole = path.read_bytes()
+                # All of the header's, where lengths and counts are, and some of the pixels'.
+                for at in [*range(0, 1600, 19), *range(1600, len(whole), 1999)]:
+                    path.write_bytes(whole)
+                    flip(path, at)
+                    validate(path, HERE)
+
+
+class Good(unittest.TestCase):
+    def test_frames_as_rendered(self):
+        for name in sorted({path.name.split(".")[0] for path in DATA.glob("*.exr")}):
+            with tempfile.TemporaryDirectory() as scratch:
+                report = validate(good_sequence(Path(scratch), name), HERE)
+                self.assertEqual([finding.line() for finding in report.findings], [], name)
+
+    def test_every_compression(self):
+        for compression in (0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13):
+            with tempfile.TemporaryDirectory() as scratch:
+                folder = good_sequence(Path(scratch))
+                # Lossy ones make shafts brighter than the beauty: here it is the container that is tested.
+                skipped = frozenset(["beauty-sum", "depth", "normal-length", "leaf-id", "negative", "alpha-range"])
+                for number in range(5, 13):
+                    frame_path(folder, number).unlink()
+                for path in folder.iterdir():
+                    rewrite(path, compression=compression)
+                report = validate(folder, Options(processes=0, skip_checks=skipped))
+                self.assertEqual([finding.line() for finding in report.findings], [], compression)
