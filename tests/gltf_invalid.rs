@@ -58,6 +58,7 @@ const CASES: &[(&str, &str)] = &[
     ("transmission_text.gltf", "transmissionFactor: error: \"much\" is out of range"),
     ("normal_texture_missing.gltf", "materials[0].normalTexture.index: error: texture 7 does not exist"),
     ("colors_scalar.gltf", "vertex colours cannot be of type `SCALAR`"),
+    ("texture_transform_infinite.gltf", "transform makes these texture coordinates infinite"),
     ("empty.glb", "the file is empty"),
     ("empty.gltf", "the file is empty"),
     ("extension_required_basisu.gltf", "KHR_texture_basisu"),

@@ -1,4 +1,4 @@
-//! What matter does to light: phase functions and optical depth. In go points and directions, out
+//! What matter does to light: phase functions, optical depth and the shine of surfaces. In go points and directions, out
 //! come fractions of light. Invariant: nothing here knows visibility, cameras or pixels.
 
 mod beer_lambert;

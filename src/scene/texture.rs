@@ -58,8 +58,8 @@ impl Texture {
         let (column, row) = (x.floor(), y.floor());
         let (right, below) = (f64::from(x - column), f64::from(y - row));
         let texel = |dx: i64, dy: i64| {
-            let column = self.wrap[0].index(column as i64 + dx, self.width);
-            let row = self.wrap[1].index(row as i64 + dy, self.height);
+            let column = self.wrap[0].index((column as i64).saturating_add(dx), self.width);
+            let row = self.wrap[1].index((row as i64).saturating_add(dy), self.height);
             DVec4::from_array(self.texels[row * self.width + column].map(f64::from))
         };
         let top = texel(0, 0).lerp(texel(1, 0), right);
@@ -104,6 +104,15 @@ mod tests {
         assert_eq!(texture.color(Vec2::new(0.25, 0.5)), Rgb::ZERO);
         assert_eq!(texture.color(Vec2::new(0.75, 0.5)), Rgb::ONE);
         assert_eq!(texture.color(Vec2::new(0.5, 0.5)), Rgb::splat(0.5));
+    }
+
+    #[test]
+    fn no_place_is_too_far() {
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            for far in [f32::MAX, f32::MIN, f32::INFINITY, f32::NAN] {
+                black_and_white(wrap).color(Vec2::new(far, -far));
+            }
+        }
     }
 
     #[test]

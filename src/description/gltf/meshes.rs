@@ -120,7 +120,13 @@ fn read_primitive(
                 same_count(index, &user)?;
                 let uvs = accessors.read(index, UVS, &user)?;
                 let transformed = |uv| transform.transform_point2(DVec2::from_slice(uv)).as_vec2();
-                uvs.chunks_exact(2).map(transformed).collect()
+                let uvs: Vec<Vec2> = uvs.chunks_exact(2).map(transformed).collect();
+                if !uvs.iter().all(|uv| uv.is_finite()) {
+                    return Err(accessors
+                        .invalid(user, "a texture's transform makes these texture coordinates infinite")
+                        .expected("an offset and a scale of a usual size"));
+                }
+                uvs
             }
             None => {
                 report.not_honoured(

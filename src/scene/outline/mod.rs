@@ -121,7 +121,7 @@ fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined
     let texels_of_texture = DVec2::new(mask.texture.width as f64, mask.texture.height as f64);
     let texels: Vec<DVec2> = uvs.iter().map(|uv| uv.as_dvec2() * texels_of_texture).collect();
     let least = mask.texture.texels.iter().map(|texel| f64::from(texel[3])).fold(f64::INFINITY, f64::min);
-    if least >= mask.threshold {
+    if least >= mask.threshold || triangles.is_empty() {
         return Ok(Outlined { added: Vec::new(), triangles: triangles.to_vec() });
     }
     let used = || triangles.iter().flatten().map(|&vertex| texels[vertex as usize]);
@@ -138,7 +138,7 @@ fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined
     }
     let window = Window { columns: low.x..=high.x, rows: low.y..=high.y };
     let alpha = |column: i64, row: i64| mask.texture.texel_alpha(column, row);
-    let rings = contour::rings(alpha, mask.threshold, &window);
+    let rings = contour::rings(alpha, mask.threshold, &window).ok_or(TOO_FINE)?;
     let rings = rings.iter().map(|ring| contour::simplified(ring, OUTLINE_TOLERANCE_TEXELS));
     let is_shown = |at: DVec2| mask.texture.alpha((at / texels_of_texture).as_vec2()) >= mask.threshold;
     let mut cutter = Cutter::new(rings.filter(|ring| ring.len() > 2));
@@ -148,5 +148,6 @@ fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined
     Ok(cutter.finish(uvs.len()))
 }
 
+const TOO_FINE: &str = "masks of hardly anything but edges are not cut out, these meshes are drawn whole";
 const TOO_WIDE: &str =
     "texture coordinates reach too far for masks to be cut out, these meshes are drawn whole";

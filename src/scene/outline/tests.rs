@@ -132,6 +132,12 @@ fn coordinates_without_measure_are_refused() {
     }
 }
 
+#[test]
+fn noise_is_refused() {
+    let checkers = texture(800, Wrap::Clamp, |p| (p.x + p.y + 0.5).floor() % 2.0);
+    assert_eq!(cut_out(&card(), Mask::new(&checkers, 0.5, 1.0)).unwrap_err(), TOO_FINE);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
