@@ -92,6 +92,12 @@ pub struct Statistics {
     pub samples: u64,
     /// Passes of the light that took most.
     pub passes: u32,
+    /// Whether it came from slices, each light from its own, or every sample was a ray.
+    pub from_slices: bool,
+    /// Slices that were solved, over all lights.
+    pub slices: u64,
+    /// Segments that they gathered: triangles that their planes cut.
+    pub segments: u64,
     /// Blocks of pixels that were judged.
     pub blocks: usize,
     /// Those of them above the tolerance, for their pixels had all the samples they may have.
@@ -117,16 +123,19 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         Placement::Slices => choice::obstacle(exposure).is_none(),
         Placement::Pixels => false,
     };
+    sum.statistics.from_slices = from_slices;
     if from_slices {
+        let tally = slices::Tally::default();
         let lights = survey.lights.len();
         // The brightest first: the others are judged by what they add to it.
         for (number, &light) in survey.lights.iter().enumerate() {
-            let picture = slices::LightPicture { exposure, job, light };
+            let picture = slices::LightPicture { exposure, job, light, tally: &tally };
             let part = (number as f64 / lights as f64, (number + 1) as f64 / lights as f64);
             let others = sum.luminances();
             let developed = watch.part(part, None, |watch| develop(&picture, job, &survey, others, watch));
             sum.add(developed);
         }
+        (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
         let picture = tiles::RayPicture { exposure, job };
         sum.add(develop(&picture, job, &survey, Vec::new(), watch));

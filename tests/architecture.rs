@@ -110,7 +110,8 @@ fn input_files_are_read_in_one_place() {
     let readers = ["std::fs::read", "fs::read(", "File::open", "read_to_string("];
     for (file, module, text) in sources() {
         if readers.iter().any(|reader| text.contains(reader)) {
-            let allowed = file == "description/files.rs" || module == "frame_file";
+            // What the system says of this process is no input.
+            let allowed = file == "description/files.rs" || module == "frame_file" || file == "cli/stats.rs";
             assert!(allowed, "{file} opens files");
         }
     }

@@ -23,15 +23,36 @@ pub enum Method {
     Segments,
     /// Exact, on epipolar slices.
     Slices,
+    /// The same, to a tolerance: samples where they are needed.
+    SlicesUntil,
 }
 
 /// How much of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Samples a pixel.
+    /// Samples a pixel, at most.
     pub samples: u32,
     /// Shadow rays a sample and light; `None` for the exact methods.
     pub steps: Option<u32>,
+    /// The estimated relative error at which a block of pixels is good enough; `None` if every pixel has its samples.
+    pub tolerance: Option<f64>,
+}
+
+/// Samples a pixel at which a tolerance gives up: as many as `render` takes.
+const MOST_SAMPLES: u32 = 1024;
+
+impl Effort {
+    /// So many samples in every pixel, and nothing to choose beside.
+    pub fn of_samples(samples: u32) -> Self {
+        Self { samples, steps: None, tolerance: None }
+    }
+
+    /// How much more it is than another of the same method, about.
+    pub(super) fn work(&self) -> f64 {
+        // Errors fall faster than with the root of the samples: this expects too much rather than too little.
+        let samples = self.tolerance.map_or(f64::from(self.samples), |tolerance| tolerance.powi(-2));
+        samples * f64::from(self.steps.unwrap_or(1))
+    }
 }
 
 /// What all pictures have in common.
@@ -56,8 +77,15 @@ impl<'a> Stage<'a> {
 
 impl Method {
     /// All, the baselines first.
-    pub const ALL: [Self; 6] =
-        [Self::Literal, Self::March, Self::JitteredMarch, Self::Equiangular, Self::Segments, Self::Slices];
+    pub const ALL: [Self; 7] = [
+        Self::Literal,
+        Self::March,
+        Self::JitteredMarch,
+        Self::Equiangular,
+        Self::Segments,
+        Self::Slices,
+        Self::SlicesUntil,
+    ];
 
     /// For tables.
     pub fn name(self) -> &'static str {
@@ -68,6 +96,7 @@ impl Method {
             Self::Equiangular => "equiangular",
             Self::Segments => "segments",
             Self::Slices => "slices",
+            Self::SlicesUntil => "slices-until",
         }
     }
 
@@ -77,18 +106,21 @@ impl Method {
             |base: u32, highest: u32| (0..).map(move |n| base.pow(n)).take_while(move |&p| p <= highest);
         let grid = |steps: [u32; 4]| {
             let mut efforts: Vec<Effort> = powers(4, 1024)
-                .flat_map(|samples| steps.map(|steps| Effort { samples, steps: Some(steps) }))
+                .flat_map(|samples| {
+                    steps.map(|steps| Effort { samples, steps: Some(steps), tolerance: None })
+                })
                 .collect();
-            efforts.sort_by_key(|effort| effort.samples * effort.steps.unwrap_or(1));
+            efforts.sort_by(|a, b| a.work().total_cmp(&b.work()));
             efforts
         };
         match self {
             Self::Literal => Vec::new(),
             Self::March | Self::JitteredMarch => grid([4, 16, 64, 256]),
             Self::Equiangular => grid([1, 4, 16, 64]),
-            Self::Segments | Self::Slices => {
-                powers(2, 4096).map(|samples| Effort { samples, steps: None }).collect()
-            }
+            Self::Segments | Self::Slices => powers(2, 4096).map(Effort::of_samples).collect(),
+            Self::SlicesUntil => (1..9)
+                .map(|n| Effort { tolerance: Some(0.5_f64.powi(n)), ..Effort::of_samples(MOST_SAMPLES) })
+                .collect(),
         }
     }
 
@@ -102,7 +134,7 @@ impl Method {
             Self::March => VolumeMethod::March(MarchSteps::Count(steps)),
             Self::JitteredMarch => VolumeMethod::March(MarchSteps::Jittered(steps)),
             Self::Equiangular => VolumeMethod::Equiangular { points: steps },
-            Self::Segments | Self::Slices => VolumeMethod::Segments,
+            Self::Segments | Self::Slices | Self::SlicesUntil => VolumeMethod::Segments,
         }
     }
 
@@ -112,14 +144,20 @@ impl Method {
             size: stage.size,
             window: Window::whole(stage.size),
             passes: Vec::new(),
-            sampling: Sampling::Exactly(effort.samples),
+            sampling: match effort.tolerance {
+                Some(tolerance) => Sampling::Until { tolerance, most: effort.samples },
+                None => Sampling::Exactly(effort.samples),
+            },
             seed,
             transport: Transport {
                 volume: self.volume(effort, stage),
                 mirror_depth: stage.mirror_depth,
                 features: false,
             },
-            placement: if self == Self::Slices { Placement::Slices } else { Placement::Pixels },
+            placement: match self {
+                Self::Slices | Self::SlicesUntil => Placement::Slices,
+                _ => Placement::Pixels,
+            },
         };
         render(stage.exposure, &job, &Watch::NOBODY).frame
     }

@@ -31,7 +31,7 @@ pub struct Reference {
 impl Reference {
     /// Renders both halves with `samples / 2` a pixel each; their difference is the noise.
     pub fn render(stage: &Stage, samples: u32) -> Self {
-        let half = Effort { samples: (samples / 2).max(2), steps: None };
+        let half = Effort::of_samples((samples / 2).max(2));
         let [mut frame, other] = HALVES.map(|seed| Method::Segments.picture(stage, half, seed));
         let square: f64 = colors(&frame).zip(colors(&other)).map(|(a, b)| (a - b) * (a - b)).sum();
         let values = colors(&frame).count() as f64;

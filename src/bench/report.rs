@@ -3,8 +3,11 @@
 
 use super::cost::{Cost, cost_of, front};
 use super::plot::number;
-use super::{Method, Plot, Point, Series, Study, Style};
+use super::{Effort, Method, Plot, Point, Series, Study, Style};
 use std::fmt::Write;
+
+/// Looks of the peers: see [`Style`].
+const PEER_LOOKS: [usize; 2] = [6, 9];
 
 /// Errors whose price is told.
 const LEVELS: [f64; 3] = [0.05, 0.01, 0.001];
@@ -46,6 +49,13 @@ impl Study {
     }
 }
 
+/// Samples a pixel, or the error down to which there are more.
+fn told_samples(effort: &Effort) -> String {
+    effort
+        .tolerance
+        .map_or_else(|| effort.samples.to_string(), |tolerance| format!("{:.2} %", 100.0 * tolerance))
+}
+
 /// What a point's numbers are to be taken with.
 fn note(point: &Point) -> String {
     match point.literal {
@@ -70,15 +80,15 @@ pub fn table(study: &Study) -> String {
     );
     for point in &study.points {
         let steps = point.effort.steps.map_or(String::from("-"), |steps| steps.to_string());
+        let samples = told_samples(&point.effort);
         let rmse = point
             .net_rmse
             .map_or(format!("< {:.3}", 100.0 * point.errors.rmse), |rmse| format!("{:.3}", 100.0 * rmse));
         let percent = |error: f64, digits: usize| format!("{:.digits$}", 100.0 * error);
         let _ = writeln!(
             text,
-            "{:<15} {:>7} {steps:>5} {:>10} {:>5.0}% {rmse:>9} {:>9} {:>8} {:>8}  {}",
+            "{:<15} {samples:>7} {steps:>5} {:>10} {:>5.0}% {rmse:>9} {:>9} {:>8} {:>8}  {}",
             point.method.name(),
-            point.effort.samples,
             seconds(point.cpu_s),
             100.0 * point.spread,
             percent(point.errors.mean_abs, 3),
@@ -164,7 +174,7 @@ fn rounded(ratio: f64) -> String {
 /// One row a point, with a heading; errors are relative to the mean of the reference.
 pub fn csv(study: &Study) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut row = |fields: [&str; 12]| {
+    let mut row = |fields: [&str; 13]| {
         // Into memory: there is nothing that could fail.
         let _ = writer.write_record(fields);
     };
@@ -172,6 +182,7 @@ pub fn csv(study: &Study) -> String {
         "method",
         "samples",
         "steps",
+        "tolerance",
         "cpu_s",
         "cpu_spread",
         "rmse",
@@ -188,6 +199,7 @@ pub fn csv(study: &Study) -> String {
             point.method.name(),
             &point.effort.samples.to_string(),
             &steps,
+            &point.effort.tolerance.map_or(String::new(), |tolerance| tolerance.to_string()),
             &format!("{:.6}", point.cpu_s),
             &format!("{:.4}", point.spread),
             &point.net_rmse.map_or(String::new(), |rmse| format!("{rmse:.6e}")),
@@ -202,7 +214,21 @@ pub fn csv(study: &Study) -> String {
     for peer in &study.peers {
         let (samples, cpu_s, rmse) =
             (peer.samples.to_string(), format!("{:.6}", peer.cpu_s), format!("{:.6e}", peer.rmse));
-        row([&peer.renderer, &samples, "", &cpu_s, "", &rmse, "", "", "", "", "false", "measured elsewhere"]);
+        row([
+            &peer.renderer,
+            &samples,
+            "",
+            "",
+            &cpu_s,
+            "",
+            &rmse,
+            "",
+            "",
+            "",
+            "",
+            "false",
+            "measured elsewhere",
+        ]);
     }
     writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
 }
@@ -219,6 +245,7 @@ pub fn plot(study: &Study) -> Plot {
         Method::March => 3,
         Method::JitteredMarch => 4,
         Method::Literal => 5,
+        Method::SlicesUntil => 7,
     };
     let own = study.methods().map(|method| {
         let all = study.usable(method);
@@ -233,7 +260,7 @@ pub fn plot(study: &Study) -> Plot {
     let renderers = study.renderers();
     let peers = renderers.iter().enumerate().map(|(index, name)| Series {
         name: (*name).to_owned(),
-        style: Style::Dashed(6 + index),
+        style: Style::Dashed(PEER_LOOKS[index % 2]),
         points: percent(study.peer_points(name)),
         aside: Vec::new(),
     });

@@ -175,7 +175,7 @@ fn picture_s(plan: &ScalingPlan, scene: &Scene, size: Size) -> f64 {
     let trees = MeshTrees::new(scene);
     let exposure = exposure(plan, scene, &trees, size);
     let stage = stage(plan, &exposure, size);
-    timed(|| Method::Slices.picture(&stage, Effort { samples: plan.samples, steps: None }, 0)).1
+    timed(|| Method::Slices.picture(&stage, Effort::of_samples(plan.samples), 0)).1
 }
 
 /// Wall time of the same with several threads.
@@ -185,7 +185,7 @@ fn wall_s(plan: &ScalingPlan, threads: usize) -> f64 {
     let exposure = exposure(plan, plan.scene, &trees, plan.size);
     let stage = stage(plan, &exposure, plan.size);
     let started = Instant::now();
-    pool.install(|| Method::Slices.picture(&stage, Effort { samples: plan.samples, steps: None }, 0));
+    pool.install(|| Method::Slices.picture(&stage, Effort::of_samples(plan.samples), 0));
     started.elapsed().as_secs_f64()
 }
 
@@ -195,7 +195,7 @@ fn accuracy(plan: &ScalingPlan) -> Vec<(f64, f64)> {
     let exposure = exposure(plan, plan.scene, &trees, plan.size);
     let stage = stage(plan, &exposure, plan.size);
     let picture = |samples: f64, seed: u32| {
-        timed(|| Method::Slices.picture(&stage, Effort { samples: samples as u32, steps: None }, seed))
+        timed(|| Method::Slices.picture(&stage, Effort::of_samples(samples as u32), seed))
     };
     // The reference counts too: the ladder ends early enough for it.
     let shorter = ScalingPlan { longest_s: plan.longest_s / 4.0, rounds: 1, ..*plan };

@@ -115,7 +115,7 @@ fn first_run(plan: &StudyPlan, reference: &Reference, method: Method, effort: Ef
 
 fn literal(plan: &StudyPlan, reference: &Reference) -> Run {
     let (depth_m, step_m) = plan.stage.planes;
-    let effort = Effort { samples: 1, steps: Some((depth_m / step_m).ceil() as u32) };
+    let effort = Effort { steps: Some((depth_m / step_m).ceil() as u32), ..Effort::of_samples(1) };
     let measured = Literal::measure(&plan.stage, plan.triangles, 0.5 * plan.longest_s);
     let picture = Method::Literal.picture(&plan.stage, effort, plan.seed);
     let errors = RelativeErrors::new(&picture, &reference.frame);
@@ -130,13 +130,12 @@ fn literal(plan: &StudyPlan, reference: &Reference) -> Run {
 
 /// How long an effort would take at most, from cheaper ones of the same method; `None` for the cheapest.
 fn expected_s(runs: &[Run], method: Method, effort: Effort) -> Option<f64> {
-    let work = |effort: Effort| f64::from(effort.samples) * f64::from(effort.steps.unwrap_or(1));
     // Only points with no more of either say something; the one nearest in work says most.
     let cheaper = runs.iter().filter(|run| {
         run.method == method && run.effort.samples <= effort.samples && run.effort.steps <= effort.steps
     });
-    let nearest = cheaper.max_by(|a, b| work(a.effort).total_cmp(&work(b.effort)))?;
-    Some(nearest.seconds[0] * work(effort) / work(nearest.effort))
+    let nearest = cheaper.max_by(|a, b| a.effort.work().total_cmp(&b.effort.work()))?;
+    Some(nearest.seconds[0] * effort.work() / nearest.effort.work())
 }
 
 fn point(run: &Run, reference: &Reference) -> Point {

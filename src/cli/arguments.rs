@@ -156,9 +156,12 @@ pub(super) struct BenchArguments {
     /// Where the plot goes as SVG [default: out/bench/NAME.svg].
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
-    /// Instead: how the time grows with leaves, pixels, lights, accuracy, fog and threads.
-    #[arg(long, conflicts_with_all = ["skips", "peers", "reference", "reference_samples"])]
-    pub(super) scaling: bool,
+    /// Instead: how the time grows with all of these, or with those in LIST.
+    #[arg(
+        long, value_enum, value_delimiter = ',', value_name = "LIST", num_args = 0.., require_equals = true,
+        conflicts_with_all = ["skips", "peers", "reference", "reference_samples"]
+    )]
+    pub(super) scaling: Option<Vec<QuantityArgument>>,
     /// Instead: what the renderer leaves out where the scene does not need it, with and without.
     #[arg(long, conflicts_with_all = ["peers", "reference", "reference_samples", "longest", "csv", "svg"])]
     pub(super) skips: bool,
@@ -221,6 +224,18 @@ pub(super) enum MethodArgument {
     Equiangular,
     Segments,
     Slices,
+    /// Slices, with more samples where they are needed.
+    SlicesUntil,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum QuantityArgument {
+    Leaves,
+    Pixels,
+    Lights,
+    Accuracy,
+    Fog,
+    Threads,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -72,8 +72,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     let subject = Subject::new(arguments)?;
     if arguments.skips {
         skips::run(arguments, &subject)
-    } else if arguments.scaling {
-        scaling::run(arguments, &subject)
+    } else if let Some(quantities) = &arguments.scaling {
+        scaling::run(arguments, &subject, quantities)
     } else {
         study(arguments, &subject)
     }
@@ -160,6 +160,7 @@ fn methods(arguments: &[MethodArgument]) -> Vec<Method> {
             MethodArgument::Equiangular => method == Method::Equiangular,
             MethodArgument::Segments => method == Method::Segments,
             MethodArgument::Slices => method == Method::Slices,
+            MethodArgument::SlicesUntil => method == Method::SlicesUntil,
         })
     };
     Method::ALL.into_iter().filter(|&method| asked(method)).collect()
@@ -202,10 +203,14 @@ fn create_folder(path: &Path) -> Result<(), CliError> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    create_folder(path)?;
-    std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
+    save(path, text)?;
     answer(&format!("{} was written", path.display()));
     Ok(())
+}
+
+fn save(path: &Path, text: &str) -> Result<(), CliError> {
+    create_folder(path)?;
+    std::fs::write(path, text).map_err(|error| cannot_write(path, &error))
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> CliError {

@@ -73,9 +73,20 @@ impl Stats {
 fn line(event: &Event) -> Option<Value> {
     Some(match event {
         Event::FrameWritten { frame, seconds, write_seconds, clamped, statistics, .. } => {
-            let Statistics { samples, passes, blocks, unconverged_blocks, error } = statistics;
+            let Statistics {
+                samples,
+                passes,
+                from_slices,
+                slices,
+                segments,
+                blocks,
+                unconverged_blocks,
+                error,
+            } = statistics;
             json!({
                 "frame": frame, "outcome": "written", "render_seconds": seconds, "write_seconds": write_seconds,
+                "method": if *from_slices { "slices" } else { "rays" }, "slices": slices, "segments": segments,
+                "peak_memory_bytes": peak_memory_bytes(),
                 "samples": samples, "passes": passes, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
                 "error": error, "clamped": clamped,
             })
@@ -88,6 +99,14 @@ fn line(event: &Event) -> Option<Value> {
         }
         _ => return None,
     })
+}
+
+/// The most memory that the process has held so far, where Linux tells (proc(5), `VmHWM`).
+fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = peak.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
 }
 
 fn failure(path: &Path, error: &std::io::Error) -> CliError {

@@ -13,6 +13,7 @@ use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, solve};
 use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
 const BATCH: usize = 128;
@@ -26,6 +27,26 @@ pub(super) struct LightPicture<'a> {
     pub(super) job: &'a Job,
     /// The light, as its index in the snapshot.
     pub(super) light: usize,
+    pub(super) tally: &'a Tally,
+}
+
+/// What the slices of a picture took, whichever thread solved them.
+#[derive(Default)]
+pub(super) struct Tally {
+    slices: AtomicU64,
+    segments: AtomicU64,
+}
+
+impl Tally {
+    fn add(&self, segments: usize) {
+        self.slices.fetch_add(1, Ordering::Relaxed);
+        self.segments.fetch_add(segments as u64, Ordering::Relaxed);
+    }
+
+    /// Slices and their segments.
+    pub(super) fn totals(&self) -> (u64, u64) {
+        (self.slices.load(Ordering::Relaxed), self.segments.load(Ordering::Relaxed))
+    }
 }
 
 impl Picture for LightPicture<'_> {
@@ -39,7 +60,7 @@ impl Picture for LightPicture<'_> {
 
     /// A ray of its own, through the pixel's centre.
     fn fill_holes(&self, film: &mut Film, watch: &Watch) {
-        let Self { exposure, job, light } = *self;
+        let Self { exposure, job, light, .. } = *self;
         let mut scratch = Scratch::default();
         for (x, y) in film.holes() {
             if (watch.cancelled)() {
@@ -58,7 +79,7 @@ impl Picture for LightPicture<'_> {
 
 /// Adds a pass's samples to the film.
 fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch) {
-    let LightPicture { exposure, job, light } = *picture;
+    let LightPicture { exposure, job, light, tally } = *picture;
     let mut sampler = Sampler::new(job.seed, light as u32, pass.level, pass.number);
     let draws = Draws::new(exposure, light, &mut sampler);
     let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
@@ -92,11 +113,14 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     size: job.size,
                     wanted: &|x, y| pass.wanted.contains(x, y),
                 };
-                solve(&slice_job, &placed.slice, placed.areas(), scratch, |SliceSample { place, value }| {
+                let add = |SliceSample { place, value }: SliceSample| {
                     let (x, y) = place.pixel(job.size);
                     let from_centre = place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                     samples.add(x, y, 1.0, from_centre.length(), &value);
-                });
+                };
+                if let Some(segments) = solve(&slice_job, &placed.slice, placed.areas(), scratch, add) {
+                    tally.add(segments);
+                }
             },
         );
         film.add_all(&solved);

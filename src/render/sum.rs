@@ -15,7 +15,7 @@ pub(super) struct Sum {
     blocks: Option<Blocks>,
     /// Block by block; those of independent pictures add.
     variances: Vec<f64>,
-    statistics: Statistics,
+    pub(super) statistics: Statistics,
 }
 
 impl Sum {

@@ -22,7 +22,7 @@ fn all_methods_come_to_the_same_picture() {
     let studio = Studio::new();
     let outcome = studio.succeed(&format!("{TINY} --csv a/b.csv --svg a/b.svg"));
     let rows = rows(&studio, "a/b.csv");
-    for method in ["march", "march-jittered", "equiangular", "segments", "slices"] {
+    for method in ["march", "march-jittered", "equiangular", "segments", "slices", "slices-until"] {
         assert!(outcome.out.contains(method), "{}", outcome.out);
         let own: Vec<_> = rows.iter().filter(|row| row["method"] == method).collect();
         assert!(own.len() >= 3, "{method}: {} points", own.len());
@@ -129,6 +129,18 @@ fn growth_has_an_exponent_and_a_plot_for_each_quantity() {
         assert!(own.iter().all(|row| number(row, "seconds") > 0.0 && number(row, "exponent").is_finite()));
         assert!(studio.path(&format!("s.{quantity}.svg")).is_file());
     }
+}
+
+#[test]
+fn growth_of_one_quantity_alone() {
+    let studio = Studio::new();
+    let flags = "--size 8x6 --longest 0.02 --rounds 1 --csv s.csv --svg s.svg";
+    studio.succeed(&format!("bench scene.ron --scaling=fog,lights {flags}"));
+    let rows = rows(&studio, "s.csv");
+    assert!(rows.iter().any(|row| row["quantity"] == "fog"));
+    assert!(rows.iter().all(|row| ["fog", "lights"].contains(&row["quantity"].as_str())), "{rows:?}");
+    let refusal = studio.fail(&format!("bench scene.ron --scaling=love {flags}"), 2);
+    assert!(refusal.contains("leaves") && refusal.contains("love"), "{refusal}");
 }
 
 #[test]

@@ -246,6 +246,11 @@ fn statistics_are_a_line_a_frame() {
     assert_eq!((&written["outcome"], &written["blocks"]), (&"written".into(), &12.into()), "4 x 3 blocks");
     assert!(written["samples"].as_u64().unwrap() >= 4 * 32 * 18 * 9 / 10, "{written}");
     assert!(written["error"].as_f64().unwrap() <= 0.2, "{written}");
+    assert_eq!(written["method"], "slices");
+    let slices = written["slices"].as_u64().unwrap();
+    assert!(slices > 10 && written["segments"].as_u64().unwrap() > slices, "{written}");
+    let memory = written["peak_memory_bytes"].as_u64();
+    assert!(memory.is_some_and(|bytes| bytes > 1 << 20) || !cfg!(target_os = "linux"), "{written}");
     assert!(["snapshot_seconds", "render_seconds", "write_seconds"].iter().all(|key| written[key].is_f64()));
 }
 

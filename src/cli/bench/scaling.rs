@@ -1,11 +1,17 @@
 //! `sunfleck bench --scaling`: how the cost grows. In goes a file, out come exponents, CSV and a
-//! plot for each quantity.
+//! plot for each quantity. Invariant: what was measured before an interruption is in the files.
 
-use super::{BenchArguments, CliError, Subject, answer, output, tell, write};
-use crate::bench::{Quantity, ScalingPlan, growth_csv, growth_plot, growth_table, measure_growth};
+use super::{BenchArguments, CliError, Subject, answer, output, save, tell, write};
+use crate::bench::{Growth, Quantity, ScalingPlan, growth_csv, growth_plot, growth_table, measure_growth};
+use crate::cli::arguments::QuantityArgument;
 use crate::scene::Size;
 
-pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
+/// Measures `quantities`, or all of them if there are none.
+pub(super) fn run(
+    arguments: &BenchArguments,
+    subject: &Subject,
+    quantities: &[QuantityArgument],
+) -> Result<(), CliError> {
     let quick = arguments.quick;
     let plan = ScalingPlan {
         scene: &subject.scene,
@@ -17,25 +23,41 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
         rounds: arguments.rounds.unwrap_or(if quick { 1 } else { 2 }) as usize,
         longest_s: arguments.longest.unwrap_or(if quick { 1.0 } else { 20.0 }),
     };
-    let growths: Vec<_> = Quantity::ALL
-        .into_iter()
-        .map(|quantity| {
-            tell(quantity.name());
-            measure_growth(&plan, quantity)
-        })
-        .collect();
     let Size { width, height } = subject.size;
     let title =
         format!("{}, {width} x {height} pixels, slices, {} samples", subject.settings.name, plan.samples);
-    answer(&format!("{title}\n\n{}", growth_table(&growths)));
-    write(&output(arguments.csv.as_deref(), subject, "scaling.csv"), &growth_csv(&growths))?;
-    for growth in growths.iter().filter(|growth| growth.points.len() > 1) {
-        let kind = format!("{}.svg", growth.quantity.name());
-        let path = match &arguments.svg {
-            Some(path) => path.with_extension(&kind),
-            None => output(None, subject, &kind),
-        };
-        write(&path, &growth_plot(growth, &title).to_svg())?;
+    let csv = output(arguments.csv.as_deref(), subject, "scaling.csv");
+    let mut growths: Vec<Growth> = Vec::new();
+    for quantity in Quantity::ALL {
+        if !quantities.is_empty() && !quantities.iter().any(|asked| asked.quantity() == quantity) {
+            continue;
+        }
+        tell(quantity.name());
+        let growth = measure_growth(&plan, quantity);
+        if growth.points.len() > 1 {
+            let kind = format!("{}.svg", quantity.name());
+            let path = match &arguments.svg {
+                Some(path) => path.with_extension(&kind),
+                None => output(None, subject, &kind),
+            };
+            write(&path, &growth_plot(&growth, &title).to_svg())?;
+        }
+        growths.push(growth);
+        save(&csv, &growth_csv(&growths))?;
     }
+    answer(&format!("{} was written\n\n{title}\n\n{}", csv.display(), growth_table(&growths)));
     Ok(())
+}
+
+impl QuantityArgument {
+    fn quantity(self) -> Quantity {
+        match self {
+            Self::Leaves => Quantity::Leaves,
+            Self::Pixels => Quantity::Pixels,
+            Self::Lights => Quantity::Lights,
+            Self::Accuracy => Quantity::Accuracy,
+            Self::Fog => Quantity::Fog,
+            Self::Threads => Quantity::Threads,
+        }
+    }
 }

@@ -66,14 +66,15 @@ struct SliceRay {
     planar: PlanarRay,
 }
 
-/// Values of samples at ever larger areas of a slice (see [`Slice::place`]).
+/// Values of samples at ever larger areas of a slice (see [`Slice::place`]). Returns how many segments the
+/// slice gathered; `None` if no sample was wanted, and so nothing done.
 pub fn solve(
     job: &SliceJob,
     slice: &Slice,
     areas_per_rad: impl Iterator<Item = f64>,
     scratch: &mut SliceScratch,
     mut sample: impl FnMut(SliceSample),
-) {
+) -> Option<usize> {
     let snapshot = job.snapshot;
     let (light, eye) = (job.light, job.fan.eye);
     let light_rays = match *light {
@@ -97,7 +98,7 @@ pub fn solve(
         })
     }));
     if rays.is_empty() {
-        return;
+        return None;
     }
     slopes.clear();
     slopes.extend(rays.iter().map(|ray| ray.planar.slope));
@@ -182,6 +183,7 @@ pub fn solve(
         let leg = Leg { radiance, shafts, transmittance, covered: surface.is_some(), surface };
         sample(SliceSample { place, value: leg.sample(snapshot, job.transport) });
     }
+    Some(cuts.len())
 }
 
 /// Light scattered on the way, and transmittance, as for any ray whose shadows are known.
