@@ -6,9 +6,6 @@ use super::plot::number;
 use super::{Effort, Method, Plot, Point, Series, Study, Style};
 use std::fmt::Write;
 
-/// Looks of the peers: see [`Style`].
-const PEER_LOOKS: [usize; 2] = [6, 9];
-
 /// Errors whose price is told.
 const LEVELS: [f64; 3] = [0.05, 0.01, 0.001];
 
@@ -245,7 +242,8 @@ pub fn plot(study: &Study) -> Plot {
         Method::March => 3,
         Method::JitteredMarch => 4,
         Method::Literal => 5,
-        Method::SlicesUntil => 7,
+        // The colour of slices, with a marker of its own.
+        Method::SlicesUntil => 8,
     };
     let own = study.methods().map(|method| {
         let all = study.usable(method);
@@ -260,7 +258,7 @@ pub fn plot(study: &Study) -> Plot {
     let renderers = study.renderers();
     let peers = renderers.iter().enumerate().map(|(index, name)| Series {
         name: (*name).to_owned(),
-        style: Style::Dashed(PEER_LOOKS[index % 2]),
+        style: Style::Dashed(6 + index),
         points: percent(study.peer_points(name)),
         aside: Vec::new(),
     });
