@@ -45,7 +45,7 @@ fn add_mesh(scene: &mut Scene, triangles: &[[DVec3; 3]], material: Material) {
         ..Mesh::default()
     });
     let (mesh, material) = (scene.meshes.len() - 1, Some(scene.materials.len() - 1));
-    scene.instances.push(Instance { node, mesh, material, leaf_id: 1 + mesh as u32 });
+    scene.instances.push(Instance { node, mesh, material, leaf_id: 1 + mesh as u32, deformation: None });
 }
 
 /// A parallelogram about `centre`.

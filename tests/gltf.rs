@@ -303,11 +303,6 @@ fn every_sample_loads_or_is_refused_with_the_reason() {
 #[test]
 fn what_is_not_honoured_is_said_once_a_kind() {
     let said = [
-        (
-            "c_morph.glb",
-            "morph targets are not honoured, the base shape is drawn: `leaf_morph_0`, `leaf_morph_1`",
-        ),
-        ("d_skin.glb", "skins are not honoured, the mesh is drawn in its bind pose: `branch`"),
         ("g_pbr.glb", "clearcoat is not honoured: `translucent_leaf`"),
         ("g_pbr.glb", "vertex colours after the first are not honoured (COLOR_1): `vcol`"),
         ("g_pbr.glb", "sheen is not honoured: `translucent_leaf`"),

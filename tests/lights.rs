@@ -243,7 +243,7 @@ fn add_quad(scene: &mut sunfleck::scene::Scene, centre: DVec3, half_x: DVec3, ha
     }
     let node = place(scene, DAffine3::from_translation(centre));
     let (mesh, leaf_id) = (scene.meshes.len() - 1, scene.instances.len() as u32 + 1);
-    scene.instances.push(Instance { node, mesh, material: None, leaf_id });
+    scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation: None });
 }
 
 /// A card in the fog under a wide sun, against steps along the ray and rings and spokes of the sun's disc.

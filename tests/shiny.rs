@@ -31,7 +31,7 @@ fn square(material: Material) -> Scene {
         triangles: [[0, 3, 2], [0, 2, 1]].map(|vertices| Triangle { vertices, material: 0 }).to_vec(),
         ..Mesh::default()
     });
-    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1 });
+    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None });
     scene
 }
 

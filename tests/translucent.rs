@@ -33,7 +33,7 @@ fn sheet(material: Material) -> Scene {
         triangles: vec![Triangle { vertices: [0, 1, 2], material: 0 }],
         ..Mesh::default()
     });
-    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1 });
+    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None });
     scene
 }
 
@@ -88,7 +88,7 @@ fn dark_behind() {
     add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::Z, Rgb::splat(7.0));
     assert!(seen(&scene, DVec3::NEG_Z).min_element() > 0.0);
     let node = place(&mut scene, DAffine3::from_translation(4.0 * DVec3::NEG_Z));
-    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 2 });
+    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 2, deformation: None });
     assert_eq!(seen(&scene, DVec3::NEG_Z), Rgb::ZERO);
 }
 

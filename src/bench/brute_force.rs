@@ -16,11 +16,10 @@ pub fn triangles(scene: &Scene, eye: DVec3, time_s: f64) -> Vec<[DVec3; 3]> {
     let placements = scene.placements(time_s);
     let mut triangles = Vec::new();
     for instance in scene.instances.iter().filter(|instance| placements[instance.node].visible) {
-        let mut relative_from_mesh = placements[instance.node].world_from_node;
+        let (positions, mut relative_from_mesh) = scene.vertices(instance, &placements, time_s);
         relative_from_mesh.translation -= eye;
-        let mesh = &scene.meshes[instance.mesh];
-        for triangle in &mesh.triangles {
-            let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
+        for triangle in &scene.meshes[instance.mesh].triangles {
+            let corner = |vertex: u32| positions[vertex as usize].as_dvec3();
             triangles
                 .push(triangle.vertices.map(|vertex| relative_from_mesh.transform_point3(corner(vertex))));
         }

@@ -3,6 +3,7 @@
 //! every index points somewhere, every number is finite and in range, parents come before children.
 
 mod camera;
+mod deformation;
 mod disc_picture;
 mod fog;
 mod from_gltf;
@@ -20,9 +21,12 @@ mod track;
 
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostics;
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
+use std::borrow::Cow;
+use std::sync::Arc;
 
 pub use camera::{Aperture, Camera, Lens};
+pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, Pose, Shape, Skin};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
@@ -94,6 +98,8 @@ pub struct Instance {
     pub material: Option<MaterialIndex>,
     /// What the `leaf_id` pass shows; 0 is the background, so ids start at 1.
     pub leaf_id: u32,
+    /// How it changes the mesh's shape, if it does.
+    pub deformation: Option<Arc<Deformation>>,
 }
 
 /// Where a node is at one moment.
@@ -123,6 +129,23 @@ impl Scene {
         placements
     }
 
+    /// An instance's vertices at a time for which `placements` are, and where their space is.
+    pub fn vertices(
+        &self,
+        instance: &Instance,
+        placements: &[Placement],
+        time_s: f64,
+    ) -> (Cow<'_, [Vec3]>, DAffine3) {
+        let mesh = &self.meshes[instance.mesh];
+        match &instance.deformation {
+            None => (Cow::Borrowed(&mesh.positions), placements[instance.node].world_from_node),
+            Some(deformation) => {
+                let (pose, world_from_shape) = deformation.pose(placements, instance.node, time_s);
+                (Cow::Owned(deformation.shape(mesh, &pose).positions), world_from_shape)
+            }
+        }
+    }
+
     /// True if every frame shows the same picture.
     pub fn is_still(&self) -> bool {
         let nodes = self.nodes.iter().all(|node| node.motion.is_still() && node.visible.is_constant());
@@ -137,6 +160,7 @@ impl Scene {
                 && fog.anisotropy.is_constant()
                 && falloff.is_none_or(|falloff| falloff.scale_height_m.is_constant())
         });
-        nodes && cameras && lights && fogs
+        let deformations = self.instances.iter().filter_map(|instance| instance.deformation.as_deref());
+        nodes && cameras && lights && fogs && deformations.into_iter().all(Deformation::is_constant)
     }
 }

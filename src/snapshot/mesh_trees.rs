@@ -1,9 +1,11 @@
 //! Mesh trees, built when a frame first needs them and kept for all frames. Invariant: a tree is
 //! built at most once; meshes that no frame shows cost nothing.
 
+use super::bent_mesh::{BentMesh, BentMeshes};
 use crate::accel::MeshTree;
 use crate::color::Rgb;
-use crate::scene::{AlphaMode, Instance, Material, MeshIndex, Scene};
+use crate::scene::{AlphaMode, Deformation, Instance, Material, Mesh, Pose, Scene, Triangle};
+use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
 /// The trees of each of a scene's meshes.
@@ -12,6 +14,8 @@ pub struct MeshTrees {
     trees: Vec<PartTrees>,
     /// Of each material, whether anything shows through it.
     is_blended: Vec<bool>,
+    /// Those of meshes that change their shape.
+    bent: BentMeshes,
 }
 
 /// Trees of a mesh, as far as they were needed; triangles keep their numbers in all of them.
@@ -28,46 +32,71 @@ impl MeshTrees {
         Self {
             trees: scene.meshes.iter().map(|_| PartTrees::default()).collect(),
             is_blended: scene.materials.iter().map(|material| is_blended(scene, material)).collect(),
+            bent: BentMeshes::default(),
         }
+    }
+
+    /// An instance's mesh, bent into a pose.
+    pub(super) fn bent(
+        &self,
+        scene: &Scene,
+        instance: (usize, &Instance),
+        deformation: &Deformation,
+        pose: Pose,
+    ) -> Arc<BentMesh> {
+        self.bent.get(scene, self, instance, deformation, pose)
     }
 
     /// The trees of an instance's opaque and of its blended triangles, where it has such, of the scene that
     /// these trees were made for.
     pub(super) fn of(&self, scene: &Scene, instance: &Instance) -> [Option<Arc<MeshTree>>; 2] {
-        let mesh = &scene.meshes[instance.mesh];
-        let has = match instance.material {
-            Some(material) => [!self.is_blended[material], self.is_blended[material]],
-            None => [false, true].map(|class| {
-                mesh.triangles.iter().any(|triangle| self.is_blended[triangle.material] == class)
-            }),
+        let (index, mesh) = (instance.mesh, &scene.meshes[instance.mesh]);
+        let trees = &self.trees[index];
+        let kept = |tree: &OnceLock<Arc<MeshTree>>, part: Option<bool>| {
+            Arc::clone(tree.get_or_init(|| self.build(mesh, &mesh.positions, part)))
         };
-        match has {
-            [true, true] => [false, true].map(|class| Some(self.part(scene, instance.mesh, class))),
-            [false, true] => [None, Some(self.whole(scene, instance.mesh))],
-            _ => [Some(self.whole(scene, instance.mesh)), None],
+        match self.classes(scene, instance) {
+            [true, true] => {
+                [false, true].map(|class| Some(kept(&trees.parts[usize::from(class)], Some(class))))
+            }
+            [false, true] => [None, Some(kept(&trees.whole, None))],
+            _ => [Some(kept(&trees.whole, None)), None],
         }
     }
 
-    fn whole(&self, scene: &Scene, mesh: MeshIndex) -> Arc<MeshTree> {
-        let tree = self.trees[mesh].whole.get_or_init(|| {
-            let mesh = &scene.meshes[mesh];
-            let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
-            Arc::new(MeshTree::new(&mesh.positions, &triangles))
-        });
-        Arc::clone(tree)
+    /// The same with other positions, not kept.
+    pub(super) fn of_shape(
+        &self,
+        scene: &Scene,
+        instance: &Instance,
+        positions: &[Vec3],
+    ) -> [Option<Arc<MeshTree>>; 2] {
+        let mesh = &scene.meshes[instance.mesh];
+        match self.classes(scene, instance) {
+            [true, true] => [false, true].map(|class| Some(self.build(mesh, positions, Some(class)))),
+            [false, true] => [None, Some(self.build(mesh, positions, None))],
+            _ => [Some(self.build(mesh, positions, None)), None],
+        }
     }
 
-    fn part(&self, scene: &Scene, mesh: MeshIndex, blended: bool) -> Arc<MeshTree> {
-        let tree = self.trees[mesh].parts[usize::from(blended)].get_or_init(|| {
-            let mesh = &scene.meshes[mesh];
-            // Corners that do not exist: such triangles are left out.
-            let nowhere = [u32::MAX; 3];
-            let triangles = mesh.triangles.iter().map(|triangle| {
-                if self.is_blended[triangle.material] == blended { triangle.vertices } else { nowhere }
-            });
-            Arc::new(MeshTree::new(&mesh.positions, &triangles.collect::<Vec<_>>()))
-        });
-        Arc::clone(tree)
+    /// Whether an instance has opaque triangles, and whether it has blended ones.
+    fn classes(&self, scene: &Scene, instance: &Instance) -> [bool; 2] {
+        let triangles = &scene.meshes[instance.mesh].triangles;
+        match instance.material {
+            Some(material) => [!self.is_blended[material], self.is_blended[material]],
+            None => [false, true]
+                .map(|class| triangles.iter().any(|triangle| self.is_blended[triangle.material] == class)),
+        }
+    }
+
+    /// The tree of all triangles, or of the opaque or blended ones.
+    fn build(&self, mesh: &Mesh, positions: &[Vec3], part: Option<bool>) -> Arc<MeshTree> {
+        // Corners that do not exist: such triangles are left out.
+        let nowhere = [u32::MAX; 3];
+        let is_in = |triangle: &Triangle| part.is_none_or(|part| self.is_blended[triangle.material] == part);
+        let corners = |triangle| if is_in(triangle) { triangle.vertices } else { nowhere };
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(corners).collect();
+        Arc::new(MeshTree::new(positions, &triangles))
     }
 
     /// How many meshes have trees, and how many there are.

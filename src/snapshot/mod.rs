@@ -3,6 +3,7 @@
 //! and no absolute time; everything is in *relative space*, world axes with the camera at the
 //! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
 
+mod bent_mesh;
 mod emission;
 mod exposure;
 mod lens;
@@ -15,7 +16,9 @@ use crate::accel::{InstanceTree, PlacedMesh};
 use crate::color::Rgb;
 use crate::scattering::{Falloff, FogBank, Medium};
 use crate::scene::{Fog, FogShape, FrameRate, HeightFalloff, Light, Pass, Scene};
+use bent_mesh::BentMesh;
 use glam::{DAffine3, DMat3, DVec3};
+use std::sync::Arc;
 
 pub use emission::{Cone, Emission};
 pub use exposure::Exposure;
@@ -69,6 +72,8 @@ pub struct Snapshot<'scene> {
 /// An instance of the tree, back in the scene's terms.
 struct Placed {
     instance: usize,
+    /// Its mesh as it is bent, if it is.
+    bent: Option<Arc<BentMesh>>,
     relative_from_mesh: DAffine3,
     /// Inverse transpose, for normals.
     relative_from_mesh_normal: DMat3,
@@ -114,15 +119,25 @@ impl<'scene> Snapshot<'scene> {
             if !placements[instance.node].visible {
                 continue;
             }
-            let relative_from_mesh = relative_from(instance.node);
+            let (bent, relative_from_mesh) = match &instance.deformation {
+                None => (None, relative_from(instance.node)),
+                Some(deformation) => {
+                    let (pose, mut shape) = deformation.pose(&placements, instance.node, time_s);
+                    shape.translation -= view.eye;
+                    (Some(trees.bent(scene, (index, instance), deformation, pose)), shape)
+                }
+            };
             // A leaf scaled to nothing is a leaf that is not there.
             if relative_from_mesh.matrix3.determinant() == 0.0 {
                 continue;
             }
-            for (class, mesh) in trees.of(scene, instance).into_iter().enumerate() {
+            let own = bent.as_ref().map(|bent| bent.trees.clone());
+            let own = own.unwrap_or_else(|| trees.of(scene, instance));
+            for (class, mesh) in own.into_iter().enumerate() {
                 let Some(mesh) = mesh else { continue };
                 placed[class].push(Placed {
                     instance: index,
+                    bent: bent.clone(),
                     relative_from_mesh,
                     relative_from_mesh_normal: relative_from_mesh.matrix3.inverse().transpose(),
                 });

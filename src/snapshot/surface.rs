@@ -71,8 +71,12 @@ impl<'scene> Snapshot<'scene> {
         let triangle = mesh.triangles[primitive.triangle as usize];
         let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
         let corners = triangle.vertices.map(|vertex| vertex as usize);
-        let [a, b, c] = corners
-            .map(|corner| placed.relative_from_mesh.transform_point3(mesh.positions[corner].as_dvec3()));
+        let (positions, normals) = match &placed.bent {
+            None => (&mesh.positions, &mesh.normals),
+            Some(bent) => (&bent.shape.positions, &bent.shape.normals),
+        };
+        let [a, b, c] =
+            corners.map(|corner| placed.relative_from_mesh.transform_point3(positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
         let area_normal = ab.cross(ac);
         let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
@@ -92,9 +96,8 @@ impl<'scene> Snapshot<'scene> {
             normal: area_normal.normalize_or_zero(),
             gradients: [ac.cross(area_normal), area_normal.cross(ab)]
                 .map(|gradient| gradient / area_normal.length_squared()),
-            corner_normals: (!mesh.normals.is_empty()).then(|| {
-                corners.map(|corner| placed.relative_from_mesh_normal * mesh.normals[corner].as_dvec3())
-            }),
+            corner_normals: (!normals.is_empty())
+                .then(|| corners.map(|corner| placed.relative_from_mesh_normal * normals[corner].as_dvec3())),
         }
     }
 

@@ -4,6 +4,7 @@
 
 mod samples;
 mod truth;
+mod vertices;
 
 use samples::{SAMPLES, Sample, WITHOUT_TRUTH, What};
 use serde_json::Value;

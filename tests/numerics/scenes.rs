@@ -57,7 +57,7 @@ pub(crate) fn add_mesh(scene: &mut Scene, positions: Vec<Vec3>, triangles: &[[u3
 pub(crate) fn add_instance(scene: &mut Scene, mesh: usize, frame: &Frame, local: DAffine3) {
     let node = place(scene, frame.placed(local));
     let leaf_id = scene.instances.len() as u32 + 1;
-    scene.instances.push(Instance { node, mesh, material: None, leaf_id });
+    scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation: None });
 }
 
 /// A mesh of its own for some triangles, placed as they are.

@@ -173,10 +173,17 @@ impl<'a> Accessors<'a> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             _ => 0,
         };
         if width != wanted.width {
-            let expected = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][wanted.width];
+            let expected = match wanted.width {
+                1 => "SCALAR",
+                2 => "VEC2",
+                3 => "VEC3",
+                4 => "VEC4",
+                _ => "MAT4",
+            };
             let found = format!("{} cannot be of type `{}`", wanted.purpose, accessor.shape);
             return Err(self.invalid(format!("{path}.type"), found).expected(expected));
         }

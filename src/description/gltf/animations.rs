@@ -2,7 +2,7 @@
 //! increase and it has a value for each of them, or three.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::json::{Animation, Document};
+use super::json::{Animation, Document, Node};
 use super::report::Report;
 use super::{Channel, Interpolation, Values, named};
 use crate::diagnostic::Diagnostic;
@@ -11,6 +11,11 @@ use glam::{DQuat, DVec3};
 const TIMES: Wanted = Wanted { purpose: "key times", width: 1, components: &[Component::F32] };
 const VECTORS: Wanted =
     Wanted { purpose: "translations and scales", width: 3, components: &[Component::F32] };
+const WEIGHTS: Wanted = Wanted {
+    purpose: "weights of morph targets",
+    width: 1,
+    components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
+};
 const ROTATIONS: Wanted = Wanted {
     purpose: "rotations",
     width: 4,
@@ -59,21 +64,19 @@ fn read_channel(
     let wanted = match target.path.as_str() {
         "translation" | "scale" => VECTORS,
         "rotation" => ROTATIONS,
-        "weights" => {
+        "weights" if targets_of(document, target_node) == 0 => {
             let name = named(&target_node.name, "node", node);
-            report.not_honoured(
-                "animated morph weights are not honoured, the mesh keeps its base shape",
-                &name,
-            );
+            report.not_honoured("weights of meshes without morph targets are passed over", &name);
             return Ok(None);
         }
+        "weights" => WEIGHTS,
         other => {
             return Err(accessors
                 .invalid(format!("{place}.target.path"), format!("`{other}` cannot be animated"))
                 .expected("translation, rotation, scale or weights"));
         }
     };
-    if target_node.matrix.is_some() {
+    if target_node.matrix.is_some() && target.path != "weights" {
         return Err(accessors
             .invalid(format!("{place}.target.node"), format!("node {node} is animated and has a matrix"))
             .expected("translation, rotation and scale on nodes that are animated"));
@@ -103,7 +106,8 @@ fn read_channel(
             .expected("key times that strictly increase"));
     }
     let values = accessors.read(sampler.output, wanted, &place)?;
-    let expected = times_s.len() * if interpolation == Interpolation::Cubic { 3 } else { 1 };
+    let a_time = if target.path == "weights" { targets_of(document, target_node) } else { 1 };
+    let expected = times_s.len() * a_time * if interpolation == Interpolation::Cubic { 3 } else { 1 };
     if values.len() / wanted.width != expected {
         return Err(accessors
             .invalid(
@@ -116,6 +120,7 @@ fn read_channel(
     let values = match target.path.as_str() {
         "translation" => Values::Translation(vectors()),
         "scale" => Values::Scale(vectors()),
+        "weights" => Values::Weights(values),
         _ => Values::Rotation(rotations(&values, interpolation).map_err(|key| {
             accessors
                 .invalid(format!("accessors[{}]", sampler.output), format!("rotation {key} has no length"))
@@ -123,6 +128,12 @@ fn read_channel(
         })?),
     };
     Ok(Some(Channel { place, node, times_s, interpolation, values }))
+}
+
+/// How many morph targets a node's mesh has.
+fn targets_of(document: &Document, node: &Node) -> usize {
+    let mesh = node.mesh.and_then(|mesh| document.meshes.get(mesh));
+    mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
 }
 
 /// Quaternions at unit length, derivatives as they are; or the number of one that has no length.

@@ -21,6 +21,7 @@ pub(super) struct Document {
     pub(super) images: Vec<Image>,
     pub(super) samplers: Vec<Sampler>,
     pub(super) cameras: Vec<Camera>,
+    pub(super) skins: Vec<Skin>,
     pub(super) animations: Vec<Animation>,
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<BufferView>,
@@ -89,6 +90,7 @@ pub(super) struct Node {
     pub(super) scale: Option<[f64; 3]>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
+    pub(super) weights: Vec<f64>,
     pub(super) camera: Option<usize>,
     pub(super) extensions: NodeExtensions,
     pub(super) extras: Value,
@@ -112,6 +114,17 @@ pub(super) struct LightReference {
 pub(super) struct Mesh {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
+    #[serde(default)]
+    pub(super) weights: Vec<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub(super) name: Option<String>,
+    pub(super) inverse_bind_matrices: Option<usize>,
+    pub(super) joints: Vec<usize>,
+    pub(super) skeleton: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -122,7 +135,7 @@ pub(super) struct Primitive {
     #[serde(default = "triangles")]
     pub(super) mode: u32,
     #[serde(default)]
-    pub(super) targets: Vec<Value>,
+    pub(super) targets: Vec<BTreeMap<String, usize>>,
     #[serde(default)]
     pub(super) extensions: BTreeMap<String, Value>,
 }

@@ -5,7 +5,7 @@ use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
 use super::texture_maps::{Purpose, layers as layers_of, slots};
-use super::{Mesh, Primitive, named};
+use super::{Mesh, Primitive, morphs, named, skins};
 use crate::diagnostic::Diagnostic;
 use glam::{DVec2, Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -55,7 +55,8 @@ pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut 
             let primitive = read_primitive(document, primitive, &path, &name, accessors, report);
             primitives.extend(report.keep(primitive));
         }
-        Mesh { name, primitives }
+        let weights = morphs::weights(mesh, index, report);
+        Mesh { name, primitives, weights }
     };
     document.meshes.iter().enumerate().map(convert).collect()
 }
@@ -66,12 +67,6 @@ fn is_made_of_triangles(mode: u32) -> bool {
 }
 
 fn report_unused(primitive: &json::Primitive, mesh: &str, report: &mut Report) {
-    if !primitive.targets.is_empty() {
-        report.not_honoured("morph targets are not honoured, the base shape is drawn", mesh);
-    }
-    if primitive.attributes.contains_key("JOINTS_0") {
-        report.not_honoured("joints and weights are not honoured, the bind pose is drawn", mesh);
-    }
     if primitive.extensions.contains_key("KHR_materials_variants") {
         report.not_honoured("material variants are not honoured, the default one is drawn", mesh);
     }
@@ -167,8 +162,11 @@ fn read_primitive(
             .invalid(format!("{path}.mode"), format!("{} vertices of mode {}", indices.len(), primitive.mode))
             .expected("whole triangles: mode 4 with a multiple of 3 vertices, or mode 5 or 6 with 3 or more")
     })?;
+    let targets = morphs::targets(primitive, positions.len(), path, mesh, accessors, report)?;
+    let influences =
+        skins::influences(&primitive.attributes, positions.len(), path, mesh, accessors, report)?;
     let material = primitive.material;
-    Ok(Primitive { positions, normals, uvs, more_uvs, colors, triangles, material })
+    Ok(Primitive { positions, normals, uvs, more_uvs, colors, triangles, material, targets, influences })
 }
 
 fn attribute(attributes: &BTreeMap<String, usize>, name: &str, path: &str) -> Option<(usize, String)> {
@@ -219,7 +217,7 @@ fn colors(numbers: &[f64], width: usize, mesh: &str, report: &mut Report) -> Vec
     if colors.iter().all(|color| *color == Vec3::ONE) { Vec::new() } else { colors }
 }
 
-fn vectors(numbers: &[f64]) -> Vec<Vec3> {
+pub(super) fn vectors(numbers: &[f64]) -> Vec<Vec3> {
     numbers.chunks_exact(3).map(|v| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect()
 }
 

@@ -16,8 +16,10 @@ mod json;
 mod materials;
 mod meshes;
 mod meshopt;
+mod morphs;
 mod nodes;
 pub(crate) mod report;
+mod skins;
 mod texture_maps;
 
 use super::image::DecodedImage;
@@ -49,6 +51,8 @@ pub struct GltfScene {
     pub materials: Vec<Material>,
     /// Textures that the meshes need.
     pub textures: Vec<Texture>,
+    /// All skeletons.
+    pub skins: Vec<Skin>,
     /// All cameras.
     pub cameras: Vec<Camera>,
     /// All lights (KHR_lights_punctual).
@@ -70,8 +74,10 @@ pub struct Node {
     pub transform: Transform,
     /// Index into [`GltfScene::meshes`].
     pub mesh: Option<usize>,
-    /// True if the mesh is bound to a skeleton: its place is then the scene's, not the node's.
-    pub skinned: bool,
+    /// Index into [`GltfScene::skins`]: what its mesh follows instead of the node.
+    pub skin: Option<usize>,
+    /// Of its mesh's morph targets, instead of the mesh's own.
+    pub weights: Option<Vec<f64>>,
     /// Index into [`GltfScene::cameras`].
     pub camera: Option<usize>,
     /// Index into [`GltfScene::lights`].
@@ -103,6 +109,39 @@ pub struct Mesh {
     pub name: String,
     /// Parts; none if nothing in the mesh is a triangle.
     pub primitives: Vec<Primitive>,
+    /// Of the morph targets, one each.
+    pub weights: Vec<f64>,
+}
+
+/// A skeleton.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    /// The author's name, else `skin N`.
+    pub name: String,
+    /// Indices into [`GltfScene::nodes`], at least one.
+    pub joints: Vec<usize>,
+    /// From the mesh at rest to each joint's space.
+    pub inverse_bind: Vec<DAffine3>,
+}
+
+/// Differences that a weight mixes into a primitive.
+#[derive(Clone, Debug, Default)]
+pub struct MorphTarget {
+    /// One a position, or none at all.
+    pub positions: Vec<Vec3>,
+    /// One a position, or none at all.
+    pub normals: Vec<Vec3>,
+}
+
+/// The joints that move each vertex.
+#[derive(Clone, Debug, Default)]
+pub struct Influences {
+    /// Joints a vertex.
+    pub per_vertex: usize,
+    /// Indices into [`Skin::joints`], `per_vertex` for each position.
+    pub joints: Vec<u16>,
+    /// Their shares, at least 0; those of a vertex add up to 1.
+    pub weights: Vec<f32>,
 }
 
 /// Triangles in one material.
@@ -123,6 +162,10 @@ pub struct Primitive {
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`GltfScene::materials`].
     pub material: Option<usize>,
+    /// Shapes that may be mixed in.
+    pub targets: Vec<MorphTarget>,
+    /// What moves its vertices, if anything does.
+    pub influences: Option<Influences>,
 }
 
 /// The part of a material that we can make use of.
@@ -315,6 +358,8 @@ pub enum Values {
     Rotation(Vec<DQuat>),
     /// Factors.
     Scale(Vec<DVec3>),
+    /// Of the morph targets of the node's mesh: one for each of them at a time, cubic three times as many.
+    Weights(Vec<f64>),
 }
 
 /// Loads a `.glb` or `.gltf` file with everything it refers to.
@@ -348,11 +393,15 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         generator: document.asset.generator.clone(),
         nodes: nodes::nodes(&document, &mut report),
         meshes: meshes::read(&document, &accessors, &mut report),
+        skins: skins::read(&document, &accessors, &mut report),
         cameras: nodes::cameras(&document, &mut report),
         lights: nodes::lights(&document, &mut report),
         channels: animations::read(&document, &accessors, &mut report),
         ..GltfScene::default()
     };
+    let targets: Vec<usize> = scene.meshes.iter().map(|mesh| mesh.weights.len()).collect();
+    morphs::check_nodes(&document, &mut scene.nodes, &targets, &mut report);
+    skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
     (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report)?;
     if report.has_errors() {

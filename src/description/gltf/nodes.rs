@@ -23,6 +23,7 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
         index.filter(|&index| report.index_exists(format!("{path}.{at}"), index, count, what))
     };
     let mesh = existing("mesh", node.mesh, document.meshes.len(), "mesh");
+    let skin = existing("skin", node.skin, document.skins.len(), "skin");
     let camera = existing("camera", node.camera, document.cameras.len(), "camera");
     let lights = &document.extensions.lights_punctual.lights;
     let light = node.extensions.light.as_ref().map(|reference| reference.light);
@@ -33,14 +34,12 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
             &name,
         );
     }
-    if node.skin.is_some() && mesh.is_some() {
-        report.not_honoured("skins are not honoured, the mesh is drawn in its bind pose", &name);
-    }
     Node {
         transform: transform(node, &path, report),
         children: node.children.clone(),
         mesh,
-        skinned: node.skin.is_some(),
+        skin,
+        weights: None,
         camera,
         light,
         extras: node.extras.clone(),

@@ -143,9 +143,9 @@ impl Builder<'_> {
         let placements = self.scene.placements(time_s);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for instance in &self.scene.instances {
-            let world_from_node = placements[instance.node].world_from_node;
-            for position in &self.scene.meshes[instance.mesh].positions {
-                let position = world_from_node.transform_point3(position.as_dvec3());
+            let (positions, world_from_mesh) = self.scene.vertices(instance, &placements, time_s);
+            for position in positions.iter() {
+                let position = world_from_mesh.transform_point3(position.as_dvec3());
                 if position.is_finite() {
                     (low, high) = (low.min(position), high.max(position));
                 }

@@ -3,19 +3,25 @@
 use super::Builder;
 use crate::description::gltf::AlphaMode;
 use crate::scene::Mesh;
-use crate::scene::outline::{self, Mask};
+use crate::scene::outline::{self, Between, Mask};
 
 impl Builder<'_> {
-    /// A primitive without what its material's mask hides.
-    pub(super) fn cut_out(&mut self, mut mesh: Mesh, material: Option<usize>) -> Mesh {
-        let Some(material) = material.map(|material| &self.source.materials[material]) else { return mesh };
-        let AlphaMode::Mask(cutoff) = material.alpha_mode else { return mesh };
+    /// A primitive without what its material's mask hides, and the vertices that follow its own.
+    pub(super) fn cut_out(&mut self, mut mesh: Mesh, material: Option<usize>) -> (Mesh, Vec<Between>) {
+        let mut added = Vec::new();
+        let Some(material) = material.map(|material| &self.source.materials[material]) else {
+            return (mesh, added);
+        };
+        let AlphaMode::Mask(cutoff) = material.alpha_mode else { return (mesh, added) };
         let [.., opacity] = material.base_color;
         let before = mesh.triangles.len();
         match material.base_color_texture.filter(|_| !mesh.uvs.is_empty()) {
             Some(texture) => {
-                match outline::cut_out(&mesh, Mask::new(&self.scene.textures[texture], cutoff, opacity)) {
-                    Ok(cut) => mesh = cut,
+                match outline::traced_cut_out(
+                    &mesh,
+                    Mask::new(&self.scene.textures[texture], cutoff, opacity),
+                ) {
+                    Ok(cut) => (mesh, added) = cut,
                     Err(reason) => self.report.not_honoured(reason, &mesh.name),
                 }
             }
@@ -23,6 +29,6 @@ impl Builder<'_> {
             None => {}
         }
         self.outlines.add(&mesh.name, before, mesh.triangles.len());
-        mesh
+        (mesh, added)
     }
 }

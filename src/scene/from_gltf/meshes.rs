@@ -2,15 +2,18 @@
 //! every instance has its own leaf id unless the author gave two the same.
 
 use super::Builder;
+use super::deformations::{Baked, Converted, Part};
 use crate::description::gltf::{self, Primitive};
 use crate::diagnostic::Diagnostic;
-use crate::scene::{Instance, Mesh, MeshIndex, Motion, Node, NodeIndex, Track, Triangle};
+use crate::scene::outline::Between;
+use crate::scene::{Instance, Mesh, Triangle};
 use glam::{Vec2, Vec3};
 
 impl Builder<'_> {
     /// Adds an instance for every node of the scene that shows a mesh, and those meshes.
     pub(super) fn add_meshes_and_instances(&mut self) {
-        let mut converted: Vec<Option<Vec<MeshIndex>>> = vec![None; self.source.meshes.len()];
+        let mut converted: Vec<Option<Vec<Converted>>> = vec![None; self.source.meshes.len()];
+        let mut baked = Baked::new();
         let mut material_used = vec![false; self.source.materials.len()];
         let mut shown = Vec::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
@@ -26,31 +29,31 @@ impl Builder<'_> {
                 }
                 converted[mesh] = Some(self.add_mesh(mesh_source));
             }
-            let place = if node.skinned { self.bind_pose_node() } else { number };
-            shown.push((index, place, mesh));
+            shown.push((index, number, mesh));
         }
         for (material, _) in self.source.materials.iter().zip(material_used).filter(|(_, used)| *used) {
             self.report_material(material);
         }
         let leaf_ids = self.leaf_ids(&shown.iter().map(|&(node, ..)| node).collect::<Vec<_>>());
-        for ((_, node, mesh), leaf_id) in shown.into_iter().zip(leaf_ids) {
-            let meshes = converted[mesh].iter().flatten();
-            let instance = |&mesh| Instance { node, mesh, material: None, leaf_id };
-            self.scene.instances.extend(meshes.map(instance));
+        for ((index, node, source), leaf_id) in shown.into_iter().zip(leaf_ids) {
+            for part in converted[source].iter().flatten() {
+                let (mesh, deformation) = self.bend(part, index, &mut baked);
+                self.scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation });
+            }
         }
     }
 
     /// Adds a mesh: one of ours for the primitives that have normals, one for those that have none.
-    fn add_mesh(&mut self, source: &gltf::Mesh) -> Vec<MeshIndex> {
+    fn add_mesh(&mut self, source: &gltf::Mesh) -> Vec<Converted> {
         let (smooth, flat): (Vec<_>, Vec<_>) =
             source.primitives.iter().partition(|primitive| !primitive.normals.is_empty());
         let mut added = Vec::new();
         for primitives in [smooth, flat].iter().filter(|primitives| !primitives.is_empty()) {
-            let mesh = self.merged(&source.name, primitives);
+            let (mesh, parts) = self.merged(&source.name, primitives);
             if mesh.triangles.is_empty() {
                 continue;
             }
-            added.push(self.scene.meshes.len());
+            added.push(Converted::new(self.scene.meshes.len(), mesh.positions.len(), &parts));
             self.scene.meshes.push(mesh);
         }
         if added.is_empty() {
@@ -59,14 +62,17 @@ impl Builder<'_> {
         added
     }
 
-    fn merged(&mut self, name: &str, primitives: &[&Primitive]) -> Mesh {
+    /// Primitives as one mesh, and where in it they are.
+    fn merged<'p>(&mut self, name: &str, primitives: &[&'p Primitive]) -> (Mesh, Vec<Part<'p>>) {
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
+        let mut parts = Vec::new();
         let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
         let colored = primitives.iter().any(|primitive| !primitive.colors.is_empty());
         let layers = primitives.iter().map(|primitive| primitive.more_uvs.len()).max().unwrap_or_default();
         mesh.more_uvs.resize(layers, Vec::new());
         for primitive in primitives {
-            let part = self.part(name, primitive);
+            let (part, cuts) = self.part(name, primitive);
+            parts.push(Part { primitive, first: mesh.positions.len(), cuts });
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(part.positions);
             mesh.normals.extend(part.normals);
@@ -89,11 +95,11 @@ impl Builder<'_> {
             };
             mesh.triangles.extend(part.triangles.into_iter().map(moved));
         }
-        mesh
+        (mesh, parts)
     }
 
-    /// A primitive as a mesh of its own, without what its material hides.
-    fn part(&mut self, name: &str, primitive: &Primitive) -> Mesh {
+    /// A primitive as a mesh of its own, without what its material hides, and where it was cut.
+    fn part(&mut self, name: &str, primitive: &Primitive) -> (Mesh, Vec<Between>) {
         let material = self.material_of(primitive.material);
         let triangle = |&vertices: &[u32; 3]| Triangle { vertices, material };
         let whole = Mesh {
@@ -106,23 +112,6 @@ impl Builder<'_> {
             triangles: primitive.triangles.iter().map(triangle).collect(),
         };
         self.cut_out(whole, primitive.material)
-    }
-
-    /// A node at the scene's origin: a skinned mesh ignores its own node's place (specification,
-    /// 3.7.3.1), and in the bind pose its skeleton leaves it where its vertices say.
-    fn bind_pose_node(&mut self) -> NodeIndex {
-        if let Some(node) = self.bind_pose {
-            return node;
-        }
-        let node = self.scene.nodes.len();
-        self.scene.nodes.push(Node {
-            name: String::from("bind pose"),
-            parent: None,
-            motion: Motion::STILL,
-            visible: Track::from(true),
-        });
-        self.bind_pose = Some(node);
-        node
     }
 
     /// The author's leaf ids, and for the other nodes numbers that follow, from 1.

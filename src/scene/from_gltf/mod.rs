@@ -3,6 +3,7 @@
 
 mod cameras;
 mod clock;
+mod deformations;
 mod extras;
 mod fog;
 mod light_extras;
@@ -14,8 +15,8 @@ mod surfaces;
 
 use super::outline::Tally;
 use super::{LightUnits, RenderSettings, Scene};
-use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
+use crate::description::gltf::{Channel, GltfScene};
 use crate::diagnostic::Diagnostics;
 use clock::Clock;
 
@@ -27,8 +28,8 @@ struct Builder<'a> {
     report: Report,
     /// Our number of each of the file's nodes; `None` for those outside the scene.
     node_numbers: Vec<Option<usize>>,
-    /// The node of meshes that are drawn in their bind pose, once there is one.
-    bind_pose: Option<usize>,
+    /// What morph weights each node's mesh has at what time, if they are animated.
+    weight_channels: Vec<Option<&'a Channel>>,
     /// Meshes that a mask has cut.
     outlines: Tally,
 }
@@ -48,13 +49,14 @@ pub(super) fn resolve(
 
     let textures = std::mem::take(&mut source.textures);
     let node_numbers = vec![None; source.nodes.len()];
+    let weight_channels = vec![None; source.nodes.len()];
     let mut builder = Builder {
         source: &source,
         clock,
         scene: Scene::default(),
         report,
         node_numbers,
-        bind_pose: None,
+        weight_channels,
         outlines: Tally::default(),
     };
     builder.add_nodes();

@@ -48,6 +48,7 @@ impl<'a> Builder<'a> {
                 Values::Translation(_) => &mut channels.translation,
                 Values::Rotation(_) => &mut channels.rotation,
                 Values::Scale(_) => &mut channels.scale,
+                Values::Weights(_) => &mut self.weight_channels[channel.node],
             };
             if property.replace(channel).is_some() {
                 self.report.not_honoured(
@@ -86,7 +87,7 @@ impl<'a> Builder<'a> {
 }
 
 /// A channel as a track; `None` only if its times do not increase, which reading the file excludes.
-fn track<T: Animate>(channel: &Channel, values: &[T], clock: &Clock) -> Option<Track<T>> {
+pub(super) fn track<T: Animate>(channel: &Channel, values: &[T], clock: &Clock) -> Option<Track<T>> {
     let keys = channel.times_s.iter().enumerate().map(|(index, &time_s)| {
         let (value, to_next) = match channel.interpolation {
             Interpolation::Step => (values[index], Segment::Step),

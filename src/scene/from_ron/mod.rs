@@ -141,7 +141,7 @@ impl<'a> Resolver<'a> {
     fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
         let Some(mesh) = self.cut_out(mesh, material) else { return };
         let leaf_id = self.scene.instances.len() as u32 + 1;
-        self.scene.instances.push(Instance { node, mesh, material, leaf_id });
+        self.scene.instances.push(Instance { node, mesh, material, leaf_id, deformation: None });
     }
 
     /// The node that `owner` follows: `Some(None)` is none, `None` is one that does not exist.

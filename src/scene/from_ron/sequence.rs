@@ -109,6 +109,9 @@ impl KeyTimes {
                 times.add(number);
             }
         }
+        for deformation in scene.instances.iter().filter_map(|instance| instance.deformation.as_ref()) {
+            deformation.weights.iter().for_each(|weight| times.add(weight));
+        }
         for fog in &scene.fogs {
             times.add(&fog.density_per_m);
             times.add(&fog.albedo);

@@ -41,11 +41,11 @@ impl<'a> Mask<'a> {
 
 /// A vertex on an edge of a triangle or within it.
 #[derive(Clone, Copy, Debug)]
-struct Between {
+pub(super) struct Between {
     /// Vertices of the triangle.
-    corners: [u32; 3],
+    pub(super) corners: [u32; 3],
     /// How much each of them counts; 1 in sum.
-    weights: [f64; 3],
+    pub(super) weights: [f64; 3],
 }
 
 /// Which meshes were cut out, to be said once.
@@ -89,6 +89,11 @@ struct Outlined {
 
 /// What is left of a mesh whose triangles all have one material; none of them if the mask hides all.
 pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, &'static str> {
+    traced_cut_out(mesh, mask).map(|(mesh, _)| mesh)
+}
+
+/// The same, and the vertices that follow the mesh's own.
+pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), &'static str> {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     let Outlined { added, triangles } = outlined(mask, &mesh.uvs, &triangles)?;
     let blended = |values: &[Vec3]| -> Vec<Vec3> {
@@ -104,7 +109,7 @@ pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, &'static str> {
         blended(&uvs).into_iter().map(Vec3::truncate).collect()
     };
     let material = mesh.triangles.first().map_or(0, |triangle| triangle.material);
-    Ok(Mesh {
+    let cut = Mesh {
         name: mesh.name.clone(),
         positions: blended(&mesh.positions),
         // Two that cancel each other leave none: any direction will do.
@@ -113,7 +118,8 @@ pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, &'static str> {
         more_uvs: mesh.more_uvs.iter().map(blended_uvs).collect(),
         colors: blended(&mesh.colors),
         triangles: triangles.into_iter().map(|vertices| Triangle { vertices, material }).collect(),
-    })
+    };
+    Ok((cut, added))
 }
 
 /// Cuts out what the mask shows; the reason if that cannot be done.

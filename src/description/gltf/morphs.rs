@@ -1,0 +1,83 @@
+//! Morph targets, checked. Invariant: a target has a difference for every vertex, or none at all, and
+//! all primitives of a mesh have as many targets as it has weights.
+
+use super::accessor::{Accessors, Component, Wanted};
+use super::json::{self, Document};
+use super::meshes::vectors;
+use super::report::Report;
+use super::{MorphTarget, Node};
+use crate::diagnostic::Diagnostic;
+use glam::Vec3;
+
+const DIFFERENCES: Wanted = Wanted {
+    purpose: "differences of morph targets",
+    width: 3,
+    components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
+};
+
+/// The targets of a primitive of so many vertices, which stands at `path`.
+pub(super) fn targets(
+    primitive: &json::Primitive,
+    vertices: usize,
+    path: &str,
+    mesh: &str,
+    accessors: &Accessors<'_>,
+    report: &mut Report,
+) -> Result<Vec<MorphTarget>, Diagnostic> {
+    let mut targets = Vec::with_capacity(primitive.targets.len());
+    for (number, attributes) in primitive.targets.iter().enumerate() {
+        for name in attributes.keys().filter(|name| !["POSITION", "NORMAL"].contains(&name.as_str())) {
+            let name = format!("{name}` of `{mesh}");
+            report.not_honoured("morph targets change positions and normals alone, not these", &name);
+        }
+        let differences = |name: &str| -> Result<Vec<Vec3>, Diagnostic> {
+            let Some(&index) = attributes.get(name) else { return Ok(Vec::new()) };
+            let user = format!("{path}.targets[{number}].{name}");
+            let differences = vectors(&accessors.read(index, DIFFERENCES, &user)?);
+            if differences.len() == vertices {
+                return Ok(differences);
+            }
+            let found = format!("there are {vertices} positions and {} of these", differences.len());
+            Err(accessors.invalid(user, found).expected("as many as there are positions"))
+        };
+        targets.push(MorphTarget { positions: differences("POSITION")?, normals: differences("NORMAL")? });
+    }
+    Ok(targets)
+}
+
+/// The weights of a mesh, 0 where the file has none.
+pub(super) fn weights(mesh: &json::Mesh, index: usize, report: &mut Report) -> Vec<f64> {
+    let count = mesh.primitives.first().map_or(0, |primitive| primitive.targets.len());
+    if mesh.primitives.iter().any(|primitive| primitive.targets.len() != count) {
+        let found = "the primitives of the mesh have different numbers of morph targets";
+        report.error(format!("meshes[{index}].primitives"), found, "the same targets in all of them");
+    }
+    checked(&mesh.weights, count, &format!("meshes[{index}].weights"), report).unwrap_or(vec![0.0; count])
+}
+
+/// Checks the weights of nodes against the targets of their meshes.
+pub(super) fn check_nodes(document: &Document, nodes: &mut [Node], counts: &[usize], report: &mut Report) {
+    for (index, (node, source)) in nodes.iter_mut().zip(&document.nodes).enumerate() {
+        let Some(&count) = node.mesh.and_then(|mesh| counts.get(mesh)) else { continue };
+        node.weights = checked(&source.weights, count, &format!("nodes[{index}].weights"), report);
+    }
+}
+
+fn checked(weights: &[f64], count: usize, path: &str, report: &mut Report) -> Option<Vec<f64>> {
+    if weights.is_empty() {
+        return None;
+    }
+    if count == 0 {
+        report.not_honoured("weights of meshes without morph targets are passed over", path);
+        return None;
+    }
+    if weights.len() != count || weights.iter().any(|weight| weight.abs() > LARGEST_WEIGHT) {
+        let found = format!("{weights:?} are no weights of {count} morph targets");
+        report.error(path, found, "a number for each of them, at most a million");
+        return None;
+    }
+    Some(weights.to_vec())
+}
+
+/// Weights beyond this are refused: products with them shall stay in single precision.
+const LARGEST_WEIGHT: f64 = 1e6;

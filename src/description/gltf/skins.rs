@@ -1,0 +1,159 @@
+//! Skins and the influences of joints on vertices, checked. Invariants: joints exist; the weights of a
+//! vertex add up to 1; a node has a skin only if all vertices of its mesh hang on that skin's joints.
+
+use super::accessor::{Accessors, Component, Wanted};
+use super::json::{self, Document};
+use super::report::Report;
+use super::{GltfScene, Influences, Skin, named};
+use crate::diagnostic::Diagnostic;
+use glam::{DAffine3, DMat4, DVec4};
+use std::collections::BTreeMap;
+
+const MATRICES: Wanted =
+    Wanted { purpose: "inverse bind matrices", width: 16, components: &[Component::F32] };
+const JOINTS: Wanted = Wanted { purpose: "joints", width: 4, components: &[Component::U8, Component::U16] };
+const WEIGHTS: Wanted = Wanted {
+    purpose: "weights of joints",
+    width: 4,
+    components: &[Component::F32, Component::U8, Component::U16],
+};
+
+/// How far from 1 the weights of a vertex may add up to before it is said; 8 bits round four of them to 8e-3.
+const SUM_TOLERANCE: f64 = 1e-2;
+
+/// All skins.
+pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Skin> {
+    let convert = |(index, skin): (usize, &json::Skin)| {
+        let path = format!("skins[{index}]");
+        if skin.joints.is_empty() {
+            report.error(format!("{path}.joints"), "the skin has no joints", "at least one joint");
+        }
+        for (number, &joint) in skin.joints.iter().enumerate() {
+            report.index_exists(format!("{path}.joints[{number}]"), joint, document.nodes.len(), "node");
+        }
+        if let Some(skeleton) = skin.skeleton {
+            report.index_exists(format!("{path}.skeleton"), skeleton, document.nodes.len(), "node");
+        }
+        let matrices = report.keep(inverse_bind_matrices(skin, &path, accessors)).unwrap_or_default();
+        let identity = || vec![DAffine3::IDENTITY; skin.joints.len()];
+        Skin {
+            name: named(&skin.name, "skin", index),
+            joints: skin.joints.clone(),
+            inverse_bind: if matrices.is_empty() { identity() } else { matrices },
+        }
+    };
+    document.skins.iter().enumerate().map(convert).collect()
+}
+
+fn inverse_bind_matrices(
+    skin: &json::Skin,
+    path: &str,
+    accessors: &Accessors<'_>,
+) -> Result<Vec<DAffine3>, Diagnostic> {
+    let Some(index) = skin.inverse_bind_matrices else { return Ok(Vec::new()) };
+    let path = format!("{path}.inverseBindMatrices");
+    let numbers = accessors.read(index, MATRICES, &path)?;
+    let (count, joints) = (numbers.len() / 16, skin.joints.len());
+    if count < joints {
+        let found = format!("there are {joints} joints and {count} inverse bind matrices");
+        return Err(accessors.invalid(path, found).expected("a matrix for each joint"));
+    }
+    let affine = |(number, columns): (usize, &[f64])| {
+        let matrix = DMat4::from_cols_slice(columns);
+        if matrix.row(3).abs_diff_eq(DVec4::W, 1e-6) {
+            return Ok(DAffine3::from_mat4(matrix));
+        }
+        Err(accessors
+            .invalid(&path, format!("matrix {number} is not affine"))
+            .expected("a last row of 0, 0, 0, 1"))
+    };
+    numbers.chunks_exact(16).take(joints).enumerate().map(affine).collect()
+}
+
+/// What moves the vertices of a primitive; `None` if nothing does.
+pub(super) fn influences(
+    attributes: &BTreeMap<String, usize>,
+    vertices: usize,
+    path: &str,
+    mesh: &str,
+    accessors: &Accessors<'_>,
+    report: &mut Report,
+) -> Result<Option<Influences>, Diagnostic> {
+    let mut sets = Vec::new();
+    // Four joints a vertex in each set, as many sets as there are.
+    while let Some(&joints) = attributes.get(&format!("JOINTS_{}", sets.len())) {
+        let set = sets.len();
+        let user = |name: &str| format!("{path}.attributes.{name}_{set}");
+        let Some(&weights) = attributes.get(&format!("WEIGHTS_{set}")) else {
+            let found = "there are joints without weights";
+            return Err(accessors.invalid(user("JOINTS"), found).expected(format!("WEIGHTS_{set}")));
+        };
+        let joints = accessors.read(joints, JOINTS, &user("JOINTS"))?;
+        let weights = accessors.read(weights, WEIGHTS, &user("WEIGHTS"))?;
+        for (numbers, name) in [(&joints, "JOINTS"), (&weights, "WEIGHTS")] {
+            if numbers.len() != 4 * vertices {
+                let found = format!("there are {vertices} positions and {} of these", numbers.len() / 4);
+                return Err(accessors.invalid(user(name), found).expected("as many as there are positions"));
+            }
+        }
+        if let Some(at) = weights.iter().position(|&weight| weight < 0.0) {
+            let found = format!("a weight of vertex {} is negative", at / 4);
+            return Err(accessors.invalid(user("WEIGHTS"), found).expected("weights of at least 0"));
+        }
+        sets.push((joints, weights));
+    }
+    if sets.is_empty() {
+        return Ok(None);
+    }
+    let mut influences = Influences { per_vertex: 4 * sets.len(), ..Influences::default() };
+    let mut is_uneven = false;
+    for vertex in 0..vertices {
+        let own = 4 * vertex..4 * vertex + 4;
+        let sum: f64 = sets.iter().flat_map(|(_, weights)| &weights[own.clone()]).sum();
+        is_uneven |= (sum - 1.0).abs() > SUM_TOLERANCE;
+        for (set, (joints, weights)) in sets.iter().enumerate() {
+            for (place, at) in own.clone().enumerate() {
+                // A vertex that hangs on nothing hangs on its first joint.
+                let first = f64::from(u8::from(set == 0 && place == 0));
+                let weight = if sum > 0.0 { weights[at] / sum } else { first };
+                influences.joints.push(if weight > 0.0 { joints[at] as u16 } else { 0 });
+                influences.weights.push(weight as f32);
+            }
+        }
+    }
+    if is_uneven {
+        report.not_honoured("weights of joints that do not add up to 1 are scaled so that they do", mesh);
+    }
+    Ok(Some(influences))
+}
+
+/// Checks each node's skin against its mesh.
+pub(super) fn check_nodes(scene: &mut GltfScene, report: &mut Report) {
+    for (index, node) in scene.nodes.iter_mut().enumerate() {
+        let (Some(skin), Some(mesh)) = (node.skin, node.mesh) else {
+            node.skin = None;
+            continue;
+        };
+        let (Some(skin), Some(mesh)) = (scene.skins.get(skin), scene.meshes.get(mesh)) else { continue };
+        let joints = skin.joints.len();
+        let mut is_bound = !mesh.primitives.is_empty();
+        for primitive in &mesh.primitives {
+            let Some(influences) = &primitive.influences else {
+                is_bound = false;
+                continue;
+            };
+            if let Some(&joint) = influences.joints.iter().find(|joint| usize::from(**joint) >= joints) {
+                report.error(
+                    format!("nodes[{index}].skin"),
+                    format!("the mesh hangs on joint {joint} of `{}`, which has {joints}", skin.name),
+                    "joints that the skin has",
+                );
+            }
+        }
+        if !is_bound {
+            let message = "skins of meshes that do not say what they hang on are passed over";
+            report.not_honoured(message, &node.name);
+            node.skin = None;
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! How the mesh of an instance changes its shape: morph targets first, then a skin. In go the mesh at
+//! rest and a time, out come its vertices. Invariants: targets and influences have a value for every
+//! vertex of the mesh; every joint's node exists.
+
+use super::{Mesh, NodeIndex, Placement, Track};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use std::sync::Arc;
+
+/// What bends the mesh of one instance.
+#[derive(Clone, Debug)]
+pub struct Deformation {
+    /// The shapes that are mixed in; shared by all instances of the mesh.
+    pub targets: Arc<[MorphTarget]>,
+    /// How much of each; any number, also below 0.
+    pub weights: Vec<Track<f64>>,
+    /// The skeleton that it follows.
+    pub skin: Option<Skin>,
+    /// Vertices that lie on triangles of the mesh before it was cut, and stay there.
+    pub inner: Arc<[InnerVertex]>,
+}
+
+/// A vertex on a triangle of three others.
+#[derive(Clone, Copy, Debug)]
+pub struct InnerVertex {
+    /// Which vertex of the mesh.
+    pub vertex: u32,
+    /// The triangle's, none of which is an inner vertex.
+    pub corners: [u32; 3],
+    /// How much each of them counts; 1 in sum.
+    pub weights: [f64; 3],
+}
+
+/// Differences from the mesh at rest.
+#[derive(Clone, Debug, Default)]
+pub struct MorphTarget {
+    /// One a vertex, or none at all.
+    pub positions: Vec<Vec3>,
+    /// One a vertex, or none at all.
+    pub normals: Vec<Vec3>,
+}
+
+/// A skeleton and how the vertices hang on it.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    /// At least one.
+    pub joints: Arc<[Joint]>,
+    /// Which of them move which vertex.
+    pub influences: Arc<Influences>,
+}
+
+/// A node that moves vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    /// Where it is.
+    pub node: NodeIndex,
+    /// From the mesh at rest to the joint's space.
+    pub joint_from_rest: DAffine3,
+}
+
+/// Shares of joints in vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Influences {
+    /// Joints a vertex.
+    pub per_vertex: usize,
+    /// Indices of joints, `per_vertex` for each vertex.
+    pub joints: Vec<u16>,
+    /// Their shares, which add up to 1.
+    pub weights: Vec<f32>,
+}
+
+/// Everything that the shape of a mesh depends on at one time, and where that shape stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// Of the morph targets.
+    pub weights: Vec<f64>,
+    /// Of the joints, to the space of the shape.
+    pub shape_from_rest: Vec<DAffine3>,
+}
+
+/// A mesh's vertices at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// One a vertex.
+    pub positions: Vec<Vec3>,
+    /// One a vertex, or none at all; unit length.
+    pub normals: Vec<Vec3>,
+}
+
+impl Deformation {
+    /// True if its weights are the same at all times; joints move on their own.
+    pub fn is_constant(&self) -> bool {
+        self.weights.iter().all(Track::is_constant)
+    }
+
+    /// The pose at a time, and where its shape stands: with its node, or if it follows a skeleton with
+    /// that one's first joint, unturned, so that single precision need not hold the scene's extent.
+    pub fn pose(&self, placements: &[Placement], node: NodeIndex, time_s: f64) -> (Pose, DAffine3) {
+        let weights = self.weights.iter().map(|weight| weight.at(time_s)).collect();
+        let Some(skin) = &self.skin else {
+            let pose = Pose { weights, shape_from_rest: Vec::new() };
+            return (pose, placements[node].world_from_node);
+        };
+        let world_from_joint = |joint: &Joint| placements[joint.node].world_from_node;
+        let anchor = skin.joints.first().map_or(DVec3::ZERO, |joint| world_from_joint(joint).translation);
+        let shape_from_rest = |joint: &Joint| {
+            let mut shape_from_joint = world_from_joint(joint);
+            shape_from_joint.translation -= anchor;
+            shape_from_joint * joint.joint_from_rest
+        };
+        let shape_from_rest = skin.joints.iter().map(shape_from_rest).collect();
+        (Pose { weights, shape_from_rest }, DAffine3::from_translation(anchor))
+    }
+
+    /// The shape of `mesh`, which has to be the one that this was made for, in a pose.
+    pub fn shape(&self, mesh: &Mesh, pose: &Pose) -> Shape {
+        let mut positions: Vec<DVec3> = mesh.positions.iter().map(|position| position.as_dvec3()).collect();
+        let mut normals: Vec<DVec3> = mesh.normals.iter().map(|normal| normal.as_dvec3()).collect();
+        for (target, &weight) in self.targets.iter().zip(&pose.weights).filter(|(_, weight)| **weight != 0.0)
+        {
+            add(&mut positions, &target.positions, weight);
+            add(&mut normals, &target.normals, weight);
+        }
+        if let Some(skin) = &self.skin {
+            for (vertex, position) in positions.iter_mut().enumerate() {
+                let shape_from_rest = skin.influences.blend(vertex, &pose.shape_from_rest);
+                *position = shape_from_rest.transform_point3(*position);
+                if let Some(normal) = normals.get_mut(vertex) {
+                    *normal = cofactor(shape_from_rest.matrix3) * *normal;
+                }
+            }
+        }
+        for InnerVertex { vertex, corners, weights } in self.inner.iter() {
+            let between = |values: &[DVec3]| -> DVec3 {
+                (0..3).map(|corner| weights[corner] * values[corners[corner] as usize]).sum()
+            };
+            positions[*vertex as usize] = between(&positions);
+            if !normals.is_empty() {
+                normals[*vertex as usize] = between(&normals);
+            }
+        }
+        // Where a normal vanishes, that of the mesh at rest will do.
+        let unit =
+            |(normal, rest): (&DVec3, &Vec3)| normal.try_normalize().map_or(*rest, |normal| normal.as_vec3());
+        Shape {
+            positions: positions.iter().map(|position| position.as_vec3()).collect(),
+            normals: normals.iter().zip(&mesh.normals).map(unit).collect(),
+        }
+    }
+}
+
+impl Influences {
+    /// Linear blend skinning (glTF specification, 3.7.3.3): the mean of the joints' matrices.
+    fn blend(&self, vertex: usize, matrices: &[DAffine3]) -> DAffine3 {
+        let own = vertex * self.per_vertex..(vertex + 1) * self.per_vertex;
+        let mut sum = DAffine3::from_mat3_translation(DMat3::ZERO, DVec3::ZERO);
+        for (&joint, &weight) in self.joints[own.clone()].iter().zip(&self.weights[own]) {
+            let (matrix, weight) = (matrices[usize::from(joint)], f64::from(weight));
+            sum.matrix3 += matrix.matrix3 * weight;
+            sum.translation += matrix.translation * weight;
+        }
+        sum
+    }
+}
+
+fn add(values: &mut [DVec3], differences: &[Vec3], weight: f64) {
+    for (value, difference) in values.iter_mut().zip(differences) {
+        *value += difference.as_dvec3() * weight;
+    }
+}
+
+/// The inverse transpose times the determinant, which turns normals and exists for every matrix.
+fn cofactor(m: DMat3) -> DMat3 {
+    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quarter turn about z of one joint takes half of a vertex that hangs on two with it.
+    #[test]
+    fn skins_blend_the_matrices_of_joints() {
+        let mesh =
+            Mesh { positions: vec![Vec3::X, Vec3::X], normals: vec![Vec3::X, Vec3::Z], ..Mesh::default() };
+        let joint = |node| Joint { node, joint_from_rest: DAffine3::IDENTITY };
+        let influences =
+            Influences { per_vertex: 2, joints: vec![1, 0, 0, 1], weights: vec![1.0, 0.0, 0.5, 0.5] };
+        let skin = Some(Skin { joints: [joint(0), joint(1)].into(), influences: Arc::new(influences) });
+        let deformation = Deformation { targets: [].into(), weights: Vec::new(), skin, inner: [].into() };
+        let far = DVec3::new(1e6, 0.0, 0.0);
+        let turn = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2);
+        let placements = [DAffine3::IDENTITY, turn]
+            .map(|m| Placement { world_from_node: DAffine3::from_translation(far) * m, visible: true });
+        let (pose, world_from_shape) = deformation.pose(&placements, 0, 0.0);
+        assert_eq!(world_from_shape, DAffine3::from_translation(far));
+        let shape = deformation.shape(&mesh, &pose);
+        assert!(shape.positions[0].distance(Vec3::Y) < 1e-7);
+        assert!(shape.positions[1].distance(Vec3::new(0.5, 0.5, 0.0)) < 1e-7);
+        assert!(shape.normals[0].distance(Vec3::Y) < 1e-7);
+        assert!(shape.normals[1].distance(Vec3::Z) < 1e-7);
+    }
+
+    #[test]
+    fn morph_targets_add_up_with_any_weights() {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::ZERO],
+            normals: vec![Vec3::Z; 3],
+            ..Mesh::default()
+        };
+        let raised = MorphTarget {
+            positions: vec![Vec3::Y, Vec3::ZERO, Vec3::ZERO],
+            normals: vec![Vec3::X, Vec3::ZERO, Vec3::ZERO],
+        };
+        let wide = MorphTarget { positions: vec![Vec3::ZERO, Vec3::X, Vec3::ZERO], normals: Vec::new() };
+        let weights = vec![Track::from(2.0), Track::from(-0.5)];
+        let inner = [InnerVertex { vertex: 2, corners: [0, 1, 1], weights: [0.25, 0.5, 0.25] }].into();
+        let deformation = Deformation { targets: [raised, wide].into(), weights, skin: None, inner };
+        let turned = Placement { world_from_node: DAffine3::from_rotation_x(1.0), visible: true };
+        let (pose, world_from_shape) = deformation.pose(&[turned], 0, 0.0);
+        assert_eq!(world_from_shape, turned.world_from_node);
+        let shape = deformation.shape(&mesh, &pose);
+        assert_eq!(shape.positions, [Vec3::Y * 2.0, Vec3::X * 0.5, Vec3::new(0.375, 0.5, 0.0)]);
+        assert!(shape.normals[0].distance(Vec3::new(2.0, 0.0, 1.0).normalize()) < 1e-7);
+        assert_eq!(shape.normals[1], Vec3::Z);
+    }
+}
