@@ -40,12 +40,27 @@ class Frame:
     channels: dict[str, np.ndarray]
     hash: str
     wide: dict[str, np.ndarray] = field(default_factory=dict)
+    bits: dict[str, tuple[int, int]] = field(default_factory=dict)
 
     def float(self, name: str) -> np.ndarray:
         """A channel as float32, converted once."""
         if name not in self.wide:
             self.wide[name] = self.channels[name].astype(np.float32)
         return self.wide[name]
+
+    def half_bits(self, name: str) -> tuple[int, int] | None:
+        """Of a half channel the largest bits without the sign, and with it; integers compare faster than floats convert.
+
+        Without the sign they grow with the magnitude: 0x7bff is the largest number, 0x7c00 infinity, more is NaN. With the
+        sign, more than 0x8000 (minus zero) is a value below zero.
+        """
+        stored = self.channels[name]
+        if stored.dtype != np.float16:
+            return None
+        if name not in self.bits:
+            bits = stored.view(np.uint16)
+            self.bits[name] = int((bits & 0x7FFF).max()), int(bits.max())
+        return self.bits[name]
 
     def group(self, prefix: str = "") -> list[np.ndarray] | None:
         """The channels R, G and B of a layer, if it has them all."""

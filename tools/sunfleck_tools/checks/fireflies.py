@@ -2,7 +2,7 @@
 
 A spike of noise is one pixel in one frame; a spark, a gap between leaves or a highlight is wider, or lasts. Spikes no brighter
 than what is lit well are not told from small leaves, and pass. Invariant: no more
-than `MOST` candidates a frame, so that a picture of noise costs no more than another.
+than `MOST` candidates a frame: more are noise, and cost.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ISOLATION = 5.0
 COMPANY = 2.0
 """And how many times brighter than the brightest pixel of the picture that is no spike: a leaf too small for a pixel is a
 spike as well, and no brighter than the larger ones."""
-MOST = 1000
+MOST = 200
 NORMAL_FROM_MAD = 1.4826
 
 Candidate = tuple[int, int, float, float]
@@ -32,6 +32,9 @@ Candidate = tuple[int, int, float, float]
 
 def candidates(luminance: np.ndarray) -> list[Candidate]:
     """Spikes in space, from the upper left of the data window."""
+    # If so many are at least half as bright as the brightest, it has company; noise all over is no firefly either.
+    if np.count_nonzero(luminance * COMPANY > luminance.max()) > MOST:
+        return []
     padded = np.pad(luminance, REACH, mode="edge")
     inner = padded[1:-1, 1:-1]
     rows = inner[:, :-2] + inner[:, 1:-1] + inner[:, 2:]

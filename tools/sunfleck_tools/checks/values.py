@@ -11,6 +11,7 @@ from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
 
 LARGEST_HALF = 65504.0
+HALF_ONE_BITS, HALF_MAX_BITS, HALF_MINUS_ZERO_BITS = 0x3C00, 0x7BFF, 0x8000
 SIGNED = re.compile(r"(^|\.)(normal|position|motion|vector|velocity|uv)\.", re.IGNORECASE)
 """Layers whose values may be negative."""
 ALPHA_ROUNDING = 2.0**-10
@@ -29,11 +30,16 @@ def first_bad(frame: Frame, name: str, bad: np.ndarray, what: str) -> Iterator[F
 
 
 def suspects(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
-    """Channels that hold something not finite: their sum is not, and sums are quick."""
-    with np.errstate(all="ignore"):
-        for name, stored in frame.channels.items():
-            if stored.dtype.kind == "f" and not np.isfinite(frame.float(name).sum(dtype=np.float64)):
-                yield name, frame.float(name)
+    """Channels that hold something not finite."""
+    for name, stored in frame.channels.items():
+        if (bits := frame.half_bits(name)) is not None:
+            suspect = bits[0] > HALF_MAX_BITS
+        else:
+            # The sum is not finite if a value is not, and sums are quick.
+            with np.errstate(all="ignore"):
+                suspect = stored.dtype.kind == "f" and not np.isfinite(stored.sum(dtype=np.float64))
+        if suspect:
+            yield name, frame.float(name)
 
 
 @check("nan", Severity.ERROR, Scope.FRAME, "a value is not a number", rerender=True)
@@ -54,27 +60,26 @@ def infinity(frame: Frame) -> Iterator[Found]:
 def half_overflow(frame: Frame) -> Iterator[Found]:
     """The renderer clamps there: the true value was larger."""
     for name, stored in frame.channels.items():
-        if stored.dtype == np.float16:
-            # As integers: larger halves have larger bits, and infinity follows the largest.
-            bits = stored.view(np.uint16) & 0x7FFF
-            yield from first_bad(frame, name, bits == 0x7BFF, f"at the limit of half precision, {LARGEST_HALF:g}")
+        if (bits := frame.half_bits(name)) is not None and bits[0] >= HALF_MAX_BITS:
+            at_limit = stored.view(np.uint16) & 0x7FFF == HALF_MAX_BITS
+            yield from first_bad(frame, name, at_limit, f"at the limit of half precision, {LARGEST_HALF:g}")
 
 
 @check("negative", Severity.ERROR, Scope.FRAME, "light, transmittance or albedo is negative")
 def negative(frame: Frame) -> Iterator[Found]:
     """Filters with negative lobes, and subtraction in the wrong order."""
-    for name in frame.channels:
-        if name != "A" and frame.channels[name].dtype.kind == "f" and not SIGNED.search(name):
+    for name, stored in frame.channels.items():
+        if name == "A" or stored.dtype.kind != "f" or SIGNED.search(name):
+            continue
+        if (bits := frame.half_bits(name)) is None or bits[1] > HALF_MINUS_ZERO_BITS:
             with np.errstate(invalid="ignore"):
-                values = frame.float(name)
-                if values.min() < 0 or np.isnan(values.min()):
-                    yield from first_bad(frame, name, values < 0, "negative")
+                yield from first_bad(frame, name, stored < 0, "negative")
 
 
 @check("alpha-range", Severity.ERROR, Scope.FRAME, "alpha is not between 0 and 1")
 def alpha_range(frame: Frame) -> Iterator[Found]:
     """Haloes, once composited."""
-    if "A" in frame.channels:
+    if "A" in frame.channels and ((bits := frame.half_bits("A")) is None or bits[1] > HALF_ONE_BITS):
         alpha = frame.float("A")
         with np.errstate(invalid="ignore"):
             yield from first_bad(frame, "A", (alpha < 0) | (alpha > 1 + ALPHA_ROUNDING), "not between 0 and 1")
