@@ -1,8 +1,10 @@
 //! The scenes that figures are measured on, read through the front door.
 
+use glam::{DAffine3, DQuat, DVec3};
 use std::path::Path;
 use sunfleck::description;
-use sunfleck::scene::{self, Scene};
+use sunfleck::scene::{self, LightKind, Motion, Node, Scene, SunDisc, Track};
+use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 
 /// A scene and what tables call it.
 pub struct Named {
@@ -24,4 +26,31 @@ pub fn load(path: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(path);
     let description = description::load(&path).expect("a good file");
     scene::resolve(description, None).expect("a good scene").0
+}
+
+/// leaves500 with its sun as a disc, with the sun in the middle of the picture, and both.
+pub fn suns() -> [(&'static str, Scene); 3] {
+    let plain = || load("leaves500/leaves500.glb");
+    [
+        ("a sun of 0.53 degrees", with_a_disc(plain())),
+        ("a sun in the middle of the picture", with_sun_ahead(plain())),
+        ("a sun of 0.53 degrees in the middle of the picture", with_a_disc(with_sun_ahead(plain()))),
+    ]
+}
+
+/// The first light as large as the sun is.
+pub fn with_a_disc(mut scene: Scene) -> Scene {
+    scene.lights[0].kind = LightKind::SunDisc(SunDisc::even(Track::from(0.53_f64.to_radians())));
+    scene
+}
+
+/// The first light, a sun, where the camera looks.
+fn with_sun_ahead(mut scene: Scene) -> Scene {
+    let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+    let forward = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 16.0 / 9.0, shutter).view.axes().2;
+    // A light shines along its -Z.
+    let aim = Motion::Still(DAffine3::from_quat(DQuat::from_rotation_arc(DVec3::Z, forward)));
+    scene.nodes.push(Node { name: "ahead".into(), parent: None, motion: aim, visible: Track::from(true) });
+    scene.lights[0].node = scene.nodes.len() - 1;
+    scene
 }

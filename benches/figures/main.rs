@@ -25,6 +25,7 @@ fn main() {
         Some("bias") => streaks::run_bias(count(32) as u32),
         Some("canopy") => slices::run_canopy(count(3) as usize),
         Some("slices") => slices::run(count(3) as usize),
+        Some("sun") => slices::run_sun(count(3) as usize),
         _ => {
             println!("bias [seeds]      means of pictures of few samples against the per-ray method");
             println!("canopy [rounds]   whole pictures of 20,000 leaves by slices: time and error");
@@ -34,6 +35,7 @@ fn main() {
             println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
             println!("slices [rounds]   whole pictures of 500 leaves: time and error, threads");
             println!("streaks           correlation of the error along slices and across them");
+            println!("sun [rounds]      the same under a sun with an extent, and with the sun in the picture");
             println!("segments [rays]   lit segments against brute force in double precision");
         }
     }

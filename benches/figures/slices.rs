@@ -8,7 +8,7 @@ use sunfleck::description;
 use sunfleck::film::Frame;
 use sunfleck::frame_file::{self, Errors, compare, net_rmse};
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{self, Sampling, Size, Window};
+use sunfleck::scene::{self, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
 
@@ -34,8 +34,7 @@ pub fn run(rounds: usize) {
     table(&exposure, &reference, REFERENCE_NOISE, &[4, 8, 16], Placement::Pixels, 1);
 }
 
-/// canopy20k, against two converged pictures by slices of their own: the mean of the two is the
-/// reference, half their difference its noise.
+/// canopy20k, against itself.
 pub fn run_canopy(rounds: usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/canopy20k/scene.ron");
     let mut fastest = f64::INFINITY;
@@ -48,14 +47,29 @@ pub fn run_canopy(rounds: usize) {
         fastest = fastest.min(started.elapsed().as_secs_f64());
     }
     println!("canopy20k, {} x {}, one thread; loaded and built in {fastest:.3} s", SIZE.width, SIZE.height);
-    let scene = inputs::load("canopy20k/scene.ron");
-    let trees = MeshTrees::new(&scene);
-    let exposure = Exposure::new(&scene, &trees, 0, aspect(), INSTANT);
+    against_itself(&inputs::load("canopy20k/scene.ron"), rounds);
+}
+
+/// leaves500 under a sun with an extent, and with the sun in the middle of the picture.
+pub fn run_sun(rounds: usize) {
+    println!("leaves500, {} x {}, one thread", SIZE.width, SIZE.height);
+    for (name, scene) in inputs::suns() {
+        println!("\n{name}");
+        against_itself(&scene, rounds);
+    }
+}
+
+/// A table against two converged pictures by slices themselves, of other seeds: the mean of the two is
+/// the reference, half their difference its noise. That the mean is true is what `-- bias` tests.
+fn against_itself(scene: &Scene, rounds: usize) {
+    const SAMPLES: u32 = 512;
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, aspect(), INSTANT);
     let [one, two] =
-        [1, 2].map(|seed| render(&exposure, &job(512, seed, Placement::Slices), &Watch::NOBODY).frame);
+        [1, 2].map(|seed| render(&exposure, &job(SAMPLES, seed, Placement::Slices), &Watch::NOBODY).frame);
     let noise = 0.5 * difference(&one, &two).rmse;
     let reference = mean(one, &two);
-    println!("the reference is the mean of two pictures of 512 samples; its noise is {noise:.5}");
+    println!("the reference is the mean of two pictures of {SAMPLES} samples; its noise is {noise:.5}");
     table(&exposure, &reference, noise, &[1, 2, 4, 8, 16, 32], Placement::Slices, rounds);
 }
 

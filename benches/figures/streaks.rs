@@ -6,7 +6,7 @@ use sunfleck::color::luminance;
 use sunfleck::film::Frame;
 use sunfleck::math::Sampler;
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{LightKind, Sampling, Scene, Size, SunDisc, Track, Window};
+use sunfleck::scene::{Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, FrozenLight, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
 
@@ -77,12 +77,6 @@ fn report(name: &str, scene: &Scene) {
     }
 }
 
-fn with_a_disc() -> Scene {
-    let mut scene = inputs::load("leaves500/leaves500.glb");
-    scene.lights[0].kind = LightKind::SunDisc(SunDisc::even(Track::from(0.53_f64.to_radians())));
-    scene
-}
-
 /// Prints the correlation of the error along slices and across them.
 pub fn run() {
     println!(
@@ -94,7 +88,7 @@ pub fn run() {
         "sun", "samples", "rel. RMSE", "along the slices", "across them"
     );
     report("a direction", &inputs::load("leaves500/leaves500.glb"));
-    report("0.53 degrees", &with_a_disc());
+    report("0.53 degrees", &inputs::with_a_disc(inputs::load("leaves500/leaves500.glb")));
 }
 
 /// Prints, for pictures of few samples with many seeds, how far their mean is from the truth of the
@@ -109,7 +103,7 @@ pub fn run_bias(seeds: u32) {
     );
     println!("{:<16} {:>7} {:>14} {:>12} {:>8}", "sun", "samples", "ratio - 1", "std. error", "z");
     for (name, scene) in
-        [("a direction", inputs::load("leaves500/leaves500.glb")), ("0.53 degrees", with_a_disc())]
+        [("a direction", inputs::load("leaves500/leaves500.glb")), ("0.53 degrees", inputs::with_a_disc(inputs::load("leaves500/leaves500.glb")))]
     {
         let trees = MeshTrees::new(&scene);
         let exposure = Exposure::new(&scene, &trees, 0, 16.0 / 9.0, Shutter { open_s: 0.0, close_s: 0.0 });
