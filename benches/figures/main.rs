@@ -35,7 +35,9 @@ fn main() {
             println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
             println!("slices [rounds]   whole pictures of 500 leaves: time and error, threads");
             println!("streaks           correlation of the error along slices and across them");
-            println!("sun [rounds]      the same under a sun with an extent, and with the sun in the picture");
+            println!(
+                "sun [rounds]      the same under a sun with an extent, and with the sun in the picture"
+            );
             println!("segments [rays]   lit segments against brute force in double precision");
         }
     }

@@ -102,9 +102,10 @@ pub fn run_bias(seeds: u32) {
         SIZE.width, SIZE.height
     );
     println!("{:<16} {:>7} {:>14} {:>12} {:>8}", "sun", "samples", "ratio - 1", "std. error", "z");
-    for (name, scene) in
-        [("a direction", inputs::load("leaves500/leaves500.glb")), ("0.53 degrees", inputs::with_a_disc(inputs::load("leaves500/leaves500.glb")))]
-    {
+    for (name, scene) in [
+        ("a direction", inputs::load("leaves500/leaves500.glb")),
+        ("0.53 degrees", inputs::with_a_disc(inputs::load("leaves500/leaves500.glb"))),
+    ] {
         let trees = MeshTrees::new(&scene);
         let exposure = Exposure::new(&scene, &trees, 0, 16.0 / 9.0, Shutter { open_s: 0.0, close_s: 0.0 });
         let statistics = |samples: u32, seeds: u32, placement: Placement| {
