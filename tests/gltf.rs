@@ -307,7 +307,6 @@ fn what_is_not_honoured_is_said_once_a_kind() {
         ("g_pbr.glb", "vertex colours after the first are not honoured (COLOR_1): `vcol`"),
         ("g_pbr.glb", "sheen is not honoured: `translucent_leaf`"),
         ("b_leafcards.glb", "masked meshes are cut out along alpha = cutoff, to 0.25 texels: "),
-        ("e_inst_gpu_static.glb", "EXT_mesh_gpu_instancing is not honoured"),
         ("h_lights_pointer_scene.glb", "KHR_animation_pointer is not honoured, these values keep still"),
         ("f_plain.glb", "24 frames a second are assumed"),
     ];
@@ -315,6 +314,47 @@ fn what_is_not_honoured_is_said_once_a_kind() {
         let remarks = load(&format!("blender/{file}")).unwrap().0.remarks.to_string();
         assert_eq!(remarks.matches(text).count(), 1, "{file}: {text} is not once in\n{remarks}");
     }
+}
+
+/// Blender expands instances of geometry nodes and collections; the file has them as attributes.
+#[test]
+fn instances_that_only_attributes_place_are_where_blender_has_them() {
+    let (scene, _) = load("blender/e_inst_gpu_static.glb").unwrap();
+    let placements = scene.placements(1.0 / 24.0);
+    let ours: Vec<DAffine3> =
+        scene.instances.iter().map(|instance| placements[instance.node].world_from_node).collect();
+    let truth = ground_truth("blender/e_instances.gt.json");
+    let expected = truth["frames"][0]["instances"].as_array().unwrap();
+    assert!(expected.len() > 10);
+    for instance in expected {
+        let world = affine(&instance["world"]);
+        let nearest = ours.iter().map(|ours| difference(*ours, world)).fold(f64::INFINITY, f64::min);
+        assert!(nearest <= 1e-6, "{instance}: {nearest:.1e}");
+    }
+    assert_eq!(scene.nodes.iter().filter(|node| node.name.starts_with("scatter[")).count(), 12);
+    let mut ids: Vec<u32> = scene.instances.iter().map(|instance| instance.leaf_id).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), scene.instances.len());
+}
+
+#[test]
+fn hidden_nodes_hide_what_is_below_them() {
+    let name = "blender/d_skin.glb";
+    let mut json = json_of(name);
+    json["extensionsUsed"] = serde_json::json!(["KHR_node_visibility"]);
+    json["nodes"][3]["extensions"] = serde_json::json!({ "KHR_node_visibility": { "visible": false } });
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("scene.glb");
+    std::fs::write(&file, with_json(name, &json)).unwrap();
+    let (scene, _) = load(file.to_str().unwrap()).unwrap();
+    let placements = scene.placements(1.0);
+    let is_shown = |name: &str| {
+        let node = scene.nodes.iter().position(|node| node.name == name).unwrap();
+        placements[node].visible
+    };
+    assert!(is_shown("rig") && is_shown("branch"));
+    assert!(!is_shown("b0") && !is_shown("b2") && !is_shown("leaf_on_bone"));
 }
 
 #[test]

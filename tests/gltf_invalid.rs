@@ -88,6 +88,19 @@ const CASES: &[(&str, &str)] = &[
     ("image_is_no_image.gltf", "images[0]: error"),
     ("image_missing.gltf", "image 5 does not exist"),
     ("index_out_of_range.gltf", "index 2 is 9, and there are 3 vertices"),
+    (
+        "instances_accessor_missing.gltf",
+        "nodes[1].extensions.EXT_mesh_gpu_instancing.attributes.TRANSLATION: error: accessor 55 does not exist",
+    ),
+    (
+        "instances_of_unequal_number.gltf",
+        "nodes[1].extensions.EXT_mesh_gpu_instancing.attributes: error: the attributes have different numbers of instances",
+    ),
+    (
+        "instances_rotation_zero.gltf",
+        "nodes[1].extensions.EXT_mesh_gpu_instancing.attributes.ROTATION: error: rotation 0 has no length",
+    ),
+    ("instances_scale_as_bytes.gltf", "places and sizes of instances cannot be of component type 5121"),
     ("json_cut_short.gltf", "the JSON is damaged"),
     ("json_nan.gltf", "the JSON is damaged"),
     ("json_negative_index.gltf", "nodes[1].mesh: error: invalid value: integer `-1`"),
@@ -327,6 +340,7 @@ fn good_files() -> Vec<Vec<u8>> {
         "blender/g_pbr.glb",
         "blender/h_lights_pointer_scene.glb",
         "blender/i_conventions_nopointer.glb",
+        "blender/e_inst_gpu_static.glb",
     ];
     names.iter().map(|name| std::fs::read(data(name)).unwrap()).collect()
 }
@@ -392,7 +406,7 @@ proptest! {
 
     #[test]
     fn changed_bytes_never_panic(
-        file in 0..7_usize,
+        file in 0..8_usize,
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         kept in prop::option::weighted(0.2, any::<prop::sample::Index>()),
     ) {
@@ -409,7 +423,7 @@ proptest! {
 
     #[test]
     fn changed_json_never_panics(
-        file in 1..7_usize,
+        file in 1..8_usize,
         changes in prop::collection::vec((any::<prop::sample::Index>(), odd_value()), 1..4),
     ) {
         let bytes = good_files().swap_remove(file);

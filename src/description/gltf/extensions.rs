@@ -17,7 +17,8 @@ enum Support {
 
 fn support(extension: &str) -> Option<Support> {
     Some(match extension {
-        "EXT_meshopt_compression"
+        "EXT_mesh_gpu_instancing"
+        | "EXT_meshopt_compression"
         | "EXT_texture_webp"
         | "KHR_draco_mesh_compression"
         | "KHR_lights_punctual"
@@ -28,6 +29,7 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_materials_unlit"
         | "KHR_mesh_quantization"
         | "KHR_meshopt_compression"
+        | "KHR_node_visibility"
         | "KHR_texture_transform" => Support::Honoured,
         "KHR_animation_pointer"
         | "KHR_materials_anisotropy"
@@ -38,9 +40,6 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_materials_transmission"
         | "KHR_materials_variants"
         | "KHR_materials_volume" => Support::Reported,
-        "EXT_mesh_gpu_instancing" => Support::Refused(
-            "export instances as objects (Blender: Data > Scene Graph > GPU Instances off, Geometry Nodes Instances on)",
-        ),
         "KHR_texture_basisu" => Support::Refused("export images as PNG or JPEG, not KTX2"),
         _ => return None,
     })

@@ -102,7 +102,21 @@ pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) light: Option<LightReference>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
-    pub(super) instancing: Option<Value>,
+    pub(super) instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub(super) visibility: Option<Visibility>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Instancing {
+    pub(super) attributes: BTreeMap<String, usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Visibility {
+    #[serde(default = "shown")]
+    pub(super) visible: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -389,6 +403,9 @@ pub(super) struct Buffer {
 
 fn unfiltered() -> String {
     String::from("NONE")
+}
+fn shown() -> bool {
+    true
 }
 fn white() -> [f64; 3] {
     [1.0; 3]

@@ -12,6 +12,7 @@ mod buffers;
 mod container;
 mod draco;
 mod extensions;
+mod instancing;
 mod json;
 mod materials;
 mod meshes;
@@ -78,6 +79,10 @@ pub struct Node {
     pub skin: Option<usize>,
     /// Of its mesh's morph targets, instead of the mesh's own.
     pub weights: Option<Vec<f64>>,
+    /// Where its mesh is drawn instead, from the node's space (EXT_mesh_gpu_instancing).
+    pub instances: Option<Vec<DAffine3>>,
+    /// Whether it and what is below it is shown (KHR_node_visibility).
+    pub visible: bool,
     /// Index into [`GltfScene::cameras`].
     pub camera: Option<usize>,
     /// Index into [`GltfScene::lights`].
@@ -399,6 +404,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         channels: animations::read(&document, &accessors, &mut report),
         ..GltfScene::default()
     };
+    instancing::read(&document, &mut scene.nodes, &accessors, &mut report);
     let targets: Vec<usize> = scene.meshes.iter().map(|mesh| mesh.weights.len()).collect();
     morphs::check_nodes(&document, &mut scene.nodes, &targets, &mut report);
     skins::check_nodes(&mut scene, &mut report);

@@ -28,18 +28,14 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
     let lights = &document.extensions.lights_punctual.lights;
     let light = node.extensions.light.as_ref().map(|reference| reference.light);
     let light = existing("extensions.KHR_lights_punctual.light", light, lights.len(), "light");
-    if node.extensions.instancing.is_some() {
-        report.not_honoured(
-            "EXT_mesh_gpu_instancing is not honoured, one copy of the mesh is drawn (export without GPU instances)",
-            &name,
-        );
-    }
     Node {
         transform: transform(node, &path, report),
         children: node.children.clone(),
         mesh,
         skin,
         weights: None,
+        instances: None,
+        visible: node.extensions.visibility.as_ref().is_none_or(|visibility| visibility.visible),
         camera,
         light,
         extras: node.extras.clone(),

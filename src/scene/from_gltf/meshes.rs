@@ -6,7 +6,7 @@ use super::deformations::{Baked, Converted, Part};
 use crate::description::gltf::{self, Primitive};
 use crate::diagnostic::Diagnostic;
 use crate::scene::outline::Between;
-use crate::scene::{Instance, Mesh, Triangle};
+use crate::scene::{Instance, Mesh, Motion, Node, Track, Triangle};
 use glam::{Vec2, Vec3};
 
 impl Builder<'_> {
@@ -29,7 +29,16 @@ impl Builder<'_> {
                 }
                 converted[mesh] = Some(self.add_mesh(mesh_source));
             }
-            shown.push((index, number, mesh));
+            match &node.instances {
+                None => shown.push((index, number, mesh)),
+                Some(places) => shown.extend(places.iter().enumerate().map(|(copy, &place)| {
+                    let name = format!("{}[{copy}]", node.name);
+                    let motion = Motion::Still(place);
+                    let visible = Track::from(true);
+                    self.scene.nodes.push(Node { name, parent: Some(number), motion, visible });
+                    (index, self.scene.nodes.len() - 1, mesh)
+                })),
+            }
         }
         for (material, _) in self.source.materials.iter().zip(material_used).filter(|(_, used)| *used) {
             self.report_material(material);

@@ -29,7 +29,7 @@ impl<'a> Builder<'a> {
                 name: node.name.clone(),
                 parent,
                 motion: self.motion(node, channels[index]),
-                visible: Track::from(true),
+                visible: Track::from(node.visible),
             });
             waiting.extend(node.children.iter().rev().map(|&child| (child, Some(number))));
         }

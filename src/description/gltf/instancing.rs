@@ -1,0 +1,81 @@
+//! EXT_mesh_gpu_instancing: the places of a node's copies. Invariant: as many places as the longest
+//! attribute, all of which are of one length.
+
+use super::accessor::{Accessors, Component, Wanted};
+use super::json::{self, Document};
+use super::report::Report;
+use super::{Node, named};
+use crate::diagnostic::Diagnostic;
+use glam::{DAffine3, DQuat, DVec3};
+
+const VECTORS: Wanted =
+    Wanted { purpose: "places and sizes of instances", width: 3, components: &[Component::F32] };
+const ROTATIONS: Wanted = Wanted {
+    purpose: "rotations of instances",
+    width: 4,
+    components: &[Component::F32, Component::I8, Component::I16],
+};
+
+/// Gives every node the places of its instances, from the node's space.
+pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessors<'_>, report: &mut Report) {
+    for (index, (node, source)) in nodes.iter_mut().zip(&document.nodes).enumerate() {
+        let Some(instancing) = &source.extensions.instancing else { continue };
+        let name = named(&source.name, "node", index);
+        if node.mesh.is_none() {
+            report.not_honoured("instances of nodes without a mesh are passed over", &name);
+            continue;
+        }
+        if node.skin.take().is_some() {
+            report.not_honoured("instances do not follow skeletons, these keep the shape at rest", &name);
+        }
+        for attribute in instancing.attributes.keys() {
+            if !["TRANSLATION", "ROTATION", "SCALE"].contains(&attribute.as_str()) {
+                let name = format!("{attribute}` of `{name}");
+                report
+                    .not_honoured("instances differ in place, rotation and scale alone, not in these", &name);
+            }
+        }
+        node.instances = report.keep(places(instancing, index, accessors));
+    }
+}
+
+fn places(
+    instancing: &json::Instancing,
+    index: usize,
+    accessors: &Accessors<'_>,
+) -> Result<Vec<DAffine3>, Diagnostic> {
+    let path = format!("nodes[{index}].extensions.EXT_mesh_gpu_instancing.attributes");
+    let read = |name: &str, wanted: Wanted| match instancing.attributes.get(name) {
+        Some(&accessor) => accessors.read(accessor, wanted, &format!("{path}.{name}")).map(Some),
+        None => Ok(None),
+    };
+    let translations = read("TRANSLATION", VECTORS)?;
+    let rotations = read("ROTATION", ROTATIONS)?;
+    let scales = read("SCALE", VECTORS)?;
+    let counts = [(&translations, 3), (&rotations, 4), (&scales, 3)]
+        .map(|(numbers, width)| numbers.as_ref().map(|numbers| numbers.len() / width));
+    let Some(count) = counts.into_iter().flatten().max() else { return Ok(vec![DAffine3::IDENTITY]) };
+    if counts.into_iter().flatten().any(|other| other != count) {
+        let found = "the attributes have different numbers of instances";
+        return Err(accessors.invalid(path, found).expected("one element an instance in each of them"));
+    }
+    let vector = |numbers: &Option<Vec<f64>>, at: usize, otherwise: DVec3| {
+        numbers.as_ref().map_or(otherwise, |numbers| DVec3::from_slice(&numbers[3 * at..]))
+    };
+    let place = |at: usize| {
+        let rotation = match &rotations {
+            Some(numbers) => DQuat::from_slice(&numbers[4 * at..]),
+            None => DQuat::IDENTITY,
+        };
+        if rotation.length() < 1e-6 {
+            let found = format!("rotation {at} has no length");
+            return Err(accessors.invalid(format!("{path}.ROTATION"), found).expected("unit quaternions"));
+        }
+        Ok(DAffine3::from_scale_rotation_translation(
+            vector(&scales, at, DVec3::ONE),
+            rotation.normalize(),
+            vector(&translations, at, DVec3::ZERO),
+        ))
+    };
+    (0..count).map(place).collect()
+}
