@@ -12,7 +12,7 @@
 //! 7. [`film`] turns samples into pixels and passes.
 //! 8. [`render`] is the one loop that joins transport and film.
 //! 9. [`frame_file`] writes a film as EXR, whole or not at all.
-//! 10. [`sequence`] decides which frames, [`mod@bench`] measures error against time; [`cli`] is what a user types.
+//! 10. [`export`] writes a scene as glTF. [`sequence`] decides which frames, [`mod@bench`] measures error against time; [`cli`] is what a user types.
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 //!
@@ -67,6 +67,7 @@ pub mod cli;
 pub mod color;
 pub mod description;
 pub mod diagnostic;
+pub mod export;
 pub mod film;
 pub mod frame_file;
 pub mod math;

@@ -4,12 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "color",
     "diagnostic",
     "math",
     "description",
     "scene",
+    "export",
     "accel",
     "scattering",
     "snapshot",

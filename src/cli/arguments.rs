@@ -20,6 +20,8 @@ pub(super) enum Command {
     Inspect(InspectArguments),
     /// Measure what error each method reaches in which time.
     Bench(BenchArguments),
+    /// Write an input as glTF, which Blender and others open.
+    Export(ExportArguments),
     /// Compare two EXR frames.
     Diff(DiffArguments),
     /// Print a completion script for a shell.
@@ -171,6 +173,24 @@ pub(super) struct BenchArguments {
     /// Threads for the reference; what is timed has one [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct ExportArguments {
+    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    pub(super) input: PathBuf,
+    /// The file to write.
+    #[arg(value_name = "OUT.glb")]
+    pub(super) output: PathBuf,
+    /// First and last frame of the animation, such as 1-48 [default: the input's].
+    #[arg(long, allow_hyphen_values = true)]
+    pub(super) frames: Option<String>,
+    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
+    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<crate::scene::FrameRate>,
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
 }
 
 #[derive(Args, Debug)]

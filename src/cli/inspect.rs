@@ -2,7 +2,9 @@
 //! whatever rendering would leave out or do differently is said here.
 
 mod json;
+mod properties;
 mod text;
+mod units;
 
 use super::arguments::InspectArguments;
 use super::{CliError, answer};

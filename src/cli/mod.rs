@@ -5,6 +5,7 @@ mod arguments;
 mod bench;
 mod diff;
 mod error;
+mod export;
 mod inspect;
 mod plan;
 mod progress;
@@ -33,6 +34,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Completions { shell } => {
             let mut command = Arguments::command();
             clap_complete::generate(shell, &mut command, "sunfleck", &mut std::io::stdout());
@@ -53,17 +55,7 @@ fn pass_names(passes: &[Pass]) -> String {
     if passes.is_empty() {
         return String::from("beauty alone");
     }
-    let names = passes.iter().map(|pass| match pass {
-        Pass::Shafts => "shafts",
-        Pass::Transmittance => "transmittance",
-        Pass::Depth => "depth",
-        Pass::Normal => "normal",
-        Pass::Position => "position",
-        Pass::Albedo => "albedo",
-        Pass::LeafId => "leaf-id",
-        Pass::Error => "error",
-    });
-    format!("beauty and {}", names.collect::<Vec<_>>().join(","))
+    format!("beauty and {}", passes.iter().map(|pass| pass.name()).collect::<Vec<_>>().join(","))
 }
 
 /// A line on the error stream.

@@ -11,17 +11,25 @@ const TEMPORARY_SUFFIX: &str = ".sunfleck-part";
 
 /// Writes `bytes` to `path` by way of a temporary file in the same folder, which is created if need be.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), FrameFileError> {
+    write_whole(path, &[bytes])
+}
+
+/// Writes a file that is made of parts, by way of a temporary file in the same folder, which is created if need be.
+///
+/// # Errors
+/// If the folder cannot be made or the file not be written; what was there before is then still there.
+pub fn write_whole(path: &Path, parts: &[&[u8]]) -> Result<(), FrameFileError> {
     let (Some(name), false) = (path.file_name(), path.is_dir()) else {
         return Err(FrameFileError::IsFolder { path: path.to_owned() });
     };
     let folder = folder_of(path);
     fs::create_dir_all(folder)
         .map_err(|source| FrameFileError::CreateFolder { path: folder.to_owned(), source })?;
-    write_in(folder, path, &temporary_prefix(name), bytes)
+    write_in(folder, path, &temporary_prefix(name), parts)
         .map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
 }
 
-fn write_in(folder: &Path, path: &Path, prefix: &str, bytes: &[u8]) -> io::Result<()> {
+fn write_in(folder: &Path, path: &Path, prefix: &str, parts: &[&[u8]]) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix).suffix(TEMPORARY_SUFFIX);
     #[cfg(unix)]
@@ -32,7 +40,9 @@ fn write_in(folder: &Path, path: &Path, prefix: &str, bytes: &[u8]) -> io::Resul
     }
     // Dropped on an error, it removes itself.
     let mut temporary = builder.tempfile_in(folder)?;
-    temporary.write_all(bytes)?;
+    for part in parts {
+        temporary.write_all(part)?;
+    }
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
     // The new name is an entry of the folder, which the disk must learn of too.

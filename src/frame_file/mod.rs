@@ -38,7 +38,7 @@ mod preview;
 mod provenance;
 mod read;
 
-pub use atomic::remove_abandoned;
+pub use atomic::{remove_abandoned, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, compare, net_rmse};
 pub use encode::write;
 pub use error::FrameFileError;

@@ -61,6 +61,8 @@ pub struct Scene {
     pub fogs: Vec<Fog>,
     /// Radiance of rays that leave the scene, W m^-2 sr^-1.
     pub background: Rgb,
+    /// What custom properties of a glTF file said to us, as they stand there.
+    pub properties: Vec<Property>,
     /// Everything that the description asks for and that is not honoured, or only nearly.
     pub remarks: Diagnostics,
 }
@@ -85,6 +87,17 @@ pub struct Node {
     pub motion: Motion,
     /// Whether this node *and everything below it* takes part in the picture.
     pub visible: Track<bool>,
+}
+
+/// A custom property of a glTF file that is meant for us.
+#[derive(Clone, Debug)]
+pub struct Property {
+    /// Whose it is, for reading.
+    pub owner: String,
+    /// Its name, `sunfleck...`.
+    pub name: String,
+    /// What it holds.
+    pub value: serde_json::Value,
 }
 
 /// A mesh placed at a node.

@@ -139,6 +139,20 @@ impl Pass {
         Self::LeafId,
         Self::Error,
     ];
+
+    /// What it is called where a person names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shafts => "shafts",
+            Self::Transmittance => "transmittance",
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::Position => "position",
+            Self::Albedo => "albedo",
+            Self::LeafId => "leaf-id",
+            Self::Error => "error",
+        }
+    }
 }
 
 /// What the input asks for; the command line overrides it.

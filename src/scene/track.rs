@@ -81,6 +81,28 @@ impl<T: Copy> From<T> for Track<T> {
     }
 }
 
+impl<T: Copy> Track<T> {
+    /// The same with a linear function of every value: keys and derivatives alike.
+    pub fn map_linear<U>(&self, map: impl Fn(T) -> U) -> Track<U> {
+        let handle = |handle: Handle<T>| Handle { time_s: handle.time_s, value: map(handle.value) };
+        let key = |key: &Key<T>| Key {
+            time_s: key.time_s,
+            value: map(key.value),
+            to_next: match key.to_next {
+                Segment::Step => Segment::Step,
+                Segment::Linear => Segment::Linear,
+                Segment::Hermite { leave, arrive } => {
+                    Segment::Hermite { leave: map(leave), arrive: map(arrive) }
+                }
+                Segment::Bezier { leave, arrive } => {
+                    Segment::Bezier { leave: handle(leave), arrive: handle(arrive) }
+                }
+            },
+        };
+        Track { keys: self.keys.iter().map(key).collect(), extend: self.extend }
+    }
+}
+
 impl<T> Track<T> {
     /// What it does outside its keys.
     pub fn extend(&self) -> Extend {

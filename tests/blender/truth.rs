@@ -52,11 +52,11 @@ pub(crate) fn light_difference(ours: Option<&Value>, theirs: &Value) -> f64 {
     let number = |name: &str| theirs[name].as_f64().unwrap();
     let relative = |ours: f64, theirs: f64| if ours == theirs { 0.0 } else { (ours / theirs - 1.0).abs() };
     let watts = number("energy") * theirs["exposure"].as_f64().unwrap_or(0.0).exp2();
-    // Blender gives a lamp of P watts the intensity P / (4 pi); a sun's watts are W/m2; of an area
-    // light's watts pi / 4 are light.
+    // Blender gives a lamp of P watts the intensity P / (4 pi); a sun's watts are W/m2; an area
+    // light's watts are light (measured in Cycles 5.0.1: tools/peers/compare_cycles.py).
     let (field, expected) = match theirs["type"].as_str().unwrap() {
         "SUN" => ("irradiance_w_per_m2", watts),
-        "AREA" => ("power_w", watts * PI / 4.0),
+        "AREA" => ("power_w", watts),
         _ => ("intensity_w_per_sr", watts / (4.0 * PI)),
     };
     let power = ours[field].as_array().unwrap_or_else(|| panic!("no {field} in {ours}"));

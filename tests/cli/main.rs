@@ -3,6 +3,7 @@
 
 mod bench;
 mod documentation;
+mod extras;
 mod failures;
 mod frames;
 mod interruption;

@@ -58,6 +58,7 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
         writeln!(out, "             frame {frame} by {}", inspected.choice(frame))?;
     }
     write_skips(out, inspected)?;
+    super::properties::write(out, &scene.properties)?;
     if scene.remarks.0.is_empty() {
         writeln!(out, "  remarks    none: everything that the input asks for is honoured")?;
     }
@@ -112,6 +113,7 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         }
         writeln!(out, ": {}", brightness(light, time_s))?;
     }
+    super::units::write(out, &scene.lights, time_s)?;
     for fog in &scene.fogs {
         let world = placements[fog.node].world_from_node;
         let half_extents =

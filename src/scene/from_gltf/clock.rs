@@ -5,7 +5,7 @@ use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{FrameRate, RenderSettings, Sampling, Size};
+use crate::scene::{FrameRate, Pass, RenderSettings, Sampling, Size};
 
 /// Frames a second of a file that does not say.
 const DEFAULT_FPS: u32 = 24;
@@ -48,7 +48,7 @@ pub(super) fn settings(
     let fps_base = sunfleck.fps_base.unwrap_or(1.0);
     let mut exporter_fps = None;
     match sunfleck.fps {
-        Some(fps) => match frame_rate(fps / fps_base) {
+        Some(fps) => match as_given(fps, fps_base).or_else(|| frame_rate(fps / fps_base)) {
             Some(rate) if fps_base > 0.0 => {
                 settings.frame_rate = rate;
                 let by_blender = source.generator.contains("Blender");
@@ -91,6 +91,12 @@ pub(super) fn settings(
     let start = whole("frame_start", sunfleck.frame_start.unwrap_or(first), -MAX_FRAME, MAX_FRAME);
     let end = whole("frame_end", sunfleck.frame_end.unwrap_or(last.max(start)), -MAX_FRAME, MAX_FRAME);
     let samples = sunfleck.samples.map(|samples| whole("samples", samples, 1.0, 65536.0) as u32);
+    if let Some(seed) = sunfleck.seed {
+        settings.seed = whole("seed", seed, 0.0, f64::from(u32::MAX)) as u32;
+    }
+    if let Some(depth) = sunfleck.mirror_depth {
+        settings.mirror_depth = whole("mirror_depth", depth, 0.0, 64.0) as u32;
+    }
     if let Some([width, height]) = sunfleck.resolution {
         let width = whole("resolution[0]", width, 1.0, 65536.0) as usize;
         let height = whole("resolution[1]", height, 1.0, 65536.0) as usize;
@@ -109,8 +115,29 @@ pub(super) fn settings(
         report.error(at("frame_end"), format!("frame {end} comes before frame {start}"), "the last frame");
     }
     settings.frames = start as i64..=end as i64;
+    read_passes(sunfleck, &mut settings, at, report);
     read_shutter(sunfleck, &mut settings, at, report);
     (settings, clock)
+}
+
+fn read_passes(
+    sunfleck: &Sunfleck,
+    settings: &mut RenderSettings,
+    at: impl Fn(&str) -> String,
+    report: &mut Report,
+) {
+    for (index, name) in sunfleck.passes.iter().flatten().enumerate() {
+        match Pass::ALL.into_iter().find(|pass| pass.name() == name) {
+            Some(pass) => settings.passes.push(pass),
+            None => report.error(
+                format!("{}[{index}]", at("passes")),
+                format!("`{name}` is no pass"),
+                &format!("one of {}", Pass::ALL.map(Pass::name).join(", ")),
+            ),
+        }
+    }
+    settings.passes.sort_unstable();
+    settings.passes.dedup();
 }
 
 fn read_shutter(
@@ -144,6 +171,13 @@ fn animated_frames(source: &GltfScene, clock: &Clock) -> (f64, f64) {
         .map(|&time_s| (clock.seconds(time_s) * rate).round());
     let Some(any) = frames.next() else { return (1.0, 1.0) };
     frames.fold((any, any), |(first, last), frame| (first.min(frame), last.max(frame)))
+}
+
+/// The rate of two whole numbers.
+fn as_given(fps: f64, fps_base: f64) -> Option<FrameRate> {
+    let is_whole = |number: f64| number.fract() == 0.0 && (1.0..=1e6).contains(&number);
+    (is_whole(fps) && is_whole(fps_base))
+        .then_some(FrameRate { numerator: fps as u32, denominator: fps_base as u32 })
 }
 
 /// The fraction that is meant by a number of frames a second: whole, a broadcast rate (a multiple of

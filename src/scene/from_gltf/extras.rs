@@ -6,6 +6,7 @@ use crate::color::Rgb;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::Diagnostic;
+use crate::scene::Property;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -32,6 +33,10 @@ pub(super) struct Sunfleck {
     pub(super) light_units: Option<String>,
     pub(super) samples: Option<f64>,
     pub(super) tolerance: Option<f64>,
+    pub(super) seed: Option<f64>,
+    pub(super) mirror_depth: Option<f64>,
+    /// As the command line names them.
+    pub(super) passes: Option<Vec<String>>,
     /// In frames.
     pub(super) shutter: Option<f64>,
     /// From the frame to the opening of the shutter, in frames.
@@ -52,6 +57,8 @@ pub(super) struct Fog {
     pub(super) anisotropy: f64,
     /// 1/m.
     pub(super) height_falloff: Option<f64>,
+    /// Metres; its reciprocal.
+    pub(super) scale_height: Option<f64>,
     pub(super) base_height: Option<f64>,
     /// Two opposite corners of a box in glTF's space.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
@@ -167,23 +174,43 @@ fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Repo
 impl Builder<'_> {
     /// Says which properties of nodes, cameras and materials are known and not yet honoured.
     pub(super) fn report_other_extras(&mut self) {
-        let known =
-            ["sunfleck_fog_volume", "sunfleck_light", "sunfleck_camera", "sunfleck_leaf", "sunfleck_ctl"];
+        let known = [
+            "sunfleck_fog_volume",
+            "sunfleck_light",
+            "sunfleck_camera",
+            "sunfleck_leaf",
+            "sunfleck_material",
+            "sunfleck_ctl",
+        ];
         let nodes = self.source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
         for (node, _) in nodes {
             report_unknown(&node.extras, &known, &node.name, &mut self.report);
-            if node.extras.get("sunfleck_ctl").is_some() {
-                self.report.not_honoured(
-                    "values keyed through `sunfleck_ctl` are not yet honoured, they keep still",
-                    &node.name,
-                );
-            }
         }
         for camera in &self.source.cameras {
             report_unknown(&camera.extras, &known, &camera.name, &mut self.report);
         }
         for material in &self.source.materials {
             report_unknown(&material.extras, &known, &material.name, &mut self.report);
+        }
+    }
+
+    /// Keeps what was found for those who ask.
+    pub(super) fn keep_properties(&mut self) {
+        let source = self.source;
+        let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
+        let owners = [(String::from("the scene"), &source.extras)]
+            .into_iter()
+            .chain(nodes.map(|(node, _)| (format!("object `{}`", node.name), &node.extras)))
+            .chain(source.cameras.iter().map(|camera| (format!("camera `{}`", camera.name), &camera.extras)))
+            .chain(source.materials.iter().map(|of| (format!("material `{}`", of.name), &of.extras)));
+        for (owner, extras) in owners {
+            let ours =
+                extras.as_object().into_iter().flatten().filter(|(name, _)| name.starts_with("sunfleck"));
+            self.scene.properties.extend(ours.map(|(name, value)| Property {
+                owner: owner.clone(),
+                name: name.clone(),
+                value: value.clone(),
+            }));
         }
     }
 }

@@ -18,15 +18,18 @@ impl Builder<'_> {
                 extras::read::<extras::Fog>(&node.extras, "sunfleck_fog_volume", &path, &mut self.report);
             let Some(fog) = fog else { continue };
             let path = format!("{path}.extras.sunfleck_fog_volume");
-            if let Some(shape) = fog.shape.as_deref().filter(|shape| *shape != "box") {
-                self.report.error(format!("{path}.shape"), format!("`{shape}` is no shape of fog"), "box");
+            let is_layer = fog.shape.as_deref() == Some("layer");
+            if let Some(shape) = fog.shape.as_deref().filter(|shape| !is_layer && *shape != "box") {
+                let found = format!("`{shape}` is no shape of fog");
+                self.report.error(format!("{path}.shape"), found, "box or layer");
             }
             if fog.bounds.is_some() {
                 let message = "`bounds` of a `sunfleck_fog_volume` is passed over, the node is the box";
                 self.report.not_honoured(message, &node.name);
             }
             // The cube's own bottom, unless the file says otherwise in the cube's own space.
-            let shape = self.fog_shape(&fog, true, fog.base_height.unwrap_or(-1.0), &path);
+            let base = fog.base_height.unwrap_or(if is_layer { 0.0 } else { -1.0 });
+            let shape = self.fog_shape(&fog, !is_layer, base, &path);
             self.add_fog(&node.name, number, fog, shape, &path);
         }
         if let Some(fog) = of_scene {
@@ -65,8 +68,14 @@ impl Builder<'_> {
             let found = "the fog grows denser with height without end";
             self.report.error(format!("{path}.height_falloff"), found, "1/m, at least 0");
         }
-        let falloff = HeightFalloff { base, scale_height_m: Track::from(falloff_per_m.recip()) };
-        match (has_bounds, falloff_per_m != 0.0) {
+        let scale_height_m = fog.scale_height.unwrap_or_else(|| falloff_per_m.recip());
+        if fog.scale_height.is_some() && !(scale_height_m > 0.0 && fog.height_falloff.is_none()) {
+            let found = format!("the scale height is {scale_height_m}");
+            let expected = "metres, above 0, and no `height_falloff` beside it";
+            self.report.error(format!("{path}.scale_height"), found, expected);
+        }
+        let falloff = HeightFalloff { base, scale_height_m: Track::from(scale_height_m) };
+        match (has_bounds, scale_height_m.is_finite()) {
             (true, false) => FogShape::EvenBox,
             (true, true) => FogShape::ThinningBox(falloff),
             (false, true) => FogShape::Layer(falloff),

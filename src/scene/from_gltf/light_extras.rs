@@ -10,7 +10,7 @@ use crate::scene::{AreaShape, Light, LightKind, NodeIndex, SunDisc, Track};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_4, PI};
+use std::f64::consts::PI;
 
 /// `sunfleck_light` of a node. Angles in radians, as Blender's Python has them.
 #[derive(Debug, Default, Deserialize)]
@@ -26,12 +26,15 @@ pub(super) struct LightExtras {
     shape: Option<String>,
     /// Of an area light, metres before the node's scale.
     size: Option<Size>,
-    /// Of an area light, Blender's watts; those of other lights stand in the light itself.
+    /// Of an area light, all light that it emits, W, which are Blender's watts; those of other lights stand in the light itself.
     power_w: Option<f64>,
     color: Option<Channels>,
     /// Of an area light's beam.
     spread: Option<f64>,
     casts_shafts: Option<bool>,
+    /// Whether camera and mirrors see the disc of a sun.
+    #[serde(default)]
+    visible_to_camera: bool,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,
 }
@@ -84,7 +87,8 @@ impl Builder<'_> {
         }
         match (kind, angle, radius) {
             (LightKind::Sun, Some(angle), _) if angle > 0.0 => {
-                LightKind::SunDisc(SunDisc::even(Track::from(angle)))
+                let visible_to_camera = extras.visible_to_camera;
+                LightKind::SunDisc(SunDisc { visible_to_camera, ..SunDisc::even(Track::from(angle)) })
             }
             (LightKind::Point, _, Some(radius)) if radius > 0.0 => {
                 LightKind::Sphere { radius: Track::from(radius) }
@@ -131,7 +135,7 @@ impl Builder<'_> {
             self.report.error(path, "the area light has no power", "`power_w`: Blender's watts");
             return;
         };
-        let power = color * power_w * EMITTED_PER_BLENDER_WATT;
+        let power = color * power_w;
         if !power.is_finite() || power.min_element() < 0.0 {
             let found = format!("{power_w} W times {color} is no power");
             self.report.error(format!("{path}.power_w"), found, "finite numbers of at least 0");
@@ -159,7 +163,3 @@ impl Builder<'_> {
         is_in_range
     }
 }
-
-/// Of one of its watts Blender gives an area light the radiance `1 / (4 area)` (Cycles,
-/// `kernel/light/area.h`, `eval_fac`), which is pi / 4 of light.
-const EMITTED_PER_BLENDER_WATT: f64 = FRAC_PI_4;

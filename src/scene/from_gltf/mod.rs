@@ -3,12 +3,14 @@
 
 mod cameras;
 mod clock;
+mod controls;
 mod deformations;
 mod extras;
 mod fog;
 mod light_extras;
 mod lights;
 mod masks;
+mod material_extras;
 mod meshes;
 mod nodes;
 mod surfaces;
@@ -66,7 +68,9 @@ pub(super) fn resolve(
     builder.add_fogs(extras.fog);
     builder.scene.background = extras.background;
     builder.add_cameras(&extras.sunfleck, &mut settings);
+    builder.apply_controls();
     builder.report_other_extras();
+    builder.keep_properties();
 
     let Builder { mut scene, mut report, outlines, .. } = builder;
     outlines.remark(report.at("meshes")).into_iter().for_each(|remark| report.push(remark));

@@ -26,6 +26,7 @@ impl Builder<'_> {
             }
             self.scene.materials.push(material);
         }
+        self.add_what_gltf_cannot_say();
     }
 
     /// What a material's custom property says of the light that it lets through.

@@ -1,0 +1,46 @@
+//! `sunfleck export`: an input becomes a glTF file. Invariant: the file is whole or not there, and what
+//! it does not carry is said.
+
+use super::arguments::ExportArguments;
+use super::plan::usage;
+use super::{CliError, answer, tell};
+use crate::diagnostic::{Diagnostics, Severity};
+use crate::frame_file;
+use crate::scene;
+use crate::sequence::FrameList;
+use crate::{description, export};
+
+pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
+    let output = &arguments.output;
+    if output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("glb")) {
+        let found = format!("`{}` is no name of a binary glTF file", output.display());
+        return Err(usage("OUT.glb", found, "a name that ends in .glb"));
+    }
+    let description = description::load(&arguments.input)?;
+    let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+    settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
+    if let Some(list) = &arguments.frames {
+        let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;
+        let (first, last) = (frames.as_slice().iter().min(), frames.as_slice().iter().max());
+        if let (Some(&first), Some(&last)) = (first, last) {
+            settings.frames = first..=last;
+        }
+    }
+    let exported =
+        export::glb(&scene, &settings).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
+    let warnings = scene.remarks.0.iter().chain(&exported.remarks.0);
+    for warning in warnings.filter(|remark| remark.severity == Severity::Warning) {
+        tell(&warning.to_string());
+    }
+    frame_file::write_whole(output, &[&exported.head, &exported.binary])
+        .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
+    let (first, last) = (settings.frames.start(), settings.frames.end());
+    answer(&format!(
+        "{}: {:.1} MB, {} nodes, {} moving values over frames {first} to {last}",
+        output.display(),
+        (exported.head.len() + exported.binary.len()) as f64 / 1e6,
+        scene.nodes.len(),
+        exported.channels
+    ));
+    Ok(())
+}

@@ -1,0 +1,45 @@
+//! How bright lights are in everybody's units, as a table. Invariant: a light is given in those units
+//! only that mean something for it.
+
+use crate::scene::{Light, LightKind};
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+/// Blender's exporter, and so we, count 683 lumens a watt.
+const LUMENS_PER_WATT: f64 = 683.0;
+
+/// W as Blender's panel has them, and what they are; of the brightest channel.
+pub(super) fn write(out: &mut String, lights: &[Light], time_s: f64) -> std::fmt::Result {
+    if lights.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "    light units, brightest channel {:>11} {:>11} {:>11} {:>11} {:>11}",
+        "W", "W/m2", "lux", "W/sr", "cd"
+    )?;
+    for light in lights {
+        let power = light.power.at(time_s).max_element();
+        let [watts, per_m2, lux, per_sr, candela] = match light.kind {
+            LightKind::Sun | LightKind::SunDisc(_) => {
+                [None, Some(power), Some(power * LUMENS_PER_WATT), None, None]
+            }
+            LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
+                [Some(power * 4.0 * PI), None, None, Some(power), Some(power * LUMENS_PER_WATT)]
+            }
+            // Lambert: on its axis, pi times less than the whole.
+            LightKind::Area { .. } => {
+                [Some(power), None, None, Some(power / PI), Some(power / PI * LUMENS_PER_WATT)]
+            }
+        };
+        write!(out, "      {:<28} ", format!("`{}`", light.name))?;
+        for number in [watts, per_m2, lux, per_sr, candela] {
+            match number {
+                Some(number) => write!(out, " {number:>11.5}")?,
+                None => write!(out, " {:>11}", "-")?,
+            }
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}

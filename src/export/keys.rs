@@ -1,0 +1,248 @@
+//! Motion in, keys out. Invariant: at every moment of the file's frames the keys give what the motion
+//! gives, to single precision, here (slerp) and in Blender (components, brought to unit length).
+//!
+//! Keys of the scene itself are kept where glTF's interpolation is the same. Everything else is
+//! sampled: at every frame, where the shutter opens and closes, and at the scene's own keys.
+
+use super::Writer;
+use crate::scene::{Animate, Extend, RenderSettings, Segment, Track};
+use glam::{DQuat, DVec3};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// When motion is sampled.
+pub(super) struct Moments {
+    /// The first frame, where nodes stand if they stand still.
+    pub(super) start_s: f64,
+    /// Increasing, none negative.
+    times_s: Vec<f64>,
+    /// The same as stored.
+    stored_s: Vec<f32>,
+    /// Where the times lie in the file, once they do; and accessors of parts of them.
+    view: Option<usize>,
+    parts: BTreeMap<(usize, usize), usize>,
+}
+
+/// A curve as glTF has it.
+pub(super) struct Keys<T> {
+    times: Times,
+    /// One a time, or three if cubic.
+    values: Vec<T>,
+    interpolation: &'static str,
+}
+
+/// Key times.
+enum Times {
+    /// This part of the common moments.
+    Common(usize),
+    Own(Vec<f32>),
+}
+
+/// What glTF stores of a value.
+pub(super) trait Stored: Animate {
+    type Numbers: Copy + PartialEq;
+    fn stored(self) -> Self::Numbers;
+    /// The same value on the side of `previous`: quaternions have two forms.
+    fn near(self, _previous: Self) -> Self {
+        self
+    }
+    /// True if straight lines between keys are the same in glTF and in Blender.
+    const IS_LINEAR: bool = true;
+}
+
+impl Stored for DVec3 {
+    type Numbers = [f32; 3];
+    fn stored(self) -> [f32; 3] {
+        self.as_vec3().to_array()
+    }
+}
+
+impl Stored for DQuat {
+    type Numbers = [f32; 4];
+    const IS_LINEAR: bool = false;
+    fn stored(self) -> [f32; 4] {
+        self.as_quat().to_array()
+    }
+    fn near(self, previous: Self) -> Self {
+        if self.dot(previous) < 0.0 { -self } else { self }
+    }
+}
+
+impl Moments {
+    pub(super) fn new(settings: &RenderSettings) -> Self {
+        let half = 0.5 * settings.shutter;
+        let moments = settings.frames.clone().flat_map(|frame| {
+            let frame = frame as f64;
+            [frame - half, frame, frame + half]
+        });
+        let mut times_s: Vec<f64> =
+            moments.map(|frame| settings.frame_rate.seconds(frame)).filter(|&time_s| time_s >= 0.0).collect();
+        sort(&mut times_s);
+        let start_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
+        let stored_s = times_s.iter().map(|&time_s| time_s as f32).collect();
+        Self { start_s, times_s, stored_s, view: None, parts: BTreeMap::new() }
+    }
+
+    /// A curve sampled at the common moments; `None` if it stays where it is.
+    pub(super) fn sampled<T: Stored>(&self, value: impl Fn(f64) -> T) -> Option<Keys<T>> {
+        sampled(&self.times_s, value).map(|(first, values)| Keys {
+            times: Times::Common(first),
+            values,
+            interpolation: "LINEAR",
+        })
+    }
+
+    /// The curve of a track; `None` if it stays where it is.
+    pub(super) fn of_track<T: Stored>(&self, track: &Track<T>) -> Option<Keys<T>> {
+        if track.is_constant() {
+            return None;
+        }
+        if let Some(keys) = own_keys(track) {
+            return Some(keys);
+        }
+        if track.extend() == Extend::Cycle {
+            return self.sampled(|time_s| track.at(time_s));
+        }
+        let mut times_s = self.times_s.clone();
+        for pair in track.keys().windows(2) {
+            times_s.extend([pair[0].time_s, pair[1].time_s]);
+            if matches!(pair[0].to_next, Segment::Step) {
+                times_s.push(f64::from((pair[1].time_s as f32).next_down()));
+            }
+        }
+        times_s.retain(|&time_s| time_s >= 0.0);
+        sort(&mut times_s);
+        let (first, values) = sampled(&times_s, |time_s| track.at(time_s))?;
+        let times_s = times_s[first..first + values.len()].iter().map(|&time_s| time_s as f32).collect();
+        Some(Keys { times: Times::Own(times_s), values, interpolation: "LINEAR" })
+    }
+}
+
+/// Increasing, each only once in single precision.
+fn sort(times_s: &mut Vec<f64>) {
+    times_s.sort_by(f64::total_cmp);
+    times_s.dedup_by_key(|time_s| *time_s as f32);
+}
+
+/// Values at moments without those before the first and after the last that differs: where the first
+/// is, and all. `None` if they are all the same.
+fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usize, Vec<T>)> {
+    let mut values: Vec<T> = Vec::with_capacity(times_s.len());
+    for &time_s in times_s {
+        let value = value(time_s);
+        values.push(values.last().map_or(value, |&previous| value.near(previous)));
+    }
+    let differs = |pair: &[T]| pair[0].stored() != pair[1].stored();
+    let first = values.windows(2).position(differs)?;
+    let last = values.windows(2).rposition(differs)? + 1;
+    Some((first, values[first..=last].to_vec()))
+}
+
+/// The track's own keys, if glTF and Blender make of them what we make of them.
+fn own_keys<T: Stored>(track: &Track<T>) -> Option<Keys<T>> {
+    let keys = track.keys();
+    let segments = || keys[..keys.len() - 1].iter().map(|key| key.to_next);
+    let interpolation = if segments().all(|segment| matches!(segment, Segment::Step)) {
+        "STEP"
+    } else if T::IS_LINEAR && segments().all(|segment| matches!(segment, Segment::Linear)) {
+        "LINEAR"
+    } else if segments().all(|segment| matches!(segment, Segment::Hermite { .. })) {
+        "CUBICSPLINE"
+    } else {
+        return None;
+    };
+    // A step that was rounded up would come a frame late in Blender.
+    let time = |time_s: f64| {
+        let rounded = time_s as f32;
+        if interpolation == "STEP" && rounded > 0.0 { rounded.next_down() } else { rounded }
+    };
+    let times: Vec<f32> = keys.iter().map(|key| time(key.time_s)).collect();
+    let usable = times[0] >= 0.0 && times.windows(2).all(|pair| pair[0] < pair[1]);
+    if track.extend() == Extend::Cycle || !usable {
+        return None;
+    }
+    let mut values = Vec::new();
+    let mut arrive = T::ZERO;
+    for key in keys {
+        let mut leave = T::ZERO;
+        if interpolation == "CUBICSPLINE" {
+            values.push(arrive);
+            if let Segment::Hermite { leave: here, arrive: there } = key.to_next {
+                (leave, arrive) = (here, there);
+            }
+            values.extend([key.value, leave]);
+        } else {
+            values.push(values.last().map_or(key.value, |&previous| key.value.near(previous)));
+        }
+    }
+    Some(Keys { times: Times::Own(times), values, interpolation })
+}
+
+impl Writer<'_> {
+    /// Lets keys move a node's property.
+    pub(super) fn add_channel<T: Stored<Numbers = [f32; WIDTH]>, const WIDTH: usize>(
+        &mut self,
+        node: usize,
+        path: &str,
+        keys: Option<Keys<T>>,
+    ) {
+        let Some(Keys { times, values, interpolation }) = keys else { return };
+        let input = match times {
+            Times::Common(first) => self.common_times(first, values.len()),
+            Times::Own(times_s) => {
+                let times_s: Vec<[f32; 1]> = times_s.into_iter().map(|time_s| [time_s]).collect();
+                self.binary.floats(&times_s, None, true)
+            }
+        };
+        let values: Vec<[f32; WIDTH]> = values.into_iter().map(Stored::stored).collect();
+        let output = self.binary.floats(&values, None, false);
+        self.samplers.push(json!({ "input": input, "output": output, "interpolation": interpolation }));
+        let target: Value = json!({ "node": node, "path": path });
+        self.channels.push(json!({ "sampler": self.samplers.len() - 1, "target": target }));
+    }
+
+    fn common_times(&mut self, first: usize, count: usize) -> usize {
+        let Self { moments: Moments { stored_s, view, parts, .. }, binary, .. } = self;
+        let all = || binary.view(stored_s.iter().flat_map(|time_s| time_s.to_le_bytes()), None);
+        let view = *view.get_or_insert_with(all);
+        let part = || binary.part_of_times(view, &stored_s[first..first + count], first);
+        *parts.entry((first, count)).or_insert_with(part)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::Key;
+
+    fn moments() -> Moments {
+        Moments::new(&RenderSettings { frames: 1..=4, ..RenderSettings::default() })
+    }
+
+    #[test]
+    fn what_rests_has_no_keys_and_what_comes_to_rest_has_none_after() {
+        let moments = moments();
+        assert!(moments.sampled(|_| DVec3::X).is_none());
+        let stops_at_frame_2 = moments.sampled(|time_s| DVec3::X * time_s.min(2.0 / 24.0)).unwrap();
+        assert!(matches!(stops_at_frame_2.times, Times::Common(0)));
+        assert_eq!(stops_at_frame_2.values.len(), 2);
+        let starts_at_frame_3 = moments.sampled(|time_s| DVec3::X * time_s.max(3.0 / 24.0)).unwrap();
+        assert!(matches!(starts_at_frame_3.times, Times::Common(2)));
+    }
+
+    #[test]
+    fn sampled_turns_do_not_jump_to_the_other_form_of_the_quaternion() {
+        let turning = |time_s: f64| DQuat::from_rotation_y(40.0 * time_s);
+        let keys = moments().sampled(turning).unwrap();
+        assert!(keys.values.windows(2).all(|pair| pair[0].dot(pair[1]) > 0.0));
+    }
+
+    #[test]
+    fn steps_are_not_rounded_to_after_their_frame() {
+        let key = |frame: f64, value| Key { time_s: frame / 24.0, value, to_next: Segment::Step };
+        let track = Track::new(vec![key(0.0, DVec3::ZERO), key(13.0, DVec3::X)], Extend::Hold).unwrap();
+        let Times::Own(times_s) = own_keys(&track).unwrap().times else { panic!() };
+        assert!(f64::from(times_s[1]) <= 13.0 / 24.0 && f64::from(times_s[1]) > 12.999 / 24.0);
+    }
+}

@@ -1,0 +1,129 @@
+//! Lights: those that glTF knows in lux and candela, their sizes and area lights as `sunfleck_light`.
+//! Invariant: a light is as bright when it is read back, to the rounding of one multiplication.
+
+use super::Writer;
+use crate::color::Rgb;
+use crate::scene::{AreaShape, Light, LightKind, SunPicture, Track};
+use serde_json::{Map, Value, json};
+use std::f64::consts::PI;
+
+/// Blender's exporter, and so we, count 683 lumens a watt.
+const LUMENS_PER_WATT: f64 = 683.0;
+/// glTF wants the inner angle of a cone smaller than the outer one.
+const NARROWEST_EDGE: f64 = 1e-9;
+
+impl Writer<'_> {
+    /// Adds every light.
+    pub(super) fn add_lights(&mut self) {
+        for light in &self.scene.lights {
+            self.add_light(light);
+        }
+    }
+
+    fn add_light(&mut self, light: &Light) {
+        let time_s = self.moments.start_s;
+        let node = self.node_numbers[light.node];
+        let node = self.free_node(node, |node| {
+            has(node, "extensions", "KHR_lights_punctual") || has(node, "extras", "sunfleck_light")
+        });
+        self.carry_light(light);
+        let (brightest, color) = brightest(light.power.at(time_s));
+        let mut ours = Map::new();
+        let mut say = |name: &str, value: Value| ours.insert(name.to_owned(), value);
+        let (kind, mut cone) = match &light.kind {
+            LightKind::Sun => ("directional", None),
+            LightKind::SunDisc(disc) => {
+                say("angle", json!(disc.angular_diameter.at(time_s)));
+                if disc.visible_to_camera {
+                    say("visible_to_camera", json!(true));
+                }
+                ("directional", None)
+            }
+            LightKind::Point => ("point", None),
+            LightKind::Sphere { radius } => {
+                say("radius", json!(radius.at(time_s)));
+                ("point", None)
+            }
+            LightKind::Spot { outer_angle, blend, radius } => {
+                let (outer, radius) = (outer_angle.at(time_s), radius.at(time_s));
+                if radius > 0.0 {
+                    say("radius", json!(radius));
+                }
+                let inner = outer * (1.0 - blend.at(time_s).max(NARROWEST_EDGE));
+                ("spot", Some(json!({ "innerConeAngle": inner, "outerConeAngle": outer })))
+            }
+            LightKind::Area { shape, width, height } => {
+                let shape = if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" };
+                say("type", json!("area"));
+                say("shape", json!(shape));
+                say("size", json!([width.at(time_s), height.at(time_s)]));
+                say("power_w", json!(brightest));
+                say("color", json!(color.to_array()));
+                self.set_extra(node, "sunfleck_light", Value::Object(ours));
+                return;
+            }
+        };
+        if let LightKind::SunDisc(disc) = &light.kind
+            && !matches!(disc.picture, SunPicture::Even)
+        {
+            self.lost(format!("the picture on the sun `{}` is not carried: its disc is even", light.name));
+        }
+        if !ours.is_empty() {
+            self.set_extra(node, "sunfleck_light", Value::Object(ours));
+        }
+        let mut written = json!({
+            "name": light.name, "type": kind, "color": color.to_array(), "intensity": brightest * LUMENS_PER_WATT,
+        });
+        if let Some(cone) = cone.take() {
+            written["spot"] = cone;
+        }
+        self.lights.push(written);
+        self.extensions.insert("KHR_lights_punctual");
+        let number = self.lights.len() - 1;
+        self.extend_node(node, "KHR_lights_punctual", json!({ "light": number }));
+    }
+}
+
+impl Writer<'_> {
+    /// What of it changes.
+    fn carry_light(&mut self, light: &Light) {
+        let owner = format!("{}.sunfleck_light", self.scene.nodes[light.node].name);
+        let mut number =
+            |field: &str, track: &Track<f64>| self.carry_number(format!("{owner}.{field}"), track);
+        let (power, watts_per_unit) = match &light.kind {
+            LightKind::Sun => ("strength_w_m2", 1.0),
+            LightKind::SunDisc(disc) => {
+                number("angle", &disc.angular_diameter);
+                ("strength_w_m2", 1.0)
+            }
+            LightKind::Point => ("power_w", 4.0 * PI),
+            LightKind::Sphere { radius } => {
+                number("radius", radius);
+                ("power_w", 4.0 * PI)
+            }
+            LightKind::Spot { outer_angle, blend, radius } => {
+                number("outer_angle", outer_angle);
+                number("blend", blend);
+                number("radius", radius);
+                ("power_w", 4.0 * PI)
+            }
+            LightKind::Area { width, height, .. } => {
+                number("width", width);
+                number("height", height);
+                ("power_w", 1.0)
+            }
+        };
+        let track = light.power.map_linear(|value| value * watts_per_unit);
+        self.carry_color(format!("{owner}.{power}"), &track);
+    }
+}
+
+fn has(node: &Map<String, Value>, group: &str, key: &str) -> bool {
+    node.get(group).is_some_and(|group| group.get(key).is_some())
+}
+
+/// The brightest channel, and the colour that it multiplies.
+fn brightest(power: Rgb) -> (f64, Rgb) {
+    let brightest = power.max_element();
+    if brightest > 0.0 { (brightest, power / brightest) } else { (0.0, Rgb::ONE) }
+}

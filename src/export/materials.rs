@@ -1,0 +1,162 @@
+//! Materials and their images. Invariant: what Lambert, a metal without roughness, emission and alpha
+//! cannot say stands in the custom property `sunfleck_material`.
+
+use super::Writer;
+use crate::color::{Rgb, srgb_from_linear};
+use crate::diagnostic::{Diagnostic, Place};
+use crate::scene::{AlphaMode, Coat, Material, Texture, TextureMap, Wrap};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use serde_json::{Value, json};
+
+/// Textures with their images and samplers.
+#[derive(Default)]
+pub(super) struct Images {
+    pub(super) textures: Vec<Value>,
+    pub(super) images: Vec<Value>,
+    pub(super) samplers: Vec<Value>,
+}
+
+impl Writer<'_> {
+    /// All materials under the scene's numbers, and all textures.
+    pub(super) fn materials(&mut self) -> Result<(Vec<Value>, Images), Diagnostic> {
+        let scene = self.scene;
+        let materials = scene.materials.iter().map(|material| self.material(material)).collect();
+        let mut images = Images::default();
+        for (number, texture) in scene.textures.iter().enumerate() {
+            let holds_data = scene.materials.iter().any(|material| {
+                let coat = material.coat.and_then(|coat| coat.texture);
+                let maps = [coat, material.normal_map.map(|(map, _)| map)];
+                maps.into_iter().flatten().any(|map| map.texture == number)
+            });
+            let png = png(texture, holds_data).map_err(|error| {
+                let found = format!("the texture `{}` cannot be stored as PNG: {error}", texture.name);
+                Diagnostic::error(Place::Nowhere, found)
+                    .expected("an image that PNG can hold")
+                    .remedy("make the image smaller")
+            })?;
+            let view = self.binary.view(png, None);
+            images.images.push(json!({ "name": texture.name, "bufferView": view, "mimeType": "image/png" }));
+            images.samplers.push(json!({ "wrapS": wrap(texture.wrap[0]), "wrapT": wrap(texture.wrap[1]) }));
+            images.textures.push(json!({ "source": number, "sampler": number }));
+        }
+        Ok((materials, images))
+    }
+
+    fn material(&mut self, material: &Material) -> Value {
+        let is_metal = material.mirror != Rgb::ZERO
+            && material.base_color == Rgb::ZERO
+            && material.base_color_texture.is_none();
+        let [red, green, blue] = if is_metal { material.mirror } else { material.base_color }.to_array();
+        let mut pbr = json!({
+            "baseColorFactor": [red, green, blue, material.opacity],
+            "metallicFactor": if is_metal { 1.0 } else { material.coat.map_or(0.0, |coat| coat.metallic) },
+            "roughnessFactor": if is_metal { 0.0 } else { material.coat.map_or(1.0, |coat| coat.roughness) },
+        });
+        if let Some(map) = material.coat.and_then(|coat| coat.texture) {
+            pbr["metallicRoughnessTexture"] = texture_info(map);
+        }
+        if let Some(texture) = material.base_color_texture {
+            pbr["baseColorTexture"] = json!({ "index": texture });
+        }
+        let mut extensions = json!({});
+        if !is_metal {
+            self.extensions.insert("KHR_materials_specular");
+            extensions["KHR_materials_specular"] =
+                material.coat.map_or(json!({ "specularFactor": 0.0 }), specular);
+        }
+        // The factor itself is at most 1.
+        let strength = material.emission.max_element().max(1.0);
+        if strength > 1.0 {
+            self.extensions.insert("KHR_materials_emissive_strength");
+            extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });
+        }
+        let mut written = json!({
+            "name": material.name,
+            "pbrMetallicRoughness": pbr,
+            "doubleSided": true,
+            "emissiveFactor": (material.emission / strength).to_array(),
+            "extensions": extensions,
+        });
+        if let Some(map) = material.emission_texture {
+            written["emissiveTexture"] = texture_info(map);
+        }
+        if let Some((map, scale)) = material.normal_map {
+            written["normalTexture"] = texture_info(map);
+            written["normalTexture"]["scale"] = json!(scale);
+        }
+        if material.alpha_mode == AlphaMode::Blend {
+            written["alphaMode"] = json!("BLEND");
+        }
+        let mut ours = json!({});
+        if material.mirror != Rgb::ZERO && !is_metal {
+            ours["mirror"] = json!(material.mirror.to_array());
+        }
+        if material.filter_color != Rgb::ZERO {
+            ours["filter_color"] = json!(material.filter_color.to_array());
+        }
+        if material.transmission != Rgb::ZERO {
+            ours["transmission"] = json!(material.transmission.to_array());
+            let textured = material.transmission_texture.is_some();
+            ours["transmission_textured"] = json!(textured);
+            let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
+            if textured && material.transmission_texture != of_base {
+                self.lost(format!(
+                    "light through `{}` takes the colours of its base colour's texture",
+                    material.name
+                ));
+            }
+        }
+        if ours != json!({}) {
+            written["extras"] = json!({ "sunfleck_material": ours });
+        }
+        written
+    }
+}
+
+fn texture_info(map: TextureMap) -> Value {
+    json!({ "index": map.texture, "texCoord": map.layer })
+}
+
+/// What is no metal reflects 0.04 along the normal, times a colour that may be above 1, times the
+/// factor, which alone counts at grazing angles (KHR_materials_specular, "Implementation").
+fn specular(coat: Coat) -> Value {
+    let color = if coat.f90 > 0.0 { coat.f0 / (0.04 * coat.f90) } else { Rgb::ONE };
+    json!({ "specularFactor": coat.f90, "specularColorFactor": color.to_array() })
+}
+
+fn wrap(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::Clamp => 33071,
+        Wrap::Mirror => 33648,
+    }
+}
+
+/// The texture as PNG: with 8 bits where that gives the same texels again, else with 16.
+///
+/// Images of directions and roughness are linear already.
+fn png(texture: &Texture, holds_data: bool) -> Result<Vec<u8>, ImageError> {
+    let code = |value: f32, is_alpha: bool| {
+        let value = f64::from(value);
+        let encoded = if is_alpha || holds_data { value } else { srgb_from_linear(value) };
+        (encoded * f64::from(u16::MAX)).round() as u16
+    };
+    let codes: Vec<u16> = texture
+        .texels
+        .iter()
+        .flat_map(|&[red, green, blue, alpha]| {
+            [code(red, false), code(green, false), code(blue, false), code(alpha, true)]
+        })
+        .collect();
+    let eight_bits = codes.iter().all(|code| code.is_multiple_of(257));
+    let (bytes, kind): (Vec<u8>, _) = if eight_bits {
+        (codes.iter().map(|code| (code / 257) as u8).collect(), ExtendedColorType::Rgba8)
+    } else {
+        (codes.iter().flat_map(|code| code.to_ne_bytes()).collect(), ExtendedColorType::Rgba16)
+    };
+    let mut png = Vec::new();
+    let (width, height) = (texture.width as u32, texture.height as u32);
+    PngEncoder::new(&mut png).write_image(&bytes, width, height, kind)?;
+    Ok(png)
+}

@@ -1,0 +1,88 @@
+//! What glTF has no word for: fog, background, and how the scene is to be rendered. Invariant: the
+//! names are those that `scene/from_gltf/extras.rs` reads.
+
+use super::Writer;
+use crate::color::Rgb;
+use crate::scene::{Fog, FogShape, RenderSettings, Sampling};
+use serde_json::{Map, Value, json};
+
+impl Writer<'_> {
+    /// Adds every bank of fog, at its node.
+    pub(super) fn add_fogs(&mut self) {
+        for fog in &self.scene.fogs {
+            let written = self.fog(fog);
+            let is_taken = |node: &Map<String, Value>| {
+                node.get("extras").is_some_and(|extras| extras.get("sunfleck_fog_volume").is_some())
+            };
+            let node = self.free_node(self.node_numbers[fog.node], is_taken);
+            self.set_extra(node, "sunfleck_fog_volume", written);
+        }
+    }
+
+    fn fog(&mut self, fog: &Fog) -> Value {
+        let time_s = self.moments.start_s;
+        let falloff = fog.shape.falloff();
+        let owner = format!("{}.sunfleck_fog_volume", self.scene.nodes[fog.node].name);
+        self.carry_color(format!("{owner}.density"), &fog.density_per_m);
+        self.carry_color(format!("{owner}.albedo"), &fog.albedo);
+        self.carry_number(format!("{owner}.anisotropy"), &fog.anisotropy);
+        if let Some(falloff) = falloff {
+            self.carry_number(format!("{owner}.scale_height"), &falloff.scale_height_m);
+        }
+        let mut written = json!({
+            "shape": if matches!(fog.shape, FogShape::Layer(_)) { "layer" } else { "box" },
+            "density": channels(fog.density_per_m.at(time_s)),
+            "albedo": channels(fog.albedo.at(time_s)),
+            "anisotropy": fog.anisotropy.at(time_s),
+        });
+        if let Some(falloff) = falloff {
+            written["scale_height"] = json!(falloff.scale_height_m.at(time_s));
+            written["base_height"] = json!(falloff.base);
+        }
+        written
+    }
+
+    /// The custom properties of the scene.
+    pub(super) fn scene_extras(&mut self, settings: &RenderSettings) -> Value {
+        let rate = settings.frame_rate;
+        let mut sunfleck = json!({
+            "version": 1,
+            "fps": rate.numerator,
+            "fps_base": rate.denominator,
+            "frame_start": settings.frames.start(),
+            "frame_end": settings.frames.end(),
+            "resolution": [settings.size.width, settings.size.height],
+            "light_units": "spec",
+            "shutter": settings.shutter,
+            "shutter_offset": -0.5 * settings.shutter,
+            "seed": settings.seed,
+            "mirror_depth": settings.mirror_depth,
+            "passes": settings.passes.iter().map(|pass| pass.name()).collect::<Vec<_>>(),
+        });
+        let camera =
+            settings.camera.as_ref().or_else(|| self.scene.cameras.first().map(|camera| &camera.name));
+        if let Some(camera) = camera {
+            sunfleck["camera"] = json!(camera);
+        }
+        match settings.sampling {
+            Sampling::Exactly(samples) => sunfleck["samples"] = json!(samples),
+            Sampling::Until { tolerance, most } => {
+                sunfleck["samples"] = json!(most);
+                sunfleck["tolerance"] = json!(tolerance);
+            }
+        }
+        let mut extras = json!({ "sunfleck": sunfleck });
+        if self.scene.background != Rgb::ZERO {
+            extras["sunfleck_env"] = json!({ "color": self.scene.background.to_array(), "strength": 1.0 });
+        }
+        extras
+    }
+}
+
+/// One number for all channels, or three.
+fn channels(color: Rgb) -> Value {
+    match color.to_array() {
+        [red, green, blue] if red == green && green == blue => json!(red),
+        each => json!(each),
+    }
+}

@@ -1,0 +1,290 @@
+//! Values that change though glTF has no animation for them: nodes with the property `sunfleck_ctl`
+//! carry them in their translation or scale. In go those nodes and the scene as it is otherwise, out
+//! come its tracks. Invariant: every key, and every curve between keys, is within its field's range.
+
+use super::Builder;
+use super::extras::{self, Channels};
+use crate::color::Rgb;
+use crate::scene::{
+    Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, Track,
+};
+use glam::DVec3;
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// `sunfleck_ctl` of a node.
+#[derive(Debug, Deserialize)]
+struct Control {
+    /// Owner, property and field, separated by dots. The owner's name may have dots of its own.
+    target: String,
+    /// `translation` or `scale`, for one number followed by `.x`, `.y` or `.z`.
+    channel: String,
+    #[serde(flatten)]
+    unknown: BTreeMap<String, Value>,
+}
+
+/// What a node carries.
+enum Carried {
+    Number(Track<f64>),
+    Color(Track<Rgb>),
+}
+
+/// Which numbers a field takes.
+struct Range {
+    admits: fn(f64) -> bool,
+    expected: &'static str,
+}
+
+const NOT_NEGATIVE: Range =
+    Range { admits: |value| (0.0..1e15).contains(&value), expected: "numbers of at least 0" };
+const POSITIVE: Range = Range { admits: |value| value > 0.0 && value < 1e15, expected: "numbers above 0" };
+const SHARE: Range = Range { admits: |value| (0.0..=1.0).contains(&value), expected: "numbers from 0 to 1" };
+const ANISOTROPY: Range =
+    Range { admits: |value| value.abs() < 1.0, expected: "numbers above -1 and below 1" };
+const ANGLE: Range =
+    Range { admits: |value| (0.0..PI).contains(&value), expected: "radians, at least 0 and less than pi" };
+const FIELD_OF_VIEW: Range =
+    Range { admits: |value| value > 0.0 && value < PI, expected: "radians between 0 and pi" };
+const CONE: Range = Range {
+    admits: |value| value > 0.0 && value <= FRAC_PI_2,
+    expected: "radians, above 0 and at most pi / 2",
+};
+const ANY: Range = Range { admits: f64::is_finite, expected: "numbers" };
+
+impl Builder<'_> {
+    /// Gives every value that a node carries to what it belongs to.
+    pub(super) fn apply_controls(&mut self) {
+        for (index, node) in self.source.nodes.iter().enumerate() {
+            let Some(number) = self.node_numbers[index] else { continue };
+            let path = format!("nodes[{index}]");
+            let control = extras::read(&node.extras, "sunfleck_ctl", &path, &mut self.report);
+            let Some(Control { target, channel, unknown }) = control else { continue };
+            let path = format!("{path}.extras.sunfleck_ctl");
+            for field in unknown.keys() {
+                let field = format!("{path}.{field}");
+                self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+            }
+            let Some(carried) = self.carried(number, &channel) else {
+                let found = format!("`{channel}` is no channel");
+                let expected = "translation or scale, or one number of it such as translation.x";
+                self.report.error(format!("{path}.channel"), found, expected);
+                continue;
+            };
+            if self.control(&target, &carried, &path).is_none() {
+                let message = "values carried by `sunfleck_ctl` find no such target, they are passed over";
+                self.report.not_honoured(message, &target);
+            }
+        }
+    }
+
+    fn carried(&self, node: NodeIndex, channel: &str) -> Option<Carried> {
+        let (vector, axis) = match channel.split_once('.') {
+            Some((vector, axis)) => (vector, Some(["x", "y", "z"].iter().position(|name| *name == axis)?)),
+            None => (channel, None),
+        };
+        let motion = &self.scene.nodes[node].motion;
+        let track = match (vector, motion) {
+            ("translation", Motion::Keyed { translation, .. }) => translation.clone(),
+            ("scale", Motion::Keyed { scale, .. }) => scale.clone(),
+            ("translation", still) => Track::from(still.parent_from_node(0.0).translation),
+            ("scale", still) => Track::from(still.parent_from_node(0.0).to_scale_rotation_translation().0),
+            _ => return None,
+        };
+        Some(match axis {
+            Some(axis) => Carried::Number(track.map_linear(|value: DVec3| value[axis])),
+            None => Carried::Color(track),
+        })
+    }
+
+    /// `None` if the target is none that there is.
+    fn control(&mut self, target: &str, carried: &Carried, path: &str) -> Option<()> {
+        let (owner, field) = target.rsplit_once('.')?;
+        let (owner, property) = owner.rsplit_once('.')?;
+        match property {
+            // The scene's own fog is the last that was added.
+            "sunfleck_fog" if owner == "scene" && self.source.extras.get("sunfleck_fog").is_some() => {
+                let fog = self.scene.fogs.len().checked_sub(1)?;
+                self.control_fog(fog, field, carried, path)
+            }
+            "sunfleck_fog_volume" => {
+                let fog = self.scene.fogs.iter().position(|fog| fog.name == owner)?;
+                self.control_fog(fog, field, carried, path)
+            }
+            "sunfleck_light" => {
+                let light = self.scene.lights.iter().position(|light| light.name == owner)?;
+                self.control_light(light, field, carried, path)
+            }
+            "sunfleck_camera" => {
+                let camera = self.scene.cameras.iter().position(|camera| camera.name == owner)?;
+                self.control_camera(camera, field, carried, path)
+            }
+            "sunfleck_node" if field == "visible" => {
+                let node = self.scene.nodes.iter().position(|node| node.name == owner)?;
+                let number = self.number(carried, &ANY, path)?;
+                self.scene.nodes[node].visible = switching(&number);
+                Some(())
+            }
+            _ => None,
+        }
+    }
+
+    fn control_fog(&mut self, fog: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
+        let is = |fog: &Fog| matches!(fog.shape, FogShape::EvenBox);
+        match field {
+            "density" => self.scene.fogs[fog].density_per_m = self.color(carried, &NOT_NEGATIVE, path)?,
+            "albedo" => self.scene.fogs[fog].albedo = self.color(carried, &SHARE, path)?,
+            "anisotropy" => self.scene.fogs[fog].anisotropy = self.number(carried, &ANISOTROPY, path)?,
+            "scale_height" if !is(&self.scene.fogs[fog]) => {
+                let number = self.number(carried, &POSITIVE, path)?;
+                if let FogShape::ThinningBox(falloff) | FogShape::Layer(falloff) =
+                    &mut self.scene.fogs[fog].shape
+                {
+                    falloff.scale_height_m = number;
+                }
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn control_light(&mut self, light: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
+        let kind = self.scene.lights[light].kind.clone();
+        // What one of Blender's units is in ours (from_gltf/lights.rs).
+        let unit = match kind {
+            LightKind::Sun | LightKind::SunDisc(_) => ("strength_w_m2", 1.0),
+            LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
+                ("power_w", (4.0 * PI).recip())
+            }
+            LightKind::Area { .. } => ("power_w", 1.0),
+        };
+        if field == unit.0 {
+            let color = self.light_color(light);
+            let power = match carried {
+                Carried::Number(number) => number.map_linear(|value| value * color),
+                Carried::Color(color) => color.clone(),
+            };
+            self.check(&power, Rgb::to_array, &NOT_NEGATIVE, path);
+            self.scene.lights[light].power = power.map_linear(|value| value * unit.1);
+            return Some(());
+        }
+        let range = match field {
+            "angle" => &ANGLE,
+            "radius" => &NOT_NEGATIVE,
+            "outer_angle" => &CONE,
+            "blend" => &SHARE,
+            _ => &POSITIVE,
+        };
+        let number = self.number(carried, range, path)?;
+        self.scene.lights[light].kind = match (kind, field) {
+            (LightKind::Sun, "angle") => LightKind::SunDisc(SunDisc::even(number)),
+            (LightKind::SunDisc(disc), "angle") => {
+                LightKind::SunDisc(SunDisc { angular_diameter: number, ..disc })
+            }
+            (LightKind::Point | LightKind::Sphere { .. }, "radius") => LightKind::Sphere { radius: number },
+            (LightKind::Spot { outer_angle, blend, .. }, "radius") => {
+                LightKind::Spot { outer_angle, blend, radius: number }
+            }
+            (LightKind::Spot { blend, radius, .. }, "outer_angle") => {
+                LightKind::Spot { outer_angle: number, blend, radius }
+            }
+            (LightKind::Spot { outer_angle, radius, .. }, "blend") => {
+                LightKind::Spot { outer_angle, blend: number, radius }
+            }
+            (LightKind::Area { shape, height, .. }, "width") => {
+                LightKind::Area { shape, width: number, height }
+            }
+            (LightKind::Area { shape, width, .. }, "height") => {
+                LightKind::Area { shape, width, height: number }
+            }
+            _ => return None,
+        };
+        Some(())
+    }
+
+    /// What a light's one number is multiplied with.
+    fn light_color(&self, light: usize) -> Rgb {
+        let node = self.node_numbers.iter().position(|number| *number == Some(self.scene.lights[light].node));
+        let Some(node) = node.map(|node| &self.source.nodes[node]) else { return Rgb::ONE };
+        match node.light {
+            Some(light) => self.source.lights[light].color,
+            None => {
+                let color = node.extras.get("sunfleck_light").and_then(|extras| extras.get("color"));
+                color.and_then(|color| Channels::deserialize(color).ok()).map_or(Rgb::ONE, Rgb::from)
+            }
+        }
+    }
+
+    fn control_camera(&mut self, camera: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
+        let range = if field == "yfov" { &FIELD_OF_VIEW } else { &POSITIVE };
+        let number = self.number(carried, range, path)?;
+        let camera = &mut self.scene.cameras[camera];
+        match (field, &mut camera.lens, &mut camera.aperture) {
+            ("yfov", Lens::Perspective { fov_y }, _) => *fov_y = number,
+            ("height", Lens::Orthographic { height_m }, _) => *height_m = number,
+            ("fstop", _, Some(aperture)) => aperture.f_stop = number,
+            ("focus_distance", _, Some(aperture)) => aperture.focus_distance_m = number,
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn number(&mut self, carried: &Carried, range: &Range, path: &str) -> Option<Track<f64>> {
+        let Carried::Number(number) = carried else { return None };
+        self.check(number, |value| [*value], range, path);
+        Some(number.clone())
+    }
+
+    fn color(&mut self, carried: &Carried, range: &Range, path: &str) -> Option<Track<Rgb>> {
+        let color = match carried {
+            Carried::Number(number) => number.map_linear(Rgb::splat),
+            Carried::Color(color) => color.clone(),
+        };
+        self.check(&color, Rgb::to_array, range, path);
+        Some(color)
+    }
+
+    /// Reports the first key whose value, or whose curve to the next, is out of range.
+    fn check<T: Animate, const WIDTH: usize>(
+        &mut self,
+        track: &Track<T>,
+        numbers: impl Fn(&T) -> [f64; WIDTH],
+        range: &Range,
+        path: &str,
+    ) {
+        let wrong = |value: &T| numbers(value).into_iter().find(|number| !(range.admits)(*number));
+        let found = track.keys().iter().enumerate().find_map(|(index, key)| {
+            let next = track.keys().get(index + 1);
+            let inner = next.map(|next| inner_control_points(key, next)).unwrap_or_default();
+            let value = std::iter::once(key.value).chain(inner).find_map(|value| wrong(&value))?;
+            Some((key.time_s, value))
+        });
+        if let Some((time_s, value)) = found {
+            let found = format!("from {time_s:.4} s on the value is or comes near {value}");
+            self.report.error(path, found, range.expected);
+        }
+    }
+}
+
+/// A cubic stays within the hull of its ends and of these.
+fn inner_control_points<T: Animate>(from: &Key<T>, to: &Key<T>) -> Vec<T> {
+    let third_s = (to.time_s - from.time_s) / 3.0;
+    let along =
+        |value: T, rate: T, time_s: f64| T::blend([value, rate, value, value], [1.0, time_s, 0.0, 0.0]);
+    match from.to_next {
+        Segment::Step | Segment::Linear => Vec::new(),
+        Segment::Hermite { leave, arrive } => {
+            vec![along(from.value, leave, third_s), along(to.value, arrive, -third_s)]
+        }
+        Segment::Bezier { leave, arrive } => vec![leave.value, arrive.value],
+    }
+}
+
+/// Shown where the number is at least a half, from key to key.
+fn switching(number: &Track<f64>) -> Track<bool> {
+    let key = |key: &Key<f64>| Key { time_s: key.time_s, value: key.value >= 0.5, to_next: Segment::Step };
+    let mut keys: Vec<Key<bool>> = number.keys().iter().map(key).collect();
+    keys.dedup_by_key(|key| key.value);
+    Track::new(keys, number.extend()).unwrap_or(Track::from(true))
+}

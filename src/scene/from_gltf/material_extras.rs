@@ -1,0 +1,56 @@
+//! `sunfleck_material`: shares of light that glTF has no word for. In go the custom property and the
+//! material that glTF has, out comes the material it really is. Invariant: shares add up to 1 at most.
+
+use super::Builder;
+use super::extras::{self, Channels};
+use crate::color::Rgb;
+use crate::scene::TextureMap;
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// `sunfleck_material` of a material.
+#[derive(Debug, Deserialize)]
+struct MaterialExtras {
+    mirror: Option<Channels>,
+    filter_color: Option<Channels>,
+    transmission: Option<Channels>,
+    /// Whether the base colour's texture multiplies `transmission` too.
+    #[serde(default)]
+    transmission_textured: bool,
+    #[serde(flatten)]
+    unknown: BTreeMap<String, Value>,
+}
+
+impl Builder<'_> {
+    /// Reads it for every material, on top of what `sunfleck_leaf` made of them.
+    pub(super) fn add_what_gltf_cannot_say(&mut self) {
+        for (index, source) in self.source.materials.iter().enumerate() {
+            let path = format!("materials[{index}]");
+            let read: Option<MaterialExtras> =
+                extras::read(&source.extras, "sunfleck_material", &path, &mut self.report);
+            let Some(extras) = read else { continue };
+            for field in extras.unknown.keys() {
+                let field = format!("sunfleck_material.{field}` of `{}", source.name);
+                self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+            }
+            let material = &mut self.scene.materials[index];
+            material.mirror = extras.mirror.map_or(material.mirror, Rgb::from);
+            material.filter_color = extras.filter_color.map_or(material.filter_color, Rgb::from);
+            if let Some(transmission) = extras.transmission {
+                material.transmission = transmission.into();
+                let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
+                material.transmission_texture = of_base.filter(|_| extras.transmission_textured);
+            }
+            let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];
+            let sum: Rgb = shares.iter().sum();
+            let least = shares.iter().map(|share| share.min_element()).fold(0.0, f64::min);
+            // Sums of rounded shares may end a little above 1.
+            if least < 0.0 || sum.max_element() > 1.0 + 1e-9 {
+                let found = format!("base colour, transmission, mirror and filter add up to {sum}");
+                let expected = "shares of at least 0 that add up to 1 at most";
+                self.report.error(format!("{path}.extras.sunfleck_material"), found, expected);
+            }
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! Scenes written as glTF and read back: the same pictures, the same places, and a file that an
+//! independent reader (the `gltf` crate's own JSON types and validation) takes too.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use glam::{DAffine3, DMat3, DMat4, DVec3};
+use std::path::Path;
+use sunfleck::color::Rgb;
+use sunfleck::description;
+use sunfleck::diagnostic::Severity;
+use sunfleck::export;
+use sunfleck::film::Frame;
+use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::scene::{
+    self, AlphaMode, Material, Motion, Node, RenderSettings, Sampling, Scene, Track, Window,
+};
+use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
+use sunfleck::transport::{Transport, VolumeMethod};
+
+fn load(path: &Path) -> (Scene, RenderSettings) {
+    let description = description::load(path).unwrap();
+    scene::resolve(description, None).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+fn repository(path: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The file's bytes; nothing may be lost.
+fn written(scene: &Scene, settings: &RenderSettings) -> Vec<u8> {
+    let exported = export::glb(scene, settings).unwrap();
+    assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
+    [exported.head, exported.binary].concat()
+}
+
+/// The scene as it is after a journey through a file; our own reader must have nothing to say, nor
+/// must the `gltf` crate.
+fn through_gltf(scene: &Scene, settings: &RenderSettings) -> (Scene, RenderSettings) {
+    let bytes = written(scene, settings);
+    gltf::Gltf::from_slice(&bytes).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.glb");
+    std::fs::write(&path, bytes).unwrap();
+    let (again, settings) = load(&path);
+    let loud: Vec<_> = again.remarks.0.iter().filter(|remark| remark.severity > Severity::Note).collect();
+    assert!(loud.is_empty(), "{loud:?}");
+    (again, settings)
+}
+
+fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
+    let transport =
+        Transport { volume: VolumeMethod::Segments, mirror_depth: settings.mirror_depth, features: false };
+    let job = Job {
+        size: settings.size,
+        window: Window::whole(settings.size),
+        passes: Vec::new(),
+        sampling: Sampling::Exactly(2),
+        seed: settings.seed,
+        transport,
+        placement: Placement::Auto,
+    };
+    let camera =
+        scene.cameras.iter().position(|camera| settings.camera.as_ref() == Some(&camera.name)).unwrap_or(0);
+    let aspect = settings.size.width as f64 / settings.size.height as f64;
+    let shutter = Shutter::around(settings.frame_rate, frame as f64, settings.shutter);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, camera, aspect, shutter);
+    render(&exposure, &job, &Watch { progress: &|_| {}, cancelled: &|| false }).frame
+}
+
+/// Root mean square difference over the mean.
+fn relative_rmse(a: &Frame, b: &Frame) -> f64 {
+    let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for name in ["R", "G", "B"] {
+        for (a, b) in a.channel(name).unwrap().pixels.iter().zip(&b.channel(name).unwrap().pixels) {
+            let (a, b) = (f64::from(*a), f64::from(*b));
+            square += (a - b) * (a - b);
+            sum += b;
+            count += 1.0;
+        }
+    }
+    f64::sqrt(square / count) / (sum / count)
+}
+
+/// Places and picture of a scene before and after, at some frames.
+fn check(input: &str, size_percent: f64, frames: &[i64], bar: f64) {
+    let (scene, mut settings) = load(&repository(input));
+    let side = |side: usize| (side as f64 * size_percent / 100.0).round() as usize;
+    (settings.size.width, settings.size.height) = (side(settings.size.width), side(settings.size.height));
+    // Without a choice it is the first; the file names it.
+    settings.camera.get_or_insert_with(|| scene.cameras[0].name.clone());
+    let (again, settings_again) = through_gltf(&scene, &settings);
+    assert_eq!(RenderSettings { name: settings.name.clone(), ..settings_again.clone() }, settings);
+    for &frame in frames {
+        let time_s = settings.frame_rate.seconds(frame as f64);
+        let (before, after) = (scene.placements(time_s), again.placements(time_s));
+        for (node, placement) in scene.nodes.iter().zip(&before) {
+            let mut found = again.nodes.iter().zip(&after).filter(|(other, _)| other.name == node.name);
+            let near = found.any(|(_, other)| {
+                let size = placement.world_from_node.translation.abs().max_element().max(1.0);
+                other.world_from_node.abs_diff_eq(placement.world_from_node, 1e-6 * size)
+            });
+            assert!(near, "{input}: `{}` at frame {frame}", node.name);
+        }
+        let error =
+            relative_rmse(&picture(&again, &settings_again, frame), &picture(&scene, &settings, frame));
+        println!("{input}: frame {frame}: relative RMSE {error:.1e}");
+        assert!(error < bar, "{input}: frame {frame}: relative RMSE {error}");
+    }
+}
+
+// Keys in single precision move leaves by up to a millionth of a metre.
+const SAME: f64 = 1e-4;
+
+#[test]
+fn falling_leaves_look_the_same() {
+    check("sequences/falling_leaves.ron", 10.0, &[1, 24], SAME);
+}
+
+#[test]
+fn one_leaf_looks_the_same() {
+    check("sequences/one_leaf.ron", 50.0, &[1, 7, 48], SAME);
+}
+
+#[test]
+fn a_scene_from_blender_looks_the_same() {
+    check("tests/data/blender/a_leaves40_sampled.glb", 10.0, &[1, 21, 60], SAME);
+}
+
+#[test]
+fn sheared_mirrored_and_flat_places_stay() {
+    let mut scene = Scene::default();
+    let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.7, 1.0, 0.1), DVec3::new(0.0, -0.4, 2.0));
+    let mirrored = DMat3::from_diagonal(DVec3::new(1.0, -2.0, 1.0)) * shear;
+    let flat = DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::ZERO);
+    for (index, matrix) in [shear, mirrored, flat, -DMat3::IDENTITY].into_iter().enumerate() {
+        scene.nodes.push(Node {
+            name: format!("place {index}"),
+            parent: index.checked_sub(1).filter(|_| index == 1),
+            motion: Motion::Still(DAffine3::from_mat3_translation(matrix, DVec3::new(1.0, 2.0, 3.0))),
+            visible: Track::from(true),
+        });
+    }
+    let bytes = written(&scene, &RenderSettings::default());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.glb");
+    std::fs::write(&path, bytes).unwrap();
+    let (again, _) = load(&path);
+    let (before, after) = (scene.placements(0.0), again.placements(0.0));
+    for (node, placement) in scene.nodes.iter().zip(before) {
+        let found = again.nodes.iter().position(|other| other.name == node.name).unwrap();
+        let difference = after[found].world_from_node.abs_diff_eq(placement.world_from_node, 1e-12);
+        assert!(difference, "{}: {} {}", node.name, placement.world_from_node, after[found].world_from_node);
+    }
+}
+
+#[test]
+fn lights_fog_and_surfaces_that_gltf_cannot_say_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, SCENE).unwrap();
+    let (scene, settings) = load(&path);
+    let (again, settings_again) = through_gltf(&scene, &settings);
+    assert_eq!(format!("{:?}", settings_again.sampling), format!("{:?}", settings.sampling));
+    let near = |a: Rgb, b: Rgb| (a - b).abs().max_element() <= 1e-12 * a.abs().max_element();
+    for light in &scene.lights {
+        let other = again.lights.iter().find(|other| other.name == light.name).unwrap();
+        assert!(near(other.power.at(0.0), light.power.at(0.0)), "{}", light.name);
+        let numbers = |light: &scene::Light| -> Vec<f64> {
+            light.kind.numbers().iter().map(|number| number.at(0.0)).collect()
+        };
+        assert_eq!(
+            std::mem::discriminant(&other.kind),
+            std::mem::discriminant(&light.kind),
+            "{}",
+            light.name
+        );
+        let pairs = numbers(other).into_iter().zip(numbers(light));
+        for (found, expected) in pairs {
+            assert!((found - expected).abs() < 1e-8, "{}: {found} {expected}", light.name);
+        }
+    }
+    for fog in &scene.fogs {
+        let other = again.fogs.iter().find(|other| other.name == fog.name).unwrap();
+        assert_eq!(format!("{:?}", other.shape), format!("{:?}", fog.shape));
+        assert!(near(other.density_per_m.at(0.0), fog.density_per_m.at(0.0)));
+        assert!(near(other.albedo.at(0.0), fog.albedo.at(0.0)));
+        assert_eq!(other.anisotropy.at(0.0), fog.anisotropy.at(0.0));
+    }
+    assert_eq!(again.background, scene.background);
+    let described = |material: &Material| {
+        let alpha = match material.alpha_mode {
+            AlphaMode::Blend => material.opacity,
+            _ => -1.0,
+        };
+        format!(
+            "{} {} {} {} {alpha}",
+            material.base_color, material.mirror, material.filter_color, material.emission
+        )
+    };
+    for material in &scene.materials {
+        let other = again.materials.iter().find(|other| other.name == material.name).unwrap();
+        assert_eq!(described(other), described(material), "{}", material.name);
+    }
+    let focus = |scene: &Scene| {
+        let aperture = scene.cameras[1].aperture.as_ref().unwrap();
+        (aperture.f_stop.at(0.0), aperture.focus_distance_m.at(0.0), aperture.blades)
+    };
+    assert_eq!(focus(&again), focus(&scene));
+    let projections = |scene: &Scene| -> Vec<DMat4> {
+        scene.cameras.iter().map(|camera| camera.projection(16.0 / 9.0, 0.0)).collect()
+    };
+    for (found, expected) in projections(&again).into_iter().zip(projections(&scene)) {
+        assert!(found.abs_diff_eq(expected, 1e-12), "{found} {expected}");
+    }
+}
+
+const SCENE: &str = r#"Scene(
+    version: 1,
+    meshes: { "quad": Quad(size_m: 1.0) },
+    materials: {
+        "pond": (base_color: (0.02, 0.03, 0.04), mirror: 0.6),
+        "mirror": (base_color: 0.0, mirror: (0.9, 0.8, 0.7)),
+        "window": (base_color: 0.0, filter_color: (0.8, 0.3, 0.1)),
+        "birch": (base_color: 0.5, transmission: (0.4, 0.5, 0.1)),
+        "veil": (base_color: 0.5, opacity: 0.25),
+        "lamp": (base_color: 0.0, emission_w_per_m2_sr: (8.0, 4.0, 2.0)),
+    },
+    objects: {
+        "a": (mesh: "quad", material: "pond"), "g": (mesh: "quad", material: "birch"), "b": (mesh: "quad", material: "mirror"),
+        "c": (mesh: "quad", material: "window"), "d": (mesh: "quad", material: "veil"),
+        "e": (mesh: "quad", material: "lamp"), "f": (rotation_deg: (0.0, 0.0, 20.0)),
+    },
+    cameras: { "plan": (position_m: (0.0, 9.0, 0.0), orthographic_height_m: 4.0), "main": (position_m: (0.0, 1.2, 4.0), aperture: (f_stop: 2.8, focus_distance_m: 3.5, blades: 6)) },
+    lights: {
+        "sun": Sun(to_sun: (0.4, 1.0, -0.6), irradiance_w_per_m2: (8.0, 7.2, 6.0), angular_diameter_deg: 0.53, visible_to_camera: true),
+        "glow": Point(position_m: (0.0, 1.0, 0.0), intensity_w_per_sr: 2.0),
+        "bulb": Point(position_m: (1.0, 2.0, 0.0), intensity_w_per_sr: (2.0, 0.0, 1.0), radius_m: 0.03),
+        "lamp": Spot(position_m: (2.0, 3.0, 0.0), target_m: (0.0, 0.0, 0.0), outer_deg: 90.0, blend: 0.0, intensity_w_per_sr: 20.0, radius_m: 0.1),
+        "soft": Spot(position_m: (2.0, 3.0, 0.0), target_m: (0.0, 0.0, 0.0), outer_deg: 30.0, blend: 1.0, intensity_w_per_sr: 0.0),
+        "window": Rectangle(position_m: (-3.0, 2.0, 0.0), target_m: (0.0, 1.0, 0.0), width_m: 2.0, height_m: 1.0, power_w: (40.0, 10.0, 0.0)),
+        "porthole": Disc(position_m: (3.0, 2.0, 0.0), target_m: (0.0, 1.0, 0.0), diameter_m: 0.5, power_w: 10.0),
+    },
+    fog: {
+        "haze": (min_m: (-4.0, 0.0, -4.0), max_m: (4.0, 3.0, 4.0), density_per_m: (0.1, 0.2, 0.3), anisotropy: 0.5),
+        "thin": (parent: "f", min_m: (-1.0, 0.0, -1.0), max_m: (1.0, 1.0, 1.0), density_per_m: 0.5, scale_height_m: 2.0),
+        "mist": (scale_height_m: 1.5, base_m: 0.2, density_per_m: 0.08, albedo: (0.9, 0.8, 0.7)),
+    },
+    background_w_per_m2_sr: (0.3, 0.16, 0.06),
+)"#;
+
+#[test]
+fn values_that_change_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, CHANGING).unwrap();
+    let (scene, mut settings) = load(&path);
+    settings.frames = 0..=24;
+    let (again, _) = through_gltf(&scene, &settings);
+    let near = |found: f64, expected: f64| (found - expected).abs() <= 1e-6 * expected.abs().max(1e-3);
+    for frame in [0.0, 3.0, 8.0, 12.0, 24.0] {
+        let time_s = settings.frame_rate.seconds(frame);
+        for light in &scene.lights {
+            let other = again.lights.iter().find(|other| other.name == light.name).unwrap();
+            let (found, expected) = (other.power.at(time_s), light.power.at(time_s));
+            assert!((0..3).all(|channel| near(found[channel], expected[channel])), "{} {frame}", light.name);
+            for (found, expected) in other.kind.numbers().into_iter().zip(light.kind.numbers()) {
+                assert!(near(found.at(time_s), expected.at(time_s)), "{} {frame}", light.name);
+            }
+        }
+        for fog in &scene.fogs {
+            let other = again.fogs.iter().find(|other| other.name == fog.name).unwrap();
+            assert!(near(other.density_per_m.at(time_s).y, fog.density_per_m.at(time_s).y), "{frame}");
+            assert!(near(other.albedo.at(time_s).z, fog.albedo.at(time_s).z), "{frame}");
+            assert!(near(other.anisotropy.at(time_s), fog.anisotropy.at(time_s)), "{frame}");
+            let height = |fog: &scene::Fog| fog.shape.falloff().unwrap().scale_height_m.at(time_s);
+            assert!(near(height(other), height(fog)), "{frame}");
+        }
+        let (lens, other) = (&scene.cameras[0], &again.cameras[0]);
+        assert!(near(other.lens.number().at(time_s), lens.lens.number().at(time_s)), "{frame}");
+        let focus = |camera: &scene::Camera| {
+            let aperture = camera.aperture.as_ref().unwrap();
+            (aperture.f_stop.at(time_s), aperture.focus_distance_m.at(time_s))
+        };
+        let (found, expected) = (focus(other), focus(lens));
+        assert!(near(found.0, expected.0) && near(found.1, expected.1), "{frame}");
+        let shown = |scene: &Scene| {
+            let node = scene.nodes.iter().position(|node| node.name == "blinking").unwrap();
+            scene.placements(time_s)[node].visible
+        };
+        assert_eq!(shown(&again), shown(&scene), "{frame}");
+    }
+}
+
+const CHANGING: &str = r#"Scene(
+    version: 1,
+    meshes: { "quad": Quad(size_m: 1.0) },
+    objects: { "blinking": (mesh: "quad", visible: Keyed(keys: [(at_s: 0.0, value: true), (at_s: 0.5, value: false)])) },
+    cameras: { "main": (fov_deg: Keyed(keys: [(at_s: 0.0, value: 30.0), (at_s: 1.0, value: 60.0)]), aperture: (
+        f_stop: Keyed(keys: [(at_s: 0.0, value: 2.0), (at_s: 1.0, value: 4.0)]),
+        focus_distance_m: Keyed(keys: [(at_s: 0.0, value: 1.0), (at_s: 1.0, value: 3.0)]))) },
+    lights: {
+        "sun": Sun(to_sun: (0.4, 1.0, -0.6), irradiance_w_per_m2: Keyed(keys: [(at_s: 0.0, value: (8.0, 7.0, 6.0)), (at_s: 1.0, value: (1.0, 2.0, 9.0))]),
+            angular_diameter_deg: Keyed(keys: [(at_s: 0.0, value: 0.5), (at_s: 1.0, value: 2.0)])),
+        "bulb": Point(position_m: (1.0, 2.0, 0.0), intensity_w_per_sr: Keyed(keys: [(at_s: 0.0, value: 2.0, to_next: Step), (at_s: 0.5, value: 5.0)]),
+            radius_m: Keyed(keys: [(at_s: 0.0, value: 0.1), (at_s: 1.0, value: 0.2)])),
+        "lamp": Spot(position_m: (2.0, 3.0, 0.0), target_m: (0.0, 0.0, 0.0), outer_deg: Keyed(keys: [(at_s: 0.0, value: 20.0), (at_s: 1.0, value: 40.0)]),
+            blend: Keyed(keys: [(at_s: 0.0, value: 0.1), (at_s: 1.0, value: 0.9)]), intensity_w_per_sr: 20.0),
+        "window": Rectangle(position_m: (-3.0, 2.0, 0.0), target_m: (0.0, 1.0, 0.0), width_m: Keyed(keys: [(at_s: 0.0, value: 1.0), (at_s: 1.0, value: 2.0)]),
+            height_m: Keyed(keys: [(at_s: 0.0, value: 3.0), (at_s: 1.0, value: 4.0)]), power_w: Keyed(keys: [(at_s: 0.0, value: 40.0), (at_s: 1.0, value: (10.0, 20.0, 30.0))])),
+    },
+    fog: { "thin": (min_m: (-1.0, 0.0, -1.0), max_m: (1.0, 1.0, 1.0), density_per_m: Keyed(keys: [(at_s: 0.0, value: 0.1), (at_s: 1.0, value: 0.5)]),
+        albedo: Keyed(keys: [(at_s: 0.0, value: 0.9), (at_s: 1.0, value: (0.1, 0.2, 0.3))]), anisotropy: Keyed(keys: [(at_s: 0.0, value: -0.5), (at_s: 1.0, value: 0.5)]),
+        scale_height_m: Keyed(keys: [(at_s: 0.0, value: 1.0), (at_s: 1.0, value: 2.0)])) },
+)"#;
