@@ -1,0 +1,15 @@
+"""Blender scenes to sunfleck and its frames back: panels, export, render, frames. See docs/blender.md."""
+
+from . import command, export, frames, panels, program, properties, render
+
+PARTS = (properties, program, export, render, frames, panels, command)
+
+
+def register():
+    for part in PARTS:
+        part.register()
+
+
+def unregister():
+    for part in reversed(PARTS):
+        part.unregister()

@@ -1,0 +1,81 @@
+"""`blender -b FILE.blend --command sunfleck export|check|render ...`: the same without a window.
+
+The functions are for scripts too: `from sunfleck import command; command.main(["export", "out.glb"])`.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import bpy
+
+from . import check, export, program, render
+
+_handle = None
+
+
+def main(arguments):
+    """Does what the arguments say for the current scene; returns an exit code."""
+    parser = argparse.ArgumentParser(prog="sunfleck")
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    verbs.add_parser("check", help="say what would be lost")
+    one = verbs.add_parser("export", help="write a .glb file")
+    one.add_argument("output", type=Path)
+    one = verbs.add_parser("render", help="export and render; further flags are those of `sunfleck render`")
+    one.add_argument("--folder", type=Path)
+    try:
+        known, others = parser.parse_known_args(arguments)
+        if others and known.verb != "render":
+            parser.error(f"what is {' '.join(others)}?")
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    scene = bpy.context.scene
+    try:
+        return {"check": do_check, "export": do_export, "render": do_render}[known.verb](scene, known, others)
+    except export.NotExportable as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 3
+
+
+def do_check(scene, _known, _others):
+    for finding in check.check(scene):
+        print(f"{finding.severity.lower()}: {finding.message}")
+    return 0
+
+
+def do_export(scene, known, _others):
+    for warning in export.export(scene, known.output):
+        print(f"warning: {warning}", file=sys.stderr)
+    return 0
+
+
+def do_render(scene, known, others):
+    executable = program.find()
+    if executable is None:
+        print(f"error: {program.MISSING}", file=sys.stderr)
+        return 4
+    folder = known.folder or export.default_folder(scene)
+    folder.mkdir(parents=True, exist_ok=True)
+    glb = folder / f"{folder.name}.glb"
+    for warning in export.export(scene, glb):
+        print(f"warning: {warning}", file=sys.stderr)
+    run = render.Run(executable, glb, folder, others)
+    code = run.wait()
+    for news in run.news():
+        if news["event"] in {"frame_written", "finished"}:
+            print(news)
+    if code:
+        print(run.error(), file=sys.stderr)
+    return code
+
+
+def register():
+    global _handle
+    _handle = bpy.utils.register_cli_command("sunfleck", main)
+
+
+def unregister():
+    global _handle
+    if _handle is not None:
+        bpy.utils.unregister_cli_command(_handle)
+        _handle = None

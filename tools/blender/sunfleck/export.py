@@ -1,0 +1,113 @@
+"""A scene to a .glb file that sunfleck reads: checked, custom properties written, with the right options."""
+
+import re
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from . import check, controls, extras
+
+
+class NotExportable(Exception):
+    """Something stands in the way; the message says what."""
+
+
+def export(scene, path):
+    """Writes the file; what was found on the way comes back as warnings."""
+    findings = check.check(scene)
+    errors = [finding.message for finding in findings if finding.severity == "ERROR"]
+    if errors:
+        raise NotExportable("; ".join(errors))
+    extras.store(scene)
+    with controls.empties(scene):
+        bpy.ops.export_scene.gltf(filepath=str(path), **options(scene))
+    return [finding.message for finding in findings]
+
+
+def options(scene):
+    """The exporter's options. Those that differ from its defaults: docs/blender.md says why."""
+    has_shape_keys = any(thing.type == "MESH" and thing.data.shape_keys for thing in scene.objects)
+    return {
+        "export_format": "GLB",
+        "use_active_scene": True,
+        "use_renderable": not any(check.is_hidden_at_times(thing) for thing in scene.objects),
+        "export_cameras": True,
+        "export_lights": True,
+        "export_import_convert_lighting_mode": "SPEC",
+        "export_extras": True,
+        # Applying modifiers would take the shape keys away.
+        "export_apply": not has_shape_keys,
+        "export_gn_mesh": True,
+        "export_gpu_instances": False,
+        "export_image_format": "AUTO",
+        "export_draco_mesh_compression_enable": False,
+        "export_animation_mode": "SCENE",
+        "export_anim_scene_split_object": False,
+        "export_force_sampling": True,
+        "export_pointer_animation": False,
+        "export_yup": True,
+    }
+
+
+class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
+    """Write this scene as a .glb file for sunfleck"""
+
+    bl_idname = "sunfleck.export"
+    bl_label = "Export for sunfleck"
+    bl_options = {"REGISTER", "UNDO"}
+    filename_ext = ".glb"
+    filter_glob: StringProperty(default="*.glb", options={"HIDDEN"})
+
+    def execute(self, context):
+        try:
+            warnings = export(context.scene, self.filepath)
+        except NotExportable as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, f"wrote {self.filepath}")
+        return {"FINISHED"}
+
+
+class SUNFLECK_OT_check(bpy.types.Operator):
+    """Say what of this scene would be lost"""
+
+    bl_idname = "sunfleck.check"
+    bl_label = "Check for sunfleck"
+
+    def execute(self, context):
+        findings = check.check(context.scene)
+        for finding in findings:
+            self.report({finding.severity}, finding.message)
+        if not findings:
+            self.report({"INFO"}, "nothing will be lost")
+        return {"FINISHED"}
+
+
+def default_folder(scene):
+    """Where file and frames go: beside the .blend file, else in a folder of temporary files."""
+    stem = re.sub(r"[^\w.-]+", "_", Path(bpy.data.filepath).stem or scene.name)
+    beside = Path(bpy.data.filepath).parent if bpy.data.filepath else Path(bpy.app.tempdir)
+    return beside / "sunfleck" / stem
+
+
+def menu(self, _context):
+    self.layout.operator(SUNFLECK_OT_export.bl_idname, text="sunfleck (.glb)")
+
+
+CLASSES = (SUNFLECK_OT_export, SUNFLECK_OT_check)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.TOPBAR_MT_file_export.append(menu)
+
+
+def unregister():
+    bpy.types.TOPBAR_MT_file_export.remove(menu)
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,163 @@
+"""Blender's settings and ours in, the custom properties that sunfleck reads out (docs/scene-format.md, "glTF").
+
+Invariant: every property here is a plain dictionary of numbers, texts and lists; whoever wrote one by hand keeps it
+unless the panel speaks of the same thing.
+"""
+
+# sunfleck's shape of each of Blender's area lights.
+AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
+
+
+def of_scene(scene):
+    """What the scene's own custom properties are to be."""
+    own, render = scene.sunfleck_settings, scene.render
+    percent = render.resolution_percentage / 100.0
+    sunfleck = {
+        "version": 1,
+        "fps": float(render.fps),
+        "fps_base": float(render.fps_base),
+        "frame_start": scene.frame_start,
+        "frame_end": scene.frame_end,
+        "resolution": [max(1, round(side * percent)) for side in (render.resolution_x, render.resolution_y)],
+        "light_units": "spec",
+        "seed": own.seed,
+        "passes": sorted(own.passes),
+        "shutter": 0.0,
+    }
+    if own.use_samples:
+        sunfleck["samples"] = own.samples
+    else:
+        sunfleck["tolerance"] = own.tolerance
+    if scene.camera:
+        sunfleck["camera"] = scene.camera.name
+    if render.use_motion_blur:
+        shutter = render.motion_blur_shutter
+        sunfleck["shutter"] = shutter
+        sunfleck["shutter_offset"] = {"START": 0.0, "CENTER": -0.5 * shutter, "END": -shutter}[
+            render.motion_blur_position
+        ]
+    written = {"sunfleck": sunfleck}
+    if own.use_fog:
+        written["sunfleck_fog"] = {
+            **fog(own), "scale_height": own.scale_height, "base_height": own.base_height
+        }
+    if own.background_strength > 0.0:
+        written["sunfleck_env"] = {"color": list(own.background_color), "strength": own.background_strength}
+    return written
+
+
+def of_object(thing):
+    """What an object's custom properties are to be."""
+    own, written = thing.sunfleck_settings, {}
+    if own.is_fog:
+        volume = {"shape": "box", **fog(own)}
+        if own.thins_out:
+            volume["scale_height"] = own.scale_height
+        written["sunfleck_fog_volume"] = volume
+    if own.use_leaf_id:
+        written["leaf_id"] = own.leaf_id
+    if thing.type == "LIGHT":
+        written["sunfleck_light"] = {**plain(thing.get("sunfleck_light")), **light(thing.data, own)}
+    return written
+
+
+def light(data, own):
+    """What glTF does not say of a light."""
+    strength = data.energy * 2.0**data.exposure
+    if data.type == "SUN":
+        said = {"angle": data.angle, "strength_w_m2": strength}
+        return {**said, "visible_to_camera": True} if own.visible_to_camera else said
+    if data.type == "AREA":
+        height = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
+        return {
+            "type": "area", "shape": AREA_SHAPES[data.shape], "size": [data.size, height], "power_w": strength,
+            "color": list(data.color), "spread": data.spread,
+        }
+    return {"radius": data.shadow_soft_size, "power_w": strength}
+
+
+def of_camera(data, scene):
+    """What glTF does not say of a camera."""
+    written = {"sensor_width_mm": sensor_width_mm(data, scene)}
+    shift = shift_of_longer_side(data, scene)
+    if shift != [0.0, 0.0]:
+        written["shift"] = shift
+    if data.dof.use_dof:
+        written["fstop"] = data.dof.aperture_fstop
+        written["focus_distance"] = focus_distance(data, scene)
+        if data.dof.aperture_blades >= 3:
+            written["blades"] = data.dof.aperture_blades
+    return {"sunfleck_camera": written}
+
+
+def picture_sides(scene):
+    """Width and height of the picture in units of one pixel's height."""
+    render = scene.render
+    return render.resolution_x * render.pixel_aspect_x / render.pixel_aspect_y, float(render.resolution_y)
+
+
+def fitted_side(data, scene):
+    """The side of the picture that the sensor's size and the shift refer to."""
+    width, height = picture_sides(scene)
+    if data.sensor_fit == "AUTO":
+        return max(width, height)
+    return width if data.sensor_fit == "HORIZONTAL" else height
+
+
+def sensor_width_mm(data, scene):
+    """How much of the sensor the picture's width takes: sunfleck reckons the focal length from it."""
+    width, _ = picture_sides(scene)
+    sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+    return sensor * width / fitted_side(data, scene)
+
+
+def shift_of_longer_side(data, scene):
+    """The lens shift as a share of the picture's longer side."""
+    scale = fitted_side(data, scene) / max(picture_sides(scene))
+    return [data.shift_x * scale, data.shift_y * scale]
+
+
+def focus_distance(data, scene):
+    """Along the view, to the plane in focus, metres."""
+    target = data.dof.focus_object
+    eye = next((thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None)
+    if target is None or eye is None:
+        return data.dof.focus_distance
+    return max(1e-6, -(eye.matrix_world.normalized().inverted() @ target.matrix_world.translation).z)
+
+
+def of_material(material):
+    """What glTF does not say of a material."""
+    own = material.sunfleck_settings
+    if not own.is_leaf:
+        return {}
+    leaf = {"translucency": own.translucency}
+    if own.use_transmit_color:
+        leaf["transmit_color"] = list(own.transmit_color)
+    return {"sunfleck_leaf": leaf}
+
+
+def fog(own):
+    return {"density": own.density, "albedo": list(own.albedo), "anisotropy": own.anisotropy}
+
+
+def plain(value):
+    """A custom property as a dictionary."""
+    return value.to_dict() if hasattr(value, "to_dict") else {}
+
+
+def store(scene):
+    """Writes them all."""
+    put(scene, of_scene(scene))
+    for thing in scene.objects:
+        put(thing, of_object(thing))
+        if thing.type == "CAMERA":
+            put(thing.data, of_camera(thing.data, scene))
+        for slot in thing.material_slots:
+            if slot.material:
+                put(slot.material, of_material(slot.material))
+
+
+def put(owner, written):
+    for name, value in written.items():
+        owner[name] = value

@@ -1,0 +1,87 @@
+"""What an artist sets for sunfleck and Blender has no place for. Everything else is taken from Blender's own settings."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
+
+PASSES = [
+    ("shafts", "Shafts", "Light scattered in the fog"),
+    ("transmittance", "Transmittance", "What the fog lets through"),
+    ("depth", "Depth", "Distance along the view"),
+    ("normal", "Normal", "Shading normal"),
+    ("position", "Position", "Place in the world"),
+    ("albedo", "Albedo", "Reflectance"),
+    ("leaf-id", "Leaf id", "Which object"),
+    ("error", "Error", "Estimated relative error"),
+]
+
+
+def colour(name, description, default=(1.0, 1.0, 1.0)):
+    return FloatVectorProperty(
+        name=name, description=description, subtype="COLOR", default=default, min=0.0, max=1.0
+    )
+
+
+class SunfleckFog:
+    """Fields of fog, of the scene's and of a bounded one's."""
+
+    density: FloatProperty(name="Density", description="Extinction, 1/m", default=0.05, min=0.0, soft_max=2.0)
+    albedo: colour("Albedo", "Share of the extinction that is scattering")
+    anisotropy: FloatProperty(
+        name="Anisotropy", description="More than 0 scatters forward", default=0.5, min=-0.999, max=0.999
+    )
+
+
+class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
+    tolerance: FloatProperty(
+        name="Tolerance", description="Relative error of every block of pixels at which to stop",
+        default=0.02, min=0.001, max=1.0,
+    )
+    use_samples: BoolProperty(name="Fixed samples", description="A number of samples instead of a tolerance")
+    samples: IntProperty(name="Samples", default=16, min=1, max=65536)
+    seed: IntProperty(name="Seed", default=0, min=0)
+    passes: EnumProperty(name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"shafts", "depth", "leaf-id"})
+    use_fog: BoolProperty(name="Fog everywhere", description="Fog without bounds that thins out with height")
+    scale_height: FloatProperty(
+        name="Scale height", description="Metres over which the density falls to 1/e", default=3.0, min=0.01
+    )
+    base_height: FloatProperty(name="Base", description="Height above which it thins out, metres", default=0.0)
+    background_color: colour("Background", "What lies beyond the scene; it lights nothing")
+    background_strength: FloatProperty(name="Strength", description="W/(m2 sr)", default=0.0, min=0.0)
+
+
+class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):
+    is_fog: BoolProperty(name="Holds fog", description="This cube from -1 to 1 (an empty or a mesh) is full of fog")
+    thins_out: BoolProperty(name="Thins out with height")
+    scale_height: FloatProperty(
+        name="Scale height", description="Metres over which the density falls to 1/e", default=3.0, min=0.01
+    )
+    use_leaf_id: BoolProperty(name="Leaf id", description="Its number in the pass; else counted")
+    leaf_id: IntProperty(name="Leaf id", default=1, min=1, max=2**31 - 1)
+    visible_to_camera: BoolProperty(name="Sun can be seen", description="The camera sees the disc of this sun")
+
+
+class SunfleckMaterial(bpy.types.PropertyGroup):
+    is_leaf: BoolProperty(name="Leaf", description="Light shines through")
+    translucency: FloatProperty(
+        name="Translucency", description="Share of the light that goes through", default=0.5, min=0.0, max=1.0
+    )
+    use_transmit_color: BoolProperty(name="Own colour", description="Else the base colour")
+    transmit_color: colour("Transmitted", "Colour of the light that comes through", (0.6, 0.7, 0.1))
+
+
+CLASSES = (SunfleckScene, SunfleckObject, SunfleckMaterial)
+OWNERS = ((bpy.types.Scene, SunfleckScene), (bpy.types.Object, SunfleckObject), (bpy.types.Material, SunfleckMaterial))
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    for owner, group in OWNERS:
+        owner.sunfleck_settings = PointerProperty(type=group)
+
+
+def unregister():
+    for owner, _ in OWNERS:
+        del owner.sunfleck_settings
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

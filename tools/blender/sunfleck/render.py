@@ -1,0 +1,165 @@
+"""Exports a scene and calls `sunfleck render` on it, telling its progress; without a window it waits for the end."""
+
+import json
+import queue
+import subprocess
+import threading
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty
+
+from . import export, program
+
+# How often the window looks for news, seconds.
+LOOK_S = 0.2
+
+
+class Run:
+    """The program at work. `news` gives its events as they come; `process` is None once it has ended."""
+
+    def __init__(self, executable, glb, folder, arguments=()):
+        command = [executable, "render", str(glb), "--progress", "jsonl", "--out", f"{folder}/", *arguments]
+        self.process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+        )
+        self.events = queue.SimpleQueue()
+        self.complaints = []
+        self.readers = [
+            threading.Thread(target=self._read_events, daemon=True),
+            threading.Thread(target=self._read_complaints, daemon=True),
+        ]
+        for reader in self.readers:
+            reader.start()
+
+    def _read_events(self):
+        for line in self.process.stdout:
+            self.events.put(json.loads(line))
+
+    def _read_complaints(self):
+        self.complaints += self.process.stderr.readlines()
+
+    def news(self):
+        """Every event since the last call."""
+        found = []
+        while not self.events.empty():
+            found.append(self.events.get())
+        return found
+
+    def is_over(self):
+        return self.process.poll() is not None and not any(reader.is_alive() for reader in self.readers)
+
+    def cancel(self):
+        """Frames that are whole are kept."""
+        if self.process.poll() is None:
+            self.process.terminate()
+        self.wait()
+
+    def wait(self):
+        """The exit code."""
+        code = self.process.wait()
+        for reader in self.readers:
+            reader.join()
+        for pipe in (self.process.stdout, self.process.stderr):
+            pipe.close()
+        return code
+
+    def error(self):
+        """What the program said was wrong; empty if it ended well."""
+        return "" if self.process.poll() == 0 else "".join(self.complaints).strip() or "sunfleck failed"
+
+
+class SUNFLECK_OT_render(bpy.types.Operator):
+    """Export this scene and render it with sunfleck; Esc stops it and keeps whole frames"""
+
+    bl_idname = "sunfleck.render"
+    bl_label = "Render with sunfleck"
+
+    animation: BoolProperty(name="Animation", description="All frames, not only this one", default=False)
+
+    def start(self, context):
+        executable = program.find()
+        if executable is None:
+            self.report({"ERROR"}, program.MISSING)
+            return False
+        scene = context.scene
+        folder = export.default_folder(scene)
+        folder.mkdir(parents=True, exist_ok=True)
+        glb = folder / f"{folder.name}.glb"
+        try:
+            for warning in export.export(scene, glb):
+                self.report({"WARNING"}, warning)
+        except export.NotExportable as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        frames = [] if self.animation else ["--frames", str(scene.frame_current)]
+        self.run, self.folder, self.total = Run(executable, glb, folder, frames), folder, 1
+        self.done = 0
+        return True
+
+    def execute(self, context):
+        if not self.start(context):
+            return {"CANCELLED"}
+        self.run.wait()
+        return self.finish(context)
+
+    def invoke(self, context, _event):
+        if not self.start(context):
+            return {"CANCELLED"}
+        window_manager = context.window_manager
+        self.timer = window_manager.event_timer_add(LOOK_S, window=context.window)
+        window_manager.progress_begin(0.0, 1.0)
+        window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC":
+            self.run.cancel()
+            self.put_away(context)
+            self.report({"WARNING"}, f"stopped; whole frames are in {self.folder}")
+            return {"CANCELLED"}
+        if event.type == "TIMER":
+            for news in self.run.news():
+                self.tell(context, news)
+            if self.run.is_over():
+                self.put_away(context)
+                return self.finish(context)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context):
+        """Blender closes."""
+        self.run.cancel()
+        self.put_away(context)
+
+    def tell(self, context, news):
+        if news["event"] == "started":
+            self.total = max(1, news["frames"])
+        elif news["event"] in {"frame_written", "frame_skipped", "frame_given_up"}:
+            self.done += 1
+        fraction = (self.done + news.get("fraction", 0.0)) / self.total
+        context.window_manager.progress_update(min(1.0, fraction))
+        context.workspace.status_text_set(f"sunfleck: {100.0 * fraction:.0f} %, Esc stops")
+
+    def put_away(self, context):
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def finish(self, context):
+        error = self.run.error()
+        if error:
+            self.report({"ERROR"}, error)
+            return {"CANCELLED"}
+        frames = sorted(Path(self.folder).glob("*.exr"))
+        self.report({"INFO"}, f"{len(frames)} frames are in {self.folder}")
+        if frames:
+            bpy.ops.sunfleck.load_frames(filepath=str(frames[0]))
+        return {"FINISHED"}
+
+
+def register():
+    bpy.utils.register_class(SUNFLECK_OT_render)
+
+
+def unregister():
+    bpy.utils.unregister_class(SUNFLECK_OT_render)

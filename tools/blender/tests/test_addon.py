@@ -1,0 +1,248 @@
+"""The add-on in Blender without a window. Run by tools/test with Blender's Python module `bpy`:
+
+    PYTHONPATH=tools/blender SUNFLECK=target/checked/sunfleck PYTHON -m unittest discover -s tools/blender/tests
+"""
+
+import json
+import os
+import struct
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import scenes
+import sunfleck
+from sunfleck import check, command, export, extras, frames, render
+
+PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
+
+
+def document(path):
+    """The JSON of a .glb file."""
+    data = Path(path).read_bytes()
+    (length,) = struct.unpack("<I", data[12:16])
+    return json.loads(data[20 : 20 + length])
+
+
+def inspect(path, *arguments):
+    text = subprocess.run([PROGRAM, "inspect", str(path), "--json", *arguments], capture_output=True, check=True, text=True)
+    return json.loads(text.stdout)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.scene = scenes.empty()
+        sunfleck.register()
+        self.addCleanup(sunfleck.unregister)
+
+
+class Registration(unittest.TestCase):
+    def test_registers_and_unregisters_twice(self):
+        scenes.empty()
+        for _ in range(2):
+            sunfleck.register()
+            self.assertTrue(hasattr(bpy.types.Scene, "sunfleck_settings"))
+            self.assertIn("export", dir(bpy.ops.sunfleck))
+            sunfleck.unregister()
+            self.assertFalse(hasattr(bpy.types.Scene, "sunfleck_settings"))
+            self.assertFalse(hasattr(bpy.types, "SUNFLECK_PT_render"))
+
+    def test_the_manifest_is_whole(self):
+        import tomllib
+
+        manifest = tomllib.loads((Path(sunfleck.__file__).parent / "blender_manifest.toml").read_text())
+        needed = {"schema_version", "id", "version", "name", "tagline", "maintainer", "type", "blender_version_min", "license"}
+        self.assertLessEqual(needed, set(manifest))
+
+
+class Export(Case):
+    def test_what_is_set_in_blender_arrives(self):
+        scene = self.scene
+        scene.frame_start, scene.frame_end = 3, 7
+        scene.render.fps, scene.render.fps_base = 24, 1.001
+        scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+        scene.sunfleck_settings.tolerance = 0.04
+        scene.sunfleck_settings.background_strength = 0.5
+        eye = scenes.camera(scene)
+        eye.data.dof.use_dof, eye.data.dof.aperture_fstop, eye.data.dof.focus_distance = True, 2.0, 3.5
+        scenes.sun(scene, 3.0, 0.01)
+        scenes.fog_box(scene)
+        path = self.folder / "scene.glb"
+        self.assertEqual(command.main(["export", str(path)]), 0)
+        said = document(path)["scenes"][0]["extras"]
+        self.assertEqual(said["sunfleck"]["camera"], "camera")
+        found = inspect(path)
+        self.assertEqual(found["frame_rate"], [24000, 1001])
+        self.assertEqual((found["frame_start"], found["frame_end"]), (3, 7))
+        self.assertEqual(found["size"], [64, 36])
+        self.assertAlmostEqual(found["tolerance"], 0.04, 6)
+        light = found["frames"][0]["lights"]["sun"]
+        self.assertAlmostEqual(light["irradiance_w_per_m2"][0], 3.0, 5)
+        self.assertAlmostEqual(light["angular_diameter_rad"], 0.01, 6)
+        loud = [remark for remark in found["remarks"] if "warning" in remark]
+        self.assertEqual(loud, [])
+
+    def test_places_arrive_at_every_frame(self):
+        scene = self.scene
+        scene.frame_start, scene.frame_end = 1, 12
+        scenes.camera(scene)
+        leaf = scenes.quad(scene, "leaf", 1.0, scenes.material("green", (0.1, 0.5, 0.1)))
+        leaf.rotation_mode = "ZYX"
+        for frame, angle in ((1, 0.0), (12, 5.0)):
+            leaf.location, leaf.rotation_euler = (angle, 1.0, 2.0), (angle, 0.3 * angle, -angle)
+            leaf.keyframe_insert("location", frame=frame)
+            leaf.keyframe_insert("rotation_euler", frame=frame)
+        path = self.folder / "scene.glb"
+        export.export(scene, path)
+        found = inspect(path, "--frames", ",".join(map(str, range(1, 13))))
+        turn = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
+        import mathutils
+
+        turn = mathutils.Matrix(turn)
+        for frame in found["frames"]:
+            scene.frame_set(int(frame["frame"]))
+            expected = turn @ leaf.matrix_world @ turn.inverted()
+            world = frame["nodes"]["leaf"]["world"]
+            worst = max(abs(world[4 * row + column] - expected[row][column]) for row in range(4) for column in range(4))
+            self.assertLess(worst, 1e-5)
+
+    def test_values_that_change_travel_in_empties_that_do_not_stay(self):
+        scene = self.scene
+        scene.frame_start, scene.frame_end = 1, 5
+        lamp = scenes.add(scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
+        scenes.camera(scene)
+        volume = scenes.fog_box(scene)
+        for frame, energy, density in ((1, 10.0, 0.1), (5, 50.0, 0.5)):
+            lamp.data.energy, volume.sunfleck_settings.density = energy, density
+            lamp.data.keyframe_insert("energy", frame=frame)
+            volume.keyframe_insert("sunfleck_settings.density", frame=frame)
+        before = set(bpy.data.objects.keys()), set(bpy.data.actions.keys())
+        path = self.folder / "scene.glb"
+        export.export(scene, path)
+        self.assertEqual((set(bpy.data.objects.keys()), set(bpy.data.actions.keys())), before)
+        targets = [node["extras"]["sunfleck_ctl"]["target"] for node in document(path)["nodes"] if "sunfleck_ctl" in node.get("extras", {})]
+        self.assertEqual(sorted(targets), ["fog.sunfleck_fog_volume.density", "lamp.sunfleck_light.power_w"])
+        found = inspect(path, "--frames", "1,3,5")
+        for frame in found["frames"]:
+            scene.frame_set(int(frame["frame"]))
+            expected = lamp.data.energy / (4.0 * 3.141592653589793)
+            self.assertAlmostEqual(frame["lights"]["lamp"]["intensity_w_per_sr"][0], expected, 4)
+
+    def test_nothing_hand_written_is_lost(self):
+        scenes.camera(self.scene)
+        lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
+        lamp["sunfleck_light"] = {"casts_shafts": True}
+        marker = scenes.add(self.scene, "marker", None)
+        marker["sunfleck_fog_volume"] = {"density": 0.25}
+        extras.store(self.scene)
+        self.assertTrue(lamp["sunfleck_light"]["casts_shafts"])
+        self.assertEqual(marker["sunfleck_fog_volume"]["density"], 0.25)
+
+    def test_export_can_be_undone(self):
+        scenes.camera(self.scene)
+        self.assertIn("UNDO", export.SUNFLECK_OT_export.bl_options)
+        path = self.folder / "scene.glb"
+        self.assertEqual(bpy.ops.sunfleck.export(filepath=str(path)), {"FINISHED"})
+        self.assertTrue(path.exists())
+
+
+class Checks(Case):
+    def messages(self):
+        return [finding.message for finding in check.check(self.scene)]
+
+    def test_a_scene_that_travels_whole_has_no_findings(self):
+        scenes.camera(self.scene)
+        scenes.sun(self.scene)
+        self.assertEqual(self.messages(), [])
+
+    def test_lights_on_which_the_exporter_fails_are_refused(self):
+        scenes.camera(self.scene)
+        lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
+        for name, value in (("use_temperature", True), ("normalize", False)):
+            before = getattr(lamp.data, name)
+            setattr(lamp.data, name, value)
+            self.assertEqual(len(self.messages()), 1)
+            with self.assertRaises(export.NotExportable):
+                export.export(self.scene, self.folder / "scene.glb")
+            setattr(lamp.data, name, before)
+
+    def test_what_is_lost_is_said(self):
+        scene = self.scene
+        shade = scenes.material("leaf", (0.2, 0.5, 0.1))
+        shade.node_tree.nodes.new("ShaderNodeBsdfTranslucent")
+        thing = scenes.quad(scene, "quad", 1.0, shade)
+        thing.modifiers.new("dust", "PARTICLE_SYSTEM")
+        thing.particle_systems[0].settings.render_type = "OBJECT"
+        said = " ".join(self.messages())
+        for word in ("no active camera", "particle", "translucent"):
+            self.assertIn(word, said)
+        shade.sunfleck_settings.is_leaf = True
+        self.assertNotIn("translucent", " ".join(self.messages()))
+
+    def test_a_volume_material_is_refused_unless_it_is_fog(self):
+        scenes.camera(self.scene)
+        shade = bpy.data.materials.new("smoke")
+        shade.use_nodes = True
+        nodes = shade.node_tree.nodes
+        nodes.remove(nodes["Principled BSDF"])
+        volume = nodes.new("ShaderNodeVolumePrincipled")
+        shade.node_tree.links.new(volume.outputs[0], nodes["Material Output"].inputs["Volume"])
+        box = scenes.quad(self.scene, "smoke", 2.0, shade)
+        self.assertIn("opaque box", " ".join(self.messages()))
+        box.sunfleck_settings.is_fog = True
+        self.assertEqual(self.messages(), [])
+
+
+class Render(Case):
+    def small(self):
+        scenes.camera(self.scene)
+        scenes.sun(self.scene)
+        scenes.fog_box(self.scene)
+        scenes.quad(self.scene, "ground", 6.0, scenes.material("soil", (0.4, 0.3, 0.2)))
+        self.scene.frame_start, self.scene.frame_end = 1, 3
+        own = self.scene.sunfleck_settings
+        own.use_samples, own.samples = True, 2
+
+    def test_frames_come_back_with_their_passes(self):
+        self.small()
+        self.assertEqual(command.main(["render", "--folder", str(self.folder)]), 0)
+        paths = sorted(self.folder.glob("*.exr"))
+        self.assertEqual(len(paths), 3)
+        image, first, last = frames.load(paths[0])
+        self.assertEqual((first, last), (1, 3))
+        self.assertEqual((image.source, image.type), ("SEQUENCE", "MULTILAYER"))
+        node = bpy.data.node_groups.new("look", "CompositorNodeTree").nodes.new("CompositorNodeImage")
+        node.image = image
+        shown = {output.name for output in node.outputs if output.enabled}
+        self.assertLessEqual({"Combined", "Depth", "shafts", "leaf_id"}, shown)
+
+    def test_the_operator_waits_without_a_window(self):
+        self.small()
+        bpy.context.preferences.filepaths.temporary_directory = str(self.folder)
+        os.environ["SUNFLECK"] = PROGRAM
+        self.assertEqual(bpy.ops.sunfleck.render(animation=True), {"FINISHED"})
+
+    def test_a_run_can_be_cancelled(self):
+        self.small()
+        glb = self.folder / "scene.glb"
+        export.export(self.scene, glb)
+        run = render.Run(PROGRAM, glb, self.folder, ["--size", "1600x900", "--samples", "4096"])
+        run.cancel()
+        self.assertTrue(run.is_over())
+        self.assertEqual(list(self.folder.glob("*.exr")), [])
+
+    def test_a_program_that_fails_says_why(self):
+        glb = self.folder / "scene.glb"
+        glb.write_bytes(b"glTF")
+        run = render.Run(PROGRAM, glb, self.folder)
+        self.assertEqual(run.wait(), 3)
+        self.assertIn("cut short", run.error())
+
+
+if __name__ == "__main__":
+    unittest.main()
