@@ -23,7 +23,9 @@ impl Writer<'_> {
         let mut shown: BTreeMap<(NodeIndex, u32), Shown> = BTreeMap::new();
         let bent = self.scene.instances.iter().filter(|instance| instance.deformation.is_some()).count();
         if bent > 0 {
-            self.lost(format!("skins and morph targets are not carried: {bent} meshes keep their shape at rest"));
+            self.lost(format!(
+                "skins and morph targets are not carried: {bent} meshes keep their shape at rest"
+            ));
         }
         for instance in &self.scene.instances {
             let at = shown.entry((instance.node, instance.leaf_id)).or_default();
