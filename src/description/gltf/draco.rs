@@ -68,7 +68,7 @@ fn fill(
         return Err(damaged(format!("a compressed mesh cannot be of mode {}", primitive.mode)));
     }
     let extension = JsonValue::parse(extension.to_string().as_bytes())
-        .and_then(|json| DracoPrimitiveExtension::from_json(&json).map_err(|error| error.to_string()))
+        .and_then(|json| DracoPrimitiveExtension::from_json(&json).map_err(|error| plain(&error)))
         .map_err(|error| damaged(format!("the extension is malformed: {error}")))?;
     let (payload, _) = buffers.view(extension.buffer_view(), &format!("{path}.bufferView"))?;
 
@@ -88,7 +88,7 @@ fn fill(
     if let Some(indices) = primitive.indices.and_then(|index| document.accessors.get(index)) {
         contract = contract.with_indices(indices.count as u64);
     }
-    let geometry = extension.decode(payload, &contract).map_err(|error| damaged(error.to_string()))?;
+    let geometry = extension.decode(payload, &contract).map_err(|error| damaged(plain(&error)))?;
 
     for attribute in geometry.attributes() {
         let Some(&index) = primitive.attributes.get(attribute.semantic()) else { continue };
@@ -114,4 +114,9 @@ fn fill(
         );
     }
     Ok(())
+}
+
+/// What the decoder says, without what our messages begin with.
+fn plain(error: &impl std::fmt::Display) -> String {
+    error.to_string().replace("error:", "error,")
 }
