@@ -302,7 +302,12 @@ fn what_is_not_honoured_is_said_once_a_kind() {
         ("g_pbr.glb", "vertex colours after the first are not honoured (COLOR_1): `vcol`"),
         ("g_pbr.glb", "sheen is not honoured: `translucent_leaf`"),
         ("b_leafcards.glb", "masked meshes are cut out along alpha = cutoff, to 0.25 texels: "),
-        ("h_lights_pointer_scene.glb", "KHR_animation_pointer is not honoured, these values keep still"),
+        (
+            "h_lights_pointer_scene.glb",
+            "animated intensities of lights in other units than still ones: these are put right: `pt`, `sun`",
+        ),
+        ("h_lights_pointer_scene.glb", "puts a dot for a slash before the angles of spots"),
+        ("h_lights_pointer_scene.glb", "values that are animated by a pointer and not honoured keep still"),
         ("f_plain.glb", "24 frames a second are assumed"),
     ];
     for (file, text) in said {

@@ -151,6 +151,13 @@ const CASES: &[(&str, &str)] = &[
     ("node_with_two_parents.gltf", "node 1 is a child of node 0 already"),
     ("normals_fewer_than_positions.gltf", "there are 3 positions and 2 of these"),
     ("passes_unknown.gltf", "sunfleck.passes[1]: error: `beauty` is no pass"),
+    ("pointer_fov_out_of_range.gltf", "animations[0].channels[0]: error: an animated value is"),
+    (
+        "pointer_light_missing.gltf",
+        "`/extensions/KHR_lights_punctual/lights/9/intensity` points at nothing in the file",
+    ),
+    ("pointer_node_missing.gltf", "`/nodes/99/translation` points at nothing in the file"),
+    ("pointer_values_of_another_type.gltf", "animated values cannot be of type `SCALAR`"),
     ("position_nan.gltf", "element 1 of these positions is not finite"),
     ("position_scalar.gltf", "positions cannot be of type `SCALAR`"),
     ("morph_accessor_missing.gltf", "targets[0].POSITION: error: accessor 77 does not exist"),

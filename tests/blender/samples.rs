@@ -144,13 +144,7 @@ pub(crate) const SAMPLES: &[Sample] = &[
         ],
         ..sample("h_lights_nopointer.glb", "h_lights.gt.json", 70)
     },
-    Sample {
-        known: &[
-            Known { objects: &["pt", "spot", "sun"], what: What::Always("light"), reason: "not yet" },
-            Known { objects: &["cam"], what: What::Always("projection"), reason: "not yet" },
-        ],
-        ..sample("h_lights_pointer_scene.glb", "h_lights.gt.json", 70)
-    },
+    sample("h_lights_pointer_scene.glb", "h_lights.gt.json", 70),
     sample("h_time_24_s1.glb", "h_time_24_s1.gt.json", 15),
     Sample {
         prepared: &[("scenes/0/extras/sunfleck", r#"{ "fps": 24, "fps_base": 1.0010000467300415 }"#)],
@@ -164,10 +158,7 @@ pub(crate) const SAMPLES: &[Sample] = &[
         ..sample("h_transforms.glb", "h_transforms.gt.json", 150)
     },
     Sample { known: &[SHEARED_CONSTRAINT], ..sample("h_transforms_scene.glb", "h_transforms.gt.json", 150) },
-    Sample {
-        known: &[WINDOW_COLOR, Known { reason: "not yet", ..NO_LENS_KEYS }],
-        ..sample("i_conventions.glb", "i_conventions.gt.json", 150)
-    },
+    Sample { known: &[WINDOW_COLOR], ..sample("i_conventions.glb", "i_conventions.gt.json", 150) },
     Sample {
         known: &[
             WINDOW_COLOR,

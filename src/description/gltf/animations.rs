@@ -3,8 +3,9 @@
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{Animation, Document, Node};
+use super::pointers::{self, Property, Target};
 use super::report::Report;
-use super::{Channel, Interpolation, Values, named};
+use super::{Channel, Interpolation, PropertyChannel, Values, named};
 use crate::diagnostic::Diagnostic;
 use glam::{DQuat, DVec3};
 
@@ -22,17 +23,32 @@ const ROTATIONS: Wanted = Wanted {
     components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
 };
 
-/// Every channel that moves a node.
-pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Channel> {
-    let mut channels = Vec::new();
+/// What a channel turns out to be.
+enum Read {
+    Moves(Channel),
+    Changes(PropertyChannel),
+    Nothing,
+}
+
+/// Every channel that moves a node, and every one that changes something else.
+pub(super) fn read(
+    document: &Document,
+    accessors: &Accessors<'_>,
+    report: &mut Report,
+) -> (Vec<Channel>, Vec<PropertyChannel>) {
+    let (mut channels, mut properties) = (Vec::new(), Vec::new());
     for (index, animation) in document.animations.iter().enumerate() {
         for number in 0..animation.channels.len() {
             let place = format!("animations[{index}].channels[{number}]");
             let channel = read_channel(document, animation, number, place, accessors, report);
-            channels.extend(report.keep(channel).flatten());
+            match report.keep(channel) {
+                Some(Read::Moves(channel)) => channels.push(channel),
+                Some(Read::Changes(channel)) => properties.push(channel),
+                Some(Read::Nothing) | None => {}
+            }
         }
     }
-    channels
+    (channels, properties)
 }
 
 fn read_channel(
@@ -42,32 +58,86 @@ fn read_channel(
     place: String,
     accessors: &Accessors<'_>,
     report: &mut Report,
-) -> Result<Option<Channel>, Diagnostic> {
+) -> Result<Read, Diagnostic> {
     let channel = &animation.channels[number];
     let target = &channel.target;
     if let Some(pointer) = &target.extensions.pointer {
-        report
-            .not_honoured("KHR_animation_pointer is not honoured, these values keep still", &pointer.pointer);
-        return Ok(None);
+        let pointer = pointer.pointer.as_str();
+        if pointer.contains("/spot.") {
+            let message = "Blender's exporter puts a dot for a slash before the angles of spots, they are read as meant";
+            report.not_honoured(message, pointer);
+        }
+        return match pointers::resolve(document, pointer) {
+            Target::Node(node, path) => {
+                node_channel(document, animation, channel.sampler, (node, path), place, accessors, report)
+            }
+            Target::Property(property, index) => {
+                property_channel(animation, channel.sampler, (property, index), place, accessors)
+            }
+            Target::Unused => {
+                report.not_honoured(
+                    "values that are animated by a pointer and not honoured keep still",
+                    pointer,
+                );
+                Ok(Read::Nothing)
+            }
+            Target::Missing => Err(accessors
+                .invalid(
+                    format!("{place}.target.extensions.KHR_animation_pointer.pointer"),
+                    format!("`{pointer}` points at nothing in the file"),
+                )
+                .expected("a pointer to a light, camera, material or node that the file has")),
+        };
     }
     // The specification says to pass over channels without a node.
     let Some(node) = target.node else {
         report.not_honoured("channels that target no node are passed over", &place);
-        return Ok(None);
+        return Ok(Read::Nothing);
     };
+    node_channel(document, animation, channel.sampler, (node, &target.path), place, accessors, report)
+}
+
+fn property_channel(
+    animation: &Animation,
+    sampler: usize,
+    (property, index): (Property, usize),
+    place: String,
+    accessors: &Accessors<'_>,
+) -> Result<Read, Diagnostic> {
+    let wanted = property.wanted();
+    let Sampled { times_s, interpolation, values } =
+        sampled(animation, sampler, wanted, 1, &place, accessors)?;
+    let channel = PropertyChannel { place, property, index, times_s, interpolation, values };
+    match channel.out_of_range() {
+        None => Ok(Read::Changes(channel)),
+        Some(value) => Err(accessors
+            .invalid(channel.place, format!("an animated value is {value}, or passes it on its way"))
+            .expected(format!("values in {:?} at and between keys", property.range()))),
+    }
+}
+
+fn node_channel(
+    document: &Document,
+    animation: &Animation,
+    sampler: usize,
+    (node, path): (usize, &str),
+    place: String,
+    accessors: &Accessors<'_>,
+    report: &mut Report,
+) -> Result<Read, Diagnostic> {
     let Some(target_node) = document.nodes.get(node) else {
         return Err(accessors
             .invalid(format!("{place}.target.node"), format!("node {node} does not exist"))
             .expected(format!("a number below {}, the number of nodes in the file", document.nodes.len()))
             .remedy("export without GPU instances: together with animation Blender's exporter numbers nodes wrongly"));
     };
-    let wanted = match target.path.as_str() {
+    let wanted = match path {
         "translation" | "scale" => VECTORS,
         "rotation" => ROTATIONS,
         "weights" if targets_of(document, target_node) == 0 => {
             let name = named(&target_node.name, "node", node);
             report.not_honoured("weights of meshes without morph targets are passed over", &name);
-            return Ok(None);
+            return Ok(Read::Nothing);
         }
         "weights" => WEIGHTS,
         other => {
@@ -76,16 +146,51 @@ fn read_channel(
                 .expected("translation, rotation, scale or weights"));
         }
     };
-    if target_node.matrix.is_some() && target.path != "weights" {
+    if target_node.matrix.is_some() && path != "weights" {
         return Err(accessors
             .invalid(format!("{place}.target.node"), format!("node {node} is animated and has a matrix"))
             .expected("translation, rotation and scale on nodes that are animated"));
     }
-    let Some(sampler) = animation.samplers.get(channel.sampler) else {
-        return Err(accessors
-            .invalid(format!("{place}.sampler"), format!("sampler {} does not exist", channel.sampler)));
+    let a_time = if path == "weights" { targets_of(document, target_node) } else { 1 };
+    let Sampled { times_s, interpolation, values } =
+        sampled(animation, sampler, wanted, a_time, &place, accessors)?;
+    let vectors = || values.chunks_exact(3).map(DVec3::from_slice).collect();
+    let values = match path {
+        "translation" => Values::Translation(vectors()),
+        "scale" => Values::Scale(vectors()),
+        "weights" => Values::Weights(values),
+        _ => Values::Rotation(rotations(&values, interpolation).map_err(|key| {
+            let output = animation.samplers.get(sampler).map_or(0, |sampler| sampler.output);
+            accessors
+                .invalid(format!("accessors[{output}]"), format!("rotation {key} has no length"))
+                .expected("unit quaternions")
+        })?),
     };
-    let interpolation = match sampler.interpolation.as_deref() {
+    Ok(Read::Moves(Channel { place, node, times_s, interpolation, values }))
+}
+
+/// What a sampler holds.
+struct Sampled {
+    times_s: Vec<f32>,
+    interpolation: Interpolation,
+    values: Vec<f64>,
+}
+
+/// Sampler number `sampler`, with `a_time` elements at a time.
+fn sampled(
+    animation: &Animation,
+    sampler: usize,
+    wanted: Wanted,
+    a_time: usize,
+    place: &str,
+    accessors: &Accessors<'_>,
+) -> Result<Sampled, Diagnostic> {
+    let Some(source) = animation.samplers.get(sampler) else {
+        return Err(
+            accessors.invalid(format!("{place}.sampler"), format!("sampler {sampler} does not exist"))
+        );
+    };
+    let interpolation = match source.interpolation.as_deref() {
         None | Some("LINEAR") => Interpolation::Linear,
         Some("STEP") => Interpolation::Step,
         Some("CUBICSPLINE") => Interpolation::Cubic,
@@ -96,38 +201,26 @@ fn read_channel(
         }
     };
     let times_s: Vec<f32> =
-        accessors.read(sampler.input, TIMES, &place)?.into_iter().map(|time| time as f32).collect();
+        accessors.read(source.input, TIMES, place)?.into_iter().map(|time| time as f32).collect();
     if let Some(at) = times_s.windows(2).position(|pair| pair[0] >= pair[1]) {
         return Err(accessors
             .invalid(
-                format!("accessors[{}]", sampler.input),
+                format!("accessors[{}]", source.input),
                 format!("key time {} is not after the one before it", at + 1),
             )
             .expected("key times that strictly increase"));
     }
-    let values = accessors.read(sampler.output, wanted, &place)?;
-    let a_time = if target.path == "weights" { targets_of(document, target_node) } else { 1 };
+    let values = accessors.read(source.output, wanted, place)?;
     let expected = times_s.len() * a_time * if interpolation == Interpolation::Cubic { 3 } else { 1 };
     if values.len() / wanted.width != expected {
         return Err(accessors
             .invalid(
-                format!("accessors[{}].count", sampler.output),
+                format!("accessors[{}].count", source.output),
                 format!("{} keys cannot have {} values", times_s.len(), values.len() / wanted.width),
             )
             .expected(format!("{expected} values")));
     }
-    let vectors = || values.chunks_exact(3).map(DVec3::from_slice).collect();
-    let values = match target.path.as_str() {
-        "translation" => Values::Translation(vectors()),
-        "scale" => Values::Scale(vectors()),
-        "weights" => Values::Weights(values),
-        _ => Values::Rotation(rotations(&values, interpolation).map_err(|key| {
-            accessors
-                .invalid(format!("accessors[{}]", sampler.output), format!("rotation {key} has no length"))
-                .expected("unit quaternions")
-        })?),
-    };
-    Ok(Some(Channel { place, node, times_s, interpolation, values }))
+    Ok(Sampled { times_s, interpolation, values })
 }
 
 /// How many morph targets a node's mesh has.

@@ -20,6 +20,7 @@ fn support(extension: &str) -> Option<Support> {
         "EXT_mesh_gpu_instancing"
         | "EXT_meshopt_compression"
         | "EXT_texture_webp"
+        | "KHR_animation_pointer"
         | "KHR_draco_mesh_compression"
         | "KHR_lights_punctual"
         | "KHR_materials_diffuse_transmission"
@@ -31,8 +32,7 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_meshopt_compression"
         | "KHR_node_visibility"
         | "KHR_texture_transform" => Support::Honoured,
-        "KHR_animation_pointer"
-        | "KHR_materials_anisotropy"
+        "KHR_materials_anisotropy"
         | "KHR_materials_clearcoat"
         | "KHR_materials_dispersion"
         | "KHR_materials_iridescence"
@@ -61,10 +61,9 @@ pub(super) fn check(document: &Document, report: &mut Report) {
         );
     }
     for name in &document.extensions_used {
-        let reported_elsewhere = name == "EXT_mesh_gpu_instancing";
         if !document.extensions_required.contains(name) && support(name).is_none() {
             report.not_honoured("extensions that are not known are passed over", name);
-        } else if matches!(support(name), Some(Support::Refused(_))) && !reported_elsewhere {
+        } else if matches!(support(name), Some(Support::Refused(_))) {
             report.not_honoured(
                 "what these extensions add is passed over, the file's plain data are used",
                 name,

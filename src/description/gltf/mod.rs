@@ -19,6 +19,7 @@ mod meshes;
 mod meshopt;
 mod morphs;
 mod nodes;
+mod pointers;
 pub(crate) mod report;
 mod skins;
 mod texture_maps;
@@ -27,6 +28,7 @@ use super::image::DecodedImage;
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+pub use pointers::Property;
 use report::Report;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -58,8 +60,10 @@ pub struct GltfScene {
     pub cameras: Vec<Camera>,
     /// All lights (KHR_lights_punctual).
     pub lights: Vec<Light>,
-    /// All channels of all animations, in the file's order.
+    /// All channels that move nodes, of all animations, in the file's order.
     pub channels: Vec<Channel>,
+    /// All others (KHR_animation_pointer), in the file's order.
+    pub properties: Vec<PropertyChannel>,
     /// What the file asks for that is not in here, or only nearly.
     pub remarks: Diagnostics,
 }
@@ -343,6 +347,23 @@ pub struct Channel {
     pub values: Values,
 }
 
+/// An animated value that is not of a node's transform.
+#[derive(Clone, Debug)]
+pub struct PropertyChannel {
+    /// Where it stands in the file: `animations[0].channels[3]`.
+    pub place: String,
+    /// What it animates.
+    pub property: Property,
+    /// Whose: an index into lights, cameras, materials or nodes.
+    pub index: usize,
+    /// Strictly increasing, at least one, seconds.
+    pub times_s: Vec<f32>,
+    /// How values go from key to key.
+    pub interpolation: Interpolation,
+    /// [`PropertyChannel::width`] numbers a time, or three times as many if cubic.
+    pub values: Vec<f64>,
+}
+
 /// How values go from key to key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
@@ -401,9 +422,9 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         skins: skins::read(&document, &accessors, &mut report),
         cameras: nodes::cameras(&document, &mut report),
         lights: nodes::lights(&document, &mut report),
-        channels: animations::read(&document, &accessors, &mut report),
         ..GltfScene::default()
     };
+    (scene.channels, scene.properties) = animations::read(&document, &accessors, &mut report);
     instancing::read(&document, &mut scene.nodes, &accessors, &mut report);
     let targets: Vec<usize> = scene.meshes.iter().map(|mesh| mesh.weights.len()).collect();
     morphs::check_nodes(&document, &mut scene.nodes, &targets, &mut report);

@@ -2,7 +2,7 @@
 
 use super::Builder;
 use super::extras::{self, Sunfleck};
-use crate::description::gltf;
+use crate::description::gltf::{self, Property};
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Aperture, Camera, Lens, Motion, Node, RenderSettings, Track};
 use glam::{DVec2, DVec3};
@@ -42,12 +42,15 @@ impl Builder<'_> {
         let mut seen_by = Vec::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
             let (Some(number), Some(camera)) = (self.node_numbers[index], node.camera) else { continue };
+            let source = camera;
             let camera = &self.source.cameras[camera];
             seen_by.push(camera);
             let lens = match camera.lens {
-                gltf::Lens::Perspective { fov_y, .. } => Lens::Perspective { fov_y: Track::from(fov_y) },
+                gltf::Lens::Perspective { fov_y, .. } => {
+                    Lens::Perspective { fov_y: self.keyed_number(Property::CameraFovY, source, fov_y) }
+                }
                 gltf::Lens::Orthographic { half_height, .. } => {
-                    Lens::Orthographic { height_m: Track::from(2.0 * half_height) }
+                    Lens::Orthographic { height_m: self.orthographic_height(source, half_height) }
                 }
             };
             let extras = self.camera_extras(camera);

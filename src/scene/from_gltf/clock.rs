@@ -52,7 +52,10 @@ pub(super) fn settings(
             Some(rate) if fps_base > 0.0 => {
                 settings.frame_rate = rate;
                 let by_blender = source.generator.contains("Blender");
-                if fps_base != 1.0 && by_blender && !source.channels.is_empty() {
+                if fps_base != 1.0
+                    && by_blender
+                    && !(source.channels.is_empty() && source.properties.is_empty())
+                {
                     exporter_fps = Some(fps * fps_base);
                     report.push(Diagnostic::note(
                         report.at(at("fps_base")),
@@ -163,11 +166,12 @@ fn read_shutter(
 /// First and last frame that a key is on; frame 1 if nothing moves.
 fn animated_frames(source: &GltfScene, clock: &Clock) -> (f64, f64) {
     let rate = f64::from(clock.frame_rate.numerator) / f64::from(clock.frame_rate.denominator);
-    let mut frames = source
-        .channels
-        .iter()
-        .filter(|channel| channel.times_s.len() > 1)
-        .flat_map(|channel| channel.times_s.first().into_iter().chain(channel.times_s.last()))
+    let of_nodes = source.channels.iter().map(|channel| &channel.times_s);
+    let of_others = source.properties.iter().map(|channel| &channel.times_s);
+    let mut frames = of_nodes
+        .chain(of_others)
+        .filter(|times_s| times_s.len() > 1)
+        .flat_map(|times_s| times_s.first().into_iter().chain(times_s.last()))
         .map(|&time_s| (clock.seconds(time_s) * rate).round());
     let Some(any) = frames.next() else { return (1.0, 1.0) };
     frames.fold((any, any), |(first, last), frame| (first.min(frame), last.max(frame)))

@@ -140,7 +140,8 @@ impl Builder<'_> {
             (0..channel.times_s.len() * parts).map(|at| values[at * count + index]).collect()
         };
         let keyed = |(index, still): (usize, f64)| {
-            track(channel, &own(index), &self.clock).unwrap_or(Track::from(still))
+            track(&channel.times_s, channel.interpolation, &own(index), &self.clock)
+                .unwrap_or(Track::from(still))
         };
         still.into_iter().enumerate().map(keyed).collect()
     }

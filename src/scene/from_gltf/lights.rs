@@ -3,14 +3,13 @@
 
 use super::Builder;
 use super::light_extras::LightExtras;
-use crate::color::Rgb;
 use crate::description::gltf;
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Light, LightKind, LightUnits, NodeIndex, Track};
 use std::f64::consts::PI;
 
 /// Luminous efficacy of 555 nm light, lm/W, which Blender's exporter applies to all light.
-const LUMENS_PER_WATT: f64 = 683.0;
+pub(super) const LUMENS_PER_WATT: f64 = 683.0;
 
 impl Builder<'_> {
     /// Adds a light for every node of the scene that holds one.
@@ -23,7 +22,7 @@ impl Builder<'_> {
             let path = format!("nodes[{index}].extras.sunfleck_light");
             if let Some(light) = node.light {
                 any = true;
-                self.add_light(&self.source.lights[light], number, units, extras.as_ref(), &path);
+                self.add_light(light, number, units, extras.as_ref(), &path);
             } else if let Some(extras) = extras {
                 self.add_area_light(&node.name, number, &extras, &path);
             }
@@ -54,35 +53,35 @@ impl Builder<'_> {
 
     fn add_light(
         &mut self,
-        light: &gltf::Light,
+        index: usize,
         node: NodeIndex,
         units: LightUnits,
         extras: Option<&LightExtras>,
         path: &str,
     ) {
+        let light = &self.source.lights[index];
         if light.range_m.is_some() {
             self.report.not_honoured("a light's range is not honoured, it shines without limit", &light.name);
         }
-        let power: Rgb = light.color * (light.intensity * watts_per_unit(units, light.kind));
-        if !power.is_finite() {
+        let power = self.light_power(index, units, watts_per_unit(units, light.kind));
+        if power.keys().iter().any(|key| !key.value.is_finite()) {
             let path = String::from("extensions.KHR_lights_punctual.lights");
             self.report.error(path, format!("`{}` is infinitely bright", light.name), "a finite intensity");
         }
         let kind = match light.kind {
             gltf::LightKind::Directional => LightKind::Sun,
             gltf::LightKind::Point => LightKind::Point,
-            gltf::LightKind::Spot { inner_angle, outer_angle } => LightKind::Spot {
-                outer_angle: Track::from(outer_angle),
-                blend: Track::from(1.0 - inner_angle / outer_angle),
-                radius: Track::from(0.0),
-            },
+            gltf::LightKind::Spot { inner_angle, outer_angle } => {
+                let (outer_angle, blend) = self.spot_angles(index, inner_angle, outer_angle);
+                LightKind::Spot { outer_angle, blend, radius: Track::from(0.0) }
+            }
         };
         let kind = match extras {
             Some(extras) => self.extend(kind, extras, path),
             None => kind,
         };
         let name = self.scene.nodes[node].name.clone();
-        self.scene.lights.push(Light { name, node, power: Track::from(power), kind });
+        self.scene.lights.push(Light { name, node, power, kind });
     }
 }
 

@@ -13,14 +13,16 @@ mod masks;
 mod material_extras;
 mod meshes;
 mod nodes;
+mod properties;
 mod surfaces;
 
 use super::outline::Tally;
 use super::{LightUnits, RenderSettings, Scene};
 use crate::description::gltf::report::Report;
-use crate::description::gltf::{Channel, GltfScene};
+use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
 use crate::diagnostic::Diagnostics;
 use clock::Clock;
+use std::collections::BTreeMap;
 
 /// A scene under construction.
 struct Builder<'a> {
@@ -32,6 +34,8 @@ struct Builder<'a> {
     node_numbers: Vec<Option<usize>>,
     /// What morph weights each node's mesh has at what time, if they are animated.
     weight_channels: Vec<Option<&'a Channel>>,
+    /// What is animated beside nodes.
+    properties: BTreeMap<(Property, usize), &'a PropertyChannel>,
     /// Meshes that a mask has cut.
     outlines: Tally,
 }
@@ -59,8 +63,10 @@ pub(super) fn resolve(
         report,
         node_numbers,
         weight_channels,
+        properties: BTreeMap::new(),
         outlines: Tally::default(),
     };
+    builder.collect_properties();
     builder.add_nodes();
     builder.add_surfaces(textures);
     builder.add_meshes_and_instances();

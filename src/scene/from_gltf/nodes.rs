@@ -29,7 +29,7 @@ impl<'a> Builder<'a> {
                 name: node.name.clone(),
                 parent,
                 motion: self.motion(node, channels[index]),
-                visible: Track::from(node.visible),
+                visible: self.visible(index),
             });
             waiting.extend(node.children.iter().rev().map(|&child| (child, Some(number))));
         }
@@ -68,12 +68,15 @@ impl<'a> Builder<'a> {
         let Channels { translation: None, rotation: None, scale: None } = channels else {
             let keyed = |channel: Option<&Channel>, still: DVec3| match channel.map(|c| (c, &c.values)) {
                 Some((channel, Values::Translation(values) | Values::Scale(values))) => {
-                    track(channel, values, &self.clock).unwrap_or(Track::from(still))
+                    track(&channel.times_s, channel.interpolation, values, &self.clock)
+                        .unwrap_or(Track::from(still))
                 }
                 _ => Track::from(still),
             };
             let turning = match channels.rotation.map(|c| (c, &c.values)) {
-                Some((channel, Values::Rotation(values))) => track(channel, values, &self.clock),
+                Some((channel, Values::Rotation(values))) => {
+                    track(&channel.times_s, channel.interpolation, values, &self.clock)
+                }
                 _ => None,
             };
             return Motion::Keyed {
@@ -87,9 +90,14 @@ impl<'a> Builder<'a> {
 }
 
 /// A channel as a track; `None` only if its times do not increase, which reading the file excludes.
-pub(super) fn track<T: Animate>(channel: &Channel, values: &[T], clock: &Clock) -> Option<Track<T>> {
-    let keys = channel.times_s.iter().enumerate().map(|(index, &time_s)| {
-        let (value, to_next) = match channel.interpolation {
+pub(super) fn track<T: Animate>(
+    times_s: &[f32],
+    interpolation: Interpolation,
+    values: &[T],
+    clock: &Clock,
+) -> Option<Track<T>> {
+    let keys = times_s.iter().enumerate().map(|(index, &time_s)| {
+        let (value, to_next) = match interpolation {
             Interpolation::Step => (values[index], Segment::Step),
             Interpolation::Linear => (values[index], Segment::Linear),
             Interpolation::Cubic => {

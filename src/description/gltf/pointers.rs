@@ -1,0 +1,121 @@
+//! KHR_animation_pointer: which value a channel animates, and the values' ranges. Invariant: a
+//! [`PropertyChannel`] names a thing that exists, and its values stay in range at and between its keys.
+
+use super::accessor::{Component, Wanted};
+use super::json::Document;
+use super::{Interpolation, PropertyChannel};
+use std::ops::RangeInclusive;
+
+/// A value that may be animated and belongs to no node's transform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Property {
+    /// Of a light.
+    LightColor,
+    /// Of a light, in the file's units.
+    LightIntensity,
+    /// Of a spot: half angle of full light, radians.
+    SpotInnerAngle,
+    /// Of a spot: half angle of the dark, radians.
+    SpotOuterAngle,
+    /// Of a perspective camera: vertical field of view, radians.
+    CameraFovY,
+    /// Of an orthographic camera: half the picture's height, metres.
+    CameraHalfHeight,
+    /// Of a node and what is below it.
+    NodeVisible,
+}
+
+/// What a pointer points at.
+pub(super) enum Target {
+    /// A property of thing number so much.
+    Property(Property, usize),
+    /// A path of a node, as in a channel without the extension.
+    Node(usize, &'static str),
+    /// Something that is there and that we make no use of.
+    Unused,
+    /// Nothing that the file has.
+    Missing,
+}
+
+/// Resolves a JSON pointer.
+pub(super) fn resolve(document: &Document, pointer: &str) -> Target {
+    // Blender 5.0 writes a dot where the angles of spots begin.
+    let pointer = pointer.replace("/spot.", "/spot/");
+    let steps: Vec<&str> = pointer.split('/').skip(1).collect();
+    let lights = &document.extensions.lights_punctual.lights;
+    let (number, count, path) = match steps.as_slice() {
+        ["extensions", "KHR_lights_punctual", "lights", number, path @ ..] => (number, lights.len(), path),
+        ["cameras", number, path @ ..] => (number, document.cameras.len(), path),
+        ["materials", number, path @ ..] => (number, document.materials.len(), path),
+        ["nodes", number, path @ ..] => (number, document.nodes.len(), path),
+        _ => return Target::Unused,
+    };
+    let Some(number) = number.parse::<usize>().ok().filter(|number| *number < count) else {
+        return Target::Missing;
+    };
+    let property = match (steps[0], path) {
+        ("extensions", ["color"]) => Property::LightColor,
+        ("extensions", ["intensity"]) => Property::LightIntensity,
+        ("extensions", ["spot", "innerConeAngle"]) => Property::SpotInnerAngle,
+        ("extensions", ["spot", "outerConeAngle"]) => Property::SpotOuterAngle,
+        ("cameras", ["perspective", "yfov"]) => Property::CameraFovY,
+        ("cameras", ["orthographic", "ymag"]) => Property::CameraHalfHeight,
+        ("nodes", ["extensions", "KHR_node_visibility", "visible"]) => Property::NodeVisible,
+        ("nodes", ["translation"]) => return Target::Node(number, "translation"),
+        ("nodes", ["rotation"]) => return Target::Node(number, "rotation"),
+        ("nodes", ["scale"]) => return Target::Node(number, "scale"),
+        ("nodes", ["weights"]) => return Target::Node(number, "weights"),
+        _ => return Target::Unused,
+    };
+    Target::Property(property, number)
+}
+
+impl Property {
+    pub(super) fn wanted(self) -> Wanted {
+        const NUMBERS: &[Component] =
+            &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+        let width = if self == Self::LightColor { 3 } else { 1 };
+        Wanted { purpose: "animated values", width, components: NUMBERS }
+    }
+
+    /// What its values have to lie in.
+    pub(super) fn range(self) -> RangeInclusive<f64> {
+        const LEAST: f64 = 1e-15;
+        match self {
+            Self::LightColor | Self::LightIntensity => 0.0..=1e30,
+            Self::NodeVisible => 0.0..=1.0,
+            Self::SpotInnerAngle => 0.0..=std::f64::consts::FRAC_PI_2 + 1e-6,
+            Self::SpotOuterAngle => LEAST..=std::f64::consts::FRAC_PI_2 + 1e-6,
+            Self::CameraFovY => LEAST..=std::f64::consts::PI - LEAST,
+            Self::CameraHalfHeight => LEAST..=1e15,
+        }
+    }
+}
+
+impl PropertyChannel {
+    /// Numbers that make up a value.
+    pub fn width(&self) -> usize {
+        self.property.wanted().width
+    }
+
+    /// The first value that leaves its range, at a key or as an inner control point of the curve between two: the
+    /// curve stays between its control points.
+    pub(super) fn out_of_range(&self) -> Option<f64> {
+        let range = self.property.range();
+        let width = self.property.wanted().width;
+        let is_out = |value: &f64| !range.contains(value);
+        if self.interpolation != Interpolation::Cubic {
+            return self.values.iter().copied().find(is_out);
+        }
+        let value = |key: usize, part: usize, at: usize| self.values[(3 * key + part) * width + at];
+        let places = || (0..self.times_s.len()).flat_map(|key| (0..width).map(move |at| (key, at)));
+        let keys = places().map(|(key, at)| value(key, 1, at));
+        let controls = places().filter(|(key, _)| key + 1 < self.times_s.len()).flat_map(|(key, at)| {
+            let third_s = f64::from(self.times_s[key + 1] - self.times_s[key]) / 3.0;
+            let leave = value(key, 1, at) + third_s * value(key, 2, at);
+            let arrive = value(key + 1, 1, at) - third_s * value(key + 1, 0, at);
+            [leave, arrive]
+        });
+        keys.chain(controls).find(is_out)
+    }
+}

@@ -1,0 +1,164 @@
+//! Animated values beside the transforms of nodes (KHR_animation_pointer). In go channels, out come tracks.
+//! Invariant: what Blender's exporter is known to write in the wrong unit has the right one.
+
+use super::Builder;
+use super::nodes::track;
+use crate::color::Rgb;
+use crate::description::gltf::{self, Interpolation, Property, PropertyChannel};
+use crate::scene::{Animate, Extend, Key, LightUnits, Segment, Track};
+use std::f64::consts::PI;
+
+/// Blender's exposures are settings with two digits after the point; what comes out as near to one is one.
+const EXPOSURE_TOLERANCE: f64 = 1e-5;
+/// The range of Blender's exposures.
+const LARGEST_EXPOSURE: f64 = 10.0;
+/// Into how many straight parts a curve is cut where it is multiplied by another track.
+const PARTS_OF_CURVES: usize = 8;
+
+impl<'a> Builder<'a> {
+    /// Finds the channel of every animated property; of several the last one is played.
+    pub(super) fn collect_properties(&mut self) {
+        for channel in &self.source.properties {
+            let other = self.properties.insert((channel.property, channel.index), channel);
+            if other.is_some() {
+                self.report.not_honoured(
+                    "several animations change the same value, the last one is played",
+                    &channel.place,
+                );
+            }
+        }
+    }
+
+    /// The channel of a property.
+    fn property(&self, property: Property, index: usize) -> Option<&'a PropertyChannel> {
+        self.properties.get(&(property, index)).copied()
+    }
+
+    /// The track of a channel, each value or derivative taken through a linear map.
+    fn mapped<T: Animate>(&self, channel: &PropertyChannel, map: impl Fn(&[f64]) -> T) -> Option<Track<T>> {
+        let width = channel.width();
+        let values: Vec<T> = channel.values.chunks_exact(width).map(map).collect();
+        track(&channel.times_s, channel.interpolation, &values, &self.clock)
+    }
+
+    /// The track of a number; `still` if nothing animates it.
+    pub(super) fn keyed_number(&self, property: Property, index: usize, still: f64) -> Track<f64> {
+        let channel = self.property(property, index);
+        channel.and_then(|channel| self.mapped(channel, |value| value[0])).unwrap_or(Track::from(still))
+    }
+
+    /// The height of an orthographic camera's picture.
+    pub(super) fn orthographic_height(&self, index: usize, half_height: f64) -> Track<f64> {
+        let channel = self.property(Property::CameraHalfHeight, index);
+        let doubled = channel.and_then(|channel| self.mapped(channel, |value| 2.0 * value[0]));
+        doubled.unwrap_or(Track::from(2.0 * half_height))
+    }
+
+    /// Whether a node is shown.
+    pub(super) fn visible(&self, index: usize) -> Track<bool> {
+        let still = Track::from(self.source.nodes[index].visible);
+        let Some(channel) = self.property(Property::NodeVisible, index) else { return still };
+        let values: Vec<bool> = channel.values.iter().map(|value| *value != 0.0).collect();
+        track(&channel.times_s, Interpolation::Step, &values, &self.clock).unwrap_or(still)
+    }
+
+    /// A light's colour times its intensity, in watts per unit of `watts`.
+    pub(super) fn light_power(&mut self, index: usize, units: LightUnits, watts: f64) -> Track<Rgb> {
+        let light = &self.source.lights[index];
+        let (color, intensity) = (light.color, light.intensity);
+        let of_color = self.property(Property::LightColor, index);
+        let of_intensity = self.property(Property::LightIntensity, index);
+        let factor = of_intensity.map_or(1.0, |channel| self.intensity_factor(light, channel, units));
+        let scale = factor * watts;
+        let power = match (of_color, of_intensity) {
+            (None, None) => None,
+            (None, Some(channel)) => self.mapped(channel, |value| color * (value[0] * scale)),
+            (Some(channel), None) => {
+                self.mapped(channel, |value| Rgb::from_slice(value) * (intensity * watts))
+            }
+            (Some(colors), Some(intensities)) => {
+                let colors = self.mapped(colors, Rgb::from_slice);
+                let intensities = self.mapped(intensities, |value| value[0] * scale);
+                colors.zip(intensities).map(|(colors, numbers)| combined(&colors, &numbers, |c, n| c * n))
+            }
+        };
+        power.unwrap_or(Track::from(color * (intensity * watts)))
+    }
+
+    /// What to multiply animated intensities with to have them in the unit of the still one.
+    ///
+    /// Blender 5.0's exporter converts animated intensities otherwise than still ones (io_scene_gltf2, `keyframes.py` and
+    /// `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683, of all of them the exposure. The last is
+    /// found from the still intensity, which is that of frame 0.
+    fn intensity_factor(&mut self, light: &gltf::Light, channel: &PropertyChannel, units: LightUnits) -> f64 {
+        if !self.source.generator.contains("Blender") {
+            return 1.0;
+        }
+        let forgotten = match (units, light.kind) {
+            (LightUnits::Raw, _) | (LightUnits::Compat, gltf::LightKind::Directional) => 1.0,
+            (LightUnits::Spec, gltf::LightKind::Directional) => super::lights::LUMENS_PER_WATT,
+            (LightUnits::Spec | LightUnits::Compat, _) => (4.0 * PI).recip(),
+        };
+        let at_frame_0 = self.mapped(channel, |value| value[0]).map_or(0.0, |track| track.at(0.0));
+        let exposure = |forgotten: f64| {
+            let exposure = (light.intensity / (at_frame_0 * forgotten)).log2();
+            let rounded = (exposure * 100.0).round() / 100.0;
+            ((exposure - rounded).abs() < EXPOSURE_TOLERANCE && rounded.abs() <= LARGEST_EXPOSURE)
+                .then_some(rounded)
+        };
+        let found = [forgotten, 1.0].into_iter().find_map(|factor| Some(factor * exposure(factor)?.exp2()));
+        if found.is_none() {
+            let message = "Blender's exposure of these lights cannot be told from their animated intensities, it is taken as 0";
+            self.report.not_honoured(message, &light.name);
+        }
+        let factor = found.unwrap_or(forgotten);
+        if factor != 1.0 {
+            let message = "Blender's exporter writes animated intensities of lights in other units than still ones: these are put right";
+            self.report.not_honoured(message, &light.name);
+        }
+        factor
+    }
+
+    /// A spot's half angle and the softness of its edge.
+    pub(super) fn spot_angles(&self, index: usize, inner: f64, outer: f64) -> (Track<f64>, Track<f64>) {
+        let blend = |inner: f64, outer: f64| (1.0 - inner / outer).clamp(0.0, 1.0);
+        let outer_track = self.keyed_number(Property::SpotOuterAngle, index, outer);
+        let inner_track = self.keyed_number(Property::SpotInnerAngle, index, inner);
+        // In Blender the inner angle is a share of the outer one, and goes with it.
+        let goes_along = self.source.generator.contains("Blender") && inner_track.is_constant();
+        let blend_track = match outer_track.is_constant() && inner_track.is_constant() || goes_along {
+            true => Track::from(blend(inner, outer)),
+            false => combined(&inner_track, &outer_track, blend),
+        };
+        (outer_track, blend_track)
+    }
+}
+
+/// What two tracks make together: straight from key to key of either, steps if both are steps, curves cut in parts.
+fn combined<A: Animate, B: Animate, T: Animate>(
+    a: &Track<A>,
+    b: &Track<B>,
+    join: impl Fn(A, B) -> T,
+) -> Track<T> {
+    let mut times_s: Vec<f64> =
+        a.keys().iter().map(|key| key.time_s).chain(b.keys().iter().map(|key| key.time_s)).collect();
+    times_s.sort_by(f64::total_cmp);
+    times_s.dedup_by_key(|time_s| *time_s as f32);
+    let is_step = a.keys().iter().all(|key| key.to_next == Segment::Step)
+        && b.keys().iter().all(|key| key.to_next == Segment::Step);
+    let is_curve = a.keys().iter().any(|key| matches!(key.to_next, Segment::Hermite { .. }))
+        || b.keys().iter().any(|key| matches!(key.to_next, Segment::Hermite { .. }));
+    if is_curve {
+        let ends = times_s.last().copied();
+        let within = |pair: &[f64]| {
+            let (from, to) = (pair[0], pair[1]);
+            (0..PARTS_OF_CURVES).map(move |part| from + (to - from) * part as f64 / PARTS_OF_CURVES as f64)
+        };
+        times_s = times_s.windows(2).flat_map(within).chain(ends).collect();
+    }
+    let to_next = if is_step { Segment::Step } else { Segment::Linear };
+    let key = |&time_s: &f64| Key { time_s, value: join(a.at(time_s), b.at(time_s)), to_next };
+    let keys: Vec<Key<T>> = times_s.iter().map(key).collect();
+    let first = keys[0].value;
+    Track::new(keys, Extend::Hold).unwrap_or(Track::from(first))
+}
