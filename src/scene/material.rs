@@ -61,7 +61,7 @@ pub struct Coat {
     pub f90: f64,
 }
 
-/// glTF's alpha modes; what a mask hides is cut out of the mesh instead ([`super::outline`]).
+/// glTF's alpha modes; what a mask hides is cut out of the mesh instead (`scene/outline`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
     /// Alpha is ignored.

@@ -6,7 +6,12 @@ use glam::{DQuat, DVec3};
 /// A keyed value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
-    keys: Vec<Key<T>>,
+    times_s: Vec<f64>,
+    /// As many as times.
+    values: Vec<T>,
+    /// As many, or a single one where all are alike: curves take several times the memory of what
+    /// scenes by the thousand nodes are made of, straight lines between sampled keys.
+    to_next: Vec<Segment<T>>,
     extend: Extend,
 }
 
@@ -77,7 +82,8 @@ pub trait Animate: Copy + PartialEq {
 
 impl<T: Copy> From<T> for Track<T> {
     fn from(value: T) -> Self {
-        Self { keys: vec![Key { time_s: 0.0, value, to_next: Segment::Step }], extend: Extend::Hold }
+        let (times_s, values, to_next) = (vec![0.0], vec![value], vec![Segment::Step]);
+        Self { times_s, values, to_next, extend: Extend::Hold }
     }
 }
 
@@ -85,25 +91,29 @@ impl<T: Copy> Track<T> {
     /// The same with a linear function of every value: keys and derivatives alike.
     pub fn map_linear<U>(&self, map: impl Fn(T) -> U) -> Track<U> {
         let handle = |handle: Handle<T>| Handle { time_s: handle.time_s, value: map(handle.value) };
-        let key = |key: &Key<T>| Key {
-            time_s: key.time_s,
-            value: map(key.value),
-            to_next: match key.to_next {
-                Segment::Step => Segment::Step,
-                Segment::Linear => Segment::Linear,
-                Segment::Hermite { leave, arrive } => {
-                    Segment::Hermite { leave: map(leave), arrive: map(arrive) }
-                }
-                Segment::Bezier { leave, arrive } => {
-                    Segment::Bezier { leave: handle(leave), arrive: handle(arrive) }
-                }
-            },
+        let segment = |segment: &Segment<T>| match *segment {
+            Segment::Step => Segment::Step,
+            Segment::Linear => Segment::Linear,
+            Segment::Hermite { leave, arrive } => Segment::Hermite { leave: map(leave), arrive: map(arrive) },
+            Segment::Bezier { leave, arrive } => {
+                Segment::Bezier { leave: handle(leave), arrive: handle(arrive) }
+            }
         };
-        Track { keys: self.keys.iter().map(key).collect(), extend: self.extend }
+        Track {
+            times_s: self.times_s.clone(),
+            values: self.values.iter().map(|&value| map(value)).collect(),
+            to_next: self.to_next.iter().map(segment).collect(),
+            extend: self.extend,
+        }
     }
 }
 
 impl<T> Track<T> {
+    /// When the keys are, seconds.
+    pub fn times_s(&self) -> &[f64] {
+        &self.times_s
+    }
+
     /// What it does outside its keys.
     pub fn extend(&self) -> Extend {
         self.extend
@@ -116,24 +126,37 @@ impl<T: Animate> Track<T> {
     pub fn new(keys: Vec<Key<T>>, extend: Extend) -> Option<Self> {
         let finite = keys.iter().all(|key| key.time_s.is_finite());
         let increasing = keys.windows(2).all(|pair| pair[0].time_s < pair[1].time_s);
-        (!keys.is_empty() && finite && increasing).then_some(Self { keys, extend })
+        let first = keys.first().filter(|_| finite && increasing)?;
+        let are_alike = keys.iter().all(|key| key.to_next == first.to_next);
+        let kept = if are_alike { 1 } else { keys.len() };
+        Some(Self {
+            times_s: keys.iter().map(|key| key.time_s).collect(),
+            values: keys.iter().map(|key| key.value).collect(),
+            to_next: keys.iter().take(kept).map(|key| key.to_next).collect(),
+            extend,
+        })
     }
 
-    /// The keys.
-    pub fn keys(&self) -> &[Key<T>] {
-        &self.keys
+    /// The keys, put together anew.
+    pub fn keys(&self) -> Vec<Key<T>> {
+        (0..self.times_s.len()).map(|index| self.key(index)).collect()
+    }
+
+    fn key(&self, index: usize) -> Key<T> {
+        let to_next = if self.to_next.len() == 1 { self.to_next[0] } else { self.to_next[index] };
+        Key { time_s: self.times_s[index], value: self.values[index], to_next }
     }
 
     /// True if the value is the same at all times.
     pub fn is_constant(&self) -> bool {
-        self.keys.windows(2).all(|pair| {
-            let value = pair[0].value;
-            let stays = match pair[0].to_next {
+        (1..self.times_s.len()).all(|next| {
+            let Key { value, to_next, .. } = self.key(next - 1);
+            let stays = match to_next {
                 Segment::Step | Segment::Linear => true,
                 Segment::Hermite { leave, arrive } => leave == T::ZERO && arrive == T::ZERO,
                 Segment::Bezier { leave, arrive } => leave.value == value && arrive.value == value,
             };
-            stays && pair[1].value == value
+            stays && self.values[next] == value
         })
     }
 
@@ -142,16 +165,15 @@ impl<T: Animate> Track<T> {
         let time_s = self.time_within_keys(time_s);
         // glTF stores key times in single precision: frame 13 at 24 a second is stored later than
         // 13/24, which must all the same find that key. Only the choice of key is rounded.
-        let after = self.keys.partition_point(|key| key.time_s as f32 <= time_s as f32);
-        let from = &self.keys[after.saturating_sub(1)];
-        match self.keys.get(after) {
-            Some(to) if after > 0 => between(from, to, time_s),
-            _ => from.value,
+        let after = self.times_s.partition_point(|&key_s| key_s as f32 <= time_s as f32);
+        if after == 0 || after == self.times_s.len() {
+            return self.values[after.saturating_sub(1)];
         }
+        between(&self.key(after - 1), &self.key(after), time_s)
     }
 
     fn time_within_keys(&self, time_s: f64) -> f64 {
-        let (first_s, last_s) = (self.keys[0].time_s, self.keys[self.keys.len() - 1].time_s);
+        let (first_s, last_s) = (self.times_s[0], self.times_s[self.times_s.len() - 1]);
         if self.extend == Extend::Hold || first_s == last_s {
             return time_s;
         }

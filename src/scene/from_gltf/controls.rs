@@ -254,8 +254,9 @@ impl Builder<'_> {
         path: &str,
     ) {
         let wrong = |value: &T| numbers(value).into_iter().find(|number| !(range.admits)(*number));
-        let found = track.keys().iter().enumerate().find_map(|(index, key)| {
-            let next = track.keys().get(index + 1);
+        let keys = track.keys();
+        let found = keys.iter().enumerate().find_map(|(index, key)| {
+            let next = keys.get(index + 1);
             let inner = next.map(|next| inner_control_points(key, next)).unwrap_or_default();
             let value = std::iter::once(key.value).chain(inner).find_map(|value| wrong(&value))?;
             Some((key.time_s, value))

@@ -140,8 +140,7 @@ fn combined<A: Animate, B: Animate, T: Animate>(
     b: &Track<B>,
     join: impl Fn(A, B) -> T,
 ) -> Track<T> {
-    let mut times_s: Vec<f64> =
-        a.keys().iter().map(|key| key.time_s).chain(b.keys().iter().map(|key| key.time_s)).collect();
+    let mut times_s = [a.times_s(), b.times_s()].concat();
     times_s.sort_by(f64::total_cmp);
     times_s.dedup_by_key(|time_s| *time_s as f32);
     let is_step = a.keys().iter().all(|key| key.to_next == Segment::Step)

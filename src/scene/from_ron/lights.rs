@@ -127,8 +127,8 @@ impl Resolver<'_> {
         let position = track(position, &format!("{owner}.{position_name}"), &mut self.problems);
         let target = track(target, &format!("{owner}.{target_name}"), &mut self.problems);
         let (position, target) = (position?, target?);
-        let times = position.keys().iter().chain(target.keys()).map(|key| key.time_s);
-        if let Some(time_s) = times.into_iter().find(|&time_s| position.at(time_s) == target.at(time_s)) {
+        let mut times = position.times_s().iter().chain(target.times_s()).copied();
+        if let Some(time_s) = times.find(|&time_s| position.at(time_s) == target.at(time_s)) {
             self.problems.error(
                 &format!("{owner}.{target_name}"),
                 format!("`{position_name}` and `{target_name}` are the same point at {time_s} s"),

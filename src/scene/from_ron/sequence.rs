@@ -121,7 +121,7 @@ impl KeyTimes {
     }
 
     fn add<T: Animate>(&mut self, track: &Track<T>) {
-        if let ([first, .., last], false) = (track.keys(), track.is_constant()) {
+        if let ([first, .., last], false) = (track.keys().as_slice(), track.is_constant()) {
             self.first_s = self.first_s.min(first.time_s);
             self.last_s = self.last_s.max(last.time_s);
             self.endless |= track.extend() == Extend::Cycle;
