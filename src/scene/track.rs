@@ -348,6 +348,7 @@ mod tests {
             let keys: Vec<_> =
                 values.iter().enumerate().map(|(i, (v, s))| key(i as f64 * 0.7, *v, *s)).collect();
             let track = track(keys.clone());
+            prop_assert_eq!(&track.keys(), &keys);
             for key in keys {
                 prop_assert!((track.at(key.time_s) - key.value).abs() <= 1e-12 * key.value.abs());
             }
