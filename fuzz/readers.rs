@@ -66,7 +66,7 @@ pub(crate) fn peers(bytes: &[u8]) {
     let _ = description::load_peers(&written(&[("fuzzed.csv", bytes)]));
 }
 
-const SHOWS_A_MESH: &[u8] = br#"Scene(version: 1, meshes: { "a": Obj(path: "fuzzed.obj") },
+const SHOWS_A_MESH: &[u8] = br#"Scene(version: 1, meshes: { "a": Obj("fuzzed.obj") },
     objects: { "a": (mesh: "a") }, cameras: { "a": (position_m: (0.0, 0.0, 5.0), look_at_m: (0.0, 0.0, 0.0)) },
     lights: { "a": Sun(to_sun: (0.0, 1.0, 1.0), irradiance_w_per_m2: 1.0) })"#;
 const A_MESH: &[u8] = b"mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
