@@ -4,9 +4,10 @@
 on the command line.
 """
 
+from .errors import ToolError
 from .options import Options
 from .sequence import SequenceError
 from .validation import Report, validate
 
 __version__ = "0.1.0"
-__all__ = ["Options", "Report", "SequenceError", "validate", "__version__"]
+__all__ = ["Options", "Report", "SequenceError", "ToolError", "validate", "__version__"]

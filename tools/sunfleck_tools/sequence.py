@@ -10,18 +10,16 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from .errors import ToolError
+
 PLACE = re.compile(r"#+|%(\d*)d|\$F(\d*)")
 # A minus is a sign at the beginning and behind `.` or `_`; elsewhere (`take-0007.exr`) it is a dash.
 NUMBERED = re.compile(r"(?P<before>.*?)(?P<number>(?:(?:(?<=[._])|^)-)?\d+)(?P<after>\.exr)", re.IGNORECASE)
 PART_SUFFIX = ".sunfleck-part"
 
 
-class SequenceError(Exception):
-    """The target cannot be validated at all; `is_usage` tells a wrong command from a disk that fails."""
-
-    def __init__(self, message: str, is_usage: bool = True):
-        super().__init__(message)
-        self.is_usage = is_usage
+class SequenceError(ToolError):
+    """There are no frames to look at."""
 
 
 @dataclass(frozen=True)

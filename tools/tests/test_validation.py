@@ -78,6 +78,10 @@ class CommandLine(WithSequence):
         self.assertIn("render again: 4,9", out.splitlines()[-1])
         self.assertEqual(run("validate", self.folder, "--list-missing")[:2], (1, "4,9\n"))
 
+    def test_where_nothing_is_missing_render_is_told_so(self):
+        # tests/cli/frames.rs: `sunfleck render --frames none` ends well.
+        self.assertEqual(run("validate", self.folder, "--list-missing")[:2], (0, "none\n"))
+
     def test_warnings_fail_only_if_asked_to(self):
         rewrite(frame_path(self.folder, 4), texts={"seed": "3"})
         self.assertEqual(run("validate", self.folder)[0], 0)

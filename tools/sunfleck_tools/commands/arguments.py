@@ -1,0 +1,45 @@
+"""Types of arguments that commands share: text to values, or the sentence that argparse prints."""
+
+from __future__ import annotations
+
+from argparse import ArgumentTypeError
+from fractions import Fraction
+
+from ..frame_list import parse_frames
+
+
+def frames(text: str) -> tuple[int, ...]:
+    """A list of frames, ascending."""
+    try:
+        return tuple(sorted(parse_frames(text)))
+    except ValueError as error:
+        raise ArgumentTypeError(str(error)) from None
+
+
+def frame_rate(text: str) -> Fraction:
+    """Frames a second, exactly."""
+    try:
+        rate = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        rate = Fraction(0)
+    if rate <= 0:
+        raise ArgumentTypeError(f"`{text}` is no frame rate: write for instance 24 or 24000/1001")
+    return rate
+
+
+def positive(text: str) -> float:
+    """A number above 0."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 0 < number < float("inf"):
+        raise ArgumentTypeError(f"`{text}` is no number above 0")
+    return number
+
+
+def count(text: str) -> int:
+    """From 1 to 1024."""
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 1024:
+        raise ArgumentTypeError(f"`{text}` is no number from 1 to 1024")
+    return int(text)

@@ -1,0 +1,11 @@
+"""What a command cannot do, in words for whoever called it."""
+
+from __future__ import annotations
+
+
+class ToolError(Exception):
+    """Nothing can be done with what was given; `is_usage` tells a wrong command from a disk that fails."""
+
+    def __init__(self, message: str, is_usage: bool = True):
+        super().__init__(message)
+        self.is_usage = is_usage
