@@ -8,8 +8,8 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from .commands import COMMANDS, IO, OK, USAGE
-from .errors import ToolError
+from .commands import COMMANDS, IO, OK, SCENE, USAGE
+from .errors import SceneError, ToolError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -22,6 +22,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ToolError as error:
         print(f"error: {error}", file=sys.stderr)
         return USAGE if error.is_usage else IO
+    except SceneError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return SCENE
     except BrokenPipeError:
         # Whoever read has enough; Python must not complain at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

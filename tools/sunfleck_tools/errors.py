@@ -9,3 +9,7 @@ class ToolError(Exception):
     def __init__(self, message: str, is_usage: bool = True):
         super().__init__(message)
         self.is_usage = is_usage
+
+
+class SceneError(Exception):
+    """A scene cannot be read, or not be written as asked; says where, what, and where there is one the remedy."""

@@ -1,7 +1,7 @@
 """The commands, a module each: `HELP`, `add_arguments(parser)`, and `run(arguments)`, which returns the exit code."""
 
-COMMANDS = ("validate",)
+COMMANDS = ("validate", "export_usd")
 """Modules of this package; a command has its module's name, with hyphens."""
 
-OK, FINDINGS, USAGE, IO = 0, 1, 2, 4
+OK, FINDINGS, USAGE, SCENE, IO = 0, 1, 2, 3, 4
 """Exit codes."""

@@ -1,0 +1,212 @@
+"""Stages that `sunfleck-tools export-usd` writes, opened in Blender: is everything where, and as bright as, the renderer has it?
+
+The tools have USD libraries of their own, which must not meet Blender's in one process: they run in theirs.
+"""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
+TOOLS = os.environ.get("SUNFLECK_TOOLS", "sunfleck-tools")
+DATA = Path(__file__).parent / "data"
+SAMPLES = Path(__file__).parents[3] / "tests/data/blender"
+FRAMES = (1.0, 2.0, 2.25, 5.5, 7.0, 11.9, 12.0)
+# Blender's z is up, the renderer's y.
+BLENDER_FROM_USD = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float)
+TRANSFORMS, ANGLES = 1e-5, 1e-4
+# Blender 5.0 reads an instancer's turns in half precision, 11 bits of each of four numbers, and USD interpolates halves in halves.
+HALVES = 4e-3
+
+
+def run(*command):
+    result = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if result.returncode != 0:
+        raise AssertionError(f"{command}: {result.stderr}")
+    return result.stdout
+
+
+def inspect(path, frames):
+    listed = ",".join(f"{frame:g}" for frame in frames)
+    found = json.loads(run(PROGRAM, "inspect", path, "--json", "--frames", listed))["frames"]
+    return {frame["frame"]: frame for frame in found}
+
+
+def at_frame(frame):
+    """The scene as Blender evaluates it."""
+    whole = math.floor(frame)
+    bpy.context.scene.frame_set(whole, subframe=frame - whole)
+    return bpy.context.evaluated_depsgraph_get()
+
+
+def world_of(matrix):
+    """A matrix of Blender's in the renderer's space."""
+    return np.linalg.inv(BLENDER_FROM_USD) @ np.array(matrix)
+
+
+@unittest.skipUnless(shutil.which(TOOLS), "sunfleck-tools is not installed: SUNFLECK_TOOLS names it")
+class Review(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def open(self, source, *options):
+        stage = self.folder / "stage.usdc"
+        run(TOOLS, "export-usd", source, stage, "--for", "blender", "--sunfleck", PROGRAM, *options)
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        self.assertEqual(bpy.ops.wm.usd_import(filepath=str(stage)), {"FINISHED"})
+
+    def review(self, *options):
+        """Opens the scene, and gives what the renderer says of it."""
+        glb = self.folder / "review.glb"
+        run(PROGRAM, "export", DATA / "review.ron", glb, "--frames", "1-12")
+        self.open(glb, *options)
+        self.assertEqual((bpy.context.scene.frame_start, bpy.context.scene.frame_end), (1, 12))
+        return inspect(glb, FRAMES)
+
+    def assertNear(self, found, expected, bar, what):
+        worst = np.abs(np.asarray(found) - np.asarray(expected)).max()
+        self.assertLessEqual(worst, bar, what)
+
+    def test_every_leaf_is_where_it_is_at_whole_frames_and_between(self):
+        truth = self.review()
+        leaves = {thing["sunfleck_name"]: thing for thing in bpy.data.objects if thing.instance_collection}
+        self.assertEqual(len(leaves), 14)
+        for frame, expected in truth.items():
+            graph = at_frame(frame)
+            for key, leaf in leaves.items():
+                world = world_of(leaf.evaluated_get(graph).matrix_world)
+                self.assertNear(world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}")
+        # All of one mesh.
+        self.assertEqual(len([mesh for mesh in bpy.data.meshes if mesh.name.startswith("leaf")]), 1)
+
+    def test_what_falls_at_whole_frames_is_where_the_scene_itself_has_it(self):
+        self.open(DATA / "review.ron", "--frames", "1-12")
+        frames = (1.0, 6.0, 12.0)
+        for frame, expected in inspect(DATA / "review.ron", frames).items():
+            graph = at_frame(frame)
+            for leaf in (thing for thing in bpy.data.objects if thing.instance_collection):
+                world = world_of(leaf.evaluated_get(graph).matrix_world)
+                self.assertNear(world.ravel(), expected["nodes"][leaf["sunfleck_name"]]["world"], TRANSFORMS, leaf.name)
+
+    def test_a_crowd_is_where_its_leaves_are(self):
+        truth = self.review("--point-instancer")
+        keys = [f"falling.{number}" for number in range(12)]
+        for frame, expected in truth.items():
+            graph = at_frame(frame)
+            worlds = [
+                world_of(instance.matrix_world)
+                for instance in graph.object_instances
+                if instance.is_instance and instance.parent.name == "leaves"
+            ]
+            self.assertEqual(len(worlds), len(keys))
+            for key, world in zip(keys, worlds):
+                expected_world = np.reshape(expected["nodes"][key]["world"], (4, 4))
+                self.assertNear(world[:3, 3], expected_world[:3, 3], TRANSFORMS, f"{key} at {frame}")
+                self.assertNear(world, expected_world, HALVES, f"{key} at {frame}")
+
+    def test_meshes_that_bend_have_their_vertices_where_blender_had_them(self):
+        for name, shapes in (("c_morph", ("morph_leaf_0", "morph_leaf_1")), ("d_skin", ("branch",))):
+            self.open(SAMPLES / f"{name}.glb")
+            for truth in json.loads((SAMPLES / f"{name}.gt.json").read_text())["frames"]:
+                graph = at_frame(truth["frame"])
+                # Between frames Blender's exporter joins samples by straight lines.
+                bar = TRANSFORMS if truth["frame"] == int(truth["frame"]) else 1e-2
+                for shape in shapes:
+                    meshes = (thing for thing in bpy.data.objects if thing.type == "MESH")
+                    thing = next(thing for thing in meshes if thing.get("sunfleck_name") == shape).evaluated_get(graph)
+                    mesh = thing.to_mesh()
+                    points = np.array([[*(thing.matrix_world @ vertex.co), 1.0] for vertex in mesh.vertices])
+                    points = points @ np.linalg.inv(BLENDER_FROM_USD).T
+                    expected = truth["objects"][shape]["verts_world"]
+                    for place in expected["pos"].values():
+                        nearest = np.abs(points[:, :3] - place).max(axis=1).min()
+                        self.assertLessEqual(nearest, bar, f"{shape} at {truth['frame']}")
+                    self.assertNear(points[:, :3].min(axis=0), expected["bbox_min"], bar, shape)
+                    self.assertNear(points[:, :3].max(axis=0), expected["bbox_max"], bar, shape)
+
+    def test_the_camera_sees_what_the_renderer_sees(self):
+        truth = self.review()
+        camera = bpy.data.objects["main"]
+        render = bpy.context.scene.render
+        render.resolution_x, render.resolution_y = 960, 540
+        for frame, expected in truth.items():
+            graph = at_frame(frame)
+            seen = camera.evaluated_get(graph)
+            self.assertNear(world_of(seen.matrix_world).ravel(), expected["camera"]["world"], TRANSFORMS, f"at {frame}")
+            self.assertLessEqual(abs(seen.data.angle_y - expected["camera"]["fov_y_rad"]), ANGLES)
+            projection = np.array(seen.calc_matrix_camera(graph, x=960, y=540))
+            expected = np.reshape(expected["camera"]["projection"], (4, 4))
+            self.assertNear(projection[:2, :3], expected[:2, :3], ANGLES, "projection")
+        self.assertTrue(camera.data.dof.use_dof)
+        self.assertAlmostEqual(camera.data.dof.aperture_fstop, 2.8, 5)
+        self.assertAlmostEqual(camera.data.dof.focus_distance, 3.5, 5)
+
+    def test_cameras_of_every_kind(self):
+        for sample in ("h_cameras", "i_conventions_nopointer"):
+            path = SAMPLES / f"{sample}.glb"
+            self.open(path)
+            width, height = json.loads(run(PROGRAM, "inspect", path, "--json"))["size"]
+            render = bpy.context.scene.render
+            render.resolution_x, render.resolution_y = width, height
+            graph = at_frame(1.0)
+            for name, expected in inspect(path, (1.0,))[1.0]["cameras"].items():
+                camera = bpy.data.objects[bpy.path.clean_name(name)].evaluated_get(graph)
+                projection = np.array(camera.calc_matrix_camera(graph, x=width, y=height))
+                expected = np.reshape(expected["projection"], (4, 4))
+                self.assertNear(projection[:2, :3], expected[:2, :3], ANGLES, name)
+
+    def test_lights_are_as_bright_as_they_are(self):
+        lights = self.review()[1.0]["lights"]
+        self.assertEqual(len(lights), 6)
+        graph = at_frame(1.0)
+        for name, expected in lights.items():
+            thing = bpy.data.objects[name].evaluated_get(graph)
+            light, kind = thing.data, expected["kind"]
+            power = expected.get("irradiance_w_per_m2") or expected.get("power_w")
+            if power is None:
+                power = [4 * math.pi * value for value in expected["intensity_w_per_sr"]]
+            self.assertNear(light.energy * np.array(light.color), power, 1e-5 * max(power), name)
+            # Where it shines.
+            axis = np.reshape(expected["world"], (4, 4))[:3, 2]
+            self.assertNear(world_of(thing.matrix_world)[:3, 2], axis / np.linalg.norm(axis), TRANSFORMS, name)
+            if kind == "sun":
+                self.assertAlmostEqual(light.angle, expected["angular_diameter_rad"], 6)
+            else:
+                place = np.reshape(expected["world"], (4, 4))[:3, 3]
+                self.assertNear(world_of(thing.matrix_world)[:3, 3], place, TRANSFORMS, name)
+            if kind in ("sphere", "spot", "point"):
+                self.assertAlmostEqual(light.shadow_soft_size, expected.get("radius_m", 0.0), 6)
+            if kind == "spot":
+                self.assertAlmostEqual(light.spot_size, 2 * expected["outer_rad"], 5)
+                self.assertAlmostEqual(light.spot_blend, expected["blend"], 5)
+            if kind in ("rectangle", "ellipse"):
+                self.assertAlmostEqual(light.size, expected["width_m"], 5)
+        self.assertAlmostEqual(bpy.data.objects["window"].data.size_y, 1.0, 5)
+
+    def test_fog_is_there_to_be_seen_and_changed(self):
+        self.review()
+        fog = bpy.data.objects["haze"]
+        self.assertEqual(fog.type, "EMPTY")
+        self.assertEqual(fog["sunfleck_fog_volume:density"], 0.15)
+
+    def test_materials_are_cut_out_where_they_were(self):
+        self.open(SAMPLES / "b_leafcards.glb")
+        shaders = {material.name: material.node_tree.nodes for material in bpy.data.materials}
+        images = {node.image.name for nodes in shaders.values() for node in nodes if node.type == "TEX_IMAGE" and node.image}
+        self.assertTrue(images)
+        cut = [nodes for nodes in shaders.values() if any(node.type == "MATH" for node in nodes)]
+        self.assertGreaterEqual(len(cut), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

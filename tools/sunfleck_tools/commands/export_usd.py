@@ -1,0 +1,45 @@
+"""`sunfleck-tools export-usd`: what sunfleck renders as a USD stage."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from . import OK
+from .arguments import frame_rate
+
+HELP = "writes what sunfleck renders as a USD stage"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describes the command line."""
+    parser.add_argument("source", metavar="INPUT", type=Path, help="a sequence or scene (.ron), or glTF")
+    parser.add_argument("target", metavar="OUT.usdc|usda|usdz", type=Path, help="the stage to write")
+    parser.add_argument("--for", dest="reader", choices=["usd", "blender"], default="usd", help="whose light units (usd)")
+    parser.add_argument("--point-instancer", action="store_true", help="one PointInstancer for leaves that share meshes")
+    parser.add_argument("--samples-per-frame", metavar="N", type=int, choices=range(1, 65), default=1, help="time samples (1)")
+    parser.add_argument("--frames", metavar="A-B", help="first and last frame, of a .ron")
+    parser.add_argument("--fps", type=frame_rate, help="frames a second, if the input does not say: 24 or 24000/1001")
+    parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Writes the stage and says what it lacks."""
+    # USD takes a while to load, and no other command needs it.
+    from ..usd import ExportOptions, export_usd
+
+    options = ExportOptions(
+        for_blender=arguments.reader == "blender",
+        point_instancer=arguments.point_instancer,
+        samples_per_frame=arguments.samples_per_frame,
+        frames=arguments.frames,
+        fps=arguments.fps,
+        program=arguments.sunfleck,
+    )
+    exported = export_usd(arguments.source, arguments.target, options)
+    kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(exported.prims.items()))
+    print(f"{arguments.target}: frames {exported.frames[0]} to {exported.frames[-1]}; {kinds}")
+    for lost in exported.lost:
+        print(f"note: {lost}", file=sys.stderr)
+    return OK

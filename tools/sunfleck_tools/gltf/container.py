@@ -1,0 +1,102 @@
+"""A path to the JSON of a glTF file and the bytes that it refers to.
+
+Invariant: no bytes are handed out that are not there, and nothing is allocated because a file says so.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import struct
+from pathlib import Path
+from urllib.parse import unquote
+
+from ..errors import SceneError
+from .values import Value
+
+LARGEST_FILE = 2**32  # what glTF's container can count
+JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+
+
+class Container:
+    """An opened file: its document, and its buffers when they are asked for."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        data = read_bytes(path)
+        self._binary: bytes | None = None
+        if data[:4] == b"glTF":
+            data, self._binary = _chunks(data, path)
+        try:
+            document = json.loads(data.decode("utf-8-sig"))
+        except (ValueError, RecursionError) as error:
+            raise SceneError(f"{path}: is no glTF: its JSON cannot be read: {error}") from None
+        self.document = Value(document, str(path))
+        version = self.document.need("asset").text_at("version")
+        if version.split(".")[0] != "2":
+            self.document.need("asset").fail(f"version `{version}` is not read, only 2.0")
+        self._buffers: dict[int, bytes] = {}
+
+    def buffer(self, index: int) -> bytes:
+        """The bytes of a buffer."""
+        if index not in self._buffers:
+            described = self.document.items("buffers")[index]
+            length = described.need("byteLength").whole()
+            uri = described.member("uri")
+            data = self._binary if uri is None and index == 0 else None if uri is None else self.linked(uri)
+            if data is None:
+                described.fail("has neither a uri nor a binary chunk")
+            if len(data) < length:
+                described.fail(f"has {len(data)} bytes, not {length}: the file is cut short")
+            self._buffers[index] = data[:length]
+        return self._buffers[index]
+
+    def linked(self, uri: Value) -> bytes:
+        """What a URI holds, or leads to beside the file."""
+        text = uri.text()
+        if text.startswith("data:"):
+            try:
+                return base64.b64decode(text.partition(",")[2], validate=True)
+            except binascii.Error:
+                uri.fail("is no base64")
+        if "://" in text or "\0" in text:
+            uri.fail("only data and files beside this one are read")
+        return read_bytes(self.path.parent / unquote(text))
+
+    def view(self, index: Value) -> tuple[bytes, int, int, int]:
+        """Buffer, first byte, length and stride (0 if tight) of a buffer view."""
+        views = self.document.items("bufferViews")
+        view = views[index.index(views, "buffer view")]
+        buffers = self.document.items("buffers")
+        data = self.buffer(view.need("buffer").index(buffers, "buffer"))
+        start, length = int(view.number_at("byteOffset", 0, 0)), view.need("byteLength").whole()
+        if start + length > len(data):
+            view.fail(f"ends at byte {start + length} of {len(data)}")
+        return data, start, length, int(view.number_at("byteStride", 0, 0, 65536))
+
+
+def read_bytes(path: Path) -> bytes:
+    """A whole file of bearable size."""
+    try:
+        size = path.stat().st_size
+        if size > LARGEST_FILE:
+            raise SceneError(f"{path}: has {size} bytes, more than glTF can count")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _chunks(data: bytes, path: Path) -> tuple[bytes, bytes | None]:
+    """JSON and binary chunk of a .glb (specification, 4.4)."""
+    found: dict[int, bytes] = {}
+    at = 12
+    while at + 8 <= len(data):
+        length, kind = struct.unpack_from("<II", data, at)
+        if at + 8 + length > len(data):
+            raise SceneError(f"{path}: is cut short: a chunk of {length} bytes has {len(data) - at - 8}")
+        found.setdefault(kind, data[at + 8 : at + 8 + length])
+        at += 8 + length
+    if JSON_CHUNK not in found:
+        raise SceneError(f"{path}: holds no JSON chunk")
+    return found[JSON_CHUNK], found.get(BINARY_CHUNK)

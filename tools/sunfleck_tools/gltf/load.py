@@ -1,0 +1,66 @@
+"""Anything that the renderer reads to a glTF scene.
+
+What is no glTF, and glTF that needs the renderer's own reader (compression, instancing, animated properties), goes through
+`sunfleck export`; so there is one reader of RON.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from fractions import Fraction
+from pathlib import Path
+
+from ..errors import SceneError
+from .container import Container
+from .scene import Gltf
+from .values import Value
+
+READ_HERE = {
+    "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission", "KHR_materials_emissive_strength",
+    "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
+}  # fmt: skip
+READ_BY_PROGRAM = {
+    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_animation_pointer",
+    "KHR_draco_mesh_compression", "KHR_meshopt_compression",
+}  # fmt: skip
+
+
+def find_program(named: str | None) -> str | None:
+    """The program `sunfleck`: as named, else the environment's SUNFLECK, else by the search path."""
+    return shutil.which(named or os.environ.get("SUNFLECK") or "sunfleck")
+
+
+def load(source: Path, program: str | None = None, frames: str | None = None, fps: Fraction | None = None) -> Gltf:
+    """Reads a sequence, a scene or a glTF file."""
+    why = ""
+    if source.suffix.lower() in (".glb", ".gltf"):
+        container = Container(source)
+        needed = beyond(container.document)
+        if not needed:
+            return Gltf(container, fps)
+        why = f", which reads its {', '.join(needed)}"
+    found = find_program(program)
+    if found is None:
+        raise SceneError(
+            f"{source}: needs the program sunfleck{why}, and there is none: give --sunfleck, set SUNFLECK, or put it on the PATH"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        exported = Path(folder) / "scene.glb"
+        command = [found, "export", str(source), str(exported)]
+        command += ["--frames", frames] if frames else []
+        command += ["--fps", str(fps)] if fps else []
+        result = subprocess.run(command, capture_output=True, text=True, errors="replace")
+        if result.returncode != 0:
+            raise SceneError(f"{source}: sunfleck export failed:\n{result.stderr.strip()}")
+        return Gltf(Container(exported))
+
+
+def beyond(document: Value) -> list[str]:
+    """Extensions that are not read here and that the file cannot be shown without."""
+    required = {value.text() for value in document.items("extensionsRequired")} - READ_HERE
+    used = {value.text() for value in document.items("extensionsUsed")} & READ_BY_PROGRAM
+    return sorted(required | used)

@@ -1,0 +1,166 @@
+"""The nodes of the scene that is shown, with how they move. Invariant: parents come before children, and form trees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .accessors import Accessors
+from .curves import Curve, unit
+from .values import Value
+
+PATHS = {"translation": 3, "rotation": 4, "scale": 3}
+RESTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
+
+
+@dataclass
+class Node:
+    """A place. `key` is its name in `sunfleck inspect --json`, unlike any other's."""
+
+    index: int
+    name: str
+    key: str
+    parent: Node | None
+    source: Value
+    matrix: np.ndarray | None
+    rest: dict[str, np.ndarray]
+    curves: dict[str, Curve] = field(default_factory=dict)
+    weights: Curve | None = None
+    children: list[Node] = field(default_factory=list)
+
+    @property
+    def extras(self) -> Value:
+        """Custom properties; whatever else `extras` may hold is none."""
+        found = self.source.member("extras")
+        return found if found is not None and isinstance(found.raw, dict) else Value({}, self.source.file, self.source.path)
+
+    def parts_at(self, path: str, times_s: np.ndarray) -> np.ndarray:
+        """Rows of a part of the place, a row a time."""
+        curve = self.curves.get(path)
+        return np.tile(self.rest[path], (len(times_s), 1)) if curve is None else curve.at(times_s)
+
+    def parent_from_node(self, times_s: np.ndarray) -> np.ndarray:
+        """Matrices for column vectors."""
+        if self.matrix is not None:
+            return np.tile(self.matrix, (len(times_s), 1, 1))
+        return matrices(*(self.parts_at(path, times_s) for path in PATHS))
+
+    def world_from_node(self, times_s: np.ndarray) -> np.ndarray:
+        """Matrices for column vectors."""
+        found, above = self.parent_from_node(times_s), self.parent
+        while above is not None:
+            found, above = above.parent_from_node(times_s) @ found, above.parent
+        return found
+
+
+def matrices(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Places from their parts, row by row."""
+    x, y, z, w = np.moveaxis(unit(rotation), -1, 0)
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    found = np.zeros((len(translation), 4, 4))
+    found[:, :3, :3] = np.moveaxis(turn, -1, 0) * scale[:, None, :]
+    found[:, :3, 3] = translation
+    found[:, 3, 3] = 1.0
+    return found
+
+
+def read_nodes(document: Value, scene: Value) -> list[Node]:
+    """All nodes of a scene."""
+    sources = document.items("nodes")
+    children = [[child.index(sources, "node") for child in source.items("children")] for source in sources]
+    roots = [root.index(sources, "node") for root in scene.items("nodes")] if scene.raw else _roots(children)
+    parents: dict[int, int | None] = dict.fromkeys(roots)
+    pending = list(reversed(roots))
+    order: list[int] = []
+    if len(parents) != len(roots):
+        scene.fail("lists a node twice")
+    while pending:
+        index = pending.pop()
+        order.append(index)
+        for child in reversed(children[index]):
+            if child in parents:
+                sources[child].fail("has two parents, or is its own ancestor: nodes form trees")
+            parents[child] = index
+            pending.append(child)
+    keys = _keys(sources, sorted(parents))
+    nodes: dict[int, Node] = {}
+    for index in order:
+        parent = None if parents[index] is None else nodes[parents[index]]
+        nodes[index] = _node(index, sources[index], keys[index], parent)
+        if parent is not None:
+            parent.children.append(nodes[index])
+    return list(nodes.values())
+
+
+def _roots(children: list[list[int]]) -> list[int]:
+    below = {child for each in children for child in each}
+    return [index for index in range(len(children)) if index not in below]
+
+
+def _keys(sources: list[Value], indices: list[int]) -> dict[int, str]:
+    counts: dict[str, int] = {}
+    keys = {}
+    for index in indices:
+        name = node_name(sources[index], index)
+        counts[name] = counts.get(name, 0) + 1
+        keys[index] = name if counts[name] == 1 else f"{name}#{counts[name]}"
+    return keys
+
+
+def node_name(source: Value, index: int) -> str:
+    """As `sunfleck` names nodes without a name."""
+    return source.text_at("name") or f"node {index}"
+
+
+def _node(index: int, source: Value, key: str, parent: Node | None) -> Node:
+    matrix = source.member("matrix")
+    rest = {}
+    for path, width in PATHS.items():
+        part = source.member(path)
+        rest[path] = np.array(RESTS[path] if part is None else part.numbers(width))
+    rest["rotation"] = unit(rest["rotation"])
+    placed = None if matrix is None else np.array(matrix.numbers(16)).reshape(4, 4).T
+    return Node(index, node_name(source, index), key, parent, source, placed, rest)
+
+
+def read_animations(document: Value, nodes: list[Node], accessors: Accessors) -> None:
+    """Gives nodes their curves: all animations play together, of two for the same part the last."""
+    by_index = {node.index: node for node in nodes}
+    sources = document.items("nodes")
+    for animation in document.items("animations"):
+        samplers = animation.items("samplers")
+        for channel in animation.items("channels"):
+            target = channel.need("target")
+            if (of := target.member("node")) is None:
+                continue
+            node = by_index.get(of.index(sources, "node"))
+            path = target.text_at("path")
+            sampler = samplers[channel.need("sampler").index(samplers, "sampler")]
+            if node is None:
+                continue
+            if path == "weights":
+                node.weights = _curve(sampler, accessors, 1, turns=False)
+            elif path in PATHS:
+                node.curves[path] = _curve(sampler, accessors, PATHS[path], turns=path == "rotation")
+
+
+def _curve(sampler: Value, accessors: Accessors, width: int, turns: bool) -> Curve:
+    times = accessors.floats(sampler.need("input"), 1)[:, 0]
+    values = accessors.floats(sampler.need("output"), width)
+    interpolation = sampler.text_at("interpolation", "LINEAR")
+    if interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
+        sampler.fail(f"`{interpolation}` is no interpolation")
+    if len(times) == 0 or not (np.diff(times) > 0).all():
+        sampler.fail("expected times that ascend")
+    rows = len(times) * (3 if interpolation == "CUBICSPLINE" else 1)
+    if len(values) % rows or (width > 1 and len(values) != rows) or len(values) == 0:
+        sampler.fail(f"has {len(times)} times and {len(values)} values")
+    # Weights: as many numbers a row as the mesh has targets.
+    return Curve(times, values.reshape(rows, -1), interpolation, turns)

@@ -1,0 +1,149 @@
+"""A glTF file as a scene: nodes that move, how it is to be rendered, and what its properties say.
+
+Invariant: times are true seconds; a frame's time is its number over the frame rate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from .accessors import Accessors
+from .container import Container
+from .curves import Curve
+from .nodes import Node, read_animations, read_nodes
+from .values import Value
+
+DEFAULT_FPS, MOST_FRAMES = 24, 100_000
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the property `sunfleck` of the scene says of rendering it."""
+
+    fps: Fraction
+    first: int
+    last: int
+    size: tuple[int, int]
+    camera: str
+    light_units: str
+    shutter: float
+
+    @property
+    def frames(self) -> range:
+        """All frames."""
+        return range(self.first, self.last + 1)
+
+    def seconds(self, frames: np.ndarray) -> np.ndarray:
+        """The time of frames."""
+        return np.asarray(frames, float) * (self.fps.denominator / self.fps.numerator)
+
+
+class Gltf:
+    """A file that was read."""
+
+    def __init__(self, container: Container, fps: Fraction | None = None):
+        self.container = container
+        self.document = container.document
+        self.accessors = Accessors(self.container)
+        scenes = self.document.items("scenes")
+        number = self.document.member("scene")
+        if number is not None:
+            self.scene = scenes[number.index(scenes, "scene")]
+        else:
+            self.scene = scenes[0] if scenes else Value({}, self.document.file, "scenes")
+        extras = self.scene.member("extras")
+        self.extras = extras if extras is not None and isinstance(extras.raw, dict) else Value({}, self.document.file, "extras")
+        self.nodes = read_nodes(self.document, self.scene)
+        read_animations(self.document, self.nodes, self.accessors)
+        self._mend_times()
+        self.settings = self._settings(fps)
+        self.controls = self._controls()
+
+    def _mend_times(self) -> None:
+        """Blender multiplies by fps_base where it should divide."""
+        sunfleck = self.extras.group("sunfleck")
+        base = sunfleck.number_at("fps_base", 1.0, 1e-6, 1e6)
+        generator = self.document.need("asset").text_at("generator")
+        if base == 1.0 or "Blender" not in generator or sunfleck.member("fps") is None:
+            return
+        rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-6, 1e6)
+        for node in self.nodes:
+            for path, curve in node.curves.items():
+                node.curves[path] = _mended(curve, rate, base)
+            if node.weights is not None:
+                node.weights = _mended(node.weights, rate, base)
+
+    def _settings(self, fps: Fraction | None) -> Settings:
+        sunfleck = self.extras.group("sunfleck")
+        rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6) / sunfleck.number_at("fps_base", 1.0, 1e-3, 1e6)
+        fps = fps or Fraction(rate).limit_denominator(1001)
+        first, last = self._keyed_frames(fps)
+        first = int(sunfleck.number_at("frame_start", first, -1e7, 1e7))
+        last = int(sunfleck.number_at("frame_end", max(first, last), -1e7, 1e7))
+        if last < first or last - first >= MOST_FRAMES:
+            sunfleck.fail(f"frames {first} to {last} are no range of at most {MOST_FRAMES}")
+        size = sunfleck.member("resolution")
+        width, height = (0, 0) if size is None else (max(1, int(number)) for number in size.numbers(2))
+        return Settings(
+            fps=fps,
+            first=first,
+            last=last,
+            size=(width, height),
+            camera=sunfleck.text_at("camera"),
+            light_units=sunfleck.text_at("light_units", "spec"),
+            shutter=sunfleck.number_at("shutter", 0.0, 0.0, 1000.0),
+        )
+
+    def _keyed_frames(self, fps: Fraction) -> tuple[int, int]:
+        curves = [curve for node in self.nodes for curve in node.curves.values() if len(curve.times_s) > 1]
+        if not curves:
+            return 1, 1
+        rate = float(fps)
+        first = min(float(curve.times_s[0]) for curve in curves)
+        last = max(float(curve.times_s[-1]) for curve in curves)
+        return round(first * rate), round(last * rate)
+
+    def _controls(self) -> dict[str, Control]:
+        """Values that change and are carried by nodes, by their target."""
+        found = {}
+        for node in self.nodes:
+            control = node.extras.member("sunfleck_ctl")
+            if control is None:
+                continue
+            vector, _, axis = control.text_at("channel").partition(".")
+            if vector in ("translation", "scale") and (axis == "" or axis in "xyz"):
+                found[control.text_at("target")] = Control(node, vector, "xyz".find(axis) if axis else None)
+        return found
+
+    def control(self, node: Node, field: str) -> Control | None:
+        """What carries a field of a node's property, such as `sunfleck_light.radius`."""
+        return self.controls.get(f"{node.name}.{field}")
+
+
+@dataclass(frozen=True)
+class Control:
+    """A node whose place is a value of something else."""
+
+    node: Node
+    vector: str
+    axis: int | None
+
+    @property
+    def curve(self) -> Curve | None:
+        """Its keys."""
+        return self.node.curves.get(self.vector)
+
+    def at(self, times_s: np.ndarray) -> np.ndarray:
+        """A row of one or three numbers for each time."""
+        rows = self.node.parts_at(self.vector, times_s)
+        return rows if self.axis is None else rows[:, self.axis : self.axis + 1]
+
+
+def _mended(curve: Curve, rate: float, base: float) -> Curve:
+    frames = curve.times_s.astype(np.float64) * (rate * base)
+    whole = np.round(frames)
+    frames = np.where(np.abs(frames - whole) <= 1e-6 * np.abs(whole), whole, frames)
+    return Curve((frames * (base / rate)).astype(np.float32), curve.values, curve.interpolation, curve.turns)

@@ -1,0 +1,77 @@
+"""Cameras: USD measures lenses in tenths of a scene unit, here tenths of a metre."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from pxr import Gf
+
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from .prims import Prim, Types
+from .samples import Sampler, thinned
+
+TENTHS_PER_MM = 0.01
+DEFAULT_ASPECT = 16 / 9
+
+
+def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
+    """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units where USD has tenths."""
+    cameras = gltf.document.items("cameras")
+    source = cameras[node.source.need("camera").index(cameras, "camera")]
+    extras = source.group("extras")
+    ours = extras.group("sunfleck_camera") if isinstance(extras.raw, dict) else extras
+    sensor = ours.number_at("sensor_width_mm", 36.0, 1e-3, 1e6) * TENTHS_PER_MM
+    width, height = gltf.settings.size
+    if source.text_at("type") == "orthographic":
+        lens = source.need("orthographic")
+        half = lens.need("ymag").number(1e-9)
+        aspect = width / height if height else lens.need("xmag").number(1e-9) / half
+        prim.set("projection", Types.Token, "orthographic")
+        codes, heights = _controlled(node, "sunfleck_camera.height", 2 * half, gltf, sampler)
+        heights = heights * (1 if for_blender else 10)
+        prim.animate("verticalAperture", Types.Float, codes, heights.tolist())
+        prim.animate("horizontalAperture", Types.Float, codes, (aspect * heights).tolist())
+        frame_width, frame_height = aspect * heights[0], heights[0]
+    else:
+        lens = source.need("perspective")
+        aspect = width / height if height else lens.number_at("aspectRatio", DEFAULT_ASPECT, 1e-6, 1e6)
+        frame_width, frame_height = sensor, sensor / aspect
+        prim.set("horizontalAperture", Types.Float, frame_width)
+        prim.set("verticalAperture", Types.Float, frame_height)
+        codes, angles = _controlled(node, "sunfleck_camera.yfov", lens.need("yfov").number(1e-9, math.pi), gltf, sampler)
+        prim.animate("focalLength", Types.Float, codes, (0.5 * frame_height / np.tan(0.5 * angles)).tolist())
+    _write_shift(prim, ours, frame_width, frame_height)
+    prim.set("clippingRange", Types.Float2, Gf.Vec2f(lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e4, 0)))
+    if ours.member("fstop") is not None and ours.member("focus_distance") is not None:
+        for name, field in (("fStop", "fstop"), ("focusDistance", "focus_distance")):
+            codes, values = _controlled(node, f"sunfleck_camera.{field}", ours.need(field).number(0), gltf, sampler)
+            prim.animate(name, Types.Float, codes, values.tolist())
+    shutter = gltf.settings.shutter
+    if shutter > 0:
+        prim.set("shutter:open", Types.Double, -0.5 * shutter)
+        prim.set("shutter:close", Types.Double, 0.5 * shutter)
+    if ours.raw:
+        prim.remember({"sunfleck_camera": ours.raw})
+
+
+def _write_shift(prim: Prim, ours, frame_width: float, frame_height: float) -> None:
+    """A shift is counted in the longer side of the picture, to the right and up."""
+    shift = ours.member("shift")
+    if shift is None:
+        return
+    longer = max(frame_width, frame_height)
+    for name, value in zip(("horizontal", "vertical"), shift.numbers(2)):
+        if value:
+            prim.set(f"{name}ApertureOffset", Types.Float, value * longer)
+
+
+def _controlled(node: Node, field: str, rest: float, gltf: Gltf, sampler: Sampler) -> tuple[np.ndarray, np.ndarray]:
+    """Codes and values of a number that may change."""
+    control = gltf.control(node, field)
+    if control is None:
+        return sampler.frames[:1], np.array([rest])
+    codes = sampler.codes(control.curve)
+    codes, rows = thinned(codes, control.at(sampler.seconds(codes))[:, :1])
+    return codes, rows[:, 0]

@@ -1,0 +1,178 @@
+"""A glTF scene to a USD stage. Invariant: the target appears whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections import Counter
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from pxr import Sdf, UsdUtils
+
+from ..gltf.load import load
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from ..errors import SceneError
+from .cameras import write_camera
+from .crowds import crowds, write_crowd
+from .geometry import Geometry
+from .lights import kind_of, write_light
+from .materials import Materials
+from .places import write_place
+from .prims import Names, Prim, Types
+from .samples import Sampler
+from .surroundings import write_fog, write_metadata, write_scene
+from .textures import Textures
+
+ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """How a stage is written."""
+
+    for_blender: bool = False
+    point_instancer: bool = False
+    samples_per_frame: int = 1
+    frames: str | None = None
+    fps: Fraction | None = None
+    program: str | None = None
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written: prims by type, frames, and what the stage does not say."""
+
+    prims: dict[str, int]
+    frames: range
+    lost: list[str]
+
+
+def export_usd(source: str | Path, target: str | Path, options: ExportOptions = ExportOptions()) -> Exported:
+    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises `SceneError` or `OSError`."""
+    source, target = Path(source), Path(target)
+    if target.suffix.lower() not in ENDINGS:
+        raise SceneError(f"{target}: is no stage: expected a name that ends in {', '.join(ENDINGS)}")
+    if not target.parent.is_dir():
+        raise SceneError(f"{target}: there is no folder {target.parent}")
+    gltf = load(source, options.program, options.frames, options.fps)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".sunfleck-usd-") as scratch:
+        is_package = target.suffix.lower() == ".usdz"
+        # Textures are named after the stage, so that two stages in one folder keep theirs apart.
+        name = "textures" if is_package else f"{target.stem}_textures"
+        stage = Path(scratch) / (f"{target.stem}.usdc" if is_package else target.name)
+        exported = _Export(gltf, options, Textures(gltf.container, Path(scratch) / name, name), source.name).write(stage)
+        if is_package:
+            package = Path(scratch) / target.name
+            if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
+                raise SceneError(f"{target}: the package could not be made")
+            stage = package
+        elif (Path(scratch) / name).is_dir():
+            _replace_folder(Path(scratch) / name, target.parent / name)
+        os.replace(stage, target)
+    return exported
+
+
+def _replace_folder(made: Path, wanted: Path) -> None:
+    """Puts files where they belong: over those of their own names, never over others'."""
+    wanted.mkdir(exist_ok=True)
+    for file in made.iterdir():
+        os.replace(file, wanted / file.name)
+    shutil.rmtree(made)
+
+
+class _Export:
+    """One stage under construction."""
+
+    def __init__(self, gltf: Gltf, options: ExportOptions, textures: Textures, said: str):
+        self.gltf, self.options, self.said = gltf, options, said
+        self.sampler = Sampler(gltf.settings, options.samples_per_frame)
+        self.names, self.lost = Names(), []
+        self.layer = Sdf.Layer.CreateAnonymous(".usda")
+        self.textures = textures
+        self.prims: Counter[str] = Counter()
+
+    def write(self, path: Path) -> Exported:
+        with Sdf.ChangeBlock():
+            world = Prim.root(self.layer, "World", "Xform")
+            self.names.new("World")
+            library = Prim.root(self.layer, "_materials", specifier=Sdf.SpecifierClass)
+            prototypes = Prim.root(self.layer, "_prototypes", specifier=Sdf.SpecifierClass)
+            materials = Materials(self.gltf, self.names, library, self.textures, self.lost)
+            self.geometry = Geometry(self.gltf, self.names, materials, prototypes, self.lost)
+            self.world = world
+            write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
+            write_scene(world, self.gltf)
+            self._write_nodes()
+        if not self.layer.Export(str(path)):
+            raise OSError(f"{path}: could not be written")
+        settings = self.gltf.settings
+        return Exported(dict(self.prims), settings.frames, list(dict.fromkeys(self.lost)))
+
+    def _write_nodes(self) -> None:
+        plain = {node.index for node in self.gltf.nodes if self._is_plain(node)}
+        grouped = crowds(self.gltf.nodes, plain) if self.options.point_instancer else {}
+        in_crowds = {node.index for each in grouped.values() for node in each}
+        written: dict[int, Prim] = {-1: self.world}
+        for node in self.gltf.nodes:
+            if node.index in in_crowds or (node.extras.member("sunfleck_ctl") is not None and not node.children):
+                continue
+            parent = self.world if node.parent is None else written[node.parent.index]
+            written[node.index] = self._write_node(node, parent, node.index in plain)
+        for parent, nodes in grouped.items():
+            holder = written[parent]
+            prim = self._child(holder, "leaves" if parent < 0 else f"{holder.path.name}_leaves", "PointInstancer")
+            write_crowd(prim, nodes, [self.geometry.prototype(node) for node in nodes], self.sampler, self.names)
+
+    def _is_plain(self, node: Node) -> bool:
+        """True if there is nothing at the node but a mesh that keeps its shape."""
+        things = [node.source.member("camera"), kind_of(node, self.gltf), node.extras.member("sunfleck_fog_volume")]
+        controlled = self.gltf.control(node, "sunfleck_node.visible") is not None
+        alone = not node.children and all(thing is None for thing in things) and not controlled
+        return alone and self.geometry.meshes.of(node) is not None and self.geometry.bending(node) is None
+
+    def _write_node(self, node: Node, parent: Prim, is_plain: bool) -> Prim:
+        light = kind_of(node, self.gltf)
+        has_camera = node.source.member("camera") is not None
+        has_mesh = self.geometry.meshes.of(node) is not None
+        has_fog = node.extras.member("sunfleck_fog_volume") is not None
+        things = [light is not None, has_camera, has_mesh, has_fog, bool(node.children)]
+        alone = sum(things) == 1
+        kind = light if alone and light else "Camera" if alone and has_camera else "Xform"
+        prim = self._child(parent, node.name, kind)
+        prim.say_name(node.key)
+        leaf_id = node.extras.member("leaf_id")
+        if leaf_id is not None:
+            prim.set("userProperties:leaf_id", Types.Int, leaf_id.whole(0, 2**31 - 1), custom=True)
+        write_place(prim, node, self.gltf, self.sampler, self.options.for_blender)
+        if light:
+            target = prim if alone else self._child(prim, f"{node.name}_light", light)
+            write_light(target, light, node, self.gltf, self.sampler, self.options.for_blender)
+        if has_camera:
+            target = prim if alone else self._child(prim, f"{node.name}_camera", "Camera")
+            write_camera(target, node, self.gltf, self.sampler, self.options.for_blender)
+        if has_fog:
+            write_fog(prim, node, self.gltf, self.sampler, self.names)
+        if has_mesh:
+            self._write_mesh(prim, node, alone)
+        return prim
+
+    def _write_mesh(self, prim: Prim, node: Node, alone: bool) -> None:
+        bending = self.geometry.bending(node)
+        if bending is not None:
+            # Skinned vertices are in the world, whatever the node does.
+            holder = self._child(self.world, f"{node.name}_skin", "Xform") if bending.is_skinned else prim
+            if holder is not prim:
+                holder.say_name(node.key)
+            self.geometry.fill(holder, self.geometry.meshes.of(node)[1], bending, self.sampler)
+            return
+        instance = prim if alone else self._child(prim, f"{node.name}_shape", "Xform")
+        instance.refer_to(self.geometry.prototype(node))
+        instance.spec.instanceable = True
+
+    def _child(self, parent: Prim, name: str, kind: str) -> Prim:
+        self.prims[kind] += 1
+        return parent.child(self.names.new(name), kind)

@@ -1,0 +1,8 @@
+"""Names that meshes and materials share."""
+
+from __future__ import annotations
+
+
+def texture_coordinates(layer: int) -> str:
+    """The name of a set of texture coordinates."""
+    return "st" if layer == 0 else f"st{layer}"

@@ -1,0 +1,159 @@
+"""Lights to UsdLux, all normalised: what a light emits does not depend on its size.
+
+UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a light of P watts that is
+Lambert's has the intensity P / pi, a sphere of I W/sr, which emits 4 pi I, 4 I, and a sun its irradiance
+(https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html). Blender 5.0 agrees but for suns: it takes four times
+the intensity for W/m2 and twice the angle for the disc's; `for_blender` writes what it takes.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from pxr import Gf, Vt
+
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from ..gltf.values import Value
+from .prims import Prim, Types, vectors
+from .samples import Sampler, thinned
+
+LUMENS_PER_WATT = 683.0
+POINT_RADIUS = 1e-3
+BLENDER_SUN, BLENDER_ANGLE = 0.25, 0.5
+
+
+def kind_of(node: Node, gltf: Gltf) -> str | None:
+    """The type of prim that a node's light is."""
+    found = _source(node, gltf)
+    if found is not None:
+        kinds = {"directional": "DistantLight", "point": "SphereLight", "spot": "SphereLight"}
+        kind = found.text_at("type")
+        return kinds.get(kind) or found.fail(f"`{kind}` is no type of light")
+    ours = node.extras.member("sunfleck_light")
+    if ours is None or ours.text_at("type") != "area":
+        return None
+    return "DiskLight" if ours.text_at("shape", "rectangle") in ("disk", "disc", "ellipse") else "RectLight"
+
+
+def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
+    """The light that stands at a node."""
+    _Light(prim, node, gltf, sampler, for_blender).write(kind)
+
+
+def _source(node: Node, gltf: Gltf) -> Value | None:
+    reference = node.source.extension("KHR_lights_punctual")
+    if reference is None:
+        return None
+    lights = gltf.document.group("extensions").group("KHR_lights_punctual").items("lights")
+    return lights[reference.need("light").index(lights, "light")]
+
+
+class _Light:
+    def __init__(self, prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool):
+        self.prim, self.node, self.gltf, self.sampler, self.for_blender = prim, node, gltf, sampler, for_blender
+        self.source = _source(node, gltf)
+        self.ours = node.extras.group("sunfleck_light")
+
+    def write(self, kind: str) -> None:
+        self.prim.set("inputs:normalize", Types.Bool, True)
+        if kind == "DistantLight":
+            self._sun()
+        elif kind == "SphereLight":
+            self._sphere()
+        else:
+            self._area(kind)
+        if self.ours.raw:
+            self.prim.remember({"sunfleck_light": self.ours.raw})
+
+    def _sun(self) -> None:
+        irradiance = self._still_power("directional")
+        scale = BLENDER_SUN if self.for_blender else 1.0
+        first = self._power("strength_w_m2", irradiance, 1.0, scale)
+        angle = self.ours.number_at("angle", 0.0, 0.0, math.pi)
+        turn = BLENDER_ANGLE if self.for_blender else 1.0
+        self._number("inputs:angle", "angle", angle, lambda values: np.degrees(values) * turn)
+        self.prim.remember({"irradiance_w_per_m2": first.tolist(), "angular_diameter_rad": angle})
+
+    def _sphere(self) -> None:
+        kind = self.source.text_at("type")
+        intensity = self._still_power(kind)
+        first = self._power("power_w", intensity, 4 * math.pi, 4.0)
+        radius = self.ours.number_at("radius", 0.0, 0.0)
+        if radius == 0 and self.gltf.control(self.node, "sunfleck_light.radius") is None:
+            self.prim.set("treatAsPoint", Types.Bool, True)
+            self.prim.set("inputs:radius", Types.Float, POINT_RADIUS)
+        else:
+            self._number("inputs:radius", "radius", radius)
+        if kind == "spot":
+            spot = self.source.group("spot")
+            outer = spot.number_at("outerConeAngle", math.pi / 4, 1e-9, math.pi / 2 + 1e-6)
+            inner = spot.number_at("innerConeAngle", 0.0, 0.0, outer)
+            self.prim.apply("ShapingAPI")
+            self._number("inputs:shaping:cone:angle", "outer_angle", outer, np.degrees)
+            self._number("inputs:shaping:cone:softness", "blend", 1.0 - inner / outer)
+        self.prim.remember({"intensity_w_per_sr": first.tolist()})
+
+    def _area(self, kind: str) -> None:
+        color = self.ours.member("color")
+        power = self.ours.need("power_w").number(0.0) * np.array([1.0] * 3 if color is None else color.channels())
+        first = self._power("power_w", power, 1.0, 1 / math.pi)
+        size = self.ours.need("size")
+        width, height = size.numbers(2) if isinstance(size.raw, list) else [size.number()] * 2
+        if kind == "RectLight":
+            self._number("inputs:width", "width", width)
+            self._number("inputs:height", "height", height)
+        else:
+            self._number("inputs:radius", "width", width, lambda values: 0.5 * values)
+            if width != height and width > 0:
+                order = list(self.prim.spec.attributes["xformOpOrder"].default or []) if self._has_place() else []
+                self.prim.set("xformOp:scale:ellipse", Types.Float3, Gf.Vec3f(1.0, height / width, 1.0))
+                if order:
+                    self.prim.spec.attributes["xformOpOrder"].default = Vt.TokenArray([*order, "xformOp:scale:ellipse"])
+                else:
+                    self.prim.set("xformOpOrder", Types.TokenArray, Vt.TokenArray(["xformOp:scale:ellipse"]), uniform=True)
+        self.prim.remember({"power_w": first.tolist()})
+
+    def _has_place(self) -> bool:
+        return "xformOpOrder" in self.prim.spec.attributes
+
+    def _still_power(self, kind: str) -> np.ndarray:
+        """W/m2 of a sun, W/sr of others (the units of Blender's exporter)."""
+        units = self.gltf.settings.light_units
+        watts = {"spec": 1 / LUMENS_PER_WATT, "compat": 1.0, "raw": 1.0 if kind == "directional" else 1 / (4 * math.pi)}
+        if units not in watts:
+            self.gltf.extras.group("sunfleck").fail(f"`{units}` are no light units: spec, compat or raw")
+        color = self.source.member("color")
+        intensity = self.source.number_at("intensity", 1.0, 0.0)
+        return np.array([1.0] * 3 if color is None else color.numbers(3)) * (intensity * watts[units])
+
+    def _power(self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float) -> np.ndarray:
+        """Writes intensity and colour; what it is at first."""
+        control = self.gltf.control(self.node, f"sunfleck_light.{field}")
+        codes, rows = self.sampler.frames[:1], still[None]
+        if control is not None:
+            codes = self.sampler.codes(control.curve)
+            carried = control.at(self.sampler.seconds(codes)) / carried_per_unit
+            largest = still.max()
+            # One number multiplies the colour that the light has.
+            rows = carried * (still / largest if largest > 0 else np.ones(3)) if carried.shape[1] == 1 else carried
+            codes, rows = thinned(codes, rows)
+        brightest = rows.max(axis=1)
+        colors = np.where(brightest[:, None] > 0, rows / np.where(brightest > 0, brightest, 1.0)[:, None], 1.0)
+        self.prim.animate("inputs:intensity", Types.Float, codes, (brightest * intensity_per_unit).tolist())
+        self.prim.animate("inputs:color", Types.Color3f, *_made(codes, colors))
+        return rows[0]
+
+    def _number(self, name: str, field: str, still: float, convert=lambda values: values) -> None:
+        control = self.gltf.control(self.node, f"sunfleck_light.{field}")
+        codes, rows = self.sampler.frames[:1], np.array([[still]])
+        if control is not None:
+            codes = self.sampler.codes(control.curve)
+            codes, rows = thinned(codes, control.at(self.sampler.seconds(codes))[:, :1])
+        self.prim.animate(name, Types.Float, codes, convert(rows[:, 0]).tolist())
+
+
+def _made(codes, colors):
+    codes, colors = thinned(codes, colors)
+    return codes, vectors(Gf.Vec3f, colors)

@@ -1,0 +1,197 @@
+"""Materials to UsdPreviewSurface, with their textures (https://openusd.org/release/spec_usdpreviewsurface.html)."""
+
+from __future__ import annotations
+
+import math
+
+from pxr import Gf, Sdf
+
+from ..gltf.scene import Gltf
+from ..gltf.values import Value
+from .geometry_names import texture_coordinates
+from .prims import Names, Prim, Types
+from .textures import Textures
+
+OURS = ("sunfleck_leaf", "sunfleck_material")
+WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
+NOT_CARRIED = ("KHR_materials_transmission", "KHR_materials_diffuse_transmission", "KHR_materials_unlit")
+
+
+class Materials:
+    """Writes each material once; prims that use it refer to it from where their own instances can see it."""
+
+    def __init__(self, gltf: Gltf, names: Names, library: Prim, textures: Textures, lost: list[str]):
+        self.sources = gltf.document.items("materials")
+        self.texture_sources = gltf.document.items("textures")
+        self.samplers = gltf.document.items("samplers")
+        self.names, self.library, self.textures, self.lost = names, library, textures, lost
+        self._written: dict[int, Prim] = {}
+
+    def refer(self, holder: Prim, number: int) -> Sdf.Path:
+        """A material below `holder` that is material `number`."""
+        if number not in self._written:
+            source = self.sources[number]
+            name = self.names.new(source.text_at("name") or f"material {number}")
+            self._written[number] = self._write(self.library.child(name, "Material"), source)
+        written = self._written[number]
+        # Below each holder it may have the same name: paths differ.
+        prim = holder.child(written.spec.name, "Material")
+        prim.refer_to(written.path)
+        return prim.path
+
+    def _write(self, prim: Prim, source: Value) -> Prim:
+        Surface(self, prim, source).write()
+        extras = source.member("extras")
+        ours = {}
+        if extras is not None and isinstance(extras.raw, dict):
+            ours = {name: extras.raw[name] for name in OURS if isinstance(extras.raw.get(name), dict)}
+        for name in NOT_CARRIED:
+            if (extension := source.extension(name)) is not None:
+                ours[name] = extension.raw
+                self.lost.append(f"what {name} says is kept as custom data alone: UsdPreviewSurface has no word for it")
+        normal = source.member("normalTexture")
+        if normal is not None and normal.number_at("scale", 1.0) != 1.0:
+            ours["normal_scale"] = normal.number_at("scale", 1.0)
+            self.lost.append("strengths of normal maps are kept as custom data alone: UsdPreviewSurface has only one")
+        prim.remember(ours)
+        if any(name in ours for name in OURS):
+            self.lost.append("light through leaves, filters and mirrors are kept as custom data alone: UsdPreviewSurface has no word for it")
+        return prim
+
+
+class Surface:
+    """One material's network."""
+
+    def __init__(self, materials: Materials, prim: Prim, source: Value):
+        self.materials, self.prim, self.source = materials, prim, source
+        self.readers: dict[int, Sdf.Path] = {}
+        self.shader = prim.child("surface", "Shader")
+
+    def write(self) -> None:
+        """Writes shader, textures and readers of texture coordinates."""
+        shader, source = self.shader, self.source
+        shader.set("info:id", Types.Token, "UsdPreviewSurface", uniform=True)
+        pbr = source.group("pbrMetallicRoughness")
+        factor = pbr.member("baseColorFactor")
+        red, green, blue, alpha = [1.0] * 4 if factor is None else factor.numbers(4)
+        base = pbr.member("baseColorTexture")
+        if base is None:
+            shader.set("inputs:diffuseColor", Types.Color3f, Gf.Vec3f(red, green, blue))
+        else:
+            texture = self._texture("base_color", base, (red, green, blue, alpha))
+            self._feed("inputs:diffuseColor", Types.Color3f, texture, "rgb", Types.Float3)
+        mode = source.text_at("alphaMode", "OPAQUE")
+        if mode != "OPAQUE":
+            if base is None:
+                shader.set("inputs:opacity", Types.Float, alpha)
+            else:
+                self._feed("inputs:opacity", Types.Float, texture, "a", Types.Float)
+            if mode == "MASK":
+                shader.set("inputs:opacityThreshold", Types.Float, source.number_at("alphaCutoff", 0.5, 0.0, 1.0))
+        self._write_coat(pbr)
+        self._write_emission()
+        normal = source.member("normalTexture")
+        if normal is not None:
+            # UsdPreviewSurface allows of no other scale of normal maps than this.
+            texture = self._texture("normal", normal, (2, 2, 2, 1), (-1, -1, -1, 0), is_color=False)
+            self._feed("inputs:normal", Types.Normal3f, texture, "rgb", Types.Float3)
+        shader.set("outputs:surface", Types.Token, None)
+        self.prim.connect("outputs:surface", Types.Token, shader.path.AppendProperty("outputs:surface"))
+
+    def _write_coat(self, pbr: Value) -> None:
+        shader = self.shader
+        roughness, metallic = pbr.number_at("roughnessFactor", 1.0, 0, 1), pbr.number_at("metallicFactor", 1.0, 0, 1)
+        both = pbr.member("metallicRoughnessTexture")
+        if both is None:
+            shader.set("inputs:roughness", Types.Float, roughness)
+            shader.set("inputs:metallic", Types.Float, metallic)
+        else:
+            texture = self._texture("metallic_roughness", both, (1, roughness, metallic, 1), is_color=False)
+            self._feed("inputs:roughness", Types.Float, texture, "g", Types.Float)
+            self._feed("inputs:metallic", Types.Float, texture, "b", Types.Float)
+        shader.set("inputs:useSpecularWorkflow", Types.Int, 0)
+        shader.set("inputs:ior", Types.Float, self._ior())
+        coat = self.source.extension("KHR_materials_clearcoat")
+        if coat is not None:
+            shader.set("inputs:clearcoat", Types.Float, coat.number_at("clearcoatFactor", 0.0, 0, 1))
+            shader.set("inputs:clearcoatRoughness", Types.Float, coat.number_at("clearcoatRoughnessFactor", 0.0, 0, 1))
+
+    def _ior(self) -> float:
+        """The index that reflects as much along the normal as index, factor and colour of glTF do together."""
+        described, specular = self.source.extension("KHR_materials_ior"), self.source.extension("KHR_materials_specular")
+        index = 1.5 if described is None else described.number_at("ior", 1.5, 1.0, 100.0)
+        factor = 1.0
+        if specular is not None:
+            factor = specular.number_at("specularFactor", 1.0, 0, 1)
+            color = specular.member("specularColorFactor")
+            if color is not None:
+                factor *= sum(color.numbers(3)) / 3
+        reflected = min(((index - 1) / (index + 1)) ** 2 * factor, 0.99)
+        return (1 + math.sqrt(reflected)) / (1 - math.sqrt(reflected))
+
+    def _write_emission(self) -> None:
+        factor = self.source.member("emissiveFactor")
+        strength = self.source.extension("KHR_materials_emissive_strength")
+        scale = 1.0 if strength is None else strength.number_at("emissiveStrength", 1.0, 0)
+        red, green, blue = (scale * each for each in ([0.0] * 3 if factor is None else factor.numbers(3)))
+        picture = self.source.member("emissiveTexture")
+        if picture is not None:
+            texture = self._texture("emission", picture, (red, green, blue, 1))
+            self._feed("inputs:emissiveColor", Types.Color3f, texture, "rgb", Types.Float3)
+        elif max(red, green, blue) > 0:
+            self.shader.set("inputs:emissiveColor", Types.Color3f, Gf.Vec3f(red, green, blue))
+
+    def _feed(self, name: str, kind: Sdf.ValueTypeName, texture: Prim, output: str, output_kind: Sdf.ValueTypeName) -> None:
+        if f"outputs:{output}" not in texture.spec.attributes:
+            texture.set(f"outputs:{output}", output_kind, None)
+        self.shader.connect(name, kind, texture.path.AppendProperty(f"outputs:{output}"))
+
+    def _texture(self, name: str, info: Value, scale, bias=(0, 0, 0, 0), is_color: bool = True) -> Prim:
+        owner = self.materials
+        texture = owner.texture_sources[info.need("index").index(owner.texture_sources, "texture")]
+        prim = self.prim.child(name, "Shader")
+        prim.set("info:id", Types.Token, "UsdUVTexture", uniform=True)
+        prim.set("inputs:file", Types.Asset, Sdf.AssetPath(owner.textures.file_of(texture)))
+        prim.set("inputs:sourceColorSpace", Types.Token, "sRGB" if is_color else "raw")
+        prim.set("inputs:scale", Types.Float4, Gf.Vec4f(*scale))
+        if any(bias):
+            prim.set("inputs:bias", Types.Float4, Gf.Vec4f(*bias))
+        sampler = texture.member("sampler")
+        wraps = Value({}, texture.file) if sampler is None else owner.samplers[sampler.index(owner.samplers, "sampler")]
+        for axis in "ST":
+            prim.set(f"inputs:wrap{axis}", Types.Token, WRAPS.get(int(wraps.number_at(f"wrap{axis}", 10497)), "repeat"))
+        transform = info.extension("KHR_texture_transform")
+        layer = int(info.number_at("texCoord", 0, 0, 7))
+        if transform is not None:
+            layer = int(transform.number_at("texCoord", layer, 0, 7))
+        source = self._reader(layer)
+        if transform is not None:
+            source = self._transform(name, transform, source)
+        prim.connect("inputs:st", Types.Float2, source)
+        return prim
+
+    def _reader(self, layer: int) -> Sdf.Path:
+        """What reads a set of texture coordinates."""
+        if layer not in self.readers:
+            name = texture_coordinates(layer)
+            prim = self.prim.child(f"read_{name}", "Shader")
+            prim.set("info:id", Types.Token, "UsdPrimvarReader_float2", uniform=True)
+            prim.set("inputs:varname", Types.String, name)
+            prim.set("outputs:result", Types.Float2, None)
+            self.readers[layer] = prim.path.AppendProperty("outputs:result")
+        return self.readers[layer]
+
+    def _transform(self, name: str, transform: Value, source: Sdf.Path) -> Sdf.Path:
+        """glTF turns clockwise about the upper left corner, USD anticlockwise about the lower left one."""
+        offset, scale = transform.member("offset"), transform.member("scale")
+        (u, v), (wide, high) = [0, 0] if offset is None else offset.numbers(2), [1, 1] if scale is None else scale.numbers(2)
+        angle = transform.number_at("rotation", 0.0)
+        prim = self.prim.child(f"{name}_place", "Shader")
+        prim.set("info:id", Types.Token, "UsdTransform2d", uniform=True)
+        prim.connect("inputs:in", Types.Float2, source)
+        prim.set("inputs:scale", Types.Float2, Gf.Vec2f(wide, high))
+        prim.set("inputs:rotation", Types.Float, math.degrees(angle))
+        place = (u + high * math.sin(angle), 1 - v - high * math.cos(angle))
+        prim.set("inputs:translation", Types.Float2, Gf.Vec2f(*place))
+        prim.set("outputs:result", Types.Float2, None)
+        return prim.path.AppendProperty("outputs:result")

@@ -1,0 +1,71 @@
+"""Where nodes stand, as transform operations and visibility."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Gf, Vt
+
+from ..gltf.nodes import RESTS, Node
+from ..gltf.scene import Gltf
+from .prims import Prim, Types, quaternions, vectors
+from .samples import JUMP, Sampler, thinned
+from .turns import steadied
+
+HIDDEN_SCALE = 1e-4
+"""To which hidden things shrink for Blender, which reads no animated visibility: a matrix of zeros has no inverse."""
+OPERATIONS = {
+    "translation": ("xformOp:translate", Types.Double3, lambda rows: vectors(Gf.Vec3d, rows)),
+    "rotation": ("xformOp:orient", Types.Quatd, quaternions),
+    "scale": ("xformOp:scale", Types.Float3, lambda rows: vectors(Gf.Vec3f, rows)),
+}
+
+
+def write_place(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
+    """Transform and visibility of a node."""
+    order = []
+    if node.matrix is not None and not np.array_equal(node.matrix, np.eye(4)):
+        # USD writes matrices for row vectors.
+        prim.set("xformOp:transform", Types.Matrix4d, Gf.Matrix4d(*node.matrix.T.ravel().tolist()))
+        order.append("xformOp:transform")
+    elif node.matrix is None:
+        for path, (name, kind, make) in OPERATIONS.items():
+            codes = sampler.codes(node.curves.get(path))
+            codes, rows = thinned(codes, node.parts_at(path, sampler.seconds(codes)))
+            rest = None
+            if path == "rotation":
+                rows, rest = steadied(rows)
+            if len(codes) > 1 or not np.allclose(rows[0], RESTS[path], rtol=0, atol=1e-12):
+                prim.animate(name, kind, codes, make(rows))
+                order.append(name)
+            if rest is not None:
+                prim.set("xformOp:orient:rest", Types.Quatd, quaternions(rest[None])[0])
+                order.append("xformOp:orient:rest")
+    if _write_visibility(prim, node, gltf, sampler, for_blender):
+        order.append("xformOp:scale:shown")
+    if order:
+        prim.set("xformOpOrder", Types.TokenArray, Vt.TokenArray(order), uniform=True)
+
+
+def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> bool:
+    """True if there is an operation beside."""
+    hidden = node.source.extension("KHR_node_visibility")
+    if hidden is not None and (said := hidden.member("visible")) is not None and said.raw is False:
+        prim.set("visibility", Types.Token, "invisible")
+    control = gltf.control(node, "sunfleck_node.visible")
+    if control is None:
+        return False
+    codes = sampler.codes(control.curve)
+    codes, rows = thinned(codes, control.at(sampler.seconds(codes))[:, :1] >= 0.5)
+    shown = rows[:, 0].tolist()
+    prim.animate("visibility", Types.Token, codes, ["inherited" if each else "invisible" for each in shown])
+    if not for_blender or len(codes) == 1:
+        return False
+    # Scales are interpolated: each is written again right before the next.
+    samples = {}
+    for code, each in zip(codes.tolist(), shown):
+        scale = Gf.Vec3f(1.0 if each else HIDDEN_SCALE)
+        if samples:
+            samples.setdefault(code - JUMP, last)
+        samples[code] = last = scale
+    prim.animate("xformOp:scale:shown", Types.Float3, samples.keys(), samples.values())
+    return True

@@ -1,0 +1,57 @@
+"""Custom properties as attributes that programs show and keep, and back.
+
+`sunfleck_fog_volume: {density: 0.1}` of a node becomes `userProperties:sunfleck_fog_volume:density = 0.1`.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+from pxr import Gf
+
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from .prims import Prim, Types
+from .samples import Sampler, thinned
+
+SPACE = "userProperties:"
+
+
+def write_properties(prim: Prim, name: str, fields: dict, node: Node | None = None, gltf=None, sampler=None) -> None:
+    """The fields of a property; those that a node carries as they change."""
+    for field, value in fields.items():
+        attribute = f"{SPACE}{name}:{field}"
+        control = gltf.control(node, f"{name}.{field}") if node is not None else None
+        if control is None:
+            _write(prim, attribute, value)
+        else:
+            _animate(prim, attribute, control, gltf, sampler)
+
+
+def _write(prim: Prim, attribute: str, value: object) -> None:
+    kinds = {2: (Types.Double2, Gf.Vec2d), 3: (Types.Double3, Gf.Vec3d)}
+    if isinstance(value, bool):
+        prim.set(attribute, Types.Bool, value, custom=True)
+    elif isinstance(value, (int, float)):
+        prim.set(attribute, Types.Double, float(value), custom=True)
+    elif isinstance(value, str):
+        prim.set(attribute, Types.String, value, custom=True)
+    elif isinstance(value, list) and len(value) in kinds and all(_is_number(each) for each in value):
+        kind, make = kinds[len(value)]
+        prim.set(attribute, kind, make(*value), custom=True)
+    else:
+        prim.set(attribute, Types.String, json.dumps(value), custom=True)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _animate(prim: Prim, attribute: str, control, gltf: Gltf, sampler: Sampler) -> None:
+    codes = sampler.codes(control.curve)
+    codes, rows = thinned(codes, np.asarray(control.at(sampler.seconds(codes))))
+    if rows.shape[1] == 1:
+        prim.animate(attribute, Types.Double, codes, rows[:, 0].tolist(), custom=True)
+    else:
+        prim.animate(attribute, Types.Double3, codes, [Gf.Vec3d(*row) for row in rows.tolist()], custom=True)

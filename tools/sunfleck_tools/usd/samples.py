@@ -1,0 +1,61 @@
+"""Curves to time samples. Invariant: at whole frames a sample is what the renderer has there, and straight lines stay straight.
+
+Time codes are frames. Besides whole frames there is a sample at each key between two of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gltf.curves import Curve
+from ..gltf.scene import Settings
+
+WHOLE = 1e-3
+"""Keys as near to a whole frame lie on it: they are stored in single precision."""
+JUMP = 1e-3
+"""Frames before a step, where the value before it is written again."""
+
+
+class Sampler:
+    """Chooses time codes for curves."""
+
+    def __init__(self, settings: Settings, per_frame: int):
+        half = 0.5 * settings.shutter
+        count = (settings.last - settings.first) * per_frame + 1
+        frames = settings.first + np.arange(count) / per_frame
+        ends = [settings.first - half, settings.last + half] if half else []
+        self.settings = settings
+        self.frames = np.unique(np.concatenate([frames, ends]))
+
+    def codes(self, *curves: Curve | None) -> np.ndarray:
+        """The codes at which values that depend on these curves are written; one if there are none."""
+        moving = [curve for curve in curves if curve is not None and len(curve.times_s) > 1]
+        if not moving:
+            return self.frames[:1]
+        found = [self.frames]
+        for curve in moving:
+            keys = curve.times_s.astype(np.float64) * float(self.settings.fps)
+            keys = np.where(np.abs(keys - np.round(keys)) < WHOLE, np.round(keys), keys)
+            found.append(keys)
+            if curve.interpolation == "STEP":
+                found.append(keys - JUMP)
+        codes = np.unique(np.round(np.concatenate(found), 6))
+        return codes[(codes >= self.frames[0]) & (codes <= self.frames[-1])]
+
+    def seconds(self, codes: np.ndarray) -> np.ndarray:
+        """When they are."""
+        return self.settings.seconds(codes)
+
+
+def thinned(codes: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Without the samples within a run of equal ones."""
+    if len(codes) < 2:
+        return codes, rows
+    flat = rows.reshape(len(rows), -1)
+    same = (flat[1:] == flat[:-1]).all(axis=1)
+    if same.all():
+        return codes[:1], rows[:1]
+    keep = np.ones(len(codes), bool)
+    # Equal to the one before and to the one after.
+    keep[1:-1] = ~(same[:-1] & same[1:])
+    return codes[keep], rows[keep]

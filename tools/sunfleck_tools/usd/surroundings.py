@@ -1,0 +1,46 @@
+"""Fog, and what the scene says of how it is rendered, as custom properties; fog in a box also has a box to look at."""
+
+from __future__ import annotations
+
+from pxr import Gf, Sdf, Vt
+
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from .prims import Names, Prim, Types
+from .properties import write_properties
+from .samples import Sampler
+
+OF_SCENE = ("sunfleck", "sunfleck_env", "sunfleck_fog")
+
+
+def write_scene(prim: Prim, gltf: Gltf) -> None:
+    """The properties of the scene."""
+    for name in OF_SCENE:
+        fields = gltf.extras.group(name).raw
+        if isinstance(fields, dict):
+            write_properties(prim, name, fields)
+
+
+def write_fog(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Names) -> None:
+    """The fog that a node bounds: the image of the cube from -1 to 1."""
+    fog = node.extras.group("sunfleck_fog_volume")
+    write_properties(prim, "sunfleck_fog_volume", fog.raw, node, gltf, sampler)
+    if fog.text_at("shape", "box") != "box":
+        return
+    cube = prim.child(names.new(f"{node.name}_bounds"), "Cube")
+    cube.set("size", Types.Double, 2.0)
+    cube.set("extent", Types.Float3Array, Vt.Vec3fArray([Gf.Vec3f(-1), Gf.Vec3f(1)]))
+    # Seen by who looks at guides, rendered by nobody.
+    cube.set("purpose", Types.Token, "guide", uniform=True)
+
+
+def write_metadata(layer: Sdf.Layer, gltf: Gltf, default: str, comment: str) -> None:
+    """What every stage must say: units, axes, frames."""
+    settings = gltf.settings
+    layer.defaultPrim = default
+    layer.documentation = comment
+    layer.startTimeCode, layer.endTimeCode = float(settings.first), float(settings.last)
+    # Time codes are frames.
+    layer.timeCodesPerSecond = layer.framesPerSecond = float(settings.fps)
+    layer.pseudoRoot.SetInfo("metersPerUnit", 1.0)
+    layer.pseudoRoot.SetInfo("upAxis", "Y")

@@ -1,0 +1,222 @@
+"""Stages that `export-usd` writes: valid to USD's own validators, and where the renderer has things."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdValidation
+
+from sunfleck_tools import SceneError
+from sunfleck_tools.usd import ExportOptions, export_usd
+
+from .glb import glb
+from .test_validation import run
+
+SAMPLES = Path(__file__).parents[2] / "tests/data/blender"
+PROGRAM = shutil.which(os.environ.get("SUNFLECK", "sunfleck"))
+needs_program = unittest.skipUnless(PROGRAM, "the program sunfleck is not there: SUNFLECK names it")
+
+
+def validation_errors(path: Path) -> list[str]:
+    """What any of USD's validators finds, warnings too."""
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    found = UsdValidation.ValidationContext(validators).Validate(Usd.Stage.Open(str(path)))
+    return [f"{error.GetName()}: {error.GetMessage()}" for error in found]
+
+
+def inspect(path: Path, frames: list[float]) -> dict[float, dict]:
+    """What the renderer says of a file at frames."""
+    listed = ",".join(f"{frame:g}" for frame in frames)
+    text = subprocess.run([PROGRAM, "inspect", path, "--json", "--frames", listed], capture_output=True, check=True, text=True)
+    return {frame["frame"]: frame for frame in json.loads(text.stdout)["frames"]}
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def export(self, source: Path, ending: str = "usdc", **options) -> Usd.Stage:
+        # USD would give the layer that is open already for a name that it knows.
+        path = self.folder / f"stage_{len(list(self.folder.iterdir()))}.{ending}"
+        export_usd(source, path, ExportOptions(**options))
+        return Usd.Stage.Open(str(path))
+
+
+class Stages(Case):
+    def test_every_sample_is_valid(self):
+        names = ("a_leaves40_sampled", "b_leafcards", "c_morph", "d_skin", "e_inst_default", "f_plain", "g_pbr", "h_cameras",
+                 "h_fog_extras", "h_lights_nopointer", "h_time_23976_s101", "h_transforms", "i_conventions_nopointer")  # fmt: skip
+        for name in names:
+            for options in ({}, {"point_instancer": True}, {"for_blender": True}):
+                path = self.folder / f"{name}.usdc"
+                export_usd(SAMPLES / f"{name}.glb", path, ExportOptions(**options))
+                self.assertEqual(validation_errors(path), [], f"{name} {options}")
+
+    def test_a_package_holds_its_textures(self):
+        path = self.folder / "cards.usdz"
+        export_usd(SAMPLES / "b_leafcards.glb", path)
+        self.assertEqual(validation_errors(path), [])
+        self.assertEqual([file.name for file in self.folder.iterdir()], ["cards.usdz"])
+
+    def test_metadata_is_whole(self):
+        stage = self.export(SAMPLES / "a_leaves40_sampled.glb")
+        self.assertEqual((stage.GetStartTimeCode(), stage.GetEndTimeCode()), (1.0, 72.0))
+        self.assertEqual((stage.GetTimeCodesPerSecond(), stage.GetFramesPerSecond()), (24.0, 24.0))
+        self.assertEqual(stage.GetDefaultPrim().GetPath(), "/World")
+        self.assertEqual((UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)), ("Y", 1.0))
+        samples = stage.GetPrimAtPath("/World/cam").GetAttribute("xformOp:translate").GetTimeSamples()
+        self.assertTrue(samples and all(code == int(code) for code in samples))
+
+    def test_leaves_share_their_mesh(self):
+        stage = self.export(SAMPLES / "a_leaves40_sampled.glb")
+        leaves = [prim for prim in stage.Traverse() if prim.IsInstance()]
+        self.assertGreaterEqual(len(leaves), 40)
+        self.assertLess(len(stage.GetPrototypes()), 5)
+
+    @needs_program
+    def test_places_are_the_renderers_at_any_frame(self):
+        frames = [1.0, 2.5, 17.0, 33.3, 72.0]
+        for name in ("a_leaves40_sampled", "a_leaves40_curves", "h_transforms", "h_transforms_scene", "d_skin"):
+            # Curves are joined by straight lines between samples: put one at each frame that is looked at.
+            stage = self.export(SAMPLES / f"{name}.glb", samples_per_frame=10 if name == "a_leaves40_curves" else 1)
+            named: dict[str, Usd.Prim] = {}
+            for prim in stage.Traverse():
+                # Behind the node itself there may be its mesh.
+                named.setdefault(prim.GetAttribute("userProperties:sunfleck_name").Get(), prim)
+            compared = 0
+            for frame, expected in inspect(SAMPLES / f"{name}.glb", frames).items():
+                cache = UsdGeom.XformCache(frame)
+                for key, node in expected["nodes"].items():
+                    if key not in named:
+                        continue
+                    world = np.array(cache.GetLocalToWorldTransform(named[key])).T.ravel()
+                    worst = np.abs(world - node["world"]).max()
+                    self.assertLessEqual(worst, 1e-5, f"{name}: {key} at {frame}")
+                    compared += 1
+            self.assertGreater(compared, 20)
+
+    @needs_program
+    def test_a_crowd_has_the_places_of_its_leaves(self):
+        stage = self.export(SAMPLES / "a_leaves40_scene.glb", point_instancer=True)
+        frames = [1.0, 2.5, 17.0, 72.0]
+        compared = 0
+        for frame, expected in inspect(SAMPLES / "a_leaves40_scene.glb", frames).items():
+            for prim in stage.Traverse():
+                if not prim.IsA(UsdGeom.PointInstancer):
+                    continue
+                above = np.array(UsdGeom.XformCache(frame).GetLocalToWorldTransform(prim))
+                places = UsdGeom.PointInstancer(prim).ComputeInstanceTransformsAtTime(frame, frame)
+                for key, place in zip(prim.GetAttribute("userProperties:sunfleck_names").Get(), places):
+                    world = (np.array(place) @ above).T.ravel()
+                    self.assertLessEqual(np.abs(world - expected["nodes"][key]["world"]).max(), 1e-5, f"{key} at {frame}")
+                    compared += 1
+        self.assertEqual(compared, 160)
+
+    def test_lights_follow_the_specification_or_blender(self):
+        for for_blender, sun, angle in ((False, 3.0, 1.0), (True, 0.75, 0.5)):
+            stage = self.export(self._lights(), for_blender=for_blender)
+            light = UsdLux.DistantLight.Get(stage, "/World/sun")
+            self.assertAlmostEqual(light.GetIntensityAttr().Get(), sun, 5)
+            self.assertAlmostEqual(light.GetAngleAttr().Get(), np.degrees(0.02) * angle, 5)
+            kept = light.GetPrim().GetCustomDataByKey("sunfleck")
+            self.assertAlmostEqual(list(kept["irradiance_w_per_m2"])[0], 3.0, 5)
+            lamp = UsdLux.SphereLight.Get(stage, "/World/lamp")
+            # 10 W/sr is 40 pi W.
+            self.assertAlmostEqual(lamp.GetIntensityAttr().Get(), 40.0, 4)
+
+    def _lights(self) -> Path:
+        lights = [
+            {"type": "directional", "intensity": 3.0 * 683, "color": [1, 0.5, 0.25]},
+            {"type": "point", "intensity": 10.0 * 683},
+        ]
+        nodes = [
+            {"name": "sun", "extensions": {"KHR_lights_punctual": {"light": 0}}, "extras": {"sunfleck_light": {"angle": 0.02}}},
+            {"name": "lamp", "extensions": {"KHR_lights_punctual": {"light": 1}}},
+        ]
+        path = self.folder / "lights.glb"
+        path.write_bytes(glb({"nodes": nodes, "extensions": {"KHR_lights_punctual": {"lights": lights}}}))
+        return path
+
+    def test_masks_keep_their_cutoff(self):
+        stage = self.export(SAMPLES / "b_leafcards.glb")
+        thresholds = set()
+        for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
+            shader = UsdShade.Shader(prim)
+            if shader and shader.GetInput("opacityThreshold"):
+                thresholds.add(round(shader.GetInput("opacityThreshold").Get(), 3))
+        self.assertEqual(thresholds, {0.3, 0.4, 0.5})
+
+    def test_frames_of_a_morph_are_samples_of_its_points(self):
+        stage = self.export(SAMPLES / "c_morph.glb")
+        meshes = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+        self.assertEqual(len(meshes), 2)
+        for mesh in meshes:
+            self.assertGreater(len(mesh.GetPointsAttr().GetTimeSamples()), 10)
+
+
+class Refusals(Case):
+    def test_damaged_files_are_refused_with_their_place(self):
+        cut = self.folder / "cut.glb"
+        whole = (SAMPLES / "f_plain.glb").read_bytes()
+        for length in range(0, len(whole) - 1, 97):
+            cut.write_bytes(whole[:length])
+            with self.assertRaises(SceneError):
+                export_usd(cut, self.folder / "stage.usdc")
+        self.assertEqual([file.name for file in self.folder.iterdir()], ["cut.glb"])
+
+    def test_each_lie_is_found_where_it_is(self):
+        circle = {"nodes": [{"children": [1]}, {"children": [0]}], "scenes": [{"nodes": [0]}], "scene": 0}
+        huge = {"accessors": [{"count": 10**12, "type": "VEC3", "componentType": 5126}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}]}  # fmt: skip
+        cases = [
+            (circle, "nodes[0]: has two parents"),
+            (huge, "accessors[0]: claims 1000000000000 values"),
+            ({"nodes": [{"mesh": 7}]}, "nodes[0].mesh: there is no mesh 7, of 0"),
+            ({"nodes": [{"translation": [1, 2]}]}, "nodes[0].translation: expected 3 numbers, found 2"),
+            ({"nodes": "many"}, "nodes: expected a list"),
+            ({"nodes": [{"camera": 0}], "cameras": [{"type": "perspective"}]}, "cameras[0]: has no `perspective`"),
+            ({"extensionsRequired": ["EXT_no_such_thing"]}, "EXT_no_such_thing"),
+        ]
+        path = self.folder / "lie.glb"
+        for document, said in cases:
+            path.write_bytes(glb(document))
+            code, _, err = run("export-usd", path, self.folder / "stage.usdc", "--sunfleck", "no such program")
+            self.assertEqual(code, 3, said)
+            self.assertIn(said, err)
+
+    def test_flipped_bytes_raise_nothing_else(self):
+        whole = (SAMPLES / "c_morph.glb").read_bytes()
+        generator = np.random.default_rng(1)
+        path = self.folder / "flipped.glb"
+        for _ in range(150):
+            data = bytearray(whole)
+            for at in generator.integers(20, len(data), 3):
+                data[at] ^= int(generator.integers(1, 256))
+            path.write_bytes(data)
+            try:
+                export_usd(path, self.folder / "stage.usdc", ExportOptions(program="no such program"))
+            except SceneError:
+                pass
+
+    def test_commands_that_cannot_be_used(self):
+        source = SAMPLES / "f_plain.glb"
+        for target, said in ((self.folder / "stage.obj", "is no stage"), (self.folder / "none/stage.usdc", "there is no folder")):
+            code, _, err = run("export-usd", source, target)
+            self.assertEqual(code, 3)
+            self.assertIn(said, err)
+        code, _, err = run("export-usd", self.folder / "none.glb", self.folder / "stage.usdc")
+        self.assertEqual(code, 3)
+        self.assertIn("cannot be read", err)
+
+
+if __name__ == "__main__":
+    unittest.main()
