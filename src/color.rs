@@ -1,7 +1,12 @@
 //! Linear RGB in, linear RGB out. Invariant: every colour inside the renderer is linear Rec. 709;
 //! only textures and previews ever see the sRGB curve.
 
+mod agx;
+mod display;
+
 use glam::DVec3;
+
+pub use display::{Curve, Display};
 
 /// Linear Rec. 709 colour: `x` red, `y` green, `z` blue.
 ///

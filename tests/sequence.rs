@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use sunfleck::color::Display;
 use sunfleck::film::{Channel, Frame, Precision};
 use sunfleck::frame_file::{self, Provenance};
 use sunfleck::render::{Progress, Rendered, Statistics};
@@ -48,7 +49,7 @@ fn pattern(folder: &Path) -> OutputPattern {
 }
 
 fn job<'a>(frames: &'a FrameList, output: &'a OutputPattern, skip: Skip) -> Job<'a> {
-    Job { frames, output, skip, preview_exposure_stops: None, stop: &GO_ON }
+    Job { frames, output, skip, preview: None, stop: &GO_ON }
 }
 
 fn frames(text: &str) -> FrameList {
@@ -209,9 +210,41 @@ fn what_a_killed_run_left_behind_is_removed() {
 fn previews_stand_beside_the_frames() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1"), pattern(folder.path()));
-    let job = Job { preview_exposure_stops: Some(0.0), ..job(&list, &output, Skip::None) };
+    let job = Job { preview: Some(Display::default()), ..job(&list, &output, Skip::None) };
     run(job, provenance, |frame, _| Ok::<_, String>(done(picture(frame))), &|_| {}).unwrap();
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0001.png"]);
+}
+
+/// Frames that are kept have pictures too, the same as if they had been rendered; a file that gives none is told.
+#[test]
+fn kept_frames_get_previews_from_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let output = pattern(folder.path());
+    let events = Mutex::new(Vec::new());
+    let go = |list: &str, skip: Skip| {
+        let list = frames(list);
+        let job = Job { preview: Some(Display::default()), ..job(&list, &output, skip) };
+        let render = |frame: i64, _: &(dyn Fn(Progress) + Sync)| Ok::<_, String>(done(picture(frame)));
+        run(job, provenance, render, &|event| events.lock().unwrap().push(event)).unwrap();
+        std::mem::take(&mut *events.lock().unwrap())
+    };
+    go("1-2", Skip::None);
+    let rendered = std::fs::read(path("x.0001.png")).unwrap();
+    std::fs::remove_file(path("x.0001.png")).unwrap();
+    std::fs::write(path("x.0002.png"), "of other settings").unwrap();
+    let skipped = go("1-2", Skip::Valid);
+    assert!(skipped.contains(&Event::FrameSkipped { frame: 2, reason: SkipReason::Valid }), "{skipped:?}");
+    assert_eq!(std::fs::read(path("x.0001.png")).unwrap(), rendered);
+    assert!(image::open(path("x.0002.png")).is_ok());
+
+    std::fs::write(path("x.0003.exr"), "no frame").unwrap();
+    let told = go("3", Skip::Exists);
+    assert!(
+        told.iter().any(|event| matches!(event, Event::PreviewOmitted { frame: 3, reason } if reason.contains("x.0003.exr"))),
+        "{told:?}"
+    );
+    assert!(!path("x.0003.png").exists());
 }
 
 #[test]

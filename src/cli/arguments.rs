@@ -1,5 +1,6 @@
 //! The command line's grammar. Invariant: flags work in any order; unknown ones are refused.
 
+use crate::color::{Curve, Display};
 use crate::scene::{LightUnits, Pass, Size};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -92,12 +93,25 @@ pub(super) struct RenderArguments {
     /// How progress is told.
     #[arg(long, value_enum, default_value_t)]
     pub(super) progress: ProgressArgument,
-    /// Also write a tone-mapped picture beside each frame.
+    /// Also write a picture for eyes beside each frame; beside kept ones too.
     #[arg(long, value_enum)]
     pub(super) preview: Option<PreviewArgument>,
+    #[command(flatten)]
+    pub(super) display: DisplayArguments,
     /// Say what would be rendered, and render nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
+}
+
+/// How pictures for eyes are made. EXR frames stay as they are.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct DisplayArguments {
+    /// How light is brought into the range of a display, for pictures other than EXR.
+    #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
+    pub(super) display: CurveArgument,
+    /// Brightens those pictures by so many powers of two.
+    #[arg(long, value_parser = parse_exposure, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(super) exposure: f64,
 }
 
 #[derive(Args, Debug)]
@@ -314,6 +328,28 @@ pub(super) enum PreviewArgument {
     Png,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum CurveArgument {
+    /// As Blender's AgX: bright light fades to white.
+    #[default]
+    Agx,
+    /// The sRGB encoding alone; what is brighter than 1 is cut off.
+    Srgb,
+    /// The linear values themselves, cut off at 1.
+    Raw,
+}
+
+impl DisplayArguments {
+    pub(super) fn display(self) -> Display {
+        let curve = match self.display {
+            CurveArgument::Agx => Curve::Agx,
+            CurveArgument::Srgb => Curve::Srgb,
+            CurveArgument::Raw => Curve::Raw,
+        };
+        Display { curve, exposure_stops: self.exposure }
+    }
+}
+
 impl From<LightUnitsArgument> for LightUnits {
     fn from(argument: LightUnitsArgument) -> Self {
         match argument {
@@ -387,6 +423,13 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= 1e6 => Ok(seconds),
         _ => Err("expected seconds, more than 0 and at most 1000000, such as 8 or 0.5".into()),
+    }
+}
+
+fn parse_exposure(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
+        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright".into()),
     }
 }
 

@@ -130,7 +130,10 @@ impl Progress {
                 bar.set_message(format!("frame {frame} of {}{error}{}", state.frames, state.time_left()));
             }
             Event::FrameWritten { clamped: 0, .. } => {}
-            Event::FrameWritten { .. } | Event::FrameGivenUp { .. } | Event::AbandonedRemoved { .. } => {
+            Event::FrameWritten { .. }
+            | Event::FrameGivenUp { .. }
+            | Event::PreviewOmitted { .. }
+            | Event::AbandonedRemoved { .. } => {
                 if let Some(line) = state.sentence(event) {
                     bar.println(line);
                 }
@@ -167,7 +170,7 @@ impl State {
             Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
             Event::FrameWritten { .. } => self.written += 1,
             Event::FrameGivenUp { .. } => self.fraction = 1.0,
-            Event::AbandonedRemoved { .. } | Event::Finished(_) => {}
+            Event::AbandonedRemoved { .. } | Event::PreviewOmitted { .. } | Event::Finished(_) => {}
         }
     }
 
@@ -202,6 +205,7 @@ impl State {
     fn sentence(&self, event: &Event) -> Option<String> {
         Some(match event {
             Event::FrameSkipped { frame, reason } => format!("frame {frame} skipped: {reason}"),
+            Event::PreviewOmitted { frame, reason } => format!("frame {frame} gets no preview: {reason}"),
             Event::FrameGivenUp { frame, seconds } => {
                 format!("frame {frame} given up after {seconds:.1} s")
             }
@@ -240,6 +244,9 @@ fn as_json(event: &Event) -> Value {
         }
         Event::FrameSkipped { frame, reason } => {
             json!({ "event": "frame_skipped", "frame": frame, "reason": reason.to_string() })
+        }
+        Event::PreviewOmitted { frame, reason } => {
+            json!({ "event": "preview_omitted", "frame": frame, "reason": reason })
         }
         Event::FrameStarted { frame } => json!({ "event": "frame_started", "frame": frame }),
         Event::FrameProgress { frame, progress } => json!({

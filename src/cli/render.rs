@@ -15,9 +15,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Previews are for looking at: as bright as the frame is.
-const PREVIEW_EXPOSURE_STOPS: f64 = 0.0;
-
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     let plan = Plan::new(arguments)?;
     for warning in plan.warnings() {
@@ -49,7 +46,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
             SkipArgument::Exists => Skip::Exists,
             SkipArgument::None => Skip::None,
         },
-        preview_exposure_stops: arguments.preview.map(|PreviewArgument::Png| PREVIEW_EXPOSURE_STOPS),
+        preview: arguments.preview.map(|PreviewArgument::Png| arguments.display.display()),
         stop: &signal.stop,
     };
     let trees = MeshTrees::new(&plan.scene);

@@ -25,6 +25,13 @@ pub enum Event {
         /// Why.
         reason: SkipReason,
     },
+    /// A frame that is left as it is gets no picture beside it.
+    PreviewOmitted {
+        /// The frame.
+        frame: i64,
+        /// What is the matter with its file, or with the disk.
+        reason: String,
+    },
     /// A frame is being rendered.
     FrameStarted {
         /// The frame.

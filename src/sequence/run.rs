@@ -3,6 +3,7 @@
 //! memory, and a frame with NaN or infinity is never written.
 
 use super::{Event, FrameList, OutputPattern, SkipReason, Summary};
+use crate::color::Display;
 use crate::film::FrameDefects;
 use crate::frame_file::{self, FrameFileError, Provenance};
 use crate::render::{Progress, Rendered};
@@ -32,8 +33,8 @@ pub struct Job<'a> {
     pub output: &'a OutputPattern,
     /// Which of them need no rendering.
     pub skip: Skip,
-    /// Writes a PNG beside each frame that is rendered, brightened by so many stops.
-    pub preview_exposure_stops: Option<f64>,
+    /// Writes a PNG beside each frame, shown so; of frames that are kept, from their files.
+    pub preview: Option<Display>,
     /// Set by a signal: the frame in progress is given up unless it gets done, and none is begun.
     pub stop: &'a AtomicBool,
 }
@@ -114,7 +115,7 @@ pub fn run<E: Send>(
             failed.store(result.is_err(), Ordering::Relaxed);
             result
         });
-        let mut render_error = None;
+        let mut error = None;
         for &frame in frames {
             if stopped() || writer_failed.load(Ordering::Relaxed) {
                 break;
@@ -132,6 +133,16 @@ pub fn run<E: Send>(
                     SkipReason::Exists => summary.skipped_existing += 1,
                 }
                 report(Event::FrameSkipped { frame, reason });
+                if let Some(display) = &job.preview {
+                    match preview_of_file(&path, display) {
+                        Ok(None) => {}
+                        Ok(Some(reason)) => report(Event::PreviewOmitted { frame, reason }),
+                        Err(source) => {
+                            error = Some(SequenceError::Write { frame, source });
+                            break;
+                        }
+                    }
+                }
                 continue;
             }
             report(Event::FrameStarted { frame });
@@ -151,7 +162,7 @@ pub fn run<E: Send>(
                 }
                 Err(_) if stopped() => break,
                 Err(source) => {
-                    render_error = Some(SequenceError::Render { frame, source });
+                    error = Some(SequenceError::Render { frame, source });
                     break;
                 }
             }
@@ -159,7 +170,7 @@ pub fn run<E: Send>(
         drop(to_writer);
         // A frame that was handed over is written whatever became of the next one.
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        render_error.map_or(Ok(written), Err)
+        error.map_or(Ok(written), Err)
     })?;
     let done = summary.written + summary.skipped_valid + summary.skipped_existing + summary.given_up.len();
     summary.not_reached = frames.len() - done;
@@ -174,6 +185,18 @@ fn skip_reason(skip: Skip, path: &Path, provenance: &Provenance) -> Option<SkipR
         Skip::Valid => frame_file::is_valid(path, provenance).then_some(SkipReason::Valid),
         Skip::Exists => path.is_file().then_some(SkipReason::Exists),
         Skip::None => None,
+    }
+}
+
+/// Makes a kept frame's picture from its file, or says why the file gives none.
+fn preview_of_file(path: &Path, display: &Display) -> Result<Option<String>, FrameFileError> {
+    let file = match frame_file::read(path) {
+        Ok(file) => file,
+        Err(error) => return Ok(Some(error.to_string())),
+    };
+    match frame_file::write_preview(&path.with_extension("png"), &file.frame, display) {
+        Err(FrameFileError::Encode { reason, .. }) => Ok(Some(reason)),
+        done => done.map(|()| None),
     }
 }
 
@@ -194,9 +217,8 @@ fn write_all<E>(
         let path = job.output.path(frame);
         let write_error = |source| SequenceError::Write { frame, source };
         frame_file::write(&path, &picture, &provenance).map_err(write_error)?;
-        if let Some(exposure_stops) = job.preview_exposure_stops {
-            frame_file::write_preview(&path.with_extension("png"), &picture, exposure_stops)
-                .map_err(write_error)?;
+        if let Some(display) = &job.preview {
+            frame_file::write_preview(&path.with_extension("png"), &picture, display).map_err(write_error)?;
         }
         written += 1;
         let clamped = defects.clamped.count;

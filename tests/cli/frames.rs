@@ -262,3 +262,25 @@ fn previews_lie_beside_the_frames() {
     let preview = image::open(studio.path("a/tiny.0001.png")).unwrap();
     assert_eq!((preview.width(), preview.height()), (8, 4));
 }
+
+#[test]
+fn previews_follow_curve_and_exposure_and_frames_do_not() {
+    let studio = Studio::new();
+    let picture = |flags: &str, folder: &str| {
+        studio
+            .succeed(&format!("render tiny.ron --frames 1 --size 8x4 --out {folder}/ --preview png {flags}"));
+        let preview = image::open(studio.path(&format!("{folder}/tiny.0001.png"))).unwrap().to_rgb8();
+        (studio.bytes(&format!("{folder}/tiny.0001.exr")), preview.into_raw())
+    };
+    let (frame, agx) = picture("", "agx");
+    let sum = |bytes: &[u8]| bytes.iter().map(|&byte| u32::from(byte)).sum::<u32>();
+    for (flags, folder) in [("--exposure -1", "dark"), ("--display srgb", "srgb"), ("--display raw", "raw")] {
+        let (same, other) = picture(flags, folder);
+        assert_eq!(same, frame, "{flags}");
+        assert_ne!(other, agx, "{flags}");
+    }
+    assert!(sum(&picture("--exposure -1", "dark").1) < sum(&agx));
+    let (_, doubled) = picture("--display raw --exposure 1 --skip valid", "raw");
+    let (_, once) = picture("--display raw --exposure 0 --skip valid", "raw");
+    assert!(once.iter().zip(&doubled).all(|(&once, &doubled)| once > 120 || doubled.abs_diff(2 * once) <= 2));
+}
