@@ -7,13 +7,15 @@ whatever the file holds.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from mmap import mmap
 from pathlib import Path
 
 from . import checks  # noqa: F401  (registers them)
 from .checks import fireflies, reference
 from .exr.chunks import chunk_faults
 from .exr.decode import DecodeError, claims_too_much, decode
-from .exr.header import DEEP, MULTIPART, TILED, HeaderError, parse_header
+from .exr.header import DEEP, MULTIPART, TILED, Header, HeaderError, parse_header
+from .exr.mapped import mapped
 from .exr.pixel_hash import pixel_hash
 from .findings import Finding, Scope, checks_of
 from .frame import FileBytes, Frame
@@ -37,16 +39,29 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
     """A file's pixels, or in the first what stood in the way."""
     file = FileBytes(number, Path(path))
     try:
-        data = file.path.read_bytes()
+        with mapped(file.path) as data:
+            header = _parse(file, data)
     except OSError as error:
         file.read_error = error.strerror or str(error)
         return file, None
+    if header is None:
+        return file, None
+    try:
+        channels = decode(file.path)
+    except DecodeError as error:
+        file.decode_error = str(error)
+        return file, None
+    return file, Frame(number, file.path, header, channels, pixel_hash(channels))
+
+
+def _parse(file: FileBytes, data: mmap | bytes) -> Header | None:
+    """Everything that can be said without decoding; the header only if nothing speaks against that."""
     file.bytes = len(data)
     try:
         header = file.header = parse_header(data)
     except HeaderError as error:
         file.header_error = str(error)
-        return file, None
+        return None
     if header.flags & MULTIPART:
         file.unsupported = "a file of several parts"
     elif header.flags & DEEP:
@@ -55,18 +70,10 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
         file.unsupported = "a subsampled channel"
     file.claim = claims_too_much(header, len(data))
     if file.unsupported or file.claim:
-        return file, None
+        return None
     if not header.flags & TILED:
         file.chunk_faults = list(chunk_faults(header, data))
-    del data
-    if file.chunk_faults:
-        return file, None
-    try:
-        channels = decode(file.path)
-    except DecodeError as error:
-        file.decode_error = str(error)
-        return file, None
-    return file, Frame(number, file.path, header, channels, pixel_hash(channels))
+    return None if file.chunk_faults else header
 
 
 def analyse(job: Job) -> FrameSummary:
@@ -79,10 +86,10 @@ def analyse(job: Job) -> FrameSummary:
     summary.findings += _run(Scope.FILE, file, job)
     if frame is None:
         return summary
-    measure(summary, frame)
+    if (luminance := frame.luminance()) is not None:
+        summary.firefly_candidates = fireflies.candidates(luminance)
+    measure(summary, frame, luminance)
     summary.findings += _run(Scope.FRAME, frame, job)
-    if frame.luminance is not None:
-        summary.firefly_candidates = fireflies.candidates(frame.luminance)
     if job.thumbnail_width:
         summary.thumbnail = thumbnail(frame, job.thumbnail_width)
     if job.compares:
@@ -104,8 +111,8 @@ def confirm_fireflies(found: list[fireflies.Candidate], neighbours: list[str]) -
     for path in neighbours:
         if found:
             _, frame = read_frame(0, path)
-            if frame is not None and frame.luminance is not None:
-                found = fireflies.absent_in(frame.luminance, found)
+            if frame is not None and (luminance := frame.luminance()) is not None:
+                found = fireflies.absent_in(luminance, found)
     return found
 
 

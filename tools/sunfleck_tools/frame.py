@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from .exr import half
 from .exr.header import Header
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Rec. 709, which frames are in."""
+
+BLOCK_PIXELS = 1 << 15
+"""Temporaries of so many values stay in the cache and on the heap: fresh memory costs more than arithmetic."""
+
+
+def row_blocks(shape: tuple[int, int], multiple: int = 1) -> Iterator[slice]:
+    """Rows of a picture, some at a time: as many as fit, but a multiple of what is asked for."""
+    rows = max(1, BLOCK_PIXELS // (multiple * max(1, shape[1]))) * multiple
+    return (slice(first, min(first + rows, shape[0])) for first in range(0, shape[0], rows))
+
+
+def wide(stored: np.ndarray) -> np.ndarray:
+    """Values as float32; a copy."""
+    return half.widened(stored) if stored.dtype == np.float16 else stored.astype(np.float32)
 
 
 @dataclass
@@ -40,41 +55,47 @@ class Frame:
     channels: dict[str, np.ndarray]
     hash: str
     wide: dict[str, np.ndarray] = field(default_factory=dict)
-    bits: dict[str, tuple[int, int]] = field(default_factory=dict)
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def float(self, name: str) -> np.ndarray:
         """A channel as float32, converted once."""
         if name not in self.wide:
-            self.wide[name] = self.channels[name].astype(np.float32)
+            self.wide[name] = wide(self.channels[name])
         return self.wide[name]
 
-    def half_bits(self, name: str) -> tuple[int, int] | None:
-        """Of a half channel the largest bits without the sign, and with it; integers compare faster than floats convert.
-
-        Without the sign they grow with the magnitude: 0x7bff is the largest number, 0x7c00 infinity, more is NaN. With the
-        sign, more than 0x8000 (minus zero) is a value below zero.
-        """
-        stored = self.channels[name]
-        if stored.dtype != np.float16:
-            return None
-        if name not in self.bits:
-            bits = stored.view(np.uint16)
-            self.bits[name] = int((bits & 0x7FFF).max()), int(bits.max())
-        return self.bits[name]
+    def extremes(self, name: str) -> tuple[float, float]:
+        """The smallest and largest value of a channel, NaN twice if there is one. Most checks need no more: only where these
+        say that something is wrong do they look for the place."""
+        if name not in self.ranges:
+            stored = self.channels[name]
+            if stored.dtype == np.float16:
+                self.ranges[name] = half.extremes(stored)
+            else:
+                with np.errstate(invalid="ignore"):
+                    self.ranges[name] = float(stored.min()), float(stored.max())
+        return self.ranges[name]
 
     def group(self, prefix: str = "") -> list[np.ndarray] | None:
         """The channels R, G and B of a layer, if it has them all."""
         names = [prefix + letter for letter in "RGB"]
         return [self.float(name) for name in names] if all(name in self.channels for name in names) else None
 
-    @cached_property
     def luminance(self) -> np.ndarray | None:
-        """Of the beauty; values that are not finite count as 0."""
-        color = self.group()
-        if color is None:
+        """Of the beauty, the caller's to keep or spoil; values that are not finite count as 0."""
+        if any(letter not in self.channels for letter in "RGB"):
             return None
-        total = sum(weight * channel for weight, channel in zip(LUMINANCE, color))
-        return total if np.isfinite(total.sum()) else np.nan_to_num(total, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+        color = [self.channels[letter] for letter in "RGB"]
+        total = np.empty(color[0].shape, np.float32)
+        for rows in row_blocks(total.shape):
+            block = total[rows]
+            np.multiply(wide(color[0][rows]), LUMINANCE[0], out=block)
+            for weight, channel in zip(LUMINANCE[1:], color[1:]):
+                part = wide(channel[rows])
+                part *= weight
+                block += part
+        if all(np.isfinite(self.extremes(letter)).all() for letter in "RGB"):
+            return total
+        return np.nan_to_num(total, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
     def place(self, at: int) -> tuple[int, int]:
         """x and y in the full picture of the value with that flat index."""

@@ -6,8 +6,11 @@ import struct
 import unittest
 from fractions import Fraction
 
+import numpy as np
+
 from sunfleck_tools.exr.chunks import chunk_faults
 from sunfleck_tools.exr.decode import claims_too_much
+from sunfleck_tools.exr.half import extremes, widened
 from sunfleck_tools.exr.header import HeaderError, TimeCode, parse_header
 
 from .files import DATA
@@ -66,3 +69,27 @@ class Chunks(unittest.TestCase):
         data = bytearray(WHOLE)
         struct.pack_into("<Q", data, HEADER.end, 0)
         self.assertEqual(self.faults(bytes(data)), ["chunk 1 of 2 (rows 0 to 15) was never written"])
+
+
+class Halves(unittest.TestCase):
+    EVERY = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
+
+    def same(self, values: np.ndarray) -> None:
+        np.testing.assert_array_equal(widened(values), values.astype(np.float32))
+
+    def test_each_is_widened_to_itself(self):
+        with np.errstate(invalid="ignore"):
+            self.same(self.EVERY)
+        finite = self.EVERY[np.isfinite(self.EVERY)]
+        self.same(finite)
+        self.same(finite[finite >= 0])
+        np.testing.assert_array_equal(np.signbit(widened(finite)), np.signbit(finite))
+
+    def test_extremes_are_those_of_the_floats(self):
+        random = np.random.default_rng(1)
+        for low, high in ((0x0000, 0x7C01), (0x0000, 0xFC01), (0x8000, 0xFC01), (0x0000, 0x10000), (0x7B00, 0x7D00)):
+            for _ in range(200):
+                values = random.integers(low, high, 3).astype(np.uint16).view(np.float16)
+                found = np.array(extremes(values))
+                expected = np.array([values.astype(np.float64).min(), values.astype(np.float64).max()])
+                np.testing.assert_array_equal(found, expected, values)

@@ -159,7 +159,7 @@ class Apart(WithSequence):
         self.assertEqual(self.found("unsupported"), [5])
 
     def test_a_file_that_the_system_withholds(self):
-        with mock.patch.object(Path, "read_bytes", side_effect=PermissionError(13, "Permission denied")):
+        with mock.patch.object(Path, "open", side_effect=PermissionError(13, "Permission denied")):
             self.assertEqual(self.found("unreadable"), list(range(1, 13)))
 
     def test_a_lit_gap_that_lasts_is_no_firefly(self):

@@ -33,7 +33,7 @@ Candidate = tuple[int, int, float, float]
 def candidates(luminance: np.ndarray) -> list[Candidate]:
     """Spikes in space, from the upper left of the data window."""
     # If so many are at least half as bright as the brightest, it has company; noise all over is no firefly either.
-    if np.count_nonzero(luminance * COMPANY > luminance.max()) > MOST:
+    if np.count_nonzero(luminance > luminance.max() / COMPANY) > MOST:
         return []
     padded = np.pad(luminance, REACH, mode="edge")
     inner = padded[1:-1, 1:-1]

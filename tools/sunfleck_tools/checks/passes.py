@@ -17,6 +17,9 @@ HALF_ROUNDING = 2.0**-9
 """Relative: two values, each rounded to half precision, and a sum in single precision."""
 HALF_SMALLEST = 2.0**-23
 """Absolute: a step of the halves next to zero."""
+LARGEST_TRANSMITTANCE = 1 + 2.0**-10
+"""One step of half precision above 1: averages of ones may round to it."""
+LONGEST_NORMAL = 1.001
 MOTION = re.compile(r"(^|\.)(motion|vector|velocity)\.", re.IGNORECASE)
 LARGEST_MOTION = 100.0
 """Pictures' widths that something moves within a frame."""
@@ -27,25 +30,40 @@ def beauty_sum(frame: Frame) -> Iterator[Found]:
     """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no term is negative."""
     for letter in "RGB":
         if letter in frame.channels and f"shafts.{letter}" in frame.channels:
+            if _nowhere_above(frame, f"shafts.{letter}", letter):
+                continue
             beauty, shafts = frame.float(letter), frame.float(f"shafts.{letter}")
             with np.errstate(invalid="ignore"):
                 bad = shafts * (1 - HALF_ROUNDING) > beauty + HALF_SMALLEST
             yield from first_bad(frame, f"shafts.{letter}", bad, f"brighter than {letter}")
 
 
+def _nowhere_above(frame: Frame, name: str, other: str) -> bool:
+    """True if no value of one channel is above the other's; may be False as well where it is not quick to say."""
+    one, two = frame.channels[name], frame.channels[other]
+    if one.dtype != np.float16 or two.dtype != np.float16:
+        return False
+    # Halves that are not negative compare as their bits do.
+    plain = all(low >= 0 for low, _ in map(frame.extremes, (name, other)))
+    return plain and not (one.view(np.uint16) > two.view(np.uint16)).any()
+
+
 @check("transmittance-range", Severity.ERROR, Scope.FRAME, "transmittance is more than 1")
 def transmittance_range(frame: Frame) -> Iterator[Found]:
     """Fog and filters take light away."""
     for name in frame.channels:
-        if name.startswith("transmittance."):
+        if name.startswith("transmittance.") and not frame.extremes(name)[1] <= LARGEST_TRANSMITTANCE:
             with np.errstate(invalid="ignore"):
-                yield from first_bad(frame, name, frame.float(name) > 1 + 2.0**-10, "more than 1")
+                yield from first_bad(frame, name, frame.float(name) > LARGEST_TRANSMITTANCE, "more than 1")
 
 
 @check("depth", Severity.ERROR, Scope.FRAME, "depth is zero, negative, or beyond where rays end")
 def depth(frame: Frame) -> Iterator[Found]:
     """Nothing lies in the camera or behind it."""
-    if "Z" in frame.channels:
+    if "Z" not in frame.channels:
+        return
+    nearest, farthest = frame.extremes("Z")
+    if not (nearest > 0 and farthest <= FARTHEST):
         z = frame.float("Z")
         with np.errstate(invalid="ignore"):
             yield from first_bad(frame, "Z", (z <= 0) | ((z > FARTHEST) & np.isfinite(z)), "no depth")
@@ -57,8 +75,11 @@ def normal_length(frame: Frame) -> Iterator[Found]:
     names = [f"Normal.{axis}" for axis in "XYZ"]
     if all(name in frame.channels for name in names):
         with np.errstate(all="ignore"):
-            squared = sum(np.square(frame.float(name)) for name in names)
-            yield from first_bad(frame, names[0], squared > 1.001**2, "part of a normal longer than 1")
+            squared, part = np.square(frame.float(names[0])), np.empty_like(frame.float(names[0]))
+            for name in names[1:]:
+                squared += np.square(frame.float(name), out=part)
+            if not squared.max() <= LONGEST_NORMAL**2:
+                yield from first_bad(frame, names[0], squared > LONGEST_NORMAL**2, "part of a normal longer than 1")
 
 
 @check("leaf-id", Severity.ERROR, Scope.FRAME, "a leaf's number is no whole number")
@@ -68,7 +89,9 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
         if name.startswith("leaf_id.") and frame.channels[name].dtype.kind == "f":
             values = frame.float(name)
             with np.errstate(invalid="ignore"):
-                yield from first_bad(frame, name, np.isfinite(values) & (values != np.rint(values)), "not whole")
+                broken = values != np.rint(values)
+                if broken.any():
+                    yield from first_bad(frame, name, broken & np.isfinite(values), "not whole")
 
 
 @check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or as wide as a hundred pictures")
@@ -76,6 +99,6 @@ def motion(frame: Frame) -> Iterator[Found]:
     """Vectors in pixels a frame."""
     limit = LARGEST_MOTION * frame.header.size[0]
     for name in frame.channels:
-        if MOTION.search(name) and frame.channels[name].dtype.kind == "f":
+        if MOTION.search(name) and not max(map(abs, frame.extremes(name))) <= limit:
             with np.errstate(invalid="ignore"):
                 yield from first_bad(frame, name, ~(np.abs(frame.float(name)) <= limit), "no motion")

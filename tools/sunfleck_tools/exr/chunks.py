@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
+from mmap import mmap
 
 from .header import Header
 
 ROWS_OF_COMPRESSION = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16, 6: 32, 7: 32, 8: 32, 9: 256, 10: 256, 11: 32}
 
 
-def chunk_faults(header: Header, data: bytes) -> Iterator[str]:
+def chunk_faults(header: Header, data: bytes | mmap) -> Iterator[str]:
     """A sentence for each chunk that is not whole."""
     rows = ROWS_OF_COMPRESSION.get(header.compression)
     if rows is None:

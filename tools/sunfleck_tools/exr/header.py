@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
+from mmap import mmap
 
 MAGIC = b"\x76\x2f\x31\x01"
 TILED, DEEP, MULTIPART = 0x200, 0x800, 0x1000
@@ -63,7 +64,7 @@ class Header:
         return value if isinstance(value, str) else None
 
 
-def parse_header(data: bytes) -> Header:
+def parse_header(data: bytes | mmap) -> Header:
     """Parses the first header of `data`; raises `HeaderError`."""
     if not data:
         raise HeaderError("the file is empty")
@@ -109,13 +110,13 @@ def _header(flags: int, values: dict[str, object], end: int) -> Header:
     return Header(flags, values, channels, data, display, compression, end)
 
 
-def _take(data: bytes, at: int, size: int) -> bytes:
+def _take(data: bytes | mmap, at: int, size: int) -> bytes:
     if at + size > len(data):
         raise HeaderError("the file ends within its header")
     return data[at : at + size]
 
 
-def _name(data: bytes, at: int) -> tuple[str, int]:
+def _name(data: bytes | mmap, at: int) -> tuple[str, int]:
     end = data.find(b"\0", at, at + LONGEST_NAME + 1)
     if end < 0:
         raise HeaderError("the file ends within its header" if at + LONGEST_NAME >= len(data) else "a name has no end")

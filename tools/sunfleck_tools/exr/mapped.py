@@ -1,0 +1,25 @@
+"""The bytes of a file without reading those that nobody looks at.
+
+Invariant: no memory is taken by what is not looked at. A file that is cut off by somebody meanwhile takes the process along, as
+a decoder may: `parallel` survives it.
+"""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def mapped(path: Path) -> Iterator[mmap.mmap | bytes]:
+    """The file's bytes, for as long as the block lasts."""
+    with path.open("rb") as file:
+        try:
+            data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        except (ValueError, OSError):  # an empty file; a file system that cannot map
+            yield file.read()
+            return
+        with data:
+            yield data
