@@ -40,12 +40,12 @@ pub(crate) fn scene(bytes: &[u8]) {
 
 /// An OBJ mesh.
 pub(crate) fn mesh(bytes: &[u8]) {
-    describe(&[("fuzzed.ron", SHOWS_A_MESH), ("fuzzed.obj", bytes), ("fuzzed.mtl", A_MATERIAL)]);
+    describe(&shown(bytes, A_MATERIAL));
 }
 
 /// An MTL material.
 pub(crate) fn material(bytes: &[u8]) {
-    describe(&[("fuzzed.ron", SHOWS_A_MESH), ("fuzzed.obj", A_MESH), ("fuzzed.mtl", bytes)]);
+    describe(&shown(A_MESH, bytes));
 }
 
 /// A texture.
@@ -69,11 +69,16 @@ pub(crate) fn peers(bytes: &[u8]) {
 const SHOWS_A_MESH: &[u8] = br#"Scene(version: 1, meshes: { "a": Obj("fuzzed.obj") },
     objects: { "a": (mesh: "a") }, cameras: { "a": (position_m: (0.0, 0.0, 5.0), look_at_m: (0.0, 0.0, 0.0)) },
     lights: { "a": Sun(to_sun: (0.0, 1.0, 1.0), irradiance_w_per_m2: 1.0) })"#;
-const A_MESH: &[u8] = b"mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
-const A_MATERIAL: &[u8] = b"newmtl a\nKd 0.5 0.5 0.5\n";
+pub(crate) const A_MESH: &[u8] = b"mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+pub(crate) const A_MATERIAL: &[u8] = b"newmtl a\nKd 0.5 0.5 0.5\n";
+
+/// A scene that shows a mesh in materials, with its files.
+pub(crate) fn shown<'a>(mesh: &'a [u8], materials: &'a [u8]) -> [(&'static str, &'a [u8]); 3] {
+    [("fuzzed.ron", SHOWS_A_MESH), ("fuzzed.obj", mesh), ("fuzzed.mtl", materials)]
+}
 
 /// Writes the files beside each other; the first one's path.
-fn written(files: &[(&str, &[u8])]) -> PathBuf {
+pub(crate) fn written(files: &[(&str, &[u8])]) -> PathBuf {
     for (name, bytes) in files {
         std::fs::write(FOLDER.join(name), bytes).expect("room for the file");
     }

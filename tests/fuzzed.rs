@@ -5,6 +5,9 @@
 mod readers;
 
 use std::path::{Path, PathBuf};
+use sunfleck::color::Rgb;
+use sunfleck::description;
+use sunfleck::scene::{self, Scene};
 
 /// The files that were found for a reader.
 fn found(reader: &str) -> Vec<PathBuf> {
@@ -31,4 +34,24 @@ fn what_fuzzing_found_is_answered() {
             reader(&std::fs::read(&path).expect("a file"));
         }
     }
+}
+
+/// A scene that is refused would keep every mesh and every material from its reader.
+#[test]
+fn what_shows_meshes_and_materials_is_a_scene() {
+    let files = readers::shown(readers::A_MESH, readers::A_MATERIAL);
+    let scene = resolved(&files).expect("a good scene");
+    assert_eq!(scene.instances.len(), 1);
+    assert!(scene.materials.iter().any(|material| material.base_color == Rgb::splat(0.5)));
+    for (mesh, materials) in
+        [(&b"f 1 2 3"[..], readers::A_MATERIAL), (readers::A_MESH, &b"newmtl a\nKd much"[..])]
+    {
+        let problem = resolved(&readers::shown(mesh, materials)).expect_err("a damaged file");
+        assert!(problem.contains("fuzzed.obj") || problem.contains("fuzzed.mtl"), "{problem}");
+    }
+}
+
+fn resolved(files: &[(&str, &[u8])]) -> Result<Scene, String> {
+    let description = description::load(&readers::written(files)).map_err(|error| error.to_string())?;
+    Ok(scene::resolve(description, None).map_err(|problems| problems.to_string())?.0)
 }

@@ -3,8 +3,9 @@
 
 use super::simd::{Eight, WIDTH};
 use glam::{Vec3, Vec3A};
-use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
-use std::time::Duration;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
@@ -155,10 +156,32 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
         Aabb::new(min + shift, max + shift)
     };
     let moved: Vec<Aabb> = boxes.iter().enumerate().map(moved).collect();
-    let settings = BvhBuildParams { max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
-    let tree = build_bvh2(&moved, settings, &mut Duration::default());
+    let numbers = (0..moved.len() as u32).collect();
+    let (search, sort) = (PlocSearchDistance::Medium, SortPrecision::U64);
+    let mut tree = PlocBuilder::with_capacity(moved.len()).build(search, &moved, numbers, sort, 3);
+    let mut reinsertion = ReinsertionOptimizer::default();
+    reinsertion.run(&mut tree, 0.05, None);
+    collapse(&mut tree, leaf_size as u32, 3.0);
+    // Reinsertion sizes its stack by the depth that PLOC left, made the tree deeper, and panics where it is full.
+    tree.max_depth = tree.max_depth.max(depth(&tree) + 1);
+    reinsertion.run(&mut tree, 0.1, None);
     let bounds = tight_bounds(&tree, boxes);
     BinaryTree { tree, bounds }
+}
+
+/// Nodes on the longest way from the root to a leaf.
+fn depth(tree: &Bvh2) -> usize {
+    let mut deepest = 0;
+    let mut unvisited = vec![(0, 1)];
+    while let Some((node, depth)) = unvisited.pop() {
+        deepest = deepest.max(depth);
+        let node = &tree.nodes[node];
+        if !node.is_leaf() {
+            let first_child = node.first_index as usize;
+            unvisited.extend([(first_child, depth + 1), (first_child + 1, depth + 1)]);
+        }
+    }
+    deepest
 }
 
 /// Around the `boxes` below each node.

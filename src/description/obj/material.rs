@@ -40,13 +40,23 @@ type Parsed = (Vec<tobj::Material>, std::collections::HashMap<String, usize>);
 /// Reads an MTL file: for tobj as it stands, for us checked.
 pub(super) fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<(Parsed, Library), LoadError> {
     let bytes = files.read(path, Some(referrer))?;
+    let text = String::from_utf8_lossy(&bytes);
+    // tobj panics at a colour with fewer than three numbers.
+    let is_color = |keyword: &str| ["Ka", "Kd", "Ks", "Ke"].contains(&keyword);
+    let mut colors = locate::statements(&text).filter(|(_, keyword, _)| is_color(keyword));
+    if let Some((line, keyword, _)) = colors.find(|(_, _, numbers)| numbers.clone().count() < 3) {
+        let found = format!("`{keyword}` has fewer than three numbers");
+        return Err(Diagnostic::error(at_line(path, line), found)
+            .expected("red, green and blue, such as `Kd 0.5 0.4 0.2`")
+            .remedy("correct the line, or export the materials again")
+            .into());
+    }
     let mut lines = LineCounter::new(&bytes);
     let parsed = tobj::load_mtl_buf(&mut lines).map_err(|error| {
         Diagnostic::error(at_line(path, lines.line()), format!("the line cannot be understood ({error})"))
             .expected("a material library (MTL): `newmtl name`, `Kd r g b`, `map_Kd file`, `Ke r g b`")
             .remedy("correct the line, or export the materials again")
     })?;
-    let text = String::from_utf8_lossy(&bytes);
     let mut library = Library::default();
     for material in &parsed.0 {
         library.materials.push(checked(path, &text, material)?);
