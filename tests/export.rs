@@ -61,7 +61,7 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
     let camera =
         scene.cameras.iter().position(|camera| settings.camera.as_ref() == Some(&camera.name)).unwrap_or(0);
     let aspect = settings.size.width as f64 / settings.size.height as f64;
-    let shutter = Shutter::around(settings.frame_rate, frame as f64, settings.shutter);
+    let shutter = Shutter::of(settings, frame as f64);
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, camera, aspect, shutter);
     render(&exposure, &job, &Watch { progress: &|_| {}, cancelled: &|| false }).frame

@@ -29,8 +29,7 @@ impl Inspected {
         let wanted = settings.camera.as_deref();
         let camera = scene.cameras.iter().position(|camera| wanted == Some(&camera.name)).unwrap_or(0);
         let aspect = settings.size.width as f64 / settings.size.height as f64;
-        let shutter = Shutter::around(settings.frame_rate, frame, settings.shutter);
-        choose(&Exposure::new(scene, &self.trees, camera, aspect, shutter))
+        choose(&Exposure::new(scene, &self.trees, camera, aspect, Shutter::of(settings, frame)))
     }
 }
 

@@ -75,16 +75,21 @@ impl Plan {
             },
         };
         let output = find_output(arguments.out.as_deref(), &settings.name, &frames)?;
+        // Named where it counts, so that the others' hash stays what it was.
+        let shutter_position = match settings.shutter * settings.shutter_position {
+            0.0 => String::new(),
+            _ => format!(" {:?}", settings.shutter_position),
+        };
         let settings_hash = hash(&format!(
-            "{job:?} {:?} {:?} {camera} {:?}",
+            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}",
             settings.frame_rate, settings.shutter, arguments.light_units
         ));
         Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })
     }
 
-    /// When the shutter is open for a frame: centred on it, as in Blender.
+    /// When the shutter is open for a frame.
     pub(super) fn shutter(&self, frame: i64) -> Shutter {
-        Shutter::around(self.settings.frame_rate, frame as f64, self.settings.shutter)
+        Shutter::of(&self.settings, frame as f64)
     }
 
     /// The camera at a frame.

@@ -70,10 +70,10 @@ impl Stored for DQuat {
 
 impl Moments {
     pub(super) fn new(settings: &RenderSettings) -> Self {
-        let half = 0.5 * settings.shutter;
         let moments = settings.frames.clone().flat_map(|frame| {
             let frame = frame as f64;
-            [frame - half, frame, frame + half]
+            let [open, close] = settings.shutter_around(frame);
+            [open, frame, close]
         });
         let mut times_s: Vec<f64> =
             moments.map(|frame| settings.frame_rate.seconds(frame)).filter(|&time_s| time_s >= 0.0).collect();

@@ -54,7 +54,7 @@ impl Writer<'_> {
             "resolution": [settings.size.width, settings.size.height],
             "light_units": "spec",
             "shutter": settings.shutter,
-            "shutter_offset": -0.5 * settings.shutter,
+            "shutter_offset": settings.shutter_around(0.0)[0],
             "seed": settings.seed,
             "mirror_depth": settings.mirror_depth,
             "passes": settings.passes.iter().map(|pass| pass.name()).collect::<Vec<_>>(),

@@ -174,14 +174,23 @@ pub struct RenderSettings {
     pub passes: Vec<Pass>,
     /// Seed of the sample points.
     pub seed: u32,
-    /// How long the shutter is open, in frames, centred on the frame; 0 is an instant.
+    /// How long the shutter is open, in frames; 0 is an instant.
     pub shutter: f64,
+    /// From the frame to the middle of that time, in parts of it: 0 is centred on the frame, 0.5 opens at it.
+    pub shutter_position: f64,
     /// How often light may be reflected by mirrors, `0..`.
     pub mirror_depth: u32,
     /// The stepped method's two knobs, metres: how deep the image plane is moved, and by how much a step.
     pub march_depth_m: f64,
     /// See `march_depth_m`.
     pub march_step_m: f64,
+}
+
+impl RenderSettings {
+    /// When the shutter opens and closes for a frame, counted in frames.
+    pub fn shutter_around(&self, frame: f64) -> [f64; 2] {
+        [-0.5, 0.5].map(|end| frame + self.shutter * (self.shutter_position + end))
+    }
 }
 
 impl Default for RenderSettings {
@@ -196,6 +205,7 @@ impl Default for RenderSettings {
             passes: Vec::new(),
             seed: 0,
             shutter: 0.0,
+            shutter_position: 0.0,
             mirror_depth: 4,
             march_depth_m: 10.0,
             march_step_m: 0.1,

@@ -118,6 +118,16 @@ pub(super) fn settings(
         report.error(at("frame_end"), format!("frame {end} comes before frame {start}"), "the last frame");
     }
     settings.frames = start as i64..=end as i64;
+    let is_animated = first < last;
+    if is_animated && (end < first || last < start) {
+        let found =
+            format!("frames {start} to {end} are to be rendered, and keys lie on frames {first} to {last}");
+        report.push(
+            Diagnostic::warning(report.at(at("frame_start")), found).expected(
+                "frames among the keys: before the first and after the last everything keeps still",
+            ),
+        );
+    }
     read_passes(sunfleck, &mut settings, at, report);
     read_shutter(sunfleck, &mut settings, at, report);
     (settings, clock)
@@ -155,11 +165,17 @@ fn read_shutter(
         return;
     }
     settings.shutter = shutter;
-    if sunfleck.shutter_offset.is_some_and(|offset| (offset + 0.5 * shutter).abs() > 1e-6) {
-        report.not_honoured(
-            "a shutter that is not centred on the frame is not honoured, it is centred",
-            "sunfleck.shutter_offset",
-        );
+    let Some(offset) = sunfleck.shutter_offset else { return };
+    if !(-1000.0..=1000.0).contains(&offset) {
+        let found = format!("the shutter opens {offset} frames after the frame");
+        report.error(at("shutter_offset"), found, "-1000 to 1000 frames");
+        return;
+    }
+    if shutter > 0.0 {
+        settings.shutter_position = offset / shutter + 0.5;
+    } else if offset != 0.0 {
+        let message = "a shutter that opens for an instant does so at the frame";
+        report.not_honoured(message, "sunfleck.shutter_offset");
     }
 }
 
