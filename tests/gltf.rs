@@ -307,7 +307,6 @@ fn what_is_not_honoured_is_said_once_a_kind() {
             "animated intensities of lights in other units than still ones: these are put right: `pt`, `sun`",
         ),
         ("h_lights_pointer_scene.glb", "puts a dot for a slash before the angles of spots"),
-        ("h_lights_pointer_scene.glb", "values that are animated by a pointer and not honoured keep still"),
         ("f_plain.glb", "24 frames a second are assumed"),
     ];
     for (file, text) in said {

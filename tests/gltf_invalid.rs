@@ -157,6 +157,11 @@ const CASES: &[(&str, &str)] = &[
         "`/extensions/KHR_lights_punctual/lights/9/intensity` points at nothing in the file",
     ),
     ("pointer_node_missing.gltf", "`/nodes/99/translation` points at nothing in the file"),
+    ("pointer_roughness_above_one.gltf", "animations[0].channels[0]: error: an animated value is"),
+    (
+        "shutter_offset_huge.gltf",
+        "sunfleck.shutter_offset: error: the shutter opens 1000000 frames after the frame",
+    ),
     ("pointer_values_of_another_type.gltf", "animated values cannot be of type `SCALAR`"),
     ("position_nan.gltf", "element 1 of these positions is not finite"),
     ("position_scalar.gltf", "positions cannot be of type `SCALAR`"),

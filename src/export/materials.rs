@@ -4,7 +4,7 @@
 use super::Writer;
 use crate::color::{Rgb, srgb_from_linear};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::scene::{AlphaMode, Coat, Material, Texture, TextureMap, Wrap};
+use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, Wrap};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use serde_json::{Value, json};
@@ -44,10 +44,16 @@ impl Writer<'_> {
     }
 
     fn material(&mut self, material: &Material) -> Value {
+        let is_unlit = is_unlit(material);
         let is_metal = material.mirror != Rgb::ZERO
             && material.base_color == Rgb::ZERO
-            && material.base_color_texture.is_none();
-        let [red, green, blue] = if is_metal { material.mirror } else { material.base_color }.to_array();
+            && (material.base_color_texture.is_none() || material.painted == Painted::Mirror);
+        let color = match material.painted {
+            Painted::Emission if is_unlit => material.emission,
+            _ if is_metal => material.mirror,
+            _ => material.base_color,
+        };
+        let [red, green, blue] = color.to_array();
         let mut pbr = json!({
             "baseColorFactor": [red, green, blue, material.opacity],
             "metallicFactor": if is_metal { 1.0 } else { material.coat.map_or(0.0, |coat| coat.metallic) },
@@ -60,13 +66,17 @@ impl Writer<'_> {
             pbr["baseColorTexture"] = json!({ "index": texture });
         }
         let mut extensions = json!({});
-        if !is_metal {
+        if is_unlit {
+            self.extensions.insert("KHR_materials_unlit");
+            extensions["KHR_materials_unlit"] = json!({});
+        } else if !is_metal {
             self.extensions.insert("KHR_materials_specular");
             extensions["KHR_materials_specular"] =
                 material.coat.map_or(json!({ "specularFactor": 0.0 }), specular);
         }
         // The factor itself is at most 1.
-        let strength = material.emission.max_element().max(1.0);
+        let emission = if is_unlit { Rgb::ZERO } else { material.emission };
+        let strength = emission.max_element().max(1.0);
         if strength > 1.0 {
             self.extensions.insert("KHR_materials_emissive_strength");
             extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });
@@ -75,7 +85,7 @@ impl Writer<'_> {
             "name": material.name,
             "pbrMetallicRoughness": pbr,
             "doubleSided": true,
-            "emissiveFactor": (material.emission / strength).to_array(),
+            "emissiveFactor": (emission / strength).to_array(),
             "extensions": extensions,
         });
         if let Some(map) = material.emission_texture {
@@ -112,6 +122,15 @@ impl Writer<'_> {
         }
         written
     }
+}
+
+/// Shines in its own colours, which glTF keeps in 0 to 1, and does nothing else.
+fn is_unlit(material: &Material) -> bool {
+    let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];
+    material.painted == Painted::Emission
+        && shares.iter().all(|share| *share == Rgb::ZERO)
+        && material.coat.is_none()
+        && material.emission.max_element() <= 1.0
 }
 
 fn texture_info(map: TextureMap) -> Value {

@@ -1,7 +1,7 @@
 //! What surfaces are made of. Invariant: `base_color + transmission + mirror + filter_color <= 1` per
 //! channel, so no surface gives more than it receives.
 
-use super::TextureIndex;
+use super::{TextureIndex, Track};
 use crate::color::Rgb;
 
 /// A two-sided surface: Lambert to the near and to the far side, mirror and emission added up, perhaps
@@ -12,8 +12,10 @@ pub struct Material {
     pub name: String,
     /// Lambert reflectance, `0..=1`; multiplied by the texture if there is one.
     pub base_color: Rgb,
-    /// Image whose colour multiplies `base_color`; looked up with the first texture coordinates.
+    /// Image whose colour multiplies what is `painted`; looked up with the first texture coordinates.
     pub base_color_texture: Option<TextureIndex>,
+    /// What that image and the colours of vertices multiply.
+    pub painted: Painted,
     /// Lambert transmittance, `0..=1`: what comes out, diffuse, on the side that the light does not
     /// fall on.
     pub transmission: Rgb,
@@ -35,6 +37,24 @@ pub struct Material {
     pub opacity: f64,
     /// Share of light that goes straight through where alpha is 1, `0..=1`.
     pub filter_color: Rgb,
+    /// What its numbers are at any time, if they change.
+    pub changes: Option<Track<MaterialNumbers>>,
+}
+
+/// The numbers of a [`Material`] that may change, in the order of [`Material::numbers`].
+pub type MaterialNumbers = [f64; NUMBERS];
+const NUMBERS: usize = 23;
+
+/// What a picture on a surface is a picture of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Painted {
+    /// [`Material::base_color`].
+    #[default]
+    BaseColor,
+    /// [`Material::mirror`]: coloured metal.
+    Mirror,
+    /// [`Material::emission`]: what shines in its own colours.
+    Emission,
 }
 
 /// An image and the texture coordinates that it is looked up with.
@@ -70,12 +90,49 @@ pub enum AlphaMode {
     Blend,
 }
 
+impl Material {
+    /// Its colours, then its single numbers; zeros for a coat or a normal map that it lacks.
+    pub fn numbers(&self) -> MaterialNumbers {
+        let (f0, metallic, roughness, f90) = self
+            .coat
+            .map_or((Rgb::ZERO, 0.0, 0.0, 0.0), |coat| (coat.f0, coat.metallic, coat.roughness, coat.f90));
+        let colors = [self.base_color, self.transmission, self.mirror, self.emission, self.filter_color, f0];
+        let scale = self.normal_map.map_or(0.0, |(_, scale)| scale);
+        let mut numbers = [0.0; NUMBERS];
+        for (three, color) in numbers.chunks_exact_mut(3).zip(colors) {
+            three.copy_from_slice(&color.to_array());
+        }
+        numbers[18..].copy_from_slice(&[self.opacity, metallic, roughness, f90, scale]);
+        numbers
+    }
+
+    /// The same at a time.
+    pub fn at(&self, time_s: f64) -> Self {
+        let mut now = self.clone();
+        let Some(changes) = &self.changes else { return now };
+        let numbers = changes.at(time_s);
+        let color = |index: usize| Rgb::from_slice(&numbers[3 * index..]);
+        let [opacity, metallic, roughness, f90, scale] = [18, 19, 20, 21, 22].map(|index| numbers[index]);
+        (now.base_color, now.transmission, now.mirror) = (color(0), color(1), color(2));
+        (now.emission, now.filter_color, now.opacity) = (color(3), color(4), opacity);
+        now.coat = now.coat.map(|coat| Coat { f0: color(5), metallic, roughness, f90, ..coat });
+        now.normal_map = now.normal_map.map(|(map, _)| (map, scale));
+        now
+    }
+
+    /// True if it is the same at all times.
+    pub fn is_constant(&self) -> bool {
+        self.changes.as_ref().is_none_or(Track::is_constant)
+    }
+}
+
 impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::from("default"),
             base_color: Rgb::splat(0.8),
             base_color_texture: None,
+            painted: Painted::BaseColor,
             transmission: Rgb::ZERO,
             transmission_texture: None,
             mirror: Rgb::ZERO,
@@ -86,6 +143,7 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             opacity: 1.0,
             filter_color: Rgb::ZERO,
+            changes: None,
         }
     }
 }

@@ -31,7 +31,7 @@ pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
 pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
-pub use material::{AlphaMode, Coat, Material, TextureMap};
+pub use material::{AlphaMode, Coat, Material, MaterialNumbers, Painted, TextureMap};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
@@ -173,7 +173,13 @@ impl Scene {
                 && fog.anisotropy.is_constant()
                 && falloff.is_none_or(|falloff| falloff.scale_height_m.is_constant())
         });
+        let materials = self.materials.iter().all(Material::is_constant);
         let deformations = self.instances.iter().filter_map(|instance| instance.deformation.as_deref());
-        nodes && cameras && lights && fogs && deformations.into_iter().all(Deformation::is_constant)
+        nodes
+            && cameras
+            && lights
+            && fogs
+            && materials
+            && deformations.into_iter().all(Deformation::is_constant)
     }
 }

@@ -275,6 +275,16 @@ impl Animate for DVec3 {
     }
 }
 
+impl<const N: usize> Animate for [f64; N] {
+    const ZERO: Self = [0.0; N];
+    fn lerp(a: Self, b: Self, fraction: f64) -> Self {
+        std::array::from_fn(|index| f64::lerp(a[index], b[index], fraction))
+    }
+    fn blend(v: [Self; 4], w: [f64; 4]) -> Self {
+        std::array::from_fn(|index| f64::blend(v.map(|values| values[index]), w))
+    }
+}
+
 impl Animate for DQuat {
     const ZERO: Self = Self::from_xyzw(0.0, 0.0, 0.0, 0.0);
 

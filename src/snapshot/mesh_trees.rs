@@ -113,6 +113,7 @@ fn is_blended(scene: &Scene, material: &Material) -> bool {
     let texture = material.base_color_texture.map(|texture| &scene.textures[texture]);
     material.alpha_mode == AlphaMode::Blend
         && (material.opacity < 1.0
+            || material.changes.is_some()
             || material.filter_color != Rgb::ZERO
             || texture.is_some_and(|texture| texture.has_alpha()))
 }

@@ -15,9 +15,10 @@ mod surface;
 use crate::accel::{InstanceTree, PlacedMesh};
 use crate::color::Rgb;
 use crate::scattering::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, FrameRate, HeightFalloff, Light, Pass, Scene};
+use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, Pass, RenderSettings, Scene};
 use bent_mesh::BentMesh;
 use glam::{DAffine3, DMat3, DVec3};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use emission::{Cone, Emission};
@@ -38,10 +39,11 @@ pub struct Shutter {
 }
 
 impl Shutter {
-    /// Open for so many frames, centred on a frame, as in Blender.
-    pub fn around(rate: FrameRate, frame: f64, open_frames: f64) -> Self {
-        let half = 0.5 * open_frames;
-        Self { open_s: rate.seconds(frame - half), close_s: rate.seconds(frame + half) }
+    /// That of a frame.
+    pub fn of(settings: &RenderSettings, frame: f64) -> Self {
+        let [open_s, close_s] =
+            settings.shutter_around(frame).map(|frame| settings.frame_rate.seconds(frame));
+        Self { open_s, close_s }
     }
 
     /// The moment that a picture without motion blur shows.
@@ -59,6 +61,8 @@ pub struct Snapshot<'scene> {
     pub tree: InstanceTree,
     /// All visible triangles that let something through.
     pub blended: InstanceTree,
+    /// The scene's, as they are at this moment.
+    materials: Cow<'scene, [Material]>,
     /// What the instances of both trees are, under their numbers.
     placed: Vec<Placed>,
     /// All lights that shine.
@@ -165,8 +169,14 @@ impl<'scene> Snapshot<'scene> {
             .filter_map(|fog| frozen_fog(fog, relative_from(fog.node), time_s))
             .collect();
 
+        let materials = match scene.materials.iter().all(Material::is_constant) {
+            true => Cow::Borrowed(scene.materials.as_slice()),
+            false => scene.materials.iter().map(|material| material.at(time_s)).collect(),
+        };
+
         Self {
             scene,
+            materials,
             view,
             tree: InstanceTree::new(opaque),
             blended: InstanceTree::numbered_from(first_blended, blended),

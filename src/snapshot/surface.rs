@@ -6,7 +6,7 @@ use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::Gloss;
-use crate::scene::{AlphaMode, Material, Mesh, Texture, TextureMap};
+use crate::scene::{AlphaMode, Material, Mesh, Painted, Texture, TextureMap};
 use glam::{DVec2, DVec3, Vec2};
 
 /// A point of a surface, ready for shading.
@@ -42,13 +42,13 @@ pub struct SurfacePoint {
 
 /// A placed triangle with all that its points share: worth keeping where many rays meet the same one.
 #[derive(Clone, Copy, Debug)]
-pub struct Facet<'scene> {
+pub struct Facet<'a> {
     /// Which triangle.
     pub primitive: PrimitiveId,
-    mesh: &'scene Mesh,
-    material: &'scene Material,
-    textures: &'scene [Texture],
-    texture: Option<&'scene Texture>,
+    mesh: &'a Mesh,
+    material: &'a Material,
+    textures: &'a [Texture],
+    texture: Option<&'a Texture>,
     /// Right and up in the normal map, where there is one.
     tangents: Option<[DVec3; 2]>,
     leaf_id: u32,
@@ -62,14 +62,14 @@ pub struct Facet<'scene> {
     corner_normals: Option<[DVec3; 3]>,
 }
 
-impl<'scene> Snapshot<'scene> {
+impl Snapshot<'_> {
     /// A triangle of the tree.
-    pub fn facet(&self, primitive: PrimitiveId) -> Facet<'scene> {
+    pub fn facet(&self, primitive: PrimitiveId) -> Facet<'_> {
         let placed = &self.placed[primitive.instance as usize];
         let instance = &self.scene.instances[placed.instance];
         let mesh = &self.scene.meshes[instance.mesh];
         let triangle = mesh.triangles[primitive.triangle as usize];
-        let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
+        let material = &self.materials[instance.material.unwrap_or(triangle.material)];
         let corners = triangle.vertices.map(|vertex| vertex as usize);
         let (positions, normals) = match &placed.bent {
             None => (&mesh.positions, &mesh.normals),
@@ -105,7 +105,7 @@ impl<'scene> Snapshot<'scene> {
     pub fn is_textured(&self, primitive: PrimitiveId) -> bool {
         let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];
         let triangle = self.scene.meshes[instance.mesh].triangles[primitive.triangle as usize];
-        let material = &self.scene.materials[instance.material.unwrap_or(triangle.material)];
+        let material = &self.materials[instance.material.unwrap_or(triangle.material)];
         material.base_color_texture.is_some_and(|texture| self.scene.textures[texture].has_alpha())
     }
 
@@ -163,7 +163,9 @@ impl Facet<'_> {
                 color * (0..3).map(corner).sum::<DVec3>()
             }
         };
-        let mut albedo = tint(material.base_color * color);
+        let paint = tint(color);
+        let painted = |what: Painted, own: Rgb| if material.painted == what { own * paint } else { own };
+        let mut albedo = material.base_color * paint;
         let mut transmission = material.transmission * looked_up(material.transmission_texture);
         let gloss = material.coat.map(|coat| {
             let texel = coat.texture.and_then(|map| self.texel(map, weights)).unwrap_or(Rgb::ONE);
@@ -190,10 +192,10 @@ impl Facet<'_> {
             transmission,
             gloss,
             to_eye: -ray.direction,
-            mirror: material.mirror,
+            mirror: painted(Painted::Mirror, material.mirror),
             emission: match material.emission {
                 Rgb::ZERO => Rgb::ZERO,
-                emission => emission * looked_up(material.emission_texture),
+                emission => painted(Painted::Emission, emission * looked_up(material.emission_texture)),
             },
             alpha,
             see_through,

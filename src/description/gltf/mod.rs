@@ -198,8 +198,10 @@ pub struct Material {
     pub specular: f64,
     /// Directions that bend the normal, and how much of their bending counts.
     pub normal_map: Option<(TextureMap, f64)>,
-    /// Emissive factor times KHR_materials_emissive_strength, linear.
+    /// Linear.
     pub emission: DVec3,
+    /// Multiplies it (KHR_materials_emissive_strength).
+    pub emission_strength: f64,
     /// Multiplies it.
     pub emission_texture: Option<TextureMap>,
     /// Shines in its base colour instead of being lit (KHR_materials_unlit).

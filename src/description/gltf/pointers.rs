@@ -23,6 +23,30 @@ pub enum Property {
     CameraHalfHeight,
     /// Of a node and what is below it.
     NodeVisible,
+    /// Of a material, with its alpha.
+    BaseColor,
+    /// Of a material.
+    Metallic,
+    /// Of a material.
+    Roughness,
+    /// Of a material: `emissiveFactor`.
+    Emission,
+    /// Of a material: what multiplies it.
+    EmissionStrength,
+    /// Of a material: how much its normal map bends.
+    NormalScale,
+}
+
+impl Property {
+    /// Those of a material.
+    pub const OF_MATERIALS: [Self; 6] = [
+        Self::BaseColor,
+        Self::Metallic,
+        Self::Roughness,
+        Self::Emission,
+        Self::EmissionStrength,
+        Self::NormalScale,
+    ];
 }
 
 /// What a pointer points at.
@@ -61,6 +85,14 @@ pub(super) fn resolve(document: &Document, pointer: &str) -> Target {
         ("cameras", ["perspective", "yfov"]) => Property::CameraFovY,
         ("cameras", ["orthographic", "ymag"]) => Property::CameraHalfHeight,
         ("nodes", ["extensions", "KHR_node_visibility", "visible"]) => Property::NodeVisible,
+        ("materials", ["pbrMetallicRoughness", "baseColorFactor"]) => Property::BaseColor,
+        ("materials", ["pbrMetallicRoughness", "metallicFactor"]) => Property::Metallic,
+        ("materials", ["pbrMetallicRoughness", "roughnessFactor"]) => Property::Roughness,
+        ("materials", ["emissiveFactor"]) => Property::Emission,
+        ("materials", ["extensions", "KHR_materials_emissive_strength", "emissiveStrength"]) => {
+            Property::EmissionStrength
+        }
+        ("materials", ["normalTexture", "scale"]) => Property::NormalScale,
         ("nodes", ["translation"]) => return Target::Node(number, "translation"),
         ("nodes", ["rotation"]) => return Target::Node(number, "rotation"),
         ("nodes", ["scale"]) => return Target::Node(number, "scale"),
@@ -74,7 +106,11 @@ impl Property {
     pub(super) fn wanted(self) -> Wanted {
         const NUMBERS: &[Component] =
             &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
-        let width = if self == Self::LightColor { 3 } else { 1 };
+        let width = match self {
+            Self::BaseColor => 4,
+            Self::LightColor | Self::Emission => 3,
+            _ => 1,
+        };
         Wanted { purpose: "animated values", width, components: NUMBERS }
     }
 
@@ -82,8 +118,11 @@ impl Property {
     pub(super) fn range(self) -> RangeInclusive<f64> {
         const LEAST: f64 = 1e-15;
         match self {
-            Self::LightColor | Self::LightIntensity => 0.0..=1e30,
-            Self::NodeVisible => 0.0..=1.0,
+            Self::LightColor | Self::LightIntensity | Self::EmissionStrength => 0.0..=1e30,
+            Self::NodeVisible | Self::BaseColor | Self::Metallic | Self::Roughness | Self::Emission => {
+                0.0..=1.0
+            }
+            Self::NormalScale => -1e15..=1e15,
             Self::SpotInnerAngle => 0.0..=std::f64::consts::FRAC_PI_2 + 1e-6,
             Self::SpotOuterAngle => LEAST..=std::f64::consts::FRAC_PI_2 + 1e-6,
             Self::CameraFovY => LEAST..=std::f64::consts::PI - LEAST,

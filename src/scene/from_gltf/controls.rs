@@ -5,13 +5,15 @@
 use super::Builder;
 use super::extras::{self, Channels};
 use crate::color::Rgb;
+use crate::description::gltf::Property;
+use crate::diagnostic::Diagnostic;
 use crate::scene::{
     Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, Track,
 };
 use glam::DVec3;
 use serde::Deserialize;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// `sunfleck_ctl` of a node.
@@ -56,6 +58,7 @@ const ANY: Range = Range { admits: f64::is_finite, expected: "numbers" };
 impl Builder<'_> {
     /// Gives every value that a node carries to what it belongs to.
     pub(super) fn apply_controls(&mut self) {
+        let mut targets = BTreeSet::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
             let Some(number) = self.node_numbers[index] else { continue };
             let path = format!("nodes[{index}]");
@@ -72,11 +75,36 @@ impl Builder<'_> {
                 self.report.error(format!("{path}.channel"), found, expected);
                 continue;
             };
+            if !targets.insert(target.clone()) || self.has_pointer(&target) {
+                let found =
+                    format!("something else animates `{target}` too: the last `sunfleck_ctl` is taken");
+                self.report.push(Diagnostic::note(self.report.at(path.as_str()), found));
+            }
             if self.control(&target, &carried, &path).is_none() {
                 let message = "values carried by `sunfleck_ctl` find no such target, they are passed over";
                 self.report.not_honoured(message, &target);
             }
         }
+    }
+
+    /// Whether a pointer animates what is carried to `target`.
+    fn has_pointer(&self, target: &str) -> bool {
+        let Some((owner, field)) = target.rsplit_once('.') else { return false };
+        let Some((owner, _)) = owner.rsplit_once('.') else { return false };
+        let nodes = &self.source.nodes;
+        let Some(node) = nodes.iter().position(|node| node.name == owner) else { return false };
+        let (properties, index): (&[Property], _) = match field {
+            "strength_w_m2" | "power_w" => {
+                (&[Property::LightColor, Property::LightIntensity], nodes[node].light)
+            }
+            "outer_angle" => (&[Property::SpotOuterAngle], nodes[node].light),
+            "blend" => (&[Property::SpotInnerAngle], nodes[node].light),
+            "yfov" => (&[Property::CameraFovY], nodes[node].camera),
+            "height" => (&[Property::CameraHalfHeight], nodes[node].camera),
+            "visible" => (&[Property::NodeVisible], Some(node)),
+            _ => return false,
+        };
+        index.is_some_and(|index| self.is_animated(properties, index))
     }
 
     fn carried(&self, node: NodeIndex, channel: &str) -> Option<Carried> {

@@ -145,7 +145,7 @@ pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtr
     }
     if sunfleck.unit_scale.is_some_and(|scale| scale != 1.0) {
         report.not_honoured(
-            "Blender's unit scale does not reach glTF, one unit is taken as one metre",
+            "Blender's unit scale changes how it shows lengths, not the scene: one unit is one metre, as to Cycles",
             "sunfleck.unit_scale",
         );
     }

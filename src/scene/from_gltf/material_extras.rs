@@ -4,14 +4,15 @@
 use super::Builder;
 use super::extras::{self, Channels};
 use crate::color::Rgb;
-use crate::scene::TextureMap;
+use crate::description::gltf;
+use crate::scene::{Material, Painted, TextureMap};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// `sunfleck_material` of a material.
 #[derive(Debug, Deserialize)]
-struct MaterialExtras {
+pub(super) struct MaterialExtras {
     mirror: Option<Channels>,
     filter_color: Option<Channels>,
     transmission: Option<Channels>,
@@ -22,26 +23,41 @@ struct MaterialExtras {
     unknown: BTreeMap<String, Value>,
 }
 
+impl MaterialExtras {
+    /// Puts it on top of what `sunfleck_leaf` made of a material.
+    pub(super) fn apply(&self, material: &mut Material) {
+        if let Some(mirror) = self.mirror {
+            (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
+        }
+        material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
+        if let Some(transmission) = self.transmission {
+            material.transmission = transmission.into();
+            let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
+            material.transmission_texture = of_base.filter(|_| self.transmission_textured);
+        }
+    }
+}
+
 impl Builder<'_> {
-    /// Reads it for every material, on top of what `sunfleck_leaf` made of them.
-    pub(super) fn add_what_gltf_cannot_say(&mut self) {
-        for (index, source) in self.source.materials.iter().enumerate() {
-            let path = format!("materials[{index}]");
-            let read: Option<MaterialExtras> =
-                extras::read(&source.extras, "sunfleck_material", &path, &mut self.report);
-            let Some(extras) = read else { continue };
-            for field in extras.unknown.keys() {
-                let field = format!("sunfleck_material.{field}` of `{}", source.name);
-                self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
-            }
-            let material = &mut self.scene.materials[index];
-            material.mirror = extras.mirror.map_or(material.mirror, Rgb::from);
-            material.filter_color = extras.filter_color.map_or(material.filter_color, Rgb::from);
-            if let Some(transmission) = extras.transmission {
-                material.transmission = transmission.into();
-                let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
-                material.transmission_texture = of_base.filter(|_| extras.transmission_textured);
-            }
+    /// The property of a material.
+    pub(super) fn material_extras(
+        &mut self,
+        index: usize,
+        source: &gltf::Material,
+    ) -> Option<MaterialExtras> {
+        let path = format!("materials[{index}]");
+        let extras: MaterialExtras =
+            extras::read(&source.extras, "sunfleck_material", &path, &mut self.report)?;
+        for field in extras.unknown.keys() {
+            let field = format!("sunfleck_material.{field}` of `{}", source.name);
+            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+        }
+        Some(extras)
+    }
+
+    /// Refuses a material whose shares, at any of these times, are none.
+    pub(super) fn check_shares(&mut self, index: usize, moments: impl Iterator<Item = Material>) {
+        for material in moments {
             let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];
             let sum: Rgb = shares.iter().sum();
             let least = shares.iter().map(|share| share.min_element()).fold(0.0, f64::min);
@@ -49,7 +65,8 @@ impl Builder<'_> {
             if least < 0.0 || sum.max_element() > 1.0 + 1e-9 {
                 let found = format!("base colour, transmission, mirror and filter add up to {sum}");
                 let expected = "shares of at least 0 that add up to 1 at most";
-                self.report.error(format!("{path}.extras.sunfleck_material"), found, expected);
+                self.report.error(format!("materials[{index}].extras.sunfleck_material"), found, expected);
+                return;
             }
         }
     }

@@ -7,6 +7,7 @@ mod controls;
 mod deformations;
 mod extras;
 mod fog;
+mod joined;
 mod light_extras;
 mod lights;
 mod masks;

@@ -2,18 +2,17 @@
 //! Invariant: what Blender's exporter is known to write in the wrong unit has the right one.
 
 use super::Builder;
+use super::joined::{Course, joined};
 use super::nodes::track;
 use crate::color::Rgb;
 use crate::description::gltf::{self, Interpolation, Property, PropertyChannel};
-use crate::scene::{Animate, Extend, Key, LightUnits, Segment, Track};
+use crate::scene::{Animate, LightUnits, MaterialNumbers, Track};
 use std::f64::consts::PI;
 
 /// Blender's exposures are settings with two digits after the point; what comes out as near to one is one.
 const EXPOSURE_TOLERANCE: f64 = 1e-5;
 /// The range of Blender's exposures.
 const LARGEST_EXPOSURE: f64 = 10.0;
-/// Into how many straight parts a curve is cut where it is multiplied by another track.
-const PARTS_OF_CURVES: usize = 8;
 
 impl<'a> Builder<'a> {
     /// Finds the channel of every animated property; of several the last one is played.
@@ -79,7 +78,10 @@ impl<'a> Builder<'a> {
             (Some(colors), Some(intensities)) => {
                 let colors = self.mapped(colors, Rgb::from_slice);
                 let intensities = self.mapped(intensities, |value| value[0] * scale);
-                colors.zip(intensities).map(|(colors, numbers)| combined(&colors, &numbers, |c, n| c * n))
+                colors.zip(intensities).and_then(|(colors, numbers)| {
+                    let courses = [Course::of(&colors), Course::of(&numbers)];
+                    joined(&courses, |time_s| colors.at(time_s) * numbers.at(time_s))
+                })
             }
         };
         power.unwrap_or(Track::from(color * (intensity * watts)))
@@ -119,6 +121,41 @@ impl<'a> Builder<'a> {
         factor
     }
 
+    /// The numbers that `converted` makes of a material while it changes; `None` if it does not.
+    pub(super) fn material_changes(
+        &self,
+        index: usize,
+        converted: impl Fn(&gltf::Material) -> MaterialNumbers,
+    ) -> Option<Track<MaterialNumbers>> {
+        let channels = Property::OF_MATERIALS.map(|property| {
+            let channel = self.property(property, index)?;
+            Some((property, self.mapped(channel, channel_value)?))
+        });
+        let courses: Vec<Course> = channels.iter().flatten().map(|(_, track)| Course::of(track)).collect();
+        let at = |time_s: f64| {
+            let mut now = self.source.materials[index].clone();
+            for (property, track) in channels.iter().flatten() {
+                let value = track.at(time_s);
+                let color = Rgb::from_slice(&value);
+                match property {
+                    Property::BaseColor => now.base_color = value,
+                    Property::Metallic => now.metallic = value[0],
+                    Property::Roughness => now.roughness = value[0],
+                    Property::Emission => now.emission = color,
+                    Property::EmissionStrength => now.emission_strength = value[0],
+                    _ => now.normal_map = now.normal_map.map(|(map, _)| (map, value[0])),
+                }
+            }
+            converted(&now)
+        };
+        joined(&courses, at)
+    }
+
+    /// True if any of these values changes.
+    pub(super) fn is_animated(&self, properties: &[Property], index: usize) -> bool {
+        properties.iter().any(|property| self.property(*property, index).is_some())
+    }
+
     /// A spot's half angle and the softness of its edge.
     pub(super) fn spot_angles(&self, index: usize, inner: f64, outer: f64) -> (Track<f64>, Track<f64>) {
         let blend = |inner: f64, outer: f64| (1.0 - inner / outer).clamp(0.0, 1.0);
@@ -128,36 +165,17 @@ impl<'a> Builder<'a> {
         let goes_along = self.source.generator.contains("Blender") && inner_track.is_constant();
         let blend_track = match outer_track.is_constant() && inner_track.is_constant() || goes_along {
             true => Track::from(blend(inner, outer)),
-            false => combined(&inner_track, &outer_track, blend),
+            false => {
+                let courses = [Course::of(&inner_track), Course::of(&outer_track)];
+                let at = |time_s| blend(inner_track.at(time_s), outer_track.at(time_s));
+                joined(&courses, at).unwrap_or(Track::from(blend(inner, outer)))
+            }
         };
         (outer_track, blend_track)
     }
 }
 
-/// What two tracks make together: straight from key to key of either, steps if both are steps, curves cut in parts.
-fn combined<A: Animate, B: Animate, T: Animate>(
-    a: &Track<A>,
-    b: &Track<B>,
-    join: impl Fn(A, B) -> T,
-) -> Track<T> {
-    let mut times_s = [a.times_s(), b.times_s()].concat();
-    times_s.sort_by(f64::total_cmp);
-    times_s.dedup_by_key(|time_s| *time_s as f32);
-    let is_step = a.keys().iter().all(|key| key.to_next == Segment::Step)
-        && b.keys().iter().all(|key| key.to_next == Segment::Step);
-    let is_curve = a.keys().iter().any(|key| matches!(key.to_next, Segment::Hermite { .. }))
-        || b.keys().iter().any(|key| matches!(key.to_next, Segment::Hermite { .. }));
-    if is_curve {
-        let ends = times_s.last().copied();
-        let within = |pair: &[f64]| {
-            let (from, to) = (pair[0], pair[1]);
-            (0..PARTS_OF_CURVES).map(move |part| from + (to - from) * part as f64 / PARTS_OF_CURVES as f64)
-        };
-        times_s = times_s.windows(2).flat_map(within).chain(ends).collect();
-    }
-    let to_next = if is_step { Segment::Step } else { Segment::Linear };
-    let key = |&time_s: &f64| Key { time_s, value: join(a.at(time_s), b.at(time_s)), to_next };
-    let keys: Vec<Key<T>> = times_s.iter().map(key).collect();
-    let first = keys[0].value;
-    Track::new(keys, Extend::Hold).unwrap_or(Track::from(first))
+/// Up to four numbers.
+fn channel_value(value: &[f64]) -> [f64; 4] {
+    std::array::from_fn(|index| value.get(index).copied().unwrap_or_default())
 }

@@ -3,30 +3,37 @@
 use super::Builder;
 use super::extras::{self, Leaf};
 use crate::color::Rgb;
-use crate::description::gltf;
-use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Texture, TextureMap, Wrap};
+use crate::description::gltf::{self, Property};
+use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Painted, Texture, TextureMap, Track, Wrap};
 
 impl Builder<'_> {
     /// Adds every material, under the file's numbers, and their textures.
     pub(super) fn add_surfaces(&mut self, textures: Vec<gltf::Texture>) {
         self.scene.textures = textures.into_iter().map(texture).collect();
         for (index, source) in self.source.materials.iter().enumerate() {
-            let mut material = material(source);
-            if let Some(leaf) = self.leaf(index, source) {
-                let share = leaf.translucency;
-                let [r, g, b, _] = source.base_color;
-                let (color, texture) = match leaf.transmit_color {
-                    Some(color) => (Rgb::from(color), None),
-                    None => (Rgb::new(r, g, b), material.base_color_texture),
-                };
-                let texture = texture.map(|texture| TextureMap { texture, layer: 0 });
-                (material.transmission, material.transmission_texture) = (share * color, texture);
-                material.base_color = (1.0 - share) * Rgb::new(r, g, b);
-                material.mirror = Rgb::ZERO;
+            let leaf = self.leaf(index, source);
+            let extras = self.material_extras(index, source);
+            // What it is must not change with its numbers.
+            let keeps_coat = self.is_animated(&[Property::Metallic, Property::Roughness], index);
+            let converted = |source: &gltf::Material| {
+                let mut material = material(source, keeps_coat);
+                leaf.iter().for_each(|leaf| become_leaf(&mut material, source, leaf));
+                extras.iter().for_each(|extras| extras.apply(&mut material));
+                material
+            };
+            let changes = self.material_changes(index, |source| converted(source).numbers());
+            let mut material = converted(source);
+            material.changes = changes.filter(|changes| !changes.is_constant());
+            if extras.is_some() {
+                let times_s = material.changes.iter().flat_map(Track::times_s);
+                self.check_shares(
+                    index,
+                    times_s.map(|&time_s| material.at(time_s)).chain([material.clone()]),
+                );
             }
+            self.report_changes(index, source);
             self.scene.materials.push(material);
         }
-        self.add_what_gltf_cannot_say();
     }
 
     /// What a material's custom property says of the light that it lets through.
@@ -52,6 +59,15 @@ impl Builder<'_> {
             }
         }
         is_valid.then_some(leaf)
+    }
+
+    /// Says what of a material's changes is lost.
+    fn report_changes(&mut self, index: usize, source: &gltf::Material) {
+        let fades = self.is_animated(&[Property::BaseColor], index);
+        if fades && matches!(source.alpha_mode, gltf::AlphaMode::Mask(_)) {
+            let message = "masks are cut out once: where alpha is animated they are those of the still value";
+            self.report.not_honoured(message, &source.name);
+        }
     }
 
     /// Our number of a primitive's material; the default one if it has none.
@@ -84,11 +100,26 @@ impl Builder<'_> {
     }
 }
 
+/// A leaf that lets a share of its light through.
+fn become_leaf(material: &mut Material, source: &gltf::Material, leaf: &Leaf) {
+    let share = leaf.translucency;
+    let [r, g, b, _] = source.base_color;
+    let (color, texture) = match leaf.transmit_color {
+        Some(color) => (Rgb::from(color), None),
+        None => (Rgb::new(r, g, b), material.base_color_texture),
+    };
+    let texture = texture.map(|texture| TextureMap { texture, layer: 0 });
+    (material.transmission, material.transmission_texture) = (share * color, texture);
+    material.base_color = (1.0 - share) * Rgb::new(r, g, b);
+    (material.mirror, material.painted) = (Rgb::ZERO, Painted::BaseColor);
+}
+
 fn is_mirror(material: &gltf::Material) -> bool {
     material.metallic == 1.0 && material.roughness == 0.0 && material.metallic_roughness_texture.is_none()
 }
 
-fn material(material: &gltf::Material) -> Material {
+/// A material as it is at one moment; `keeps_coat` if how metallic or rough it is changes.
+fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     let [r, g, b, opacity] = material.base_color;
     let color = Rgb::new(r, g, b);
     let map = |map: gltf::TextureMap| TextureMap { texture: map.texture, layer: map.layer };
@@ -96,7 +127,7 @@ fn material(material: &gltf::Material) -> Material {
         name: material.name.clone(),
         base_color: color,
         base_color_texture: material.base_color_texture,
-        emission: material.emission,
+        emission: material.emission * material.emission_strength,
         emission_texture: material.emission_texture.map(map),
         normal_map: material.normal_map.map(|(texture, scale)| (map(texture), scale)),
         opacity,
@@ -108,13 +139,14 @@ fn material(material: &gltf::Material) -> Material {
         ..Material::default()
     };
     if material.unlit {
-        let emission_texture = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
-        return Material { base_color: Rgb::ZERO, emission: color, emission_texture, ..matte };
+        let painted = Painted::Emission;
+        return Material { base_color: Rgb::ZERO, emission: color, emission_texture: None, painted, ..matte };
     }
-    if is_mirror(material) {
-        return Material { base_color: Rgb::ZERO, mirror: color, ..matte };
+    if is_mirror(material) && !keeps_coat {
+        return Material { base_color: Rgb::ZERO, mirror: color, painted: Painted::Mirror, ..matte };
     }
-    let is_shiny = material.metallic > 0.0 || material.f0 != Rgb::ZERO || material.specular > 0.0;
+    let is_shiny =
+        keeps_coat || material.metallic > 0.0 || material.f0 != Rgb::ZERO || material.specular > 0.0;
     let coat = is_shiny.then(|| Coat {
         metallic: material.metallic,
         roughness: material.roughness,
@@ -125,17 +157,14 @@ fn material(material: &gltf::Material) -> Material {
     // What goes through is taken from what is reflected: diffuse on the far side, or straight on.
     let (diffuse, diffuse_color) = material.diffuse_transmission;
     let straight = material.transmission * (1.0 - material.metallic);
-    let (alpha_mode, filter_color) = match straight {
-        0.0 => (matte.alpha_mode, Rgb::ZERO),
-        _ => (AlphaMode::Blend, straight * color),
-    };
+    let lets_through = straight > 0.0 || keeps_coat && material.transmission > 0.0;
     Material {
         base_color: (1.0 - straight) * (1.0 - diffuse) * color,
         transmission: (1.0 - straight) * diffuse * diffuse_color,
         transmission_texture: material.diffuse_transmission_texture.map(map),
         coat,
-        alpha_mode,
-        filter_color,
+        alpha_mode: if lets_through { AlphaMode::Blend } else { matte.alpha_mode },
+        filter_color: straight * color,
         // Only where it blends does its opacity count.
         opacity: if material.alpha_mode == gltf::AlphaMode::Blend { opacity } else { 1.0 },
         ..matte

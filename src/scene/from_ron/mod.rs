@@ -201,9 +201,8 @@ impl<'a> Resolver<'a> {
                 opacity: material.opacity.map_or(1.0, |opacity| opacity.si()),
                 filter_color,
                 emission: material.emission_w_per_m2_sr.si(),
-                emission_texture: None,
                 coat,
-                normal_map: None,
+                ..Material::default()
             });
         }
     }

@@ -109,6 +109,13 @@ def of_material(material):
             yield warn(f"{name} loses {lost}")
 
 
+def changes(material):
+    """Whether anything of a material is keyed or driven."""
+    owners = [material, material.node_tree] if material.node_tree else [material]
+    data = [owner.animation_data for owner in owners if owner.animation_data]
+    return any(one.action or one.drivers for one in data)
+
+
 def nodes_of(material):
     return material.node_tree.nodes if material.node_tree else []
 

@@ -46,7 +46,8 @@ def options(scene):
         "export_animation_mode": "SCENE",
         "export_anim_scene_split_object": False,
         "export_force_sampling": True,
-        "export_pointer_animation": False,
+        # Empties of ours carry lights and lenses; Blender writes those in wrong units.
+        "export_pointer_animation": any(check.changes(material) for material in bpy.data.materials),
         "export_yup": True,
     }
 

@@ -133,6 +133,28 @@ class Export(Case):
             expected = lamp.data.energy / (4.0 * 3.141592653589793)
             self.assertAlmostEqual(frame["lights"]["lamp"]["intensity_w_per_sr"][0], expected, 4)
 
+    def test_materials_that_change_arrive(self):
+        scene = self.scene
+        scene.frame_start, scene.frame_end = 1, 9
+        scenes.camera(scene)
+        shade = scenes.material("glow", (0.1, 0.5, 0.1))
+        scenes.quad(scene, "quad", 1.0, shade)
+        inputs = shade.node_tree.nodes["Principled BSDF"].inputs
+        inputs["Emission Color"].default_value = (1.0, 0.5, 0.2, 1.0)
+        for frame, strength, red in ((1, 0.0, 0.0), (9, 5.0, 0.8)):
+            inputs["Emission Strength"].default_value = strength
+            inputs["Base Color"].default_value = (red, 0.5, 0.1, 1.0)
+            inputs["Emission Strength"].keyframe_insert("default_value", frame=frame)
+            inputs["Base Color"].keyframe_insert("default_value", frame=frame)
+        path = self.folder / "scene.glb"
+        export.export(scene, path)
+        targets = [channel["target"].get("extensions", {}) for channel in document(path)["animations"][0]["channels"]]
+        pointers = {target["KHR_animation_pointer"]["pointer"] for target in targets if target}
+        for value in ("pbrMetallicRoughness/baseColorFactor", "emissiveFactor", "extensions/KHR_materials_emissive_strength/emissiveStrength"):
+            self.assertIn(f"/materials/0/{value}", pointers)
+        loud = [remark for remark in inspect(path)["remarks"] if "warning" in remark]
+        self.assertEqual(loud, [])
+
     def test_nothing_hand_written_is_lost(self):
         scenes.camera(self.scene)
         lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
