@@ -146,6 +146,33 @@ class Stages(Case):
         path.write_bytes(glb({"nodes": nodes, "extensions": {"KHR_lights_punctual": {"lights": lights}}}))
         return path
 
+    def test_what_hides_shrinks_for_blender(self):
+        times, shown = np.float32([0, 10 / 24]), np.float32([[1, 0, 0], [0, 0, 0]])
+        binary = times.tobytes() + shown.tobytes()
+        views = [{"buffer": 0, "byteOffset": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 24}]
+        accessors = [{"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR"},
+                     {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}]  # fmt: skip
+        channel = {"sampler": 0, "target": {"node": 1, "path": "translation"}}
+        control = {"target": "leaf.sunfleck_node.visible", "channel": "translation.x"}
+        document = {
+            "nodes": [{"name": "leaf", "children": [2]}, {"name": "ctl", "extras": {"sunfleck_ctl": control}}, {"name": "child"}],
+            "scenes": [{"nodes": [0, 1], "extras": {"sunfleck": {"fps": 24, "frame_start": 0, "frame_end": 20}}}],
+            "buffers": [{"byteLength": len(binary)}],
+            "bufferViews": views,
+            "accessors": accessors,
+            "animations": [{"channels": [channel], "samplers": [{"input": 0, "output": 1, "interpolation": "STEP"}]}],
+        }
+        path = self.folder / "hides.glb"
+        path.write_bytes(glb(document, binary))
+        for for_blender, scale in ((False, 1.0), (True, 1e-4)):
+            stage = self.export(path, for_blender=for_blender)
+            leaf = stage.GetPrimAtPath("/World/leaf")
+            seen = [UsdGeom.Imageable(leaf).ComputeVisibility(code) for code in (0.0, 9.9, 10.0, 20.0)]
+            self.assertEqual(seen, ["inherited", "inherited", "invisible", "invisible"])
+            worlds = [UsdGeom.XformCache(code).GetLocalToWorldTransform(leaf)[0][0] for code in (9.9, 10.0)]
+            np.testing.assert_allclose(worlds, [1.0, scale], atol=1e-7)
+            self.assertFalse(stage.GetPrimAtPath("/World/ctl"))
+
     def test_masks_keep_their_cutoff(self):
         stage = self.export(SAMPLES / "b_leafcards.glb")
         thresholds = set()

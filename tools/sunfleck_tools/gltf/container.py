@@ -37,11 +37,13 @@ class Container:
         if version.split(".")[0] != "2":
             self.document.need("asset").fail(f"version `{version}` is not read, only 2.0")
         self._buffers: dict[int, bytes] = {}
+        self._described = self.document.items("buffers")
+        self._views = self.document.items("bufferViews")
 
     def buffer(self, index: int) -> bytes:
         """The bytes of a buffer."""
         if index not in self._buffers:
-            described = self.document.items("buffers")[index]
+            described = self._described[index]
             length = described.need("byteLength").whole()
             uri = described.member("uri")
             data = self._binary if uri is None and index == 0 else None if uri is None else self.linked(uri)
@@ -66,10 +68,8 @@ class Container:
 
     def view(self, index: Value) -> tuple[bytes, int, int, int]:
         """Buffer, first byte, length and stride (0 if tight) of a buffer view."""
-        views = self.document.items("bufferViews")
-        view = views[index.index(views, "buffer view")]
-        buffers = self.document.items("buffers")
-        data = self.buffer(view.need("buffer").index(buffers, "buffer"))
+        view = self._views[index.index(self._views, "buffer view")]
+        data = self.buffer(view.need("buffer").index(self._described, "buffer"))
         start, length = int(view.number_at("byteOffset", 0, 0)), view.need("byteLength").whole()
         if start + length > len(data):
             view.fail(f"ends at byte {start + length} of {len(data)}")

@@ -7,10 +7,10 @@ off by up to 5e-4.
 from __future__ import annotations
 
 import numpy as np
-from pxr import Gf, Sdf, Vt
+from pxr import Sdf, Vt
 
 from ..gltf.nodes import Node
-from .prims import Names, Prim, Types
+from .prims import Names, Prim, Types, vectors
 from .samples import Sampler, thinned
 
 
@@ -56,10 +56,11 @@ def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler) -> None:
         return thinned(codes, np.stack([node.parts_at(path, times) for node in nodes], axis=1))
 
     codes, places = rows("translation")
-    prim.animate("positions", Types.Point3fArray, codes, [Vt.Vec3fArray.FromNumpy(each.astype(np.float32)) for each in places])
+    prim.animate("positions", Types.Point3fArray, codes, [vectors(Vt.Vec3fArray, each) for each in places])
     codes, scales = rows("scale")
-    prim.animate("scales", Types.Float3Array, codes, [Vt.Vec3fArray.FromNumpy(each.astype(np.float32)) for each in scales])
+    prim.animate("scales", Types.Float3Array, codes, [vectors(Vt.Vec3fArray, each) for each in scales])
     codes, turns = rows("rotation")
-    exact = [Vt.QuatfArray([Gf.Quatf(w, x, y, z) for x, y, z, w in each]) for each in turns.tolist()]
+    exact = [Vt.QuatfArray.FromNumpy(np.ascontiguousarray(each, np.float32)) for each in turns]
     prim.animate("orientationsf", Types.QuatfArray, codes, exact)
-    prim.animate("orientations", Types.QuathArray, codes, [Vt.QuathArray([Gf.Quath(turn) for turn in each]) for each in exact])
+    halves = [Vt.QuathArray.FromNumpy(np.ascontiguousarray(each, np.float16)) for each in turns]
+    prim.animate("orientations", Types.QuathArray, codes, halves)

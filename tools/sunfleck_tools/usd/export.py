@@ -105,6 +105,7 @@ class _Export:
             self.geometry = Geometry(self.gltf, self.names, materials, prototypes, self.lost)
             self.world = world
             write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
+            self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
             write_scene(world, self.gltf)
             self._write_nodes()
         if not self.layer.Export(str(path)):

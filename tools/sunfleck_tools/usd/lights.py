@@ -156,4 +156,4 @@ class _Light:
 
 def _made(codes, colors):
     codes, colors = thinned(codes, colors)
-    return codes, vectors(Gf.Vec3f, colors)
+    return codes, vectors(Vt.Vec3fArray, colors)

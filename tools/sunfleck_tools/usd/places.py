@@ -14,9 +14,9 @@ from .turns import steadied
 HIDDEN_SCALE = 1e-4
 """To which hidden things shrink for Blender, which reads no animated visibility: a matrix of zeros has no inverse."""
 OPERATIONS = {
-    "translation": ("xformOp:translate", Types.Double3, lambda rows: vectors(Gf.Vec3d, rows)),
+    "translation": ("xformOp:translate", Types.Double3, lambda rows: vectors(Vt.Vec3dArray, rows)),
     "rotation": ("xformOp:orient", Types.Quatd, quaternions),
-    "scale": ("xformOp:scale", Types.Float3, lambda rows: vectors(Gf.Vec3f, rows)),
+    "scale": ("xformOp:scale", Types.Float3, lambda rows: vectors(Vt.Vec3fArray, rows)),
 }
 
 
@@ -61,11 +61,7 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     if not for_blender or len(codes) == 1:
         return False
     # Scales are interpolated: each is written again right before the next.
-    samples = {}
-    for code, each in zip(codes.tolist(), shown):
-        scale = Gf.Vec3f(1.0 if each else HIDDEN_SCALE)
-        if samples:
-            samples.setdefault(code - JUMP, last)
-        samples[code] = last = scale
-    prim.animate("xformOp:scale:shown", Types.Float3, samples.keys(), samples.values())
+    scales = [1.0 if each else HIDDEN_SCALE for each in shown]
+    samples = dict(zip((codes[1:] - JUMP).tolist(), scales[:-1])) | dict(zip(codes.tolist(), scales))
+    prim.animate("xformOp:scale:shown", Types.Float3, samples.keys(), [Gf.Vec3f(each) for each in samples.values()])
     return True

@@ -1,0 +1,78 @@
+"""A glTF document under construction, and the .glb file of it. Invariant: everything starts at a multiple of four bytes."""
+
+from __future__ import annotations
+
+import json
+import struct
+
+import numpy as np
+
+from .container import BINARY_CHUNK, JSON_CHUNK
+
+KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+FLOAT, UNSIGNED_INT = 5126, 5125
+
+
+class GlbWriter:
+    """Lists of a document, by their names, and its bytes."""
+
+    def __init__(self, generator: str):
+        self.document: dict = {"asset": {"version": "2.0", "generator": generator}, "scene": 0}
+        self.extensions: set[str] = set()
+        self._binary = bytearray()
+        self._known: dict[bytes, int] = {}
+
+    def add(self, kind: str, value: dict) -> int:
+        """Appends to a list of the document; which one of it that is."""
+        values = self.document.setdefault(kind, [])
+        values.append(value)
+        return len(values) - 1
+
+    def view(self, data: bytes) -> int:
+        """A buffer view of bytes."""
+        start = len(self._binary)
+        self._binary += data
+        self._binary += b"\0" * (-len(self._binary) % 4)
+        return self.add("bufferViews", {"buffer": 0, "byteOffset": start, "byteLength": len(data)})
+
+    def floats(self, rows: np.ndarray, with_bounds: bool = False) -> int:
+        """An accessor of rows of numbers. The same rows have the same one."""
+        rows = np.ascontiguousarray(rows, "<f4")
+        rows = rows.reshape(len(rows), -1)
+        data = rows.tobytes()
+        key = bytes([rows.shape[1], with_bounds]) + data
+        if key not in self._known:
+            accessor = {"bufferView": self.view(data), "componentType": FLOAT, "count": len(rows), "type": KINDS[rows.shape[1]]}
+            if with_bounds:
+                accessor["min"], accessor["max"] = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+            self._known[key] = self.add("accessors", accessor)
+        return self._known[key]
+
+    def indices(self, triangles: np.ndarray) -> int:
+        """An accessor of the corners of triangles."""
+        corners = np.ascontiguousarray(triangles, "<u4").ravel()
+        accessor = {"bufferView": self.view(corners.tobytes()), "componentType": UNSIGNED_INT, "count": len(corners)}
+        return self.add("accessors", {**accessor, "type": "SCALAR"})
+
+    def animate(self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR") -> None:
+        """Moves a node's property; all animation of a file is one."""
+        if "animations" not in self.document:
+            self.document["animations"] = [{"channels": [], "samplers": []}]
+        animation = self.document["animations"][0]
+        sampler = {"input": self.floats(times_s[:, None], True), "output": self.floats(rows), "interpolation": interpolation}
+        animation["samplers"].append(sampler)
+        target = {"node": node, "path": path}
+        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
+
+    def bytes(self) -> bytes:
+        """The file."""
+        if self._binary:
+            self.document["buffers"] = [{"byteLength": len(self._binary)}]
+        if self.extensions:
+            self.document["extensionsUsed"] = sorted(self.extensions)
+        text = json.dumps(self.document, separators=(",", ":"), allow_nan=False).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<II", len(text), JSON_CHUNK) + text
+        if self._binary:
+            chunks += struct.pack("<II", len(self._binary), BINARY_CHUNK) + bytes(self._binary)
+        return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks

@@ -1,0 +1,1 @@
+"""USD stages to glTF that sunfleck renders."""

@@ -1,0 +1,274 @@
+"""A USD stage to a .glb that sunfleck renders. Invariant: the target appears whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
+
+from ...errors import SceneError
+from ...gltf.writer import GlbWriter
+from ..surroundings import OF_SCENE
+from .crowds import place_crowd, read_crowd
+from .lamps import read_lamp
+from .lenses import read_camera
+from .meshes import Meshes
+from .nodes import Nodes
+from .places import local_matrices
+from .properties import number_of, read_properties, text_of
+from .source import Source, open_stage, usd_said
+
+STILL = np.eye(4)[None]
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What was read: counts of glTF's lists, frames, and what is not carried."""
+
+    counts: dict[str, int]
+    frames: tuple[int, int]
+    lost: list[str] = field(default_factory=list)
+
+
+def import_usd(source: str | Path, target: str | Path) -> Imported:
+    """Writes the stage `source` as the .glb `target`. Raises `SceneError` or `OSError`."""
+    source, target = Path(source), Path(target)
+    if target.suffix.lower() != ".glb":
+        raise SceneError(f"{target}: expected a name that ends in .glb")
+    if not target.parent.is_dir():
+        raise SceneError(f"{target}: there is no folder {target.parent}")
+    with usd_said(source):
+        conversion = _Import(open_stage(source))
+        data = conversion.run()
+    handle, scratch = tempfile.mkstemp(dir=target.parent, prefix=".sunfleck-glb-")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(scratch, 0o644)
+        os.replace(scratch, target)
+    except BaseException:
+        os.unlink(scratch)
+        raise
+    document = conversion.writer.document
+    counts = {kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")}
+    return Imported(counts, conversion.source.frames, list(dict.fromkeys(conversion.lost)))
+
+
+class _Import:
+    """One file under construction."""
+
+    def __init__(self, source: Source):
+        self.source, self.lost = source, []
+        self.writer = GlbWriter("sunfleck-tools import-usd")
+        self.nodes = Nodes(self.writer, source, self.lost)
+        self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
+        self.lights: list[dict] = []
+        self.scene: dict = {}
+
+    def run(self) -> bytes:
+        """The file's bytes."""
+        self._bake_skins()
+        above = self._root()
+        for prim in self.source.stage.GetPseudoRoot().GetChildren():
+            self._visit(prim, above, 0)
+        self._finish()
+        return self.writer.bytes()
+
+    def _bake_skins(self) -> None:
+        """Skeletons and blend shapes become points over time, in the session's layer."""
+        stage = self.source.stage
+        session = stage.GetSessionLayer()
+        # Else time codes would be scaled from one layer to the other.
+        session.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
+        stage.SetEditTarget(session)
+        for prim in list(stage.Traverse()):
+            if prim.IsInstance() and any(each.IsA(UsdSkel.Root) for each in Usd.PrimRange(prim.GetPrototype())):
+                prim.SetInstanceable(False)
+        span = Gf.Interval(float(self.source.codes[0]), float(self.source.codes[-1]))
+        for prim in list(stage.Traverse()):
+            if prim.IsA(UsdSkel.Root) and not UsdSkel.BakeSkinning(UsdSkel.Root(prim), span):
+                self.lost.append(f"{prim.GetPath()}: its skeleton cannot be followed; it rests")
+
+    def _root(self) -> int | None:
+        """A node that turns the stage's axes and scales its unit."""
+        turn = np.eye(4)
+        if UsdGeom.GetStageUpAxis(self.source.stage) == UsdGeom.Tokens.z:
+            turn[1:3, 1:3] = [[0, 1], [-1, 0]]
+        turn[:3, :3] *= self.source.metres
+        if np.array_equal(turn, np.eye(4)):
+            return None
+        return self.nodes.place(self.nodes.add("stage", None), self.source.codes[:1], turn[None])
+
+    def _visit(self, first: Usd.Prim, above: int | None, depth: int) -> None:
+        pending = [(first, above)]
+        while pending:
+            prim, parent = pending.pop()
+            if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.Shader) or prim.IsA(UsdGeom.Subset) or prim.IsAbstract():
+                continue
+            if self._is_passed_over(prim):
+                continue
+            if not prim.IsA(UsdGeom.Xformable):
+                below, children = parent, list(prim.GetFilteredChildren(Usd.TraverseInstanceProxies()))
+                self._read_scene(prim)
+            else:
+                below, children = self._node(prim, parent, depth)
+            pending += [(child, below) for child in reversed(children)]
+
+    def _is_passed_over(self, prim: Usd.Prim) -> bool:
+        imageable = UsdGeom.Imageable(prim)
+        purpose = imageable.GetPurposeAttr().Get() if imageable else None
+        if purpose in (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy):
+            return True
+        is_other = prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdGeom.Mesh)
+        if is_other:
+            self.lost.append(f"{prim.GetPath()}: a {prim.GetTypeName()} is not carried, only meshes are")
+        return is_other
+
+    def _read_scene(self, prim: Usd.Prim) -> dict:
+        found, carried = read_properties(prim, self.source)
+        for name in OF_SCENE:
+            if name in found:
+                self.scene.setdefault(name, found.pop(name))
+        if carried and not prim.IsA(UsdGeom.Xformable):
+            self.lost.append(f"{prim.GetPath()}: properties that change are not carried")
+        return found
+
+    def _node(self, prim: Usd.Prim, parent: int | None, depth: int) -> tuple[int, list[Usd.Prim]]:
+        """The node of a prim, and those children that are not in it."""
+        if UsdGeom.Xformable(prim).GetResetXformStack():
+            parent = self.nodes.roots[0] if self.nodes.roots and self.nodes.of(self.nodes.roots[0])["name"] == "stage" else None
+        node = self.nodes.add(self._name(prim), parent)
+        codes, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
+        below = self.nodes.place(node, codes, matrices)
+        self._hide(prim, node)
+        self._extras(prim, node)
+        children = list(prim.GetFilteredChildren(Usd.TraverseInstanceProxies()))
+        things = [prim]
+        if prim.GetTypeName() in ("Xform", "SkelRoot", ""):
+            # What stands in its parent's place, like leaves and Blender's cameras and lights, is one node with it.
+            own = [child for child in children if self._joins(child)]
+            meshes = [child for child in own if child.IsA(UsdGeom.Mesh)]
+            things = meshes if meshes else own[:1] if len(own) == 1 else []
+            children = [child for child in children if child not in things]
+        self._things(things, below, depth)
+        return below, [] if prim.IsA(UsdGeom.PointInstancer) else children
+
+    def _name(self, prim: Usd.Prim) -> str:
+        said = text_of(prim, "sunfleck_name")
+        if said is not None:
+            return said.partition("#")[0] or prim.GetName()
+        return text_of(prim, "blender:object_name") or prim.GetDisplayName() or prim.GetName()
+
+    def _joins(self, prim: Usd.Prim) -> bool:
+        """True if a prim has nothing that its parent's node could not hold."""
+        if not (prim.IsA(UsdGeom.Mesh) or prim.IsA(UsdGeom.Camera) or prim.HasAPI(UsdLux.LightAPI)):
+            return False
+        if self._is_passed_over(prim) or UsdGeom.Xformable(prim).GetResetXformStack():
+            return False
+        if any(child.IsA(UsdGeom.Xformable) for child in prim.GetFilteredChildren(Usd.TraverseInstanceProxies())):
+            return False
+        if UsdGeom.Imageable(prim).GetVisibilityAttr().HasAuthoredValue():
+            return False
+        codes, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
+        return bool(np.abs(matrices - STILL).max() < 1e-12)
+
+    def _hide(self, prim: Usd.Prim, node: int) -> None:
+        attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()
+        if not attribute.HasAuthoredValue():
+            return
+        samples = [code for code in attribute.GetTimeSamples() if code <= self.source.codes[-1]]
+        codes = np.unique(np.concatenate([self.source.codes[:1], [code for code in samples if code > self.source.first]]))
+        shown = np.array([[attribute.Get(code) != UsdGeom.Tokens.invisible] for code in codes.tolist()], float)
+        if np.ptp(shown) > 0:
+            self.nodes.carry(node, "sunfleck_node.visible", codes, shown, steps=True)
+        elif shown[0, 0] == 0:
+            self.writer.extensions.add("KHR_node_visibility")
+            self.nodes.of(node).setdefault("extensions", {})["KHR_node_visibility"] = {"visible": False}
+
+    def _extras(self, prim: Usd.Prim, node: int) -> None:
+        found = self._read_scene(prim)
+        _, carried = read_properties(prim, self.source)
+        for name, fields in found.items():
+            self.nodes.extra(node, name, fields)
+        for field_name, (codes, rows) in carried.items():
+            if field_name.partition(".")[0] in found:
+                self.nodes.carry(node, field_name, codes, rows)
+        leaf_id = number_of(prim, "leaf_id", self.source)
+        if leaf_id is not None:
+            self.nodes.extra(node, "leaf_id", leaf_id)
+
+    def _things(self, things: list[Usd.Prim], node: int, depth: int) -> None:
+        """What stands at a node."""
+        meshes = [thing for thing in things if thing.IsA(UsdGeom.Mesh)]
+        if meshes:
+            self.meshes.place(meshes, node)
+        for thing in things:
+            if thing.IsA(UsdGeom.Camera):
+                seen = read_camera(thing, self.source)
+                self.nodes.of(node)["camera"] = self.writer.add("cameras", {"name": self.nodes.of(node)["name"], **seen.camera})
+                for name, (codes, rows) in seen.carried.items():
+                    self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
+            elif thing.HasAPI(UsdLux.LightAPI) and not thing.IsA(UsdGeom.Mesh):
+                self._place_lamp(thing, node)
+            elif thing.IsA(UsdGeom.PointInstancer):
+                crowd = read_crowd(thing, self.source)
+                place_crowd(crowd, self.nodes, node, depth, lambda prototype, place: self._instance(prototype, place, depth))
+
+    def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
+        if prim.IsA(UsdLux.DomeLight):
+            return self._background(UsdLux.DomeLight(prim))
+        lamp = read_lamp(prim, self.source, self.lost)
+        if lamp is None:
+            return
+        if lamp.light is not None:
+            self.lights.append({"name": self.nodes.of(node)["name"], **lamp.light})
+            extension = {"light": len(self.lights) - 1}
+            self.nodes.of(node).setdefault("extensions", {})["KHR_lights_punctual"] = extension
+        kept = (prim.GetCustomDataByKey("sunfleck") or {}).get("sunfleck_light", {})
+        if kept.get("visible_to_camera") is True:
+            lamp.extras["visible_to_camera"] = True
+        if lamp.extras:
+            self.nodes.extra(node, "sunfleck_light", lamp.extras)
+        for name, (codes, rows) in lamp.carried.items():
+            self.nodes.carry(node, f"sunfleck_light.{name}", codes, rows)
+
+    def _background(self, light: UsdLux.DomeLight) -> None:
+        if light.GetTextureFileAttr().Get():
+            self.lost.append(f"{light.GetPath()}: the picture of a DomeLight is not carried")
+            return
+        color = np.array(light.GetColorAttr().Get(), float) * float(light.GetIntensityAttr().Get() or 0.0)
+        self.scene.setdefault("sunfleck_env", {"color": np.maximum(color, 0).tolist(), "strength": 1.0})
+        self.lost.append(f"{light.GetPath()}: a DomeLight is seen and lights nothing")
+
+    def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
+        """A prototype below a node, or in it if it is nothing but a mesh."""
+        children = list(prototype.GetFilteredChildren(Usd.TraverseInstanceProxies()))
+        children = [child for child in children if child.IsA(UsdGeom.Imageable)]
+        stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
+        if stands and prototype.IsA(UsdGeom.Mesh):
+            self.meshes.place([prototype], node)
+        elif stands and children and all(child.IsA(UsdGeom.Mesh) and self._joins(child) for child in children):
+            self.meshes.place(children, node)
+        else:
+            self._visit(prototype, node, depth + 1)
+
+    def _finish(self) -> None:
+        source, document = self.source, self.writer.document
+        first, last = source.frames
+        sunfleck = self.scene.setdefault("sunfleck", {})
+        sunfleck.update(
+            version=1, fps=source.fps.numerator, fps_base=source.fps.denominator, frame_start=first, frame_end=last,
+            light_units="spec",
+        )  # fmt: skip
+        if self.lights:
+            self.writer.extensions.add("KHR_lights_punctual")
+            document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}
+        document["scenes"] = [{"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}]
+        for kind in [kind for kind, value in document.items() if value == []]:
+            del document[kind]
+        if not self.nodes.roots:
+            raise SceneError(f"{source.path}: holds nothing that can be shown")

@@ -1,0 +1,76 @@
+"""Cameras of a stage to those of glTF and `sunfleck_camera`; `usd/cameras.py` has the units, and Blender's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from ...errors import SceneError
+from .places import codes_of
+from .source import Source
+
+TENTHS = 0.1
+
+
+@dataclass
+class Seen:
+    """A camera of glTF with its extras, and what of it changes: by field, codes and rows."""
+
+    camera: dict
+    carried: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+
+def read_camera(prim: Usd.Prim, source: Source) -> Seen:
+    """The camera that a prim is."""
+    camera = UsdGeom.Camera(prim)
+    attributes = [camera.GetFocalLengthAttr(), camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr(),
+                  camera.GetFStopAttr(), camera.GetFocusDistanceAttr()]  # fmt: skip
+    codes = codes_of(attributes, source.codes)
+    # Metres.
+    length, wide, high = (_numbers(prim, each, codes) * TENTHS * source.metres for each in attributes[:3])
+    f_stop, focus = _numbers(prim, attributes[3], codes), _numbers(prim, attributes[4], codes) * source.metres
+    if min(length.min(), wide.min(), high.min()) <= 0:
+        raise SceneError(f"{prim.GetPath()}: a camera needs a focal length and apertures above 0")
+    extras: dict = {}
+    near, far = (float(each) * source.metres for each in camera.GetClippingRangeAttr().Get(source.first))
+    if camera.GetProjectionAttr().Get(source.first) == UsdGeom.Tokens.orthographic:
+        scale = 1 / TENTHS if source.for_blender else 1.0
+        heights = high * scale
+        size = {"xmag": 0.5 * wide[0] * scale, "ymag": 0.5 * heights[0], "znear": max(near, 0.0), "zfar": max(far, near + 1.0)}
+        seen = Seen({"type": "orthographic", "orthographic": size})
+        _carry(seen, "height", codes, heights)
+    else:
+        angles = 2 * np.arctan(0.5 * high / length)
+        lens = {"yfov": angles[0], "aspectRatio": wide[0] / high[0], "znear": max(near, 1e-6)}
+        seen = Seen({"type": "perspective", "perspective": lens})
+        _carry(seen, "yfov", codes, angles)
+        extras["sensor_width_mm"] = 1e3 * wide[0]
+        if f_stop[0] > 0 and focus[0] > 0:
+            extras.update(fstop=f_stop[0], focus_distance=focus[0])
+            _carry(seen, "fstop", codes, f_stop)
+            _carry(seen, "focus_distance", codes, focus)
+    offsets = [camera.GetHorizontalApertureOffsetAttr(), camera.GetVerticalApertureOffsetAttr()]
+    shift = [float(each.Get(source.first) or 0.0) * TENTHS * source.metres / max(wide[0], high[0]) for each in offsets]
+    if any(shift):
+        extras["shift"] = shift
+    kept = prim.GetCustomDataByKey("sunfleck") or {}
+    if "blades" in kept.get("sunfleck_camera", {}):
+        extras["blades"] = int(kept["sunfleck_camera"]["blades"])
+    if extras:
+        seen.camera["extras"] = {"sunfleck_camera": extras}
+    return seen
+
+
+def _numbers(prim: Usd.Prim, attribute: Usd.Attribute, codes: np.ndarray) -> np.ndarray:
+    found = np.array([float(attribute.Get(code) or 0.0) for code in codes.tolist()])
+    if not np.isfinite(found).all() or np.abs(found).max() > 1e15 or math.isnan(found.sum()):
+        raise SceneError(f"{attribute.GetPath()}: expected finite numbers")
+    return found
+
+
+def _carry(seen: Seen, name: str, codes: np.ndarray, values: np.ndarray) -> None:
+    if len(values) > 1 and np.ptp(values) > 0:
+        seen.carried[name] = codes, values[:, None]

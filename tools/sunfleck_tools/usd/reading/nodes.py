@@ -1,0 +1,98 @@
+"""Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has a name of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...errors import SceneError
+from ...gltf.writer import GlbWriter
+from ..samples import thinned
+from .places import parts, sheared
+from .source import Source
+
+MOST_NODES = 2_000_000
+LARGEST = 1e15
+"""Of all elements of matrices, as in the renderer."""
+
+
+class Nodes:
+    """Adds nodes to a file."""
+
+    def __init__(self, writer: GlbWriter, source: Source, lost: list[str]):
+        self.writer, self.source, self.lost = writer, source, lost
+        self.roots: list[int] = []
+        self._names: dict[str, int] = {}
+
+    def add(self, name: str, parent: int | None) -> int:
+        """A node below another, or at the top."""
+        if len(self.writer.document.get("nodes", ())) >= MOST_NODES:
+            raise SceneError(f"{self.source.path}: is more than {MOST_NODES} nodes")
+        number = self.writer.add("nodes", {"name": self._unused(name)})
+        if parent is None:
+            self.roots.append(number)
+        else:
+            self.of(parent).setdefault("children", []).append(number)
+        return number
+
+    def of(self, number: int) -> dict:
+        """A node itself."""
+        return self.writer.document["nodes"][number]
+
+    def _unused(self, name: str) -> str:
+        """Values that change are carried by name; so names must differ."""
+        found = name
+        while found in self._names:
+            self._names[name] += 1
+            found = f"{name}.{self._names[name]:03d}"
+        self._names[found] = 0
+        return found
+
+    def place(self, node: int, codes: np.ndarray, matrices: np.ndarray) -> int:
+        """Puts a node where matrices say; its children belong to the node that is returned."""
+        if not (np.abs(matrices) < LARGEST).all():
+            raise SceneError(f"{self.source.path}: the place of `{self.of(node)['name']}` is not finite")
+        translations, turns, scales, is_all = parts(matrices)
+        if is_all:
+            self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
+            return node
+        if len(codes) > 1:
+            self.lost.append(f"`{self.of(node)['name']}` shears as it moves: it is right at samples, less so between them")
+        outer, scales, inner = sheared(matrices)
+        self._move(node, codes, {"translation": translations, "rotation": outer, "scale": scales})
+        last = self.add(f"{self.of(node)['name']} (sheared)", node)
+        self._move(last, codes, {"rotation": inner})
+        return last
+
+    def move(self, node: int, codes: np.ndarray, translations: np.ndarray, turns: np.ndarray, scales: np.ndarray) -> None:
+        """Puts a node where parts say."""
+        self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
+
+    def _move(self, node: int, codes: np.ndarray, rows: dict[str, np.ndarray]) -> None:
+        rests = {"translation": [0.0] * 3, "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0] * 3}
+        for path, values in rows.items():
+            # What differs by rounding alone stands still.
+            values = np.asarray(values, np.float32)
+            if np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
+                values = values[:1]
+            if not np.allclose(values[0], rests[path], rtol=0, atol=1e-9):
+                self.of(node)[path] = values[0].astype(float).tolist()
+            if len(values) > 1:
+                kept, values = thinned(codes, values)
+                self.writer.animate(node, path, self.source.seconds(kept), values)
+
+    def extra(self, node: int, name: str, value: object) -> None:
+        """A custom property."""
+        self.of(node).setdefault("extras", {})[name] = value
+
+    def carry(self, owner: int, field: str, codes: np.ndarray, rows: np.ndarray, steps: bool = False) -> None:
+        """Lets a node of its own carry a value that changes."""
+        target = f"{self.of(owner)['name']}.{field}"
+        node = self.add(f"ctl_{target}", None)
+        wide = np.zeros((len(rows), 3))
+        wide[:, : rows.shape[1]] = rows
+        channel = "translation.x" if rows.shape[1] == 1 else "translation"
+        self.of(node)["translation"] = wide[0].tolist()
+        codes, wide = thinned(codes, wide)
+        if len(wide) > 1:
+            self.writer.animate(node, "translation", self.source.seconds(codes), wide, "STEP" if steps else "LINEAR")
+        self.extra(node, "sunfleck_ctl", {"target": target, "channel": channel})

@@ -1,0 +1,76 @@
+"""Matrices to the translations, turns and scales that glTF has."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+SHEAR = 1e-5
+"""Cosine between axes that still counts as none."""
+
+
+def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
+    """Whole frames, and samples between them, if any attribute moves; else the first frame."""
+    if not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
+        return codes[:1]
+    between: set[float] = set()
+    for attribute in attributes:
+        between.update(code for code in attribute.GetTimeSamples() if codes[0] < code < codes[-1])
+    found = np.unique(np.round(np.concatenate([codes, np.array(sorted(between))]), 6))
+    return found
+
+
+def local_matrices(xformable: UsdGeom.Xformable, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Codes, and matrices for column vectors."""
+    operations = xformable.GetOrderedXformOps()
+    codes = codes_of([operation.GetAttr() for operation in operations], codes)
+    rows = [xformable.GetLocalTransformation(operations, Usd.TimeCode(code)) for code in codes.tolist()]
+    return codes, np.array(rows, float).reshape(-1, 4, 4).transpose(0, 2, 1)
+
+
+def parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Translations, quaternions (x, y, z, w), scales, and whether that is all: no matrix shears."""
+    linear = matrices[:, :3, :3]
+    scales = np.linalg.norm(linear, axis=1)
+    axes = linear / np.where(scales > 0, scales, 1.0)[:, None, :]
+    products = np.abs(axes.transpose(0, 2, 1) @ axes)
+    off_diagonal = products * (1 - np.eye(3))
+    axes = np.where((scales > 0).all(axis=1)[:, None, None], axes, np.eye(3))
+    mirrored = np.linalg.det(axes) < 0
+    axes[mirrored] *= -1
+    scales[mirrored] *= -1
+    return matrices[:, :3, 3], steady(quaternions(axes)), scales, bool(off_diagonal.max() < SHEAR)
+
+
+def sheared(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Matrices as turn, scale, turn: quaternions of the outer turn, scales, quaternions of the inner turn."""
+    outer, scales, inner = np.linalg.svd(matrices[:, :3, :3])
+    for turn in (outer, inner):
+        mirrored = np.linalg.det(turn) < 0
+        turn[mirrored] *= -1
+        scales[mirrored] *= -1
+    return steady(quaternions(outer)), scales, steady(quaternions(inner))
+
+
+def quaternions(turns: np.ndarray) -> np.ndarray:
+    """Of rotation matrices, by the largest of the four numbers (Shepperd 1978)."""
+    m = turns
+    trace = np.trace(m, axis1=1, axis2=2)
+    squares = np.stack([1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace], axis=1)
+    a, b, c = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]
+    xy, xz, yz = m[:, 0, 1] + m[:, 1, 0], m[:, 0, 2] + m[:, 2, 0], m[:, 1, 2] + m[:, 2, 1]
+    columns = [
+        np.stack([squares[:, 0], xy, xz, a], axis=1),
+        np.stack([xy, squares[:, 1], yz, b], axis=1),
+        np.stack([xz, yz, squares[:, 2], c], axis=1),
+        np.stack([a, b, c, squares[:, 3]], axis=1),
+    ]
+    chosen = np.choose(np.argmax(squares, axis=1)[:, None], columns)
+    return chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
+
+
+def steady(turns: np.ndarray) -> np.ndarray:
+    """The same turns, each on the side of the one before."""
+    flips = np.sum(turns[1:] * turns[:-1], axis=1) < 0
+    signs = np.concatenate([[1.0], np.where(flips, -1.0, 1.0)]).cumprod()
+    return turns * signs[:, None]

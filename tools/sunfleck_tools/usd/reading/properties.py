@@ -1,0 +1,61 @@
+"""Custom properties of prims to extras: the reverse of `usd/properties.py`."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+from pxr import Usd
+
+from ..properties import SPACE
+from .places import codes_of
+from .source import Source
+
+
+def read_properties(prim: Usd.Prim, source: Source) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
+    """Properties `sunfleck...` by name and field, and of those that change, by `name.field`, codes and rows."""
+    found: dict[str, dict] = {}
+    carried = {}
+    for attribute in prim.GetAttributes():
+        name, _, field = attribute.GetName().removeprefix(SPACE).partition(":")
+        if not attribute.GetName().startswith(f"{SPACE}sunfleck") or not field:
+            continue
+        value = _plain(attribute.Get(source.first))
+        if value is None:
+            continue
+        found.setdefault(name, {})[field] = value
+        codes = codes_of([attribute], source.codes)
+        if len(codes) > 1:
+            rows = [np.ravel(attribute.Get(code)) for code in codes.tolist()]
+            if all(len(row) in (1, 3) and row.dtype.kind in "fiu" for row in rows):
+                carried[f"{name}.{field}"] = codes, np.array(rows, float)
+    return found, carried
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, str) and value[:1] in ("[", "{"):
+        try:
+            return json.loads(value)
+        except ValueError:
+            return value
+    if isinstance(value, (bool, int, str)) or value is None:
+        return value
+    if isinstance(value, float):
+        return value if np.isfinite(value) else None
+    array = np.ravel(value)
+    return array.tolist() if array.dtype.kind in "fiu" and np.isfinite(array).all() else None
+
+
+def number_of(prim: Usd.Prim, name: str, source: Source) -> int | None:
+    """A property that is a whole number."""
+    attribute = prim.GetAttribute(f"{SPACE}{name}")
+    value = attribute.Get(source.first) if attribute else None
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return int(value) if is_number and 0 <= value < 2**31 and value == int(value) else None
+
+
+def text_of(prim: Usd.Prim, name: str) -> str | None:
+    """A property that is a text."""
+    attribute = prim.GetAttribute(f"{SPACE}{name}")
+    value = attribute.Get() if attribute else None
+    return value if isinstance(value, str) and value else None

@@ -1,0 +1,77 @@
+"""Polygons to triangles. Invariant: the area of a flat polygon is that of its triangles, also where it is not convex."""
+
+from __future__ import annotations
+
+import numpy as np
+
+MOST_CORNERS = 1000
+"""Of a face that is not convex: clipping takes the square of that."""
+
+
+def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Triangles as places in `corners`, and in a fourth column their face. `points` are those of the vertices.
+
+    Raises `ValueError` if a face has too many corners.
+    """
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    found = []
+    for count in np.unique(counts):
+        if count < 3:
+            continue
+        faces = np.nonzero(counts == count)[0]
+        places = starts[faces, None] + np.arange(count)
+        bent = np.zeros(len(faces), bool) if count == 3 else ~_is_convex(points[corners[places]])
+        if count > MOST_CORNERS and bent.any():
+            raise ValueError(f"a face has {count} corners and is not convex: at most {MOST_CORNERS} can be")
+        whole = np.nonzero(~bent)[0]
+        for step in range(1, count - 1):
+            fan = places[whole][:, [0, step, step + 1]]
+            found.append(np.column_stack([fan, faces[whole]]))
+        for face in np.nonzero(bent)[0]:
+            ears = places[face][_ears(points[corners[places[face]]])]
+            found.append(np.column_stack([ears, np.full(len(ears), faces[face])]))
+    if not found:
+        return np.zeros((0, 4), np.int64)
+    triangles = np.concatenate(found)
+    return triangles[np.argsort(triangles[:, 3], kind="stable")]
+
+
+def _normals(polygons: np.ndarray) -> np.ndarray:
+    """Newell's: of polygons that need not be flat."""
+    return np.cross(polygons, np.roll(polygons, -1, axis=1)).sum(axis=1)
+
+
+def _is_convex(polygons: np.ndarray) -> np.ndarray:
+    edges = np.roll(polygons, -1, axis=1) - polygons
+    turns = np.cross(edges, np.roll(edges, -1, axis=1))
+    return (np.einsum("fci,fi->fc", turns, _normals(polygons)) >= 0).all(axis=1)
+
+
+def _ears(polygon: np.ndarray) -> np.ndarray:
+    """Ears clipped one by one (Meisters 1975), in the plane in which the polygon is largest."""
+    normal = _normals(polygon[None])[0]
+    axis = int(np.argmax(np.abs(normal)))
+    flat = np.delete(polygon, axis, axis=1)
+    # Taking y out mirrors the plane.
+    if (normal[axis] < 0) != (axis == 1):
+        flat = flat * [1, -1]
+    left = list(range(len(flat)))
+    ears = []
+    while len(left) > 3:
+        tip = next((at for at in range(len(left)) if _is_ear(flat, left, at)), 0)
+        ears.append([left[tip - 1], left[tip], left[(tip + 1) % len(left)]])
+        del left[tip]
+    return np.array(ears + [left])
+
+
+def _is_ear(flat: np.ndarray, left: list[int], at: int) -> bool:
+    a, b, c = flat[left[at - 1]], flat[left[at]], flat[left[(at + 1) % len(left)]]
+    if _side(a, b, c) <= 0:
+        return False
+    others = flat[[each for each in left if each not in (left[at - 1], left[at], left[(at + 1) % len(left)])]]
+    within = (_side(a, b, others) >= 0) & (_side(b, c, others) >= 0) & (_side(c, a, others) >= 0)
+    return not within.any()
+
+
+def _side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    return (b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0])

@@ -1,0 +1,357 @@
+"""`import-usd`: there and back again, what other programs write, and what nobody should."""
+
+from __future__ import annotations
+
+import unittest
+from pathlib import Path
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, Vt
+
+from sunfleck_tools import SceneError
+from sunfleck_tools.gltf.container import Container
+from sunfleck_tools.gltf.deformation import Bending
+from sunfleck_tools.gltf.meshes import Meshes
+from sunfleck_tools.gltf.scene import Gltf
+from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
+from sunfleck_tools.usd.reading.triangles import triangulate
+
+from .test_usd_export import SAMPLES, Case, inspect, needs_program
+from .test_validation import run
+
+QUAD = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+
+
+def quad(stage: Usd.Stage, path: str) -> UsdGeom.Mesh:
+    """A square."""
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr(QUAD)
+    mesh.CreateFaceVertexCountsAttr([4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    mesh.CreateSubdivisionSchemeAttr("none")
+    return mesh
+
+
+class ImportCase(Case):
+    def stage(self) -> Usd.Stage:
+        """A stage that is saved by `load`."""
+        stage = Usd.Stage.CreateNew(str(self.folder / f"made_{len(list(self.folder.iterdir()))}.usda"))
+        UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        UsdGeom.SetStageUpAxis(stage, "Y")
+        stage.SetStartTimeCode(1)
+        stage.SetEndTimeCode(5)
+        return stage
+
+    def load(self, stage: Usd.Stage) -> Gltf:
+        stage.GetRootLayer().Save()
+        target = self.folder / "made.glb"
+        self.imported = import_usd(stage.GetRootLayer().realPath, target)
+        return Gltf(Container(target))
+
+    def refused(self, stage: Usd.Stage) -> str:
+        with self.assertRaises(SceneError) as caught:
+            self.load(stage)
+        return str(caught.exception)
+
+
+class ThereAndBack(Case):
+    @needs_program
+    def test_everything_is_where_and_as_bright_as_it_was(self):
+        routes = (ExportOptions(), ExportOptions(for_blender=True), ExportOptions(point_instancer=True))
+        for name in ("a_leaves40_scene", "d_skin", "h_cameras", "h_lights_nopointer", "h_transforms_scene", "i_conventions_nopointer"):
+            source = SAMPLES / f"{name}.glb"
+            expected = inspect(source, [1.0, 2.5, 17.0, 24.0])
+            for number, options in enumerate(routes):
+                stage, back = self.folder / f"{name}_{number}.usdc", self.folder / "back.glb"
+                export_usd(source, stage, options)
+                import_usd(stage, back)
+                found = inspect(back, list(expected))
+                for frame, truth in expected.items():
+                    self.compare(truth, found[frame], f"{name}, {options}, frame {frame}")
+
+    def compare(self, truth: dict, found: dict, what: str):
+        for key, node in truth["nodes"].items():
+            # Nodes that only carry values are made anew; a skin's place does not count.
+            if not key.startswith("ctl_") and key in found["nodes"] and node["visible"]:
+                self.near(found["nodes"][key]["world"], node["world"], f"{what}: {key}")
+        shown = [key for key in truth["nodes"] if not key.startswith("ctl_")]
+        self.assertGreaterEqual(len([key for key in shown if key in found["nodes"]]), 0.9 * len(shown), what)
+        for key, camera in truth["cameras"].items():
+            self.near(found["cameras"][key]["projection"], camera["projection"], f"{what}: {key}")
+        self.assertEqual(truth["lights"].keys(), found["lights"].keys(), what)
+        for key, light in truth["lights"].items():
+            self.assertEqual(light["kind"], found["lights"][key]["kind"])
+            for field, value in light.items():
+                if field not in ("kind", "world", "visible_to_camera"):
+                    self.near(found["lights"][key][field], value, f"{what}: {field} of {key}")
+
+    def near(self, found, expected, what: str):
+        found, expected = np.ravel(found), np.ravel(expected)
+        self.assertLessEqual(np.abs(found - expected).max(), 1e-5 * max(1.0, np.abs(expected).max()), what)
+
+    def test_materials_come_back(self):
+        for name in ("b_leafcards", "g_pbr", "f_plain", "i_conventions_nopointer"):
+            stage, back = self.folder / f"{name}.usdz", self.folder / "back.glb"
+            export_usd(SAMPLES / f"{name}.glb", stage)
+            import_usd(stage, back)
+            old, new = (self.materials(path) for path in (SAMPLES / f"{name}.glb", back))
+            for material in new:
+                self.assertIn(material, old, name)
+
+    def materials(self, path: Path) -> list[tuple]:
+        """What must be the same of materials, to five digits."""
+        found = []
+        for source in Container(path).document.raw.get("materials", []):
+            pbr, mode = source.get("pbrMetallicRoughness", {}), source.get("alphaMode", "OPAQUE")
+            alpha = 4 if mode != "OPAQUE" else 3
+            extras = source.get("extras", {})
+            found.append(
+                (
+                    np.round(pbr.get("baseColorFactor", [1.0] * 4)[:alpha], 5).tolist(),
+                    np.round([pbr.get("roughnessFactor", 1.0), pbr.get("metallicFactor", 1.0)], 5).tolist(),
+                    mode,
+                    round(source.get("alphaCutoff", 0.5), 5) if mode == "MASK" else None,
+                    ["baseColorTexture" in pbr, "metallicRoughnessTexture" in pbr, "normalTexture" in source],
+                    np.round(source.get("emissiveFactor", [0.0] * 3), 5).tolist(),
+                    str(extras.get("sunfleck_leaf")),
+                )
+            )
+        return found
+
+    def test_what_bends_still_does(self):
+        for name in ("c_morph", "d_skin"):
+            stage, back = self.folder / f"{name}.usdc", self.folder / "back.glb"
+            export_usd(SAMPLES / f"{name}.glb", stage)
+            import_usd(stage, back)
+            old, new = (self.extents(Gltf(Container(path))) for path in (SAMPLES / f"{name}.glb", back))
+            self.assertEqual(len(old), len(new))
+            for before, after in zip(old, new):
+                np.testing.assert_allclose(before, after, atol=1e-5)
+
+    def extents(self, gltf: Gltf) -> list[np.ndarray]:
+        """The box of each mesh that bends, at every fifth frame."""
+        found = []
+        times = gltf.settings.seconds(np.arange(1, 48, 5))
+        meshes = Meshes(gltf, [])
+        for node in gltf.nodes:
+            if meshes.of(node) is None:
+                continue
+            mesh = meshes.of(node)[1]
+            bending = Bending(gltf, node, mesh)
+            if not bending.is_skinned and not mesh.primitives[0].targets:
+                continue
+            points = bending.positions(mesh.primitives[0], times)
+            if not bending.is_skinned:
+                world = node.world_from_node(times)
+                points = np.einsum("tij,tvj->tvi", world[:, :3, :3], points) + world[:, None, :3, 3]
+            found.append(np.stack([points.min(axis=1), points.max(axis=1)]))
+        return sorted(found, key=lambda box: box[0, 0].tolist())
+
+
+class OtherPrograms(ImportCase):
+    def test_axes_and_units(self):
+        stage = self.stage()
+        UsdGeom.SetStageUpAxis(stage, "Z")
+        UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+        quad(stage, "/a").AddTranslateOp().Set((100, 0, 200))
+        gltf = self.load(stage)
+        node = next(node for node in gltf.nodes if node.name == "a")
+        np.testing.assert_allclose(node.world_from_node(np.zeros(1))[0][:3, 3], [1, 2, 0], atol=1e-6)
+
+    def test_frames_are_counted_at_the_stages_rate(self):
+        stage = self.stage()
+        stage.SetTimeCodesPerSecond(48)
+        stage.SetFramesPerSecond(24)
+        stage.SetStartTimeCode(2)
+        stage.SetEndTimeCode(96)
+        move = quad(stage, "/a").AddTranslateOp()
+        move.Set((0, 0, 0), 0)
+        move.Set((96, 0, 0), 96)
+        gltf = self.load(stage)
+        self.assertEqual((gltf.settings.first, gltf.settings.last, gltf.settings.fps), (1, 48, 24))
+        place = gltf.nodes[0].world_from_node(gltf.settings.seconds(np.array([12.0])))[0][:3, 3]
+        np.testing.assert_allclose(place, [24, 0, 0], atol=1e-4)
+
+    def test_lights_as_the_specification_has_them(self):
+        stage = self.stage()
+        sphere = UsdLux.SphereLight.Define(stage, "/sphere")
+        sphere.CreateRadiusAttr(0.5)
+        sphere.CreateIntensityAttr(2.0)
+        rect = UsdLux.RectLight.Define(stage, "/rect")
+        rect.CreateWidthAttr(2.0)
+        rect.CreateHeightAttr(3.0)
+        rect.CreateExposureAttr(1.0)
+        rect.AddScaleOp().Set((2, 1, 1))
+        sun = UsdLux.DistantLight.Define(stage, "/sun")
+        sun.CreateAngleAttr(1.0)
+        sun.CreateIntensityAttr(1000.0)
+        gltf = self.load(stage)
+        lights = {light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]}
+        # Radiance 2 of a disc of radius 0.5.
+        self.assertAlmostEqual(lights["sphere"]["intensity"] / 683, 2.0 * np.pi * 0.25, 5)
+        self.assertAlmostEqual(lights["sun"]["intensity"] / 683, 1000 * np.pi * np.sin(np.radians(0.5)) ** 2, 5)
+        extras = next(node.extras.raw for node in gltf.nodes if node.name == "rect")
+        # Radiance 2 over 12 square metres.
+        self.assertAlmostEqual(extras["sunfleck_light"]["power_w"], np.pi * 24, 4)
+
+    def test_skeletons_are_followed(self):
+        stage = self.stage()
+        root = UsdSkel.Root.Define(stage, "/root")
+        mesh = quad(stage, "/root/leaf")
+        skeleton = UsdSkel.Skeleton.Define(stage, "/root/bones")
+        identity = Vt.Matrix4dArray([Gf.Matrix4d(1)])
+        skeleton.CreateJointsAttr(["joint"])
+        skeleton.CreateBindTransformsAttr(identity)
+        skeleton.CreateRestTransformsAttr(identity)
+        animation = UsdSkel.Animation.Define(stage, "/root/bones/motion")
+        animation.CreateJointsAttr(["joint"])
+        animation.CreateRotationsAttr([Gf.Quatf(1)])
+        animation.CreateScalesAttr([Gf.Vec3h(1)])
+        moves = animation.CreateTranslationsAttr()
+        for code in (1, 5):
+            moves.Set([Gf.Vec3f(code - 1, 0, 0)], code)
+        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+        binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+        binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+        binding.CreateJointIndicesPrimvar(False, 1).Set([0] * 4)
+        binding.CreateJointWeightsPrimvar(False, 1).Set([1.0] * 4)
+        self.assertTrue(root)
+        gltf = self.load(stage)
+        node = next(node for node in gltf.nodes if node.source.raw.get("mesh") is not None)
+        meshes = Meshes(gltf, [])
+        bending = Bending(gltf, node, meshes.of(node)[1])
+        for frame, expected in ((1, 0.0), (2.5, 1.5), (5, 4.0)):
+            points = bending.positions(bending.mesh.primitives[0], gltf.settings.seconds(np.array([frame])))[0]
+            self.assertAlmostEqual(points[:, 0].min(), expected, 5)
+
+    def test_faces_have_materials_and_corners_of_their_own(self):
+        stage = self.stage()
+        mesh = quad(stage, "/leaf")
+        mesh.GetPointsAttr().Set([*QUAD, (2, 0, 0), (2, 1, 0)])
+        mesh.GetFaceVertexCountsAttr().Set([4, 4])
+        mesh.GetFaceVertexIndicesAttr().Set([0, 1, 2, 3, 1, 4, 5, 2])
+        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying")
+        primvar.Set([(0, 0), (1, 0), (1, 1), (0, 1)] * 2)
+        for index, name in enumerate(("left", "right")):
+            material = UsdShade.Material.Define(stage, f"/{name}")
+            shader = UsdShade.Shader.Define(stage, f"/{name}/surface")
+            shader.CreateIdAttr("UsdPreviewSurface")
+            shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set((index, 0.5, 0.25))
+            material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+            subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(name, Vt.IntArray([index]))
+            UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
+        gltf = self.load(stage)
+        _, found = Meshes(gltf, []).of(gltf.nodes[0])
+        self.assertEqual([len(each.triangles) for each in found.primitives], [2, 2])
+        names = [gltf.document.raw["materials"][each.material]["name"] for each in found.primitives]
+        self.assertEqual(names, ["left", "right"])
+        # Corners in one place with other coordinates are vertices of their own; v counts from the top.
+        right = found.primitives[1]
+        at = {tuple(place): tuple(uv) for place, uv in zip(right.positions.tolist(), right.uvs[0].tolist())}
+        self.assertEqual(at[(1.0, 0.0, 0.0)], (0.0, 1.0))
+
+    def test_triangles_cover_a_leaf_that_is_not_convex(self):
+        star = np.array([(np.cos(a) * r, np.sin(a) * r, 0.0) for a, r in zip(np.arange(16) * np.pi / 8, [1.0, 0.3] * 8)])
+        area = 0.5 * np.abs(np.cross(star, np.roll(star, -1, axis=0)).sum(axis=0)[2])
+        for turned in (star, star[:, [1, 2, 0]], star[:, [2, 0, 1]], star[::-1]):
+            triangles = triangulate(np.array([16]), turned, np.arange(16))[:, :3]
+            self.assertEqual(len(triangles), 14)
+            a, b, c = (turned[triangles[:, corner]] for corner in range(3))
+            self.assertAlmostEqual(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum(), area, 10)
+
+    def test_instances_and_their_names(self):
+        stage = self.stage()
+        instancer = UsdGeom.PointInstancer.Define(stage, "/crowd")
+        quad(stage, "/crowd/leaf")
+        instancer.CreatePrototypesRel().SetTargets(["/crowd/leaf"])
+        instancer.CreateProtoIndicesAttr([0, 0, 0])
+        instancer.CreatePositionsAttr([(0, 0, 0), (1, 0, 0), (2, 0, 0)])
+        instancer.CreateInvisibleIdsAttr([1])
+        gltf = self.load(stage)
+        self.assertEqual([node.name for node in gltf.nodes], ["crowd", "crowd.0", "crowd.2"])
+        self.assertEqual(len(gltf.document.raw["meshes"]), 1)
+
+
+class Refusals(ImportCase):
+    def test_what_does_not_hold_together(self):
+        for text, said in (
+            ('def Xform "a" (references = @./nope.usda@</x>)\n{\n}\n', "nope.usda"),
+            ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    }\n}\n', "Cycle"),
+            ('def Xform "a" (sublayers = 3)\n', "is no stage"),
+        ):
+            path = self.folder / "bad.usda"
+            path.write_text("#usda 1.0\n" + text)
+            code, _, err = run("import-usd", path, self.folder / "out.glb")
+            self.assertEqual(code, 3)
+            self.assertIn(said, err)
+            self.assertNotIn("Traceback", err)
+            layer = Sdf.Layer.Find(str(path))
+            del layer
+        self.assertEqual(run("import-usd", self.folder / "none.usd", self.folder / "out.glb")[0], 3)
+        self.assertEqual(run("import-usd", SAMPLES / "README.md", self.folder / "out.glb")[0], 3)
+
+    def test_indices_that_point_nowhere(self):
+        stage = self.stage()
+        quad(stage, "/a").GetFaceVertexIndicesAttr().Set([0, 1, 2, 9])
+        self.assertIn("/a: faceVertexIndices go from 0 to 9, of 4 points", self.refused(stage))
+        stage = self.stage()
+        quad(stage, "/a").GetFaceVertexCountsAttr().Set([400])
+        self.assertIn("faceVertexCounts ask for 400 corners", self.refused(stage))
+        stage = self.stage()
+        instancer = UsdGeom.PointInstancer.Define(stage, "/crowd")
+        quad(stage, "/crowd/leaf")
+        instancer.CreatePrototypesRel().SetTargets(["/crowd/leaf"])
+        instancer.CreateProtoIndicesAttr([0, 5])
+        instancer.CreatePositionsAttr([(0, 0, 0)] * 2)
+        self.assertIn("/crowd: protoIndices go from 0 to 5, of 1 prototypes", self.refused(stage))
+        instancer.GetProtoIndicesAttr().Set([0, 0, 0])
+        self.assertIn("3 protoIndices", self.refused(stage))
+        instancer.GetPrototypesRel().SetTargets(["/nothing"])
+        self.assertIn("there is no prototype /nothing", self.refused(stage))
+        instancer.GetPrototypesRel().SetTargets(["/crowd"])
+        self.assertIn("instance of itself", self.refused(stage))
+
+    def test_instancers_that_come_round(self):
+        stage = self.stage()
+        for name, other in (("a", "b"), ("b", "a")):
+            instancer = UsdGeom.PointInstancer.Define(stage, f"/{name}")
+            instancer.CreatePrototypesRel().SetTargets([f"/{other}"])
+            instancer.CreateProtoIndicesAttr([0])
+            instancer.CreatePositionsAttr([(0, 0, 0)])
+        self.assertIn("come round", self.refused(stage))
+
+    def test_numbers_that_are_none(self):
+        stage = self.stage()
+        quad(stage, "/a").GetPointsAttr().Set([(float("nan"), 0, 0)] * 4)
+        self.assertIn("/a: points are not all finite", self.refused(stage))
+        stage = self.stage()
+        quad(stage, "/a").AddTranslateOp().Set((float("inf"), 0, 0))
+        self.assertIn("is not finite", self.refused(stage))
+        stage = self.stage()
+        stage.SetEndTimeCode(1e12)
+        quad(stage, "/a")
+        self.assertIn("no range", self.refused(stage))
+        stage = self.stage()
+        UsdGeom.Camera.Define(stage, "/camera").CreateFocalLengthAttr(0.0)
+        self.assertIn("/camera: a camera needs a focal length", self.refused(stage))
+
+    def test_textures_that_are_not_there(self):
+        stage = self.stage()
+        mesh = quad(stage, "/a")
+        material = UsdShade.Material.Define(stage, "/m")
+        shader, texture = UsdShade.Shader.Define(stage, "/m/s"), UsdShade.Shader.Define(stage, "/m/t")
+        shader.CreateIdAttr("UsdPreviewSurface")
+        texture.CreateIdAttr("UsdUVTexture")
+        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set("./no such.png")
+        output = texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
+        shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(output)
+        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+        self.assertIn("/m/t: there is no texture `./no such.png`", self.refused(stage))
+
+    def test_an_empty_stage(self):
+        self.assertIn("holds nothing", self.refused(self.stage()))
+
+
+if __name__ == "__main__":
+    unittest.main()
