@@ -7,11 +7,13 @@ whatever the file holds.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 from mmap import mmap
 from pathlib import Path
 
 from . import checks  # noqa: F401  (registers them)
 from .checks import fireflies, reference
+from .difference import Overlap, errors, mean_flip
 from .exr.chunks import chunk_faults
 from .exr.decode import DecodeError, claims_too_much, decode
 from .exr.header import DEEP, MULTIPART, TILED, Header, HeaderError, parse_header
@@ -135,6 +137,9 @@ def _compare(summary: FrameSummary, frame: Frame, job: Job) -> None:
     elif (why := reference.comparable(frame, other)) is not None:
         summary.reference_error = f"it cannot be compared: {why}"
     else:
-        summary.relmse = reference.relative_mse(frame.group(), other.group())
+        overlap = Overlap(frame, other)
+        color = errors(overlap, list("RGB"))
+        # One value that is not finite spoils the picture, whatever the others are.
+        summary.relmse = nan if color.not_finite or color.relative_mse is None else color.relative_mse
         if job.wants_flip:
-            summary.flip = reference.mean_flip(frame.group(), other.group())
+            summary.flip = mean_flip(*overlap.colors())

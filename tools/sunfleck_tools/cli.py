@@ -29,6 +29,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Whoever read has enough; Python must not complain at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return OK
+    except MemoryError:
+        print("error: the memory is not enough for these frames", file=sys.stderr)
+        return IO
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         return IO

@@ -44,6 +44,14 @@ class FileBytes:
     chunk_faults: list[str] = field(default_factory=list)
     decode_error: str | None = None
 
+    @property
+    def fault(self) -> str | None:
+        """What stands in the way of the pixels, as a sentence."""
+        if self.read_error is None and self.bytes == 0:
+            return "the file is empty"
+        found = (self.read_error, self.header_error, self.claim, self.unsupported, *self.chunk_faults[:1], self.decode_error)
+        return next((fault for fault in found if fault), None)
+
 
 @dataclass
 class Frame:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 import os
 import struct
@@ -15,24 +13,16 @@ from unittest import mock
 import numpy as np
 
 from sunfleck_tools import Options, SequenceError, validate
-from sunfleck_tools.cli import main
 from sunfleck_tools.frame_list import format_frames, parse_frames
 from sunfleck_tools.parallel import in_processes
 
+from .command import run
 from .damages import set_value
 from .files import frame_path, good_sequence, rewrite
 from .json_schema import faults
 
 SCHEMA = Path(__file__).parents[1] / "sunfleck_tools/validate.schema.json"
 HERE = Options(processes=0)
-
-
-def run(*arguments: object) -> tuple[int, str, str]:
-    """Exit code, output and errors of a command line."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = main([str(argument) for argument in arguments])
-    return code, out.getvalue(), err.getvalue()
 
 
 def die(argument: int) -> int:

@@ -4,38 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
+from ..difference import incomparable
 from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
 from ..summary import Rendered
 
 
-def relative_mse(output: list[np.ndarray], reference: list[np.ndarray]) -> float:
-    """mean((o - r)^2 / (r^2 + (0.1 mean(r))^2)) over R, G and B, as `sunfleck diff` has it."""
-    o, r = (np.stack(channels).astype(np.float64) for channels in (output, reference))
-    floor = (0.1 * r.mean()) ** 2
-    squares = np.square(o - r)
-    with np.errstate(all="ignore"):
-        # Where both are black, 0 / 0 would be no error at all.
-        return float(np.mean(np.where(squares > 0, squares / (np.square(r) + floor), 0.0)))
-
-
-def mean_flip(output: list[np.ndarray], reference: list[np.ndarray]) -> float:
-    """HDR-FLIP (Andersson et al. 2021), its mean over the picture, by the authors' own package."""
-    import flip_evaluator
-
-    stacked = [np.ascontiguousarray(np.stack(channels, axis=-1), np.float32) for channels in (reference, output)]
-    return float(flip_evaluator.evaluate(*stacked, "HDR")[1])
-
-
 def comparable(frame: Frame, reference: Frame) -> str | None:
-    """A sentence if the two cannot be compared."""
+    """A sentence if the colours of the two cannot be compared."""
     if frame.group() is None or reference.group() is None:
         return "one of the two has no R, G and B"
     if frame.header.data_window != reference.header.data_window:
         return f"the reference's data window is {reference.header.data_window}, not {frame.header.data_window}"
-    return None
+    return incomparable(frame, reference)
 
 
 @check("reference-missing", Severity.WARNING, Scope.SEQUENCE, "a frame has no reference that it can be compared with")

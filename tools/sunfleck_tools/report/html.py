@@ -10,11 +10,12 @@ from html import escape
 
 import numpy as np
 
+from ..display import Display
 from ..findings import Finding
+from ..png import png
 from ..summary import FrameSummary
 from ..validation import Report
 from .curves import curve
-from .png import png, srgb
 from .text import verdict
 
 STYLE = """
@@ -60,6 +61,8 @@ def html_report(report: Report) -> str:
     )
 
 
+SCREEN = Display("srgb")
+"""Nothing is compressed: what changes from frame to frame is to be seen."""
 MOST_MISSING = 1000
 """Missing frames that have a place in the contact sheet."""
 
@@ -93,7 +96,7 @@ def _cell(frame: FrameSummary, gain: float, worst: dict[int, str]) -> str:
     if frame.thumbnail is None:
         picture = '<div class="none"></div>'
     else:
-        data = base64.b64encode(png(srgb(frame.thumbnail.astype(np.float32) * gain))).decode()
+        data = base64.b64encode(png(SCREEN.bytes(frame.thumbnail * np.float32(gain)))).decode()
         picture = f'<img alt="frame {frame.number}" src="data:image/png;base64,{data}">'
     return (
         f'<figure id="frame-{frame.number}" class="{severity}" title="{escape(frame.path)}">{picture}'

@@ -1,0 +1,137 @@
+"""`sunfleck-tools compare`: how far frames are from other frames."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from ..comparison import Compared, Limits, compare
+from ..difference import Errors
+from ..display import CURVES, Display
+from ..errors import ToolError
+from ..progress import Bar
+from . import FINDINGS, OK, looks
+from .arguments import count, positive
+
+HELP = "says how far frames are from other frames"
+FORMAT_VERSION = 1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describes the command line."""
+    parser.add_argument("output", metavar="OUTPUT", type=Path, help="a frame, or a folder or pattern such as out/x.####.exr")
+    parser.add_argument("reference", metavar="REFERENCE", type=Path, help="what it is compared with, by number")
+    parser.add_argument("--max-rmse", metavar="X", type=positive, help="largest root mean square error of the colour")
+    parser.add_argument("--max-relmse", metavar="X", type=positive, help="largest relative mean square error")
+    parser.add_argument("--max-flip", metavar="X", type=positive, help="largest mean FLIP (pip install flip-evaluator)")
+    parser.add_argument("--max-error", metavar="X", type=positive, help="largest difference of a value")
+    parser.add_argument("--flip", action="store_true", help="computes FLIP (pip install flip-evaluator)")
+    parser.add_argument("--picture", metavar="FILE|DIR", type=Path, help="writes output, reference and difference as PNG")
+    parser.add_argument("--white", metavar="X", type=positive, help="difference that is white there (99.9 %% are below)")
+    parser.add_argument("--display", choices=CURVES, default="agx", help="how light is brought into a screen's range (agx)")
+    parser.add_argument("--exposure", metavar="EV", type=looks.stops, default=0.0, help="brightens by powers of two (0)")
+    parser.add_argument("--json", action="store_true", help="as JSON on the output stream")
+    parser.add_argument("--processes", metavar="N", type=count, help="that decode (all processors)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compares and prints."""
+    wants_flip = arguments.flip or arguments.max_flip is not None
+    if wants_flip:
+        needs_flip("--max-flip" if arguments.max_flip is not None else "--flip")
+    results = compare(
+        arguments.output,
+        arguments.reference,
+        wants_flip,
+        _pictures(arguments),
+        Display(arguments.display, arguments.exposure),
+        arguments.white,
+        arguments.processes,
+        Bar(),
+    )
+    limits = Limits(arguments.max_rmse, arguments.max_relmse, arguments.max_flip, arguments.max_error)
+    print(json.dumps(as_object(results, limits), indent=1, allow_nan=False) if arguments.json else as_text(results, limits))
+    has_limit = any(value is not None for value in vars(limits).values())
+    return FINDINGS if any(r.difference is None or has_limit and r.exceeded(limits) for r in results) else OK
+
+
+def needs_flip(flag: str) -> None:
+    """Refuses where the package is missing."""
+    try:
+        import flip_evaluator  # noqa: F401
+    except ImportError:
+        raise ToolError(f"{flag} needs a package: pip install flip-evaluator") from None
+
+
+def _pictures(arguments: argparse.Namespace) -> Path | None:
+    path = arguments.picture
+    if path is None:
+        return None
+    if arguments.output.is_file():
+        if path.suffix.lower() != ".png":
+            raise ToolError(f"{path} is no name of a PNG file: expected one that ends in .png")
+        return looks.writable(path)
+    path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def as_text(results: list[Compared], limits: Limits) -> str:
+    """A line a frame, the worst first; of two files alone, a line a channel too."""
+    lines = []
+    for result in sorted(results, key=_rank, reverse=True):
+        number = result.pair.number
+        name = "frame" if number is None else f"frame {number}"
+        if result.difference is None:
+            lines.append(f"error: {name}: {result.fault}")
+            continue
+        found = result.difference
+        flip = "" if found.flip is None else f"  FLIP {found.flip:.4f}"
+        white = "" if result.white is None else f"  white is {result.white:.4g} in {result.pair.picture}"
+        over = "".join(f"; too much: {sentence}" for sentence in result.exceeded(limits))
+        if found.color is not None:
+            lines.append(f"{name}: RGB  {_line(found.color)}{flip}{white}{over}")
+        if found.color is None or len(results) == 1:
+            width = max(map(len, found.channels))
+            lines += [f"{name}: {channel:{width}}  {_line(errors)}" for channel, errors in found.channels.items()]
+        if len(results) == 1 and found.unmatched:
+            lines.append(f"only in one of the two: {', '.join(found.unmatched)}")
+    return "\n".join(lines)
+
+
+def _line(errors: Errors) -> str:
+    if errors.rmse is None:
+        return f"not finite {errors.not_finite}"
+    ratio = "" if errors.mean_ratio is None else f"mean ratio {errors.mean_ratio:.6f}  "
+    where = "" if errors.pixel is None else f" at {errors.pixel[0]}, {errors.pixel[1]} in {errors.channel}"
+    bad = f"  not finite {errors.not_finite}" if errors.not_finite else ""
+    return f"{ratio}RMSE {errors.rmse:.6f}  relMSE {errors.relative_mse:.3e}  max {errors.max_error:.6f}{where}{bad}"
+
+
+def _rank(result: Compared) -> tuple[bool, float]:
+    measures = result.difference and (result.difference.color or next(iter(result.difference.channels.values())))
+    return result.difference is None, measures.relative_mse or 0.0 if measures else 0.0
+
+
+def as_object(results: list[Compared], limits: Limits) -> dict:
+    """What compare.schema.json describes."""
+    frames = []
+    for result in results:
+        found = result.difference
+        frames.append(
+            {
+                "frame": result.pair.number,
+                "output": result.pair.output,
+                "reference": result.pair.reference,
+                "fault": result.fault,
+                "exceeded": result.exceeded(limits),
+                "color": None if found is None or found.color is None else asdict(found.color),
+                "flip": None if found is None else found.flip,
+                "channels": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.channels.items()],
+                "unmatched": [] if found is None else found.unmatched,
+                "picture": result.pair.picture if result.white is not None else None,
+                "white": result.white,
+            }
+        )
+    return {"format_version": FORMAT_VERSION, "limits": asdict(limits), "frames": frames}

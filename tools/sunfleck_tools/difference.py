@@ -1,0 +1,137 @@
+"""How far one frame is from another, as `sunfleck diff` defines it.
+
+Invariant: values that are not finite count as such and enter no mean.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .exr.header import Header
+from .frame import Frame
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Of an output o against a reference r, over all values that are finite in both; `None` without such."""
+
+    mean_ratio: float | None
+    """mean(o) / mean(r); `None` where r is black."""
+    rmse: float | None
+    """sqrt(mean((o - r)^2))."""
+    relative_mse: float | None
+    """mean((o - r)^2 / (r^2 + (0.1 mean(r))^2))."""
+    max_error: float | None
+    """The largest |o - r|."""
+    channel: str | None
+    """Where that is; `None` if the two are equal."""
+    pixel: tuple[int, int] | None
+    """Column and row in the full picture."""
+    not_finite: int
+    """Values that are NaN or infinite in either frame, and not the same infinity in both."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Two frames that could be compared."""
+
+    color: Errors | None
+    """R, G and B together."""
+    channels: dict[str, Errors]
+    """Every channel that both have."""
+    unmatched: list[str]
+    """Channels that only one of them has."""
+    flip: float | None = None
+    """Mean HDR-FLIP of the colour; `None` where it was not asked for, or colours are not finite."""
+
+
+class Overlap:
+    """The pixels that two frames have in common."""
+
+    def __init__(self, output: Frame, reference: Frame):
+        self._frames = output, reference
+        windows = [frame.header.data_window for frame in self._frames]
+        self.left, self.top = (max(window[axis] for window in windows) for axis in (0, 1))
+        self.right, self.bottom = (min(window[axis] for window in windows) for axis in (2, 3))
+        self.is_empty = self.right < self.left or self.bottom < self.top
+
+    def of(self, which: int, name: str) -> np.ndarray:
+        """A channel of the output (0) or the reference (1) as float32, cut to what both have."""
+        frame = self._frames[which]
+        left, top = frame.header.data_window[:2]
+        rows, columns = (slice(self.top - top, self.bottom - top + 1), slice(self.left - left, self.right - left + 1))
+        return frame.float(name)[rows, columns]
+
+    def colors(self) -> list[np.ndarray]:
+        """Output and reference, colours in the last axis."""
+        return [np.stack([self.of(which, letter) for letter in "RGB"], axis=-1) for which in (0, 1)]
+
+
+def incomparable(output: Frame, reference: Frame) -> str | None:
+    """A sentence if two frames cannot be compared."""
+    ours, theirs = (_full_size(frame.header) for frame in (output, reference))
+    if ours != theirs:
+        return f"the pictures differ in size: {ours[0]}x{ours[1]} against {theirs[0]}x{theirs[1]} pixels"
+    if Overlap(output, reference).is_empty:
+        return "the two crops have no pixel in common"
+    if not output.channels.keys() & reference.channels.keys():
+        return "the two pictures have no channel in common"
+    return None
+
+
+def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Difference:
+    """Compares frames that are comparable."""
+    overlap = Overlap(output, reference)
+    names = [name for name in output.channels if name in reference.channels]
+    color = errors(overlap, list("RGB")) if set("RGB") <= set(names) else None
+    finite = color is not None and color.not_finite == 0 and color.rmse is not None
+    return Difference(
+        color=color,
+        channels={name: errors(overlap, [name]) for name in names},
+        unmatched=sorted(output.channels.keys() ^ reference.channels.keys()),
+        flip=mean_flip(*overlap.colors()) if wants_flip and finite else None,
+    )
+
+
+def errors(overlap: Overlap, names: list[str]) -> Errors:
+    """The errors of channels taken together."""
+    o, r = (np.stack([overlap.of(which, name) for name in names]).astype(np.float64) for which in (0, 1))
+    both = np.isfinite(o) & np.isfinite(r)
+    not_finite = int(np.count_nonzero(~both & ~(o == r)))
+    count = int(np.count_nonzero(both))
+    if count == 0:
+        return Errors(None, None, None, None, None, None, not_finite)
+    o, r = np.where(both, o, 0.0), np.where(both, r, 0.0)
+    squares = np.square(o - r)
+    floor = (0.1 * r.sum() / count) ** 2
+    with np.errstate(all="ignore"):
+        # Where both are black, 0 / 0 would be no error at all.
+        relative = np.where(squares > 0, squares / (np.square(r) + floor), 0.0)
+    at = int(np.argmax(squares))
+    largest = float(np.sqrt(squares.flat[at]))
+    channel, rest = divmod(at, squares[0].size)
+    y, x = divmod(rest, squares.shape[2])
+    return Errors(
+        mean_ratio=float(o.sum() / r.sum()) if r.sum() != 0 else None,
+        rmse=float(np.sqrt(squares.sum() / count)),
+        relative_mse=float(relative.sum() / count),
+        max_error=largest,
+        channel=names[channel] if largest > 0 else None,
+        pixel=(x + overlap.left, y + overlap.top) if largest > 0 else None,
+        not_finite=not_finite,
+    )
+
+
+def mean_flip(output: np.ndarray, reference: np.ndarray) -> float:
+    """HDR-FLIP (Andersson et al. 2021), its mean over the picture, by the authors' own package."""
+    import flip_evaluator
+
+    arrays = [np.ascontiguousarray(colors, np.float32) for colors in (reference, output)]
+    return float(flip_evaluator.evaluate(*arrays, "HDR")[1])
+
+
+def _full_size(header: Header) -> tuple[int, int]:
+    left, top, right, bottom = header.display_window
+    return right - left + 1, bottom - top + 1
