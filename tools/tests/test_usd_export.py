@@ -14,6 +14,9 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdValidation
 
 from sunfleck_tools import SceneError
+from sunfleck_tools.gltf.container import Container
+from sunfleck_tools.gltf.meshes import Meshes
+from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ExportOptions, export_usd
 
 from .glb import glb
@@ -154,9 +157,11 @@ class Stages(Case):
                      {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}]  # fmt: skip
         channel = {"sampler": 0, "target": {"node": 1, "path": "translation"}}
         control = {"target": "leaf.sunfleck_node.visible", "channel": "translation.x"}
+        idle = {"target": "nobody.sunfleck_light.power_w", "channel": "translation.x"}
         document = {
-            "nodes": [{"name": "leaf", "children": [2]}, {"name": "ctl", "extras": {"sunfleck_ctl": control}}, {"name": "child"}],
-            "scenes": [{"nodes": [0, 1], "extras": {"sunfleck": {"fps": 24, "frame_start": 0, "frame_end": 20}}}],
+            "nodes": [{"name": "leaf", "children": [2]}, {"name": "ctl", "extras": {"sunfleck_ctl": control}}, {"name": "child"},
+                      {"name": "idle", "extras": {"sunfleck_ctl": idle}}],  # fmt: skip
+            "scenes": [{"nodes": [0, 1, 3], "extras": {"sunfleck": {"fps": 24, "frame_start": 0, "frame_end": 20}}}],
             "buffers": [{"byteLength": len(binary)}],
             "bufferViews": views,
             "accessors": accessors,
@@ -172,6 +177,8 @@ class Stages(Case):
             worlds = [UsdGeom.XformCache(code).GetLocalToWorldTransform(leaf)[0][0] for code in (9.9, 10.0)]
             np.testing.assert_allclose(worlds, [1.0, scale], atol=1e-7)
             self.assertFalse(stage.GetPrimAtPath("/World/ctl"))
+        exported = export_usd(path, self.folder / "again.usda")
+        self.assertEqual(exported.lost, ["a value that changes is carried for `nobody.sunfleck_light.power_w`, which takes none"])
 
     def test_masks_keep_their_cutoff(self):
         stage = self.export(SAMPLES / "b_leafcards.glb")
@@ -181,6 +188,46 @@ class Stages(Case):
             if shader and shader.GetInput("opacityThreshold"):
                 thresholds.add(round(shader.GetInput("opacityThreshold").Get(), 3))
         self.assertEqual(thresholds, {0.3, 0.4, 0.5})
+
+    def test_texture_coordinates_lead_to_the_same_texels(self):
+        source = Container(SAMPLES / "g_pbr.glb").document.raw
+        stage = self.export(SAMPLES / "g_pbr.glb", "usda")
+        # Specification of KHR_texture_transform: translation * rotation * scale, v from the top.
+        transform = next(
+            texture["extensions"]["KHR_texture_transform"]
+            for material in source["materials"]
+            for texture in [material["pbrMetallicRoughness"].get("baseColorTexture", {})]
+            if "KHR_texture_transform" in texture.get("extensions", {})
+        )
+        angle, uv = transform.get("rotation", 0.0), np.random.default_rng(1).random((20, 2))
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        expected = (uv * transform.get("scale", [1, 1])) @ turn.T + transform.get("offset", [0, 0])
+        self.assertGreater(np.abs(expected - uv).max(), 0.1)
+        # Specification of UsdTransform2d: scale, then rotate anticlockwise, then translate, t from the bottom.
+        found = []
+        for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
+            shader = UsdShade.Shader(prim)
+            if shader and shader.GetIdAttr().Get() == "UsdTransform2d":
+                scale, degrees, place = (np.array(shader.GetInput(name).Get()) for name in ("scale", "rotation", "translation"))
+                sine, cosine = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+                st = (uv * [1, -1] + [0, 1]) * scale @ np.array([[cosine, -sine], [sine, cosine]]).T + place
+                found.append(np.abs(st * [1, -1] + [0, 1] - expected).max())
+        self.assertLess(min(found), 1e-6)
+        positions, flipped = [], []
+        meshes = Meshes(Gltf(Container(SAMPLES / "f_plain.glb")), [])
+        for node in meshes.gltf.nodes:
+            if meshes.of(node):
+                positions.append(meshes.of(node)[1].primitives[0].uvs[0])
+        plain = self.export(SAMPLES / "f_plain.glb")
+        for prim in plain.Traverse(Usd.TraverseInstanceProxies()):
+            if prim.IsA(UsdGeom.Mesh):
+                flipped.append(np.array(UsdGeom.PrimvarsAPI(prim).GetPrimvar("st").Get()))
+        np.testing.assert_allclose(flipped[0] * [1, -1] + [0, 1], positions[0], atol=1e-6)
+
+    def test_frames_that_were_asked_for(self):
+        stage = self.export(SAMPLES / "a_leaves40_scene.glb", frames=(5, 9))
+        self.assertEqual((stage.GetStartTimeCode(), stage.GetEndTimeCode()), (5.0, 9.0))
+        self.assertEqual(stage.GetPrimAtPath("/World/cam").GetAttribute("xformOp:translate").GetTimeSamples(), [5, 6, 7, 8, 9])
 
     def test_frames_of_a_morph_are_samples_of_its_points(self):
         stage = self.export(SAMPLES / "c_morph.glb")

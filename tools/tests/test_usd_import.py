@@ -194,8 +194,31 @@ class OtherPrograms(ImportCase):
         # Radiance 2 over 12 square metres.
         self.assertAlmostEqual(extras["sunfleck_light"]["power_w"], np.pi * 24, 4)
 
+    def test_what_changes_is_carried(self):
+        stage = self.stage()
+        world = UsdGeom.Xform.Define(stage, "/World").GetPrim()
+        density = world.CreateAttribute("userProperties:sunfleck_fog:density", Sdf.ValueTypeNames.Double)
+        lamp = UsdLux.SphereLight.Define(stage, "/World/lamp")
+        lamp.CreateNormalizeAttr(True)
+        camera = UsdGeom.Camera.Define(stage, "/World/camera")
+        for code, value in ((1, 0.5), (5, 1.5)):
+            density.Set(value, code)
+            lamp.CreateIntensityAttr().Set(8 * value, code)
+            camera.CreateFocalLengthAttr().Set(50 * value, code)
+        gltf = self.load(stage)
+        times = gltf.settings.seconds(np.array([1, 3, 5]))
+        carried = {target: control.at(times)[:, 0] for target, control in gltf.controls.items()}
+        np.testing.assert_allclose(carried["scene.sunfleck_fog.density"], [0.5, 1.0, 1.5], atol=1e-6)
+        # A quarter of the intensity to every side.
+        np.testing.assert_allclose(carried["lamp.sunfleck_light.power_w"] / (4 * np.pi), [1, 2, 3], rtol=1e-6)
+        aperture = camera.GetVerticalApertureAttr().Get()
+        expected = 2 * np.arctan(0.5 * aperture / np.array([25.0, 50.0, 75.0]))
+        np.testing.assert_allclose(carried["camera.sunfleck_camera.yfov"], expected, rtol=1e-6)
+        self.assertEqual(gltf.extras.raw["sunfleck_fog"]["density"], 0.5)
+
     def test_skeletons_are_followed(self):
         stage = self.stage()
+        stage.SetTimeCodesPerSecond(30)
         root = UsdSkel.Root.Define(stage, "/root")
         mesh = quad(stage, "/root/leaf")
         skeleton = UsdSkel.Skeleton.Define(stage, "/root/bones")
@@ -348,6 +371,22 @@ class Refusals(ImportCase):
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
         self.assertIn("/m/t: there is no texture `./no such.png`", self.refused(stage))
+
+    def test_flipped_bytes_raise_nothing_else(self):
+        for ending in ("usdc", "usda"):
+            whole = self.folder / f"whole.{ending}"
+            export_usd(SAMPLES / "h_lights_nopointer.glb", whole)
+            for number in range(40):
+                generator, data = np.random.default_rng(number), bytearray(whole.read_bytes())
+                for at in generator.integers(8, len(data), 2):
+                    data[at] ^= int(generator.integers(1, 256))
+                # USD would give the layer that is open already for a name that it knows.
+                path = self.folder / f"flipped_{number}.{ending}"
+                path.write_bytes(data)
+                try:
+                    import_usd(path, self.folder / "out.glb")
+                except SceneError:
+                    pass
 
     def test_an_empty_stage(self):
         self.assertIn("holds nothing", self.refused(self.stage()))

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from . import OK
-from .arguments import frame_rate
+from .arguments import frame_rate, frames
 
 HELP = "writes what sunfleck renders as a USD stage"
 
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--for", dest="reader", choices=["usd", "blender"], default="usd", help="whose light units (usd)")
     parser.add_argument("--point-instancer", action="store_true", help="one PointInstancer for leaves that share meshes")
     parser.add_argument("--samples-per-frame", metavar="N", type=int, choices=range(1, 65), default=1, help="time samples (1)")
-    parser.add_argument("--frames", metavar="A-B", help="first and last frame, of a .ron")
+    parser.add_argument("--frames", metavar="A-B", type=frames, help="first and last frame (the input's)")
     parser.add_argument("--fps", type=frame_rate, help="frames a second, if the input does not say: 24 or 24000/1001")
     parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
 
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
         for_blender=arguments.reader == "blender",
         point_instancer=arguments.point_instancer,
         samples_per_frame=arguments.samples_per_frame,
-        frames=arguments.frames,
+        frames=(arguments.frames[0], arguments.frames[-1]) if arguments.frames else None,
         fps=arguments.fps,
         program=arguments.sunfleck,
     )

@@ -34,14 +34,16 @@ def find_program(named: str | None) -> str | None:
     return shutil.which(named or os.environ.get("SUNFLECK") or "sunfleck")
 
 
-def load(source: Path, program: str | None = None, frames: str | None = None, fps: Fraction | None = None) -> Gltf:
-    """Reads a sequence, a scene or a glTF file."""
+def load(
+    source: Path, program: str | None = None, frames: tuple[int, int] | None = None, fps: Fraction | None = None
+) -> Gltf:
+    """Reads a sequence, a scene or a glTF file, its first and last frame and their rate as it says itself unless told."""
     why = ""
     if source.suffix.lower() in (".glb", ".gltf"):
         container = Container(source)
         needed = beyond(container.document)
         if not needed:
-            return Gltf(container, fps)
+            return Gltf(container, fps, frames)
         why = f", which reads its {', '.join(needed)}"
     found = find_program(program)
     if found is None:
@@ -51,7 +53,7 @@ def load(source: Path, program: str | None = None, frames: str | None = None, fp
     with tempfile.TemporaryDirectory() as folder:
         exported = Path(folder) / "scene.glb"
         command = [found, "export", str(source), str(exported)]
-        command += ["--frames", frames] if frames else []
+        command += ["--frames", f"{frames[0]}-{frames[1]}"] if frames else []
         command += ["--fps", str(fps)] if fps else []
         result = subprocess.run(command, capture_output=True, text=True, errors="replace")
         if result.returncode != 0:

@@ -44,7 +44,7 @@ class Settings:
 class Gltf:
     """A file that was read."""
 
-    def __init__(self, container: Container, fps: Fraction | None = None):
+    def __init__(self, container: Container, fps: Fraction | None = None, frames: tuple[int, int] | None = None):
         self.container = container
         self.document = container.document
         self.accessors = Accessors(self.container)
@@ -59,8 +59,9 @@ class Gltf:
         self.nodes = read_nodes(self.document, self.scene)
         read_animations(self.document, self.nodes, self.accessors)
         self._mend_times()
-        self.settings = self._settings(fps)
+        self.settings = self._settings(fps, frames)
         self.controls = self._controls()
+        self._used: set[str] = set()
 
     def _mend_times(self) -> None:
         """Blender multiplies by fps_base where it should divide."""
@@ -76,13 +77,14 @@ class Gltf:
             if node.weights is not None:
                 node.weights = _mended(node.weights, rate, base)
 
-    def _settings(self, fps: Fraction | None) -> Settings:
+    def _settings(self, fps: Fraction | None, frames: tuple[int, int] | None) -> Settings:
         sunfleck = self.extras.group("sunfleck")
         rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6) / sunfleck.number_at("fps_base", 1.0, 1e-3, 1e6)
         fps = fps or Fraction(rate).limit_denominator(1001)
         first, last = self._keyed_frames(fps)
         first = int(sunfleck.number_at("frame_start", first, -1e7, 1e7))
         last = int(sunfleck.number_at("frame_end", max(first, last), -1e7, 1e7))
+        first, last = frames or (first, last)
         if last < first or last - first >= MOST_FRAMES:
             sunfleck.fail(f"frames {first} to {last} are no range of at most {MOST_FRAMES}")
         size = sunfleck.member("resolution")
@@ -118,9 +120,16 @@ class Gltf:
                 found[control.text_at("target")] = Control(node, vector, "xyz".find(axis) if axis else None)
         return found
 
-    def control(self, node: Node, field: str) -> Control | None:
-        """What carries a field of a node's property, such as `sunfleck_light.radius`."""
-        return self.controls.get(f"{node.name}.{field}")
+    def control(self, owner: str, field: str) -> Control | None:
+        """What carries a field of a property of a node (by its name) or of `scene`, such as `sunfleck_light.radius`."""
+        target = f"{owner}.{field}"
+        self._used.add(target)
+        return self.controls.get(target)
+
+    @property
+    def unused(self) -> list[str]:
+        """Targets of values that were carried and nobody asked for."""
+        return sorted(self.controls.keys() - self._used)
 
 
 @dataclass(frozen=True)

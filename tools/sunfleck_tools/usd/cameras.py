@@ -69,7 +69,7 @@ def _write_shift(prim: Prim, ours, frame_width: float, frame_height: float) -> N
 
 def _controlled(node: Node, field: str, rest: float, gltf: Gltf, sampler: Sampler) -> tuple[np.ndarray, np.ndarray]:
     """Codes and values of a number that may change."""
-    control = gltf.control(node, field)
+    control = gltf.control(node.name, field)
     if control is None:
         return sampler.frames[:1], np.array([rest])
     codes = sampler.codes(control.curve)

@@ -28,6 +28,8 @@ from .surroundings import write_fog, write_metadata, write_scene
 from .textures import Textures
 
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
+MOST_SAMPLES = 30_000_000
+"""About 100 bytes each while they are written."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class ExportOptions:
     for_blender: bool = False
     point_instancer: bool = False
     samples_per_frame: int = 1
-    frames: str | None = None
+    frames: tuple[int, int] | None = None
     fps: Fraction | None = None
     program: str | None = None
 
@@ -90,6 +92,9 @@ class _Export:
     def __init__(self, gltf: Gltf, options: ExportOptions, textures: Textures, said: str):
         self.gltf, self.options, self.said = gltf, options, said
         self.sampler = Sampler(gltf.settings, options.samples_per_frame)
+        samples = len(self.sampler.frames) * sum(len(node.curves) for node in gltf.nodes)
+        if samples > MOST_SAMPLES:
+            raise SceneError(f"{said}: would have {samples} time samples, of at most {MOST_SAMPLES}: export fewer --frames")
         self.names, self.lost = Names(), []
         self.layer = Sdf.Layer.CreateAnonymous(".usda")
         self.textures = textures
@@ -106,8 +111,9 @@ class _Export:
             self.world = world
             write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
             self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
-            write_scene(world, self.gltf)
+            write_scene(world, self.gltf, self.sampler)
             self._write_nodes()
+        self.lost += [f"a value that changes is carried for `{target}`, which takes none" for target in self.gltf.unused]
         if not self.layer.Export(str(path)):
             raise OSError(f"{path}: could not be written")
         settings = self.gltf.settings
@@ -131,7 +137,8 @@ class _Export:
     def _is_plain(self, node: Node) -> bool:
         """True if there is nothing at the node but a mesh that keeps its shape."""
         things = [node.source.member("camera"), kind_of(node, self.gltf), node.extras.member("sunfleck_fog_volume")]
-        controlled = self.gltf.control(node, "sunfleck_node.visible") is not None
+        controlled = self.gltf.control(node.name, "sunfleck_node.visible") is not None
+        controlled |= node.source.extension("KHR_node_visibility") is not None
         alone = not node.children and all(thing is None for thing in things) and not controlled
         return alone and self.geometry.meshes.of(node) is not None and self.geometry.bending(node) is None
 

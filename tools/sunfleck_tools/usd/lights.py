@@ -81,7 +81,7 @@ class _Light:
         intensity = self._still_power(kind)
         first = self._power("power_w", intensity, 4 * math.pi, 4.0)
         radius = self.ours.number_at("radius", 0.0, 0.0)
-        if radius == 0 and self.gltf.control(self.node, "sunfleck_light.radius") is None:
+        if radius == 0 and self.gltf.control(self.node.name, "sunfleck_light.radius") is None:
             self.prim.set("treatAsPoint", Types.Bool, True)
             self.prim.set("inputs:radius", Types.Float, POINT_RADIUS)
         else:
@@ -96,8 +96,7 @@ class _Light:
         self.prim.remember({"intensity_w_per_sr": first.tolist()})
 
     def _area(self, kind: str) -> None:
-        color = self.ours.member("color")
-        power = self.ours.need("power_w").number(0.0) * np.array([1.0] * 3 if color is None else color.channels())
+        power = self.ours.need("power_w").number(0.0) * self._color()
         first = self._power("power_w", power, 1.0, 1 / math.pi)
         size = self.ours.need("size")
         width, height = size.numbers(2) if isinstance(size.raw, list) else [size.number()] * 2
@@ -124,20 +123,21 @@ class _Light:
         watts = {"spec": 1 / LUMENS_PER_WATT, "compat": 1.0, "raw": 1.0 if kind == "directional" else 1 / (4 * math.pi)}
         if units not in watts:
             self.gltf.extras.group("sunfleck").fail(f"`{units}` are no light units: spec, compat or raw")
-        color = self.source.member("color")
-        intensity = self.source.number_at("intensity", 1.0, 0.0)
-        return np.array([1.0] * 3 if color is None else color.numbers(3)) * (intensity * watts[units])
+        return self._color() * (self.source.number_at("intensity", 1.0, 0.0) * watts[units])
+
+    def _color(self) -> np.ndarray:
+        color = (self.source or self.ours).member("color")
+        return np.array([1.0] * 3 if color is None else color.channels())
 
     def _power(self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float) -> np.ndarray:
         """Writes intensity and colour; what it is at first."""
-        control = self.gltf.control(self.node, f"sunfleck_light.{field}")
+        control = self.gltf.control(self.node.name, f"sunfleck_light.{field}")
         codes, rows = self.sampler.frames[:1], still[None]
         if control is not None:
             codes = self.sampler.codes(control.curve)
             carried = control.at(self.sampler.seconds(codes)) / carried_per_unit
-            largest = still.max()
             # One number multiplies the colour that the light has.
-            rows = carried * (still / largest if largest > 0 else np.ones(3)) if carried.shape[1] == 1 else carried
+            rows = carried * self._color() if carried.shape[1] == 1 else carried
             codes, rows = thinned(codes, rows)
         brightest = rows.max(axis=1)
         colors = np.where(brightest[:, None] > 0, rows / np.where(brightest > 0, brightest, 1.0)[:, None], 1.0)
@@ -146,7 +146,7 @@ class _Light:
         return rows[0]
 
     def _number(self, name: str, field: str, still: float, convert=lambda values: values) -> None:
-        control = self.gltf.control(self.node, f"sunfleck_light.{field}")
+        control = self.gltf.control(self.node.name, f"sunfleck_light.{field}")
         codes, rows = self.sampler.frames[:1], np.array([[still]])
         if control is not None:
             codes = self.sampler.codes(control.curve)

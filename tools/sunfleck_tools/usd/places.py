@@ -51,7 +51,7 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     hidden = node.source.extension("KHR_node_visibility")
     if hidden is not None and (said := hidden.member("visible")) is not None and said.raw is False:
         prim.set("visibility", Types.Token, "invisible")
-    control = gltf.control(node, "sunfleck_node.visible")
+    control = gltf.control(node.name, "sunfleck_node.visible")
     if control is None:
         return False
     codes = sampler.codes(control.curve)

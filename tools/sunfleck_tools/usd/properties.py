@@ -10,7 +10,6 @@ import json
 import numpy as np
 from pxr import Gf
 
-from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
 from .prims import Prim, Types
 from .samples import Sampler, thinned
@@ -18,11 +17,11 @@ from .samples import Sampler, thinned
 SPACE = "userProperties:"
 
 
-def write_properties(prim: Prim, name: str, fields: dict, node: Node | None = None, gltf=None, sampler=None) -> None:
-    """The fields of a property; those that a node carries as they change."""
+def write_properties(prim: Prim, name: str, fields: dict, owner: str, gltf: Gltf, sampler: Sampler) -> None:
+    """The fields of a property of `owner`; those that a node carries as they change."""
     for field, value in fields.items():
         attribute = f"{SPACE}{name}:{field}"
-        control = gltf.control(node, f"{name}.{field}") if node is not None else None
+        control = gltf.control(owner, f"{name}.{field}")
         if control is None:
             _write(prim, attribute, value)
         else:

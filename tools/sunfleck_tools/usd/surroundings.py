@@ -13,18 +13,18 @@ from .samples import Sampler
 OF_SCENE = ("sunfleck", "sunfleck_env", "sunfleck_fog")
 
 
-def write_scene(prim: Prim, gltf: Gltf) -> None:
+def write_scene(prim: Prim, gltf: Gltf, sampler: Sampler) -> None:
     """The properties of the scene."""
     for name in OF_SCENE:
         fields = gltf.extras.group(name).raw
         if isinstance(fields, dict):
-            write_properties(prim, name, fields)
+            write_properties(prim, name, fields, "scene", gltf, sampler)
 
 
 def write_fog(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Names) -> None:
     """The fog that a node bounds: the image of the cube from -1 to 1."""
     fog = node.extras.group("sunfleck_fog_volume")
-    write_properties(prim, "sunfleck_fog_volume", fog.raw, node, gltf, sampler)
+    write_properties(prim, "sunfleck_fog_volume", fog.raw, node.name, gltf, sampler)
     if fog.text_at("shape", "box") != "box":
         return
     cube = prim.child(names.new(f"{node.name}_bounds"), "Cube")

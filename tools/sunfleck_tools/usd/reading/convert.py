@@ -131,10 +131,11 @@ class _Import:
     def _read_scene(self, prim: Usd.Prim) -> dict:
         found, carried = read_properties(prim, self.source)
         for name in OF_SCENE:
-            if name in found:
-                self.scene.setdefault(name, found.pop(name))
-        if carried and not prim.IsA(UsdGeom.Xformable):
-            self.lost.append(f"{prim.GetPath()}: properties that change are not carried")
+            if name in found and name not in self.scene:
+                self.scene[name] = found.pop(name)
+                for field_name, (codes, rows) in carried.items():
+                    if field_name.startswith(f"{name}."):
+                        self.nodes.carry(None, field_name, codes, rows)
         return found
 
     def _node(self, prim: Usd.Prim, parent: int | None, depth: int) -> tuple[int, list[Usd.Prim]]:

@@ -11,6 +11,7 @@ from .places import parts, sheared
 from .source import Source
 
 MOST_NODES = 2_000_000
+MOST_SAMPLES = 30_000_000
 LARGEST = 1e15
 """Of all elements of matrices, as in the renderer."""
 
@@ -22,6 +23,7 @@ class Nodes:
         self.writer, self.source, self.lost = writer, source, lost
         self.roots: list[int] = []
         self._names: dict[str, int] = {}
+        self._samples = 0
 
     def add(self, name: str, parent: int | None) -> int:
         """A node below another, or at the top."""
@@ -68,6 +70,9 @@ class Nodes:
         self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
 
     def _move(self, node: int, codes: np.ndarray, rows: dict[str, np.ndarray]) -> None:
+        self._samples += len(codes)
+        if self._samples > MOST_SAMPLES:
+            raise SceneError(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
         rests = {"translation": [0.0] * 3, "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0] * 3}
         for path, values in rows.items():
             # What differs by rounding alone stands still.
@@ -84,9 +89,9 @@ class Nodes:
         """A custom property."""
         self.of(node).setdefault("extras", {})[name] = value
 
-    def carry(self, owner: int, field: str, codes: np.ndarray, rows: np.ndarray, steps: bool = False) -> None:
-        """Lets a node of its own carry a value that changes."""
-        target = f"{self.of(owner)['name']}.{field}"
+    def carry(self, owner: int | None, field: str, codes: np.ndarray, rows: np.ndarray, steps: bool = False) -> None:
+        """Lets a node of its own carry a value of a node, or of the scene, that changes."""
+        target = f"{'scene' if owner is None else self.of(owner)['name']}.{field}"
         node = self.add(f"ctl_{target}", None)
         wide = np.zeros((len(rows), 3))
         wide[:, : rows.shape[1]] = rows
