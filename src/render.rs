@@ -19,7 +19,7 @@ use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::Transport;
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
-use refine::{Goal, Refined};
+use refine::{Budget, Goal, Refined};
 use sum::Sum;
 use survey::Survey;
 
@@ -128,17 +128,19 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         let tally = slices::Tally::default();
         let lights = survey.lights.len();
         // The brightest first: the others are judged by what they add to it.
-        for (number, &light) in survey.lights.iter().enumerate() {
+        let mut share_so_far = 0.0;
+        for (number, (&light, &share)) in survey.lights.iter().zip(&survey.shares).enumerate() {
             let picture = slices::LightPicture { exposure, job, light, tally: &tally };
             let part = (number as f64 / lights as f64, (number + 1) as f64 / lights as f64);
-            let others = sum.luminances();
-            let developed = watch.part(part, None, |watch| develop(&picture, job, &survey, others, watch));
+            share_so_far += share;
+            let budget = Budget { share, share_so_far, before: sum.estimates() };
+            let developed = watch.part(part, None, |watch| develop(&picture, job, &survey, &budget, watch));
             sum.add(developed);
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
         let picture = tiles::RayPicture { exposure, job };
-        sum.add(develop(&picture, job, &survey, Vec::new(), watch));
+        sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }
     sum.finish(job, &survey)
 }
@@ -162,15 +164,13 @@ fn develop(
     picture: &impl passes::Picture,
     job: &Job,
     survey: &Survey,
-    others: Vec<f64>,
+    budget: &Budget,
     watch: &Watch,
 ) -> Refined {
     match job.sampling {
         Sampling::Exactly(samples) => refine::once(picture, job, samples, watch),
         Sampling::Until { tolerance, most } => {
-            // Errors of independent pictures add in squares.
-            let tolerance = tolerance / (picture.count() as f64).sqrt();
-            refine::refine(picture, job, &Goal { tolerance, most, survey, others }, watch)
+            refine::refine(picture, job, &Goal { tolerance, most, survey, budget }, watch)
         }
     }
 }

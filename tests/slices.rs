@@ -43,22 +43,16 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
     let light = snapshot.lights[0].centre();
     let lens_point = snapshot.view.lens_point([0.9, 0.3]);
     let fan = Fan::new(&snapshot.view, SIZE, lens_point, light.source()).expect("a fan");
-    let job = SliceJob {
-        snapshot: &snapshot,
-        transport: &EXACT,
-        light: &light,
-        self_luminous: true,
-        fan: &fan,
-        size: SIZE,
-        wanted: &|_, _| true,
-    };
+    let job =
+        SliceJob { snapshot: &snapshot, transport: &EXACT, light: &light, self_luminous: true, fan: &fan };
     let (mut scratch, mut ray_scratch) = (SliceScratch::default(), Scratch::default());
     let (mut differ, mut count, mut squares, mut sum) = (0, 0, 0.0, 0.0);
     for number in 0..41 {
         let angle = fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.4) / 41.0;
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
-        solve(&job, &slice, areas, &mut scratch, |sample| {
+        let places = areas.map(|area| slice.place(area)).enumerate();
+        solve(&job, &slice, places, &mut scratch, |sample| {
             let film = sample.place.film_px;
             let (x, y) = (film.x / SIZE.width as f64, film.y / SIZE.height as f64);
             let ray = snapshot.view.ray_from(lens_point, x, y);

@@ -134,8 +134,6 @@ fn slices_see_the_same_light_as_rays() {
             light: &light,
             self_luminous: true,
             fan: &fan,
-            size,
-            wanted: &|_, _| true,
         };
         let (mut rays, mut slices) = (Scratch::default(), SliceScratch::default());
         let (mut lit, mut differ, mut squares, mut sum) = (0, 0, 0.0, 0.0);
@@ -143,7 +141,8 @@ fn slices_see_the_same_light_as_rays() {
             let angle = fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.4) / 29.0;
             let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
             let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
-            solve(&job, &slice, areas, &mut slices, |sample| {
+            let places = areas.map(|area| slice.place(area)).enumerate();
+            solve(&job, &slice, places, &mut slices, |sample| {
                 let film = sample.place.film_px / DVec2::new(160.0, 90.0);
                 let ray = snapshot.view.ray(film.x, film.y);
                 let mut sampler = Sampler::new(0, 0, 0, 0);

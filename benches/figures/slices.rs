@@ -17,6 +17,9 @@ const SIZE: Size = Size { width: 480, height: 270 };
 /// The errors whose price is quoted.
 const TARGETS: [f64; 2] = [0.02, 0.01];
 
+/// Tolerances whose price is quoted too.
+const TOLERANCES: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
+
 /// leaves500: a row for each number of samples a pixel, the fastest of `rounds` counts; then what a
 /// second thread gains.
 pub fn run(rounds: usize) {
@@ -73,7 +76,8 @@ fn against_itself(scene: &Scene, rounds: usize) {
     table(&exposure, &reference, noise, &[1, 2, 4, 8, 16, 32], Placement::Slices, rounds);
 }
 
-/// Prints CPU time and error for each number of samples, and the time to the targets in between.
+/// Prints CPU time and error for each number of samples, the time to the targets in between, and by slices the same for
+/// pictures of a tolerance.
 fn table(
     exposure: &Exposure,
     reference: &Frame,
@@ -82,17 +86,21 @@ fn table(
     placement: Placement,
     rounds: usize,
 ) {
-    println!("{:>8} {:>10} {:>12} {:>12}", "samples", "CPU s", "net RMSE", "mean ratio");
-    let pool = pool(1);
-    let mut rows: Vec<(f64, f64)> = Vec::new();
-    for &samples in samples {
-        let job = job(samples, 0, placement);
+    println!("{:>16} {:>10} {:>12} {:>12}", "samples", "CPU s", "net RMSE", "mean ratio");
+    let row = |name: &str, job: &Job| {
+        let pool = pool(1);
         let (seconds, frame) =
-            fastest(rounds, || pool.install(|| render(exposure, &job, &Watch::NOBODY).frame));
+            fastest(rounds, || pool.install(|| render(exposure, job, &Watch::NOBODY).frame));
         let found = difference(&frame, reference);
         let error = net_rmse(found.rmse, reference_noise);
-        println!("{samples:>8} {seconds:>10.3} {error:>12.5} {:>12.6}", found.mean_ratio);
-        rows.push((seconds, error));
+        println!("{name:>16} {seconds:>10.3} {error:>12.5} {:>12.6}", found.mean_ratio);
+        (seconds, error)
+    };
+    let rows: Vec<(f64, f64)> =
+        samples.iter().map(|&samples| row(&samples.to_string(), &job(samples, 0, placement))).collect();
+    for tolerance in if placement == Placement::Slices { TOLERANCES.as_slice() } else { &[] } {
+        let sampling = Sampling::Until { tolerance: *tolerance, most: 1024 };
+        row(&format!("tolerance {tolerance}"), &Job { sampling, ..job(1, 0, placement) });
     }
     for target in TARGETS {
         let crossed = rows.windows(2).find(|pair| pair[0].1 >= target && target > pair[1].1);

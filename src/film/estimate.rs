@@ -1,9 +1,18 @@
 //! How far a picture still is from the truth, judged by its own samples. In goes a film whose samples
-//! came in two halves, out comes a variance for each block of pixels. Invariant: a block is judged
+//! came in two halves, out comes a variance for each pixel and each block of pixels. Invariant: a block is judged
 //! by its own pixels alone, and by all of them together, since a pixel's two halves may agree by chance.
 
-use super::{Blocks, Film};
+use super::Film;
 use crate::color::{Rgb, luminance};
+
+/// What a pixel's samples say of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelEstimate {
+    /// Its luminance.
+    pub luminance: f64,
+    /// Squared standard error of that; `None` without two halves.
+    pub variance: Option<f64>,
+}
 
 /// What a block's samples say of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,39 +24,43 @@ pub struct BlockEstimate {
 }
 
 impl Film {
-    /// Mean and variance of each block.
+    /// What the samples of each pixel say of its luminance, row by row; `None` where there are none.
     ///
     /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then the pixel's value,
     /// (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if samples are independent, for
     /// then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b). Halves that complete one another
     /// err in opposite directions, and the value is better than that.
-    pub fn estimates(&self, blocks: &Blocks) -> Vec<BlockEstimate> {
-        (0..blocks.count()).map(|block| self.estimate(blocks, block)).collect()
-    }
-
-    fn estimate(&self, blocks: &Blocks, block: usize) -> BlockEstimate {
-        let (mut luminances, mut pixels) = (0.0, 0.0_f64);
-        let (mut variances, mut judged) = (0.0, 0.0);
-        for (x, y) in blocks.pixels(block).pixels() {
-            let Some(pixel) = self.window.index(x, y) else { continue };
-            let all = self.weights[pixel];
-            if all == 0.0 {
-                continue;
-            }
-            let [red, green, blue] = [0, 1, 2].map(|channel| self.sums[pixel * self.stride() + channel]);
-            let sum = luminance(Rgb::new(red, green, blue));
-            luminances += sum / all;
-            pixels += 1.0;
-            let [fresh, fresh_sum] = self.fresh[pixel];
+    pub fn estimates(&self) -> Vec<Option<PixelEstimate>> {
+        let channels = self.sums.chunks_exact(self.stride());
+        let pixels = self.weights.iter().zip(channels).zip(&self.fresh);
+        let estimate = |((&all, sums), &[fresh, fresh_sum]): ((&f64, &[f64]), &[f64; 2])| {
+            let sum = luminance(Rgb::new(sums[0], sums[1], sums[2]));
             let known = all - fresh;
-            if known > 0.0 && fresh > 0.0 {
+            let variance = (known > 0.0 && fresh > 0.0).then(|| {
                 let difference = (sum - fresh_sum) / known - fresh_sum / fresh;
-                variances += difference * difference * known * fresh / (all * all);
+                difference * difference * known * fresh / (all * all)
+            });
+            (all > 0.0).then(|| PixelEstimate { luminance: sum / all, variance })
+        };
+        pixels.map(estimate).collect()
+    }
+}
+
+impl BlockEstimate {
+    /// Of those of its pixels that are known.
+    pub fn of(pixels: impl Iterator<Item = PixelEstimate>) -> Self {
+        let (mut luminances, mut count) = (0.0, 0.0_f64);
+        let (mut variances, mut judged) = (0.0, 0.0);
+        for pixel in pixels {
+            luminances += pixel.luminance;
+            count += 1.0;
+            if let Some(variance) = pixel.variance {
+                variances += variance;
                 judged += 1.0;
             }
         }
-        BlockEstimate {
-            luminance: luminances / pixels.max(1.0),
+        Self {
+            luminance: luminances / count.max(1.0),
             variance: if judged > 0.0 { variances / judged } else { f64::INFINITY },
         }
     }
@@ -56,6 +69,7 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{Blocks, Mask};
     use crate::math::Sampler;
     use crate::scene::{Size, Window};
     use crate::transport::Sample;
@@ -71,6 +85,13 @@ mod tests {
         (Film::new(SIZE, window, &[]), Blocks::covering(window, SIZE))
     }
 
+    fn of_blocks(film: &Film, blocks: &Blocks) -> Vec<BlockEstimate> {
+        let pixels = film.estimates();
+        let known = |(x, y)| film.window().index(x, y).and_then(|pixel| pixels[pixel]);
+        let of_block = |block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(known));
+        (0..blocks.count()).map(of_block).collect()
+    }
+
     #[test]
     fn halves_that_agree_have_no_error_and_one_half_says_nothing() {
         let (mut film, blocks) = film();
@@ -80,7 +101,7 @@ mod tests {
                 film.add_fresh(x, y, 2.0, 0.0, &grey(3.0));
             }
         }
-        let [judged, unknown] = film.estimates(&blocks)[..] else { panic!("two blocks") };
+        let [judged, unknown] = of_blocks(&film, &blocks)[..] else { panic!("two blocks") };
         assert!((judged.luminance - 3.0).abs() < 1e-12 && judged.variance < 1e-24, "{judged:?}");
         assert!((unknown.luminance - 3.0).abs() < 1e-12 && unknown.variance == f64::INFINITY, "{unknown:?}");
     }
@@ -104,7 +125,7 @@ mod tests {
                         }
                     }
                 }
-                variances += film.estimates(&blocks).iter().map(|block| block.variance).sum::<f64>();
+                variances += of_blocks(&film, &blocks).iter().map(|block| block.variance).sum::<f64>();
             }
             let mean = variances / f64::from(2 * rounds);
             let truth = 1.0 / (12.0 * f64::from(known + fresh));
@@ -119,11 +140,23 @@ mod tests {
             film.add(x, y, 1.0, 0.0, &grey(1.0));
             film.add_fresh(x, y, 1.0, 0.0, &grey(2.0));
         }
-        assert!((film.estimates(&blocks)[0].variance - 0.25).abs() < 1e-12);
-        film.let_fresh_be_known();
+        assert!((of_blocks(&film, &blocks)[0].variance - 0.25).abs() < 1e-12);
+        film.let_fresh_be_known(&Mask::all(film.window()));
         for (x, y) in Window::whole(SIZE).pixels() {
             film.add_fresh(x, y, 2.0, 0.0, &grey(1.5));
         }
-        assert!(film.estimates(&blocks)[0].variance < 1e-24);
+        assert!(of_blocks(&film, &blocks)[0].variance < 1e-24);
+    }
+
+    #[test]
+    fn pixels_that_stay_keep_what_they_were_judged_by() {
+        let (mut film, _) = film();
+        film.add(3, 3, 1.0, 0.0, &grey(1.0));
+        film.add_fresh(3, 3, 1.0, 0.0, &grey(2.0));
+        film.let_fresh_be_known(&Mask::from_fn(film.window(), |x, _| x != 3));
+        let at = film.window().index(3, 3).expect("a pixel");
+        let estimate = film.estimates()[at].expect("has samples");
+        assert!((estimate.luminance - 1.5).abs() < 1e-12, "{estimate:?}");
+        assert!(estimate.variance.is_some_and(|variance| (variance - 0.25).abs() < 1e-12), "{estimate:?}");
     }
 }

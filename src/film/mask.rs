@@ -1,5 +1,6 @@
 //! Which pixels of a picture want samples. Invariant: pixels outside the window never do.
 
+use super::BLOCK_SIDE;
 use crate::scene::Window;
 
 /// A set of pixels of the full picture.
@@ -7,6 +8,9 @@ use crate::scene::Window;
 pub struct Mask {
     window: Window,
     wanted: Vec<bool>,
+    /// The blocks that the window touches, in blocks from the picture's corner, and which of them hold some of the pixels.
+    blocks: Window,
+    is_inhabited: Vec<bool>,
 }
 
 impl Mask {
@@ -17,7 +21,21 @@ impl Mask {
 
     /// The pixels `(x, y)` of a window of which `wanted` says so.
     pub fn from_fn(window: Window, mut wanted: impl FnMut(usize, usize) -> bool) -> Self {
-        Self { window, wanted: window.pixels().map(|(x, y)| wanted(x, y)).collect() }
+        let span = |from: usize, count: usize| {
+            let first = from / BLOCK_SIDE;
+            (first, (from + count).div_ceil(BLOCK_SIDE) - first)
+        };
+        let ((x, width), (y, height)) = (span(window.x, window.width), span(window.y, window.height));
+        let blocks = Window { x, y, width, height };
+        let mut is_inhabited = vec![false; width * height];
+        let wanted = window.pixels().map(|(x, y)| {
+            let is_wanted = wanted(x, y);
+            if let Some(block) = blocks.index(x / BLOCK_SIDE, y / BLOCK_SIDE) {
+                is_inhabited[block] |= is_wanted;
+            }
+            is_wanted
+        });
+        Self { window, wanted: wanted.collect(), blocks, is_inhabited }
     }
 
     /// The rectangle that they lie in.
@@ -25,9 +43,25 @@ impl Mask {
         self.window
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.wanted.iter().filter(|wanted| **wanted).count()
+    }
+
     /// Whether a pixel of the full picture is one of them.
     pub fn contains(&self, x: usize, y: usize) -> bool {
         self.window.index(x, y).is_some_and(|index| self.wanted[index])
+    }
+
+    /// Pixels around one that is not wanted, of which none is either: its block, or it alone. `None` if it is wanted.
+    pub fn unwanted_around(&self, x: usize, y: usize) -> Option<Window> {
+        let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);
+        let is_inhabited = self.blocks.index(column, row).is_some_and(|block| self.is_inhabited[block]);
+        if !is_inhabited {
+            let (x, y) = (column * BLOCK_SIDE, row * BLOCK_SIDE);
+            return Some(Window { x, y, width: BLOCK_SIDE, height: BLOCK_SIDE });
+        }
+        (!self.contains(x, y)).then_some(Window { x, y, width: 1, height: 1 })
     }
 }
 
@@ -42,5 +76,17 @@ mod tests {
         assert!(mask.contains(2, 3) && mask.contains(4, 4));
         assert!(!mask.contains(3, 3) && !mask.contains(0, 3) && !mask.contains(6, 3) && !mask.contains(2, 5));
         assert!(Mask::all(window).contains(5, 4) && !Mask::all(window).contains(6, 4));
+        assert_eq!((mask.count(), Mask::all(window).count()), (4, 8));
+    }
+
+    #[test]
+    fn empty_blocks_are_aligned_to_the_picture_and_hold_none() {
+        let mask = Mask::from_fn(Window { x: 5, y: 3, width: 20, height: 10 }, |x, y| x == 16 && y == 7);
+        let block = |x, y| Some(Window { x, y, width: 8, height: 8 });
+        assert_eq!(mask.unwanted_around(16, 7), None);
+        assert_eq!(mask.unwanted_around(23, 0), Some(Window { x: 23, y: 0, width: 1, height: 1 }));
+        assert_eq!(mask.unwanted_around(15, 7), block(8, 0));
+        assert_eq!(mask.unwanted_around(16, 8), block(16, 8));
+        assert_eq!(mask.unwanted_around(100, 50), block(96, 48));
     }
 }

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use splats::{BEAUTY, Band, KeptPasses, SplatPlace};
 
 pub use blocks::{BLOCK_SIDE, Blocks};
-pub use estimate::BlockEstimate;
+pub use estimate::{BlockEstimate, PixelEstimate};
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 pub use mask::Mask;
 pub use splats::Splats;
@@ -107,9 +107,13 @@ impl Film {
         }
     }
 
-    /// All samples so far are the known half of what comes next.
-    pub fn let_fresh_be_known(&mut self) {
-        self.fresh.fill([0.0; 2]);
+    /// All samples so far of these pixels are the known half of what comes next; other pixels keep the halves that they are judged by.
+    pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
+        for ((x, y), fresh) in self.window.pixels().zip(&mut self.fresh) {
+            if pixels.contains(x, y) {
+                *fresh = [0.0; 2];
+            }
+        }
     }
 
     /// An empty list of samples for this film.

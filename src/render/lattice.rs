@@ -8,12 +8,19 @@
 //! its place in the lattice. So the picture is cut in rings about the axis; within a ring each slice
 //! is turned so that it passes through its lattice place in the middle of the ring.
 
+use crate::film::Mask;
 use crate::math::kronecker;
-use crate::transport::slices::{Fan, Ring, Slice};
+use crate::scene::Size;
+use crate::transport::slices::{Fan, Place, Ring, Slice, pixel};
+use glam::DVec2;
 use std::f64::consts::{PI, TAU};
+use std::iter;
 
 /// Rings finer than this gain nothing that they would not cost: each gathers what its slices cut anew.
 const MOST_RINGS: f64 = 12.0;
+
+/// How far apart slices may lie, by the side of the square that a sample stands for.
+const WIDEST: f64 = 1.8;
 
 /// The slices of one pass over one light's part of the picture.
 pub(super) struct Lattice {
@@ -49,12 +56,13 @@ impl Lattice {
         samples: f64,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
+        let extent = base.extent();
         let rings = rings(base, deviation_rad).map(|ring| {
-            let separation_px = match base.mean_separation_px(ring) {
-                0.0 => base.mean_separation_px(Ring::WHOLE),
+            let (mean_px, greatest_px) = match base.separation_px(ring) {
+                (0.0, _) => base.separation_px(Ring::WHOLE),
                 separation => separation,
             };
-            let (low, high) = (ring.0.max(base.extent.0), ring.1.min(base.extent.1));
+            let (low, high) = (ring.0.max(extent.0), ring.1.min(extent.1));
             let anchor = 0.5 * (low + high);
             let turn = (deviation_rad.sin() / low.sin().min(high.sin()).max(0.0)).min(1.0).asin();
             let is_anchored = deviation_rad > 0.0 && turn < 0.25 * PI;
@@ -65,10 +73,11 @@ impl Lattice {
                 _ => PI,
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
-            // As many slices across as samples along: the lattice's cells are square on average. But
-            // where slices have draws of their own, a sample more on the same slice tells less.
-            let across = if deviation_rad > 0.0 { samples } else { samples.sqrt() };
-            let count = (width * across * separation_px).ceil().max(1.0);
+            // Nowhere may slices lie much farther apart than samples on them, for those of one slice shun only each
+            // other. But where slices have draws of their own, a sample more on the same slice tells less.
+            let slices_per_rad =
+                if deviation_rad > 0.0 { samples * mean_px } else { samples.sqrt() * greatest_px / WIDEST };
+            let count = (width * slices_per_rad).ceil().max(1.0);
             let step_rad = width / count;
             let (across, along) = shift();
             // The cell of the slice before the first reaches into the picture, unless that is the last one again.
@@ -109,18 +118,37 @@ impl Lattice {
 }
 
 impl PlacedSlice {
-    /// Where its samples lie (see [`Slice::place`]).
-    pub(super) fn areas(&self) -> impl Iterator<Item = f64> + use<> {
-        let (step, shift) = (self.step_area, self.shift);
-        let count = (self.slice.area_per_rad / step - shift).ceil().max(0.0) as usize;
-        (0..count).map(move |index| (index as f64 + shift) * step)
+    /// Its samples in pixels that are wanted, each with its number along the slice.
+    pub(super) fn places(&self, size: Size, wanted: &Mask) -> impl Iterator<Item = (usize, Place)> {
+        let Self { slice, shift, step_area } = self;
+        let count = (slice.area_per_rad / step_area - shift).ceil().max(0.0) as usize;
+        let mut next = 0;
+        iter::from_fn(move || {
+            while next < count {
+                let index = next;
+                let area = (index as f64 + shift) * step_area;
+                let film_px = slice.film_px(area);
+                let (x, y) = pixel(film_px, size);
+                next += 1;
+                let Some(around) = wanted.unwanted_around(x, y) else {
+                    return Some((index, slice.place(area)));
+                };
+                let low = DVec2::new(around.x as f64, around.y as f64);
+                let high = low + DVec2::new(around.width as f64, around.height as f64);
+                // To the last sample in there, not to the first beyond: rounding must not skip one.
+                let exit = slice.area_at_exit(film_px, low, high) / step_area - shift;
+                next = next.max(exit as usize);
+            }
+            None
+        })
     }
 }
 
 /// One ring without deviation; else so many that within each of them slices wander no farther than
 /// they lie apart.
 fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
-    let (low, high) = (base.extent.0.max(2.0 * deviation_rad), base.extent.1.min(PI - 2.0 * deviation_rad));
+    let extent = base.extent();
+    let (low, high) = (extent.0.max(2.0 * deviation_rad), extent.1.min(PI - 2.0 * deviation_rad));
     let mut borders = vec![0.0];
     if deviation_rad > 0.0 && low < high {
         // A slice turned in the middle of a ring is off at its borders by deviation * (half width / angle
@@ -129,9 +157,9 @@ fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
         let width = scale(high) - scale(low);
         let count = (width * deviation_rad * base.pixels_per_rad()).ceil().clamp(1.0, MOST_RINGS);
         let border = |k: f64| 2.0 * (scale(low) + width * k / count).exp().atan();
-        let first = if base.extent.0 < low { 0 } else { 1 };
+        let first = if extent.0 < low { 0 } else { 1 };
         borders.extend((first..count as usize).map(|k| border(k as f64)));
-        if base.extent.1 > high {
+        if extent.1 > high {
             borders.push(high);
         }
     }

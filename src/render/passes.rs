@@ -61,9 +61,6 @@ pub(super) fn stage<'a>(stage: u32, most: u32, wanted: &'a Mask) -> Vec<Pass<'a>
 
 /// A picture that is rendered in passes: all of it, or one light's part.
 pub(super) trait Picture {
-    /// How many such pictures are added up.
-    fn count(&self) -> usize;
-
     /// Adds the samples of a pass.
     fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch);
 

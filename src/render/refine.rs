@@ -1,16 +1,20 @@
 //! Passes until a picture is good enough. In goes a picture to be rendered in passes, out comes its
-//! film and what its blocks are still in error by. Invariant: whether a block goes on depends on
-//! its own samples and on the first pass of the blocks next to it alone, so that a part of a picture has
+//! film and what its blocks are still in error by. Invariant: whether a block or a pixel goes on depends on
+//! its block's samples and on the first pass of the blocks next to it alone, so that a part of a picture has
 //! the pixels of the whole.
 
 use super::passes::{Fresh, Pass, Picture, stage};
 use super::survey::Survey;
 use super::{Job, Watch};
-use crate::film::{BlockEstimate, Blocks, Film, Mask};
+use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
 
 /// Blocks darker than this part of the picture's mean are judged as if they were that bright: nobody sees
 /// their errors, and where there is hardly any light, relative errors have no end.
 const DARKEST: f64 = 0.1;
+
+/// A pixel with less than this part of the variance that its block may have, in itself and next to it, has
+/// samples enough: most of a block's error is that of the few pixels in which edges lie.
+const NEGLIGIBLE: f64 = 0.25;
 
 /// How a block's error falls with the number of samples, as a power: what edges leave of points
 /// spread evenly over a pixel. Only the time that is left is told by it.
@@ -21,20 +25,34 @@ pub(super) struct Refined {
     pub(super) film: Film,
     /// The blocks that it covers, those around the window included.
     pub(super) blocks: Blocks,
-    /// Of each of them, see [`BlockEstimate::variance`].
+    /// Of each of them, see [`BlockEstimate::variance`]; none if nobody judges.
     pub(super) variances: Vec<f64>,
     pub(super) passes: u32,
 }
 
 /// When a block is good enough.
 pub(super) struct Goal<'a> {
-    /// Standard error of a block by its brightness.
+    /// Standard error of a block by its brightness, of all pictures together.
     pub(super) tolerance: f64,
     /// Samples a pixel at which to stop all the same.
     pub(super) most: u32,
     pub(super) survey: &'a Survey,
-    /// Luminances, block by block, of the pictures that are added to this one; none if there are none yet.
-    pub(super) others: Vec<f64>,
+    pub(super) budget: &'a Budget,
+}
+
+/// What a picture may have of the variance of all that are added up.
+pub(super) struct Budget {
+    /// Its own share.
+    pub(super) share: f64,
+    /// That, and the shares of the pictures before it: what they have left is its own too.
+    pub(super) share_so_far: f64,
+    /// Their sum, block by block; none if there are none.
+    pub(super) before: Vec<BlockEstimate>,
+}
+
+impl Budget {
+    /// Of a picture that is all there is.
+    pub(super) const WHOLE: Self = Self { share: 1.0, share_so_far: 1.0, before: Vec::new() };
 }
 
 /// A block's standard error by its brightness; 1 where nothing is known of it.
@@ -45,8 +63,13 @@ pub(super) fn relative_error(variance: f64, luminance: f64, survey: &Survey) -> 
     } else if variance == f64::INFINITY {
         1.0
     } else {
-        variance.sqrt() / luminance.max(DARKEST * survey.mean)
+        variance.sqrt() / visible(luminance, survey)
     }
+}
+
+/// What a luminance counts as when errors are held against it.
+fn visible(luminance: f64, survey: &Survey) -> f64 {
+    luminance.max(DARKEST * survey.mean)
 }
 
 /// Renders exactly so many samples a pixel, as one pass.
@@ -58,13 +81,14 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
     let pass = Pass { level: 0, number: 0, samples, before: 0, wanted: &wanted, fresh: Fresh::Half };
     picture.add_pass(&pass, &mut film, watch);
     picture.fill_holes(&mut film, watch);
-    let variances = film.estimates(&blocks).iter().map(|block| block.variance).collect();
+    let estimates = if job.is_judged() { judge(&film.estimates(), &film, &blocks) } else { Vec::new() };
+    let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, passes: 1 }
 }
 
 /// Renders passes until every block of the window reaches the goal, or its pixels have all the samples they may.
 ///
-/// Each stage doubles the samples of the blocks that take part in it, and its samples judge those before.
+/// Each stage doubles the samples of the pixels that take part in it, and its samples judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
     let window_blocks = Blocks::covering(job.window, job.size);
     // Their first pass tells whether a block at the window's rim goes on.
@@ -76,21 +100,23 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     let mut film = Film::new(job.size, blocks.window(), &job.passes);
     let mut variances = vec![f64::INFINITY; blocks.count()];
     let mut goes_on = vec![true; blocks.count()];
+    let mut mask = Mask::all(blocks.window());
     let (mut work, mut worst, mut passes) = (Work::default(), None, 0);
     for number in 0.. {
-        let mask = Mask::from_fn(blocks.window(), |x, y| blocks.index(x, y).is_some_and(|at| goes_on[at]));
-        let active = goes_on.iter().filter(|goes_on| **goes_on).count() as f64;
         let stage = stage(number, goal.most, &mask);
+        let active = mask.count() as f64;
         let Some(last) = stage.last().filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
 
-        film.let_fresh_be_known();
+        film.let_fresh_be_known(&mask);
         for pass in &stage {
             let part = work.next(active * f64::from(pass.samples));
             watch.part(part, worst, |watch| picture.add_pass(pass, &mut film, watch));
             passes += 1;
         }
+        let samples = last.before + last.samples;
 
-        let estimates = film.estimates(&blocks);
+        let pixels = film.estimates();
+        let estimates = judge(&pixels, &film, &blocks);
         let excess = |block: usize| {
             if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
         };
@@ -107,17 +133,51 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
                 && if number == 0 { near_excess } else { excess[block] > 1.0 };
         }
         worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
-        work.left = samples_left(&excess, last.before + last.samples, goal.most);
+        // A pixel that has missed an edge by chance lies next to one that has not.
+        mask = Mask::from_fn(blocks.window(), |x, y| {
+            blocks.index(x, y).filter(|&block| goes_on[block]).is_some_and(|block| {
+                let near = film.window().around(x, y);
+                let near = near.filter(|&(x, y)| number == 0 || blocks.index(x, y) == Some(block));
+                let variances = near.filter_map(|(x, y)| pixels[film.window().index(x, y)?]?.variance);
+                let greatest = variances.reduce(f64::max).unwrap_or(f64::INFINITY);
+                greatest > NEGLIGIBLE * goal.variance(&estimates[block], block)
+            })
+        });
+        let pixels_a_block =
+            mask.count() as f64 / goes_on.iter().filter(|goes_on| **goes_on).count().max(1) as f64;
+        work.left = pixels_a_block * samples_left(&excess, samples, goal.most);
     }
     picture.fill_holes(&mut film, watch);
     Refined { film, blocks, variances, passes }
 }
 
+/// What its pixels say of each block.
+fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<BlockEstimate> {
+    let known = |(x, y)| film.window().index(x, y).and_then(|pixel| pixels[pixel]);
+    (0..blocks.count())
+        .map(|block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(known)))
+        .collect()
+}
+
 impl Goal<'_> {
-    /// The error of a block, in units of the tolerance.
+    /// The standard error of a block, by what it may be.
     fn excess(&self, estimate: &BlockEstimate, block: usize) -> f64 {
-        let others = self.others.get(block).copied().unwrap_or(0.0);
-        relative_error(estimate.variance, estimate.luminance + others, self.survey) / self.tolerance
+        if estimate.variance == 0.0 {
+            0.0
+        } else if estimate.variance == f64::INFINITY {
+            1.0 / self.tolerance
+        } else {
+            (estimate.variance / self.variance(estimate, block)).sqrt()
+        }
+    }
+
+    /// The variance that a block may have.
+    fn variance(&self, estimate: &BlockEstimate, block: usize) -> f64 {
+        let Budget { share, share_so_far, before } = self.budget;
+        // Errors of independent pictures add in squares.
+        let (others, spent) = before.get(block).map_or((0.0, 0.0), |other| (other.luminance, other.variance));
+        let of_all = (self.tolerance * visible(estimate.luminance + others, self.survey)).powi(2);
+        (share_so_far * of_all - spent).max(share * of_all)
     }
 }
 
@@ -128,7 +188,7 @@ fn samples_left(excess: &[f64], samples: u32, most: u32) -> f64 {
     excess.iter().filter(|excess| **excess > 1.0).map(wanted).sum()
 }
 
-/// How much is done, for those who wait, in blocks times samples a pixel.
+/// How much is done, for those who wait, in samples.
 #[derive(Default)]
 struct Work {
     done: f64,

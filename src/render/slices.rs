@@ -9,7 +9,7 @@ use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, solve};
+use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, pixel, solve};
 use crate::transport::{Scratch, radiance_of_light};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -50,10 +50,6 @@ impl Tally {
 }
 
 impl Picture for LightPicture<'_> {
-    fn count(&self) -> usize {
-        self.exposure.middle().lights.len()
-    }
-
     fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
         add_pass(self, pass, film, watch);
     }
@@ -110,15 +106,14 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     light: &draw.light,
                     self_luminous: light == 0,
                     fan: &own,
-                    size: job.size,
-                    wanted: &|x, y| pass.wanted.contains(x, y),
                 };
                 let add = |SliceSample { place, value }: SliceSample| {
-                    let (x, y) = place.pixel(job.size);
+                    let (x, y) = pixel(place.film_px, job.size);
                     let from_centre = place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                     samples.add(x, y, 1.0, from_centre.length(), &value);
                 };
-                if let Some(segments) = solve(&slice_job, &placed.slice, placed.areas(), scratch, add) {
+                let places = placed.places(job.size, pass.wanted);
+                if let Some(segments) = solve(&slice_job, &placed.slice, places, scratch, add) {
                     tally.add(segments);
                 }
             },

@@ -5,7 +5,7 @@ use super::refine::{Refined, relative_error};
 use super::survey::Survey;
 use super::{Job, Rendered, Statistics};
 use crate::color::{Rgb, luminance};
-use crate::film::{Blocks, Channel, Film, Frame, Precision};
+use crate::film::{BlockEstimate, Blocks, Channel, Film, Frame, Precision};
 use crate::scene::{Pass, Sampling};
 
 /// The pictures so far.
@@ -36,10 +36,12 @@ impl Sum {
         self.blocks = Some(blocks);
     }
 
-    /// Luminances of the blocks so far; none before the first picture.
-    pub(super) fn luminances(&self) -> Vec<f64> {
+    /// The blocks so far; none before the first picture.
+    pub(super) fn estimates(&self) -> Vec<BlockEstimate> {
         let (Some(frame), Some(blocks)) = (&self.frame, &self.blocks) else { return Vec::new() };
-        (0..blocks.count()).map(|block| mean_luminance(frame, blocks, block)).collect()
+        let luminance = |block| mean_luminance(frame, blocks, block);
+        let blocks = self.variances.iter().enumerate();
+        blocks.map(|(block, &variance)| BlockEstimate { luminance: luminance(block), variance }).collect()
     }
 
     pub(super) fn finish(mut self, job: &Job, survey: &Survey) -> Rendered {

@@ -18,7 +18,12 @@ pub(super) struct Survey {
     pub(super) mean: f64,
     /// The lights by what they add to it, the brightest first.
     pub(super) lights: Vec<usize>,
+    /// Which share of the variance that the picture may have is each light's, in the same order.
+    pub(super) shares: Vec<f64>,
 }
+
+/// What of the variance all lights share evenly, however dark: a few rays may miss what a lamp lights.
+const EVEN_SHARE: f64 = 0.1;
 
 impl Survey {
     pub(super) fn new(snapshot: &Snapshot, job: &Job) -> Self {
@@ -26,12 +31,20 @@ impl Survey {
             (0..snapshot.lights.len()).map(|light| mean_luminance(snapshot, job, light)).collect();
         let mut lights: Vec<usize> = (0..by_light.len()).collect();
         lights.sort_by(|&a, &b| by_light[b].total_cmp(&by_light[a]));
-        Self { mean: by_light.iter().sum(), lights }
+        let mean: f64 = by_light.iter().sum();
+        // A light's noise is in proportion to it, and falls with about the power 3/4 of its samples: then all lights
+        // together take the fewest if variances are nearly as luminances.
+        let even = 1.0 / lights.len() as f64;
+        let by_brightness = |light: &usize| if mean > 0.0 { by_light[*light] / mean } else { even };
+        let share = |light| EVEN_SHARE * even + (1.0 - EVEN_SHARE) * by_brightness(light);
+        let shares = lights.iter().map(share).collect();
+        Self { mean, lights, shares }
     }
 
     /// Of a picture that nobody judges.
     pub(super) fn omitted(snapshot: &Snapshot) -> Self {
-        Self { mean: 0.0, lights: (0..snapshot.lights.len()).collect() }
+        let count = snapshot.lights.len();
+        Self { mean: 0.0, lights: (0..count).collect(), shares: vec![1.0 / count as f64; count] }
     }
 }
 

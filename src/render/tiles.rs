@@ -21,10 +21,6 @@ pub(super) struct RayPicture<'a> {
 }
 
 impl Picture for RayPicture<'_> {
-    fn count(&self) -> usize {
-        1
-    }
-
     fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
         let tiles: Vec<Window> = tiles(film.window())
             .into_iter()

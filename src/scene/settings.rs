@@ -59,6 +59,14 @@ impl Window {
         (self.x + index % self.width, self.y + index / self.width)
     }
 
+    /// A pixel and the up to eight around it.
+    pub fn around(self, x: usize, y: usize) -> impl Iterator<Item = (usize, usize)> {
+        let near =
+            |at: usize, from: usize, count: usize| at.saturating_sub(1).max(from)..(at + 2).min(from + count);
+        let columns = near(x, self.x, self.width);
+        near(y, self.y, self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+    }
+
     /// Its pixels in the order of a channel's values.
     pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.width * self.height).map(move |index| self.pixel(index))

@@ -121,6 +121,11 @@ impl Facet<'_> {
         (self.first_corner - ray.origin).dot(self.normal) / ray.direction.dot(self.normal)
     }
 
+    /// Whether anything of it shows in the dark.
+    pub fn shines_or_mirrors(&self) -> bool {
+        self.material.emission != Rgb::ZERO || self.material.mirror != Rgb::ZERO
+    }
+
     /// What a ray that meets it at a distance sees there.
     pub fn seen_along(&self, ray: &Ray, distance: f64) -> SurfacePoint {
         let within = ray.at(distance) - self.first_corner;

@@ -218,22 +218,16 @@ pub(crate) fn by_slices_through(
     let light = point(luminaire);
     let fan = Fan::new(&snapshot.view, plan.size, DVec2::ZERO, light.source()).expect("a fan");
     let truth = Truth::lit_by(scene, &snapshot, vec![light]);
-    let job = SliceJob {
-        snapshot: &snapshot,
-        transport: &EXACT,
-        light: &light,
-        self_luminous: true,
-        fan: &fan,
-        size: plan.size,
-        wanted: &|_, _| true,
-    };
+    let job =
+        SliceJob { snapshot: &snapshot, transport: &EXACT, light: &light, self_luminous: true, fan: &fan };
     let mut scratch = SliceScratch::default();
     let mut errors = Errors::default();
     for share in &plan.angles {
         let angle = fan.angles.0 + share * fan.angles.1;
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = plan.areas.iter().map(|share| share * slice.area_per_rad);
-        solve(&job, &slice, areas, &mut scratch, |sample| {
+        let places = areas.map(|area| slice.place(area)).enumerate();
+        solve(&job, &slice, places, &mut scratch, |sample| {
             let ray = Ray { origin: fan.eye, direction: sample.place.direction };
             errors.add(&truth, &ray, snapshot.view.depth(ray.direction), &sample.value);
         });

@@ -103,8 +103,6 @@ fn in_a_slice() {
             light: &light,
             self_luminous: true,
             fan: &fan,
-            size,
-            wanted: &|_, _| true,
         };
         // In the middle of the picture, or nearly: the plane of the fence.
         let angle = (0..=1000).map(|index| fan.angles.0 + fan.angles.1 * f64::from(index) / 1000.0);
@@ -117,7 +115,8 @@ fn in_a_slice() {
         let areas = (0..7).map(|index| slice.area_per_rad * (f64::from(index) + 0.37) / 7.0);
         let (mut squares, mut sum, mut rays) = (0.0, 0.0, 0);
         let mut scratch = Scratch::default();
-        solve(&job, &slice, areas, &mut SliceScratch::default(), |sample| {
+        let places = areas.map(|area| slice.place(area)).enumerate();
+        solve(&job, &slice, places, &mut SliceScratch::default(), |sample| {
             let ray = Ray { origin: DVec3::ZERO, direction: sample.place.direction };
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let own = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut scratch);

@@ -139,15 +139,14 @@ fn slices() {
                 light: &light,
                 self_luminous: true,
                 fan: &fan,
-                size,
-                wanted: &|_, _| true,
             };
             let mut scratch = SliceScratch::default();
             for number in 0..9 {
                 let angle = fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.5) / 9.0;
                 let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
                 let areas = (0..9).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 9.0);
-                solve(&job, &slice, areas, &mut scratch, |sample| {
+                let places = areas.map(|area| slice.place(area)).enumerate();
+                solve(&job, &slice, places, &mut scratch, |sample| {
                     let direction = sample.place.direction;
                     let error = error(&sample.value, layer.look(y, direction, to_sun));
                     if error > worst.0 || error.is_nan() {

@@ -23,8 +23,6 @@ pub struct Fan {
     picture: Picture,
     /// First angle and how many radians, so that every half plane that meets the picture is there.
     pub angles: (f64, f64),
-    /// Least and greatest angle between the axis and what the picture shows.
-    pub extent: (f64, f64),
 }
 
 /// Between which angles from the axis, radians in `0..=pi`, slices are wanted.
@@ -78,7 +76,7 @@ impl Fan {
         };
         let zero = axis.any_orthonormal_vector();
         let quarter = axis.cross(zero);
-        let mut fan = Self { eye, axis, zero, quarter, picture, angles: (0.0, TAU), extent: (0.0, PI) };
+        let mut fan = Self { eye, axis, zero, quarter, picture, angles: (0.0, TAU) };
         if !picture.sees(axis) && !picture.sees(-axis) {
             // A convex picture that does not hold the axis is seen from it under less than half a turn.
             let middle = fan.angle(picture.direction(0.5 * (picture.low + picture.high)));
@@ -90,8 +88,12 @@ impl Fan {
             let high = turns.into_iter().fold(-PI, f64::max);
             fan.angles = (middle + low, high - low);
         }
-        fan.extent = picture.angles_from(axis);
         Some(fan)
+    }
+
+    /// Least and greatest angle between the axis and what the picture shows.
+    pub fn extent(&self) -> (f64, f64) {
+        self.picture.angles_from(self.axis)
     }
 
     /// Pixels per radian in the middle of the picture.
@@ -117,20 +119,23 @@ impl Fan {
         (place.y.atan2(place.x), place.perp_dot(change) / place.length_squared())
     }
 
-    /// How far, in pixels, two slices an angle of one radian apart lie from each other, averaged over
-    /// the part of the picture in a ring; 0 if there is none.
-    pub fn mean_separation_px(&self, ring: Ring) -> f64 {
+    /// How far, in pixels, two slices an angle of one radian apart lie from each other in the part of the picture
+    /// in a ring, on average and at most; 0 if there is none.
+    pub fn separation_px(&self, ring: Ring) -> (f64, f64) {
         // Area per radian over length, found from a few slices.
         let probes = 64;
-        let (mut area_per_rad, mut length_px) = (0.0, 0.0);
+        let (mut area_per_rad, mut length_px, mut greatest) = (0.0, 0.0, 0.0_f64);
         for probe in 0..probes {
             let angle = self.angles.0 + self.angles.1 * (f64::from(probe) + 0.5) / f64::from(probes);
             if let Some(slice) = self.slice(angle, ring) {
                 area_per_rad += slice.area_per_rad;
                 length_px += slice.length * self.picture.pixels_per_unit;
+                let (density, growth) = slice.density;
+                let widest = density.max(density + growth * slice.length);
+                greatest = greatest.max(widest / self.picture.pixels_per_unit);
             }
         }
-        if length_px > 0.0 { area_per_rad / length_px } else { 0.0 }
+        (if length_px > 0.0 { area_per_rad / length_px } else { 0.0 }, greatest)
     }
 
     /// The slice at an angle, as far as it lies in a ring; `None` if it misses the picture there.
@@ -201,19 +206,42 @@ impl Fan {
 impl Slice {
     /// The place at which the slice has passed so much of its [`Slice::area_per_rad`].
     pub fn place(&self, area_per_rad: f64) -> Place {
+        let point = self.point(area_per_rad);
+        Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
+    }
+
+    /// Where on the film that place lies, for those who want no more of it.
+    pub fn film_px(&self, area_per_rad: f64) -> DVec2 {
+        self.picture.film_px(self.point(area_per_rad))
+    }
+
+    /// How much of its area the slice has passed, per radian, where it leaves a rectangle of the film, of which
+    /// a place of it in there and two corners are given.
+    pub fn area_at_exit(&self, inside_px: DVec2, low_px: DVec2, high_px: DVec2) -> f64 {
+        let scale = self.picture.pixels_per_unit;
+        let along_px = DVec2::new(self.along.x, -self.along.y) * scale;
+        let ahead_px = DVec2::select(along_px.cmpgt(DVec2::ZERO), high_px, low_px);
+        // Infinite or not a number along an axis on which it stays.
+        let ways = (ahead_px - inside_px) / along_px;
+        let way = if along_px.x == 0.0 {
+            ways.y
+        } else if along_px.y == 0.0 {
+            ways.x
+        } else {
+            ways.min_element()
+        };
+        let passed = (self.picture.point(inside_px) - self.start).dot(self.along) + way;
+        passed * (self.density.0 + 0.5 * self.density.1 * passed)
+    }
+
+    /// In the image plane.
+    fn point(&self, area_per_rad: f64) -> DVec2 {
         let (density, growth) = self.density;
         // density x + growth x^2 / 2 = area, in the form that does not cancel.
         let root = (density * density + 2.0 * growth * area_per_rad).max(0.0).sqrt();
         // 0 / 0 on the axis itself: the maximum with 0 takes what is a number.
         let passed = (2.0 * area_per_rad / (density + root)).max(0.0).min(self.length);
-        let point = self.start + passed * self.along;
-        let film = (point - self.picture.corner) * self.picture.pixels_per_unit;
-        Place { film_px: DVec2::new(film.x, -film.y), direction: self.picture.direction(point).normalize() }
-    }
-
-    /// Direction of the far end: of all of the slice's directions the farthest from the light.
-    pub fn far_end(&self) -> DVec3 {
-        self.picture.direction(self.start + self.length * self.along)
+        self.start + passed * self.along
     }
 }
 
@@ -226,12 +254,10 @@ pub struct Place {
     pub direction: DVec3,
 }
 
-impl Place {
-    /// The pixel that it lies in; the picture's far edges belong to the last pixels.
-    pub fn pixel(&self, size: Size) -> (usize, usize) {
-        let index = |coordinate: f64, count: usize| (coordinate.max(0.0) as usize).min(count - 1);
-        (index(self.film_px.x, size.width), index(self.film_px.y, size.height))
-    }
+/// The pixel that a place of the film lies in; the picture's far edges belong to the last pixels.
+pub fn pixel(film_px: DVec2, size: Size) -> (usize, usize) {
+    let index = |coordinate: f64, count: usize| (coordinate.max(0.0) as usize).min(count - 1);
+    (index(film_px.x, size.width), index(film_px.y, size.height))
 }
 
 impl Picture {
@@ -243,6 +269,17 @@ impl Picture {
         let shift = view.middle() - lens_point / view.focus_distance_m();
         let corner = shift + DVec2::new(-half.x, half.y);
         Self { right, up, forward, pixels_per_unit, corner, low: shift - half, high: shift + half }
+    }
+
+    /// A point of the image plane in pixels, y downwards.
+    fn film_px(&self, point: DVec2) -> DVec2 {
+        let film = (point - self.corner) * self.pixels_per_unit;
+        DVec2::new(film.x, -film.y)
+    }
+
+    /// The point of the image plane at a place of the film.
+    fn point(&self, film_px: DVec2) -> DVec2 {
+        self.corner + DVec2::new(film_px.x, -film_px.y) / self.pixels_per_unit
     }
 
     fn vector(&self, v: DVec2) -> DVec3 {

@@ -10,5 +10,5 @@ mod lit_cells;
 mod solve;
 mod sweep;
 
-pub use fan::{Fan, Place, Ring, Slice};
+pub use fan::{Fan, Place, Ring, Slice, pixel};
 pub use solve::{SliceJob, SliceSample, SliceScratch, solve};

@@ -8,7 +8,6 @@ use super::sweep::{LightRays, PlanarRay, Sweep};
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
-use crate::scene::Size;
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
@@ -51,10 +50,6 @@ pub struct SliceJob<'a> {
     pub self_luminous: bool,
     /// All slices of the light, from where they are seen.
     pub fan: &'a Fan,
-    /// The whole picture.
-    pub size: Size,
-    /// Samples at other pixels are passed over.
-    pub wanted: &'a (dyn Fn(usize, usize) -> bool + Sync),
 }
 
 /// A sample's ray.
@@ -66,12 +61,12 @@ struct SliceRay {
     planar: PlanarRay,
 }
 
-/// Values of samples at ever larger areas of a slice (see [`Slice::place`]). Returns how many segments the
-/// slice gathered; `None` if no sample was wanted, and so nothing done.
+/// Values of samples along a slice, each with its number on it, away from the light. Returns how many segments
+/// the slice gathered; `None` if there is no sample, and so nothing done.
 pub fn solve(
     job: &SliceJob,
     slice: &Slice,
-    areas_per_rad: impl Iterator<Item = f64>,
+    places: impl Iterator<Item = (usize, Place)>,
     scratch: &mut SliceScratch,
     mut sample: impl FnMut(SliceSample),
 ) -> Option<usize> {
@@ -85,21 +80,14 @@ pub fn solve(
     let in_plane = |direction: DVec3| {
         DVec2::new(direction.dot(slice.outward).max(LEAST_SPREAD), direction.dot(job.fan.axis))
     };
-    let lowest_slope = PlanarRay::new(in_plane(slice.far_end())).slope;
     let SliceScratch { rays, slopes, cuts, sweep, fog, followed } = scratch;
     rays.clear();
-    rays.extend(areas_per_rad.enumerate().filter_map(|(index, area)| {
-        let place = slice.place(area);
-        let (x, y) = place.pixel(job.size);
-        (job.wanted)(x, y).then(|| SliceRay {
-            index,
-            place,
-            planar: PlanarRay::new(in_plane(place.direction)),
-        })
+    rays.extend(places.map(|(index, place)| SliceRay {
+        index,
+        place,
+        planar: PlanarRay::new(in_plane(place.direction)),
     }));
-    if rays.is_empty() {
-        return None;
-    }
+    let lowest_slope = rays.last()?.planar.slope;
     slopes.clear();
     slopes.extend(rays.iter().map(|ray| ray.planar.slope));
     cuts.clear();
@@ -129,7 +117,7 @@ pub fn solve(
             // The plane is known in double precision, the segment only in single.
             let on_plane = facet.distance_along(&ray);
             let distance = if on_plane.is_finite() { on_plane } else { meeting.distance };
-            (facet.seen_along(&ray, distance), distance, meeting.is_lit)
+            (facet, distance, meeting.is_lit)
         });
         let distance = surface.map_or(f64::INFINITY, |(_, distance, _)| distance);
         let end = distance * planar.direction.x;
@@ -147,9 +135,15 @@ pub fn solve(
         };
         let illumination =
             Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
-        let behind_fog = surface.map_or_else(
-            || illumination.background(snapshot, ray.direction),
-            |(point, _, is_lit)| {
+        let shows = |&(facet, _, is_lit): &(&Facet, f64, bool)| {
+            is_lit || facet.shines_or_mirrors() || job.transport.features
+        };
+        let seen =
+            surface.filter(shows).map(|(facet, distance, is_lit)| (facet.seen_along(&ray, distance), is_lit));
+        let behind_fog = match seen {
+            None if surface.is_some() => Rgb::ZERO,
+            None => illumination.background(snapshot, ray.direction),
+            Some((point, is_lit)) => {
                 let unshadowed = if is_lit { Unshadowed::new(light, &point) } else { None };
                 let reflected = unshadowed.map_or(Rgb::ZERO, |unshadowed| {
                     unshadowed.radiance
@@ -176,11 +170,12 @@ pub fn solve(
                         &mut sampler,
                         followed,
                     )
-            },
-        );
+            }
+        };
         let radiance = behind_fog * transmittance + shafts;
-        let surface = surface.map(|(point, _, _)| point);
-        let leg = Leg { radiance, shafts, transmittance, covered: surface.is_some(), surface };
+        let covered = surface.is_some();
+        let surface = seen.map(|(point, _)| point);
+        let leg = Leg { radiance, shafts, transmittance, covered, surface };
         sample(SliceSample { place, value: leg.sample(snapshot, job.transport) });
     }
     Some(cuts.len())
