@@ -10,7 +10,7 @@
 //! 5. [`scattering`] knows what matter does to light: phase functions, optical depth, surfaces.
 //! 6. [`transport`] turns a ray into a colour: surface light times transmittance, plus the shafts.
 //! 7. [`film`] turns samples into pixels and passes.
-//! 8. [`render`] is the one loop that joins transport and film.
+//! 8. [`render`] is the one loop that joins transport and film; [`scanline`] draws a frame without rays or shadows, in moments.
 //! 9. [`frame_file`] writes a film as EXR, whole or not at all.
 //! 10. [`export`] writes a scene as glTF. [`sequence`] decides which frames, [`mod@bench`] measures error against time; [`cli`] is what a user types.
 //!
@@ -72,6 +72,7 @@ pub mod film;
 pub mod frame_file;
 pub mod math;
 pub mod render;
+pub mod scanline;
 pub mod scattering;
 pub mod scene;
 pub mod sequence;

@@ -6,6 +6,7 @@ mod inputs;
 mod leaks;
 mod lit_segments;
 mod near_light;
+mod preview;
 mod ray_scenes;
 mod rays;
 mod shafts;
@@ -24,6 +25,7 @@ fn main() {
         Some("read") => import::read(Path::new(&arguments[1])),
         Some("leaks") => leaks::run(count(100_000_000)),
         Some("near") => near_light::run(count(9) as usize),
+        Some("preview") => preview::run(count(9) as usize),
         Some("rays") => rays::run(count(7) as usize),
         Some("segments") => lit_segments::run(count(2000) as u32),
         Some("shafts") => shafts::run(count(3) as usize),
@@ -38,6 +40,7 @@ fn main() {
             println!("import [rounds]   large glTF files: time and memory");
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
             println!("near [rounds]     a near light's lit parts, few and many: time and error");
+            println!("preview [rounds]  scan-line pictures: time of a frame and its parts");
             println!("rays [rounds]     time of a ray and of a shadow query, one thread");
             println!("shafts [rounds]   cost of a sample's parts by each method, and the methods' errors");
             println!("slices [rounds]   whole pictures of 500 leaves: time and error, threads");

@@ -17,6 +17,8 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Render a sequence or scene to EXR frames.
     Render(RenderArguments),
+    /// Draw a scene without shadows, in moments, or show frames that are there: pictures, a contact sheet, an animation.
+    Preview(PreviewArguments),
     /// Say what an input holds, and what of it is not honoured.
     Inspect(InspectArguments),
     /// Measure what error each method reaches in which time.
@@ -109,9 +111,39 @@ pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
     pub(super) display: CurveArgument,
-    /// Brightens those pictures by so many powers of two.
+    /// Brightens those pictures by so many powers of two, -100 to 100.
     #[arg(long, value_parser = parse_exposure, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(super) exposure: f64,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct PreviewArguments {
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), or a folder of EXR frames.
+    pub(super) input: PathBuf,
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
+    #[arg(long, allow_hyphen_values = true)]
+    pub(super) frames: Option<String>,
+    /// A folder or NAME.####.png for a picture a frame, NAME.png for a contact sheet, NAME.apng for an animation
+    /// [default: pictures and a sheet in out/NAME.preview].
+    #[arg(long, value_name = "PATTERN|DIR|FILE")]
+    pub(super) out: Option<PathBuf>,
+    /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270].
+    #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
+    pub(super) size: Option<SizeArgument>,
+    /// Name of the camera [default: the sequence's, else the first].
+    #[arg(long)]
+    pub(super) camera: Option<String>,
+    /// Frames a second, such as 24 or 24000/1001 [default: the input's; of EXR frames 24].
+    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<crate::scene::FrameRate>,
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
+    /// Threads to draw with [default: all cores].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
+    pub(super) threads: Option<u32>,
+    #[command(flatten)]
+    pub(super) display: DisplayArguments,
 }
 
 #[derive(Args, Debug)]

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Pictures of more pixels are made smaller unless `--size` asks for them: 480 x 270.
-const MOST_PIXELS: f64 = 480.0 * 270.0;
+pub(super) const MOST_PIXELS: f64 = 480.0 * 270.0;
 const QUICK_PIXELS: f64 = 240.0 * 135.0;
 
 /// What is measured: a scene at one moment, seen by one camera.
@@ -63,7 +63,7 @@ impl Subject {
 }
 
 /// The percentage that leaves no more than so many pixels.
-fn fitting(size: Size, most: f64) -> f64 {
+pub(super) fn fitting(size: Size, most: f64) -> f64 {
     let pixels = size.width as f64 * size.height as f64;
     100.0 * (most / pixels).sqrt().min(1.0)
 }

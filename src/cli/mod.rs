@@ -8,6 +8,7 @@ mod error;
 mod export;
 mod inspect;
 mod plan;
+mod preview;
 mod progress;
 mod render;
 mod stats;
@@ -31,6 +32,7 @@ pub fn run() -> ExitCode {
     };
     let result = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Preview(arguments) => preview::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),

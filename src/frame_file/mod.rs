@@ -29,19 +29,23 @@
 //!
 //! [`Frame`]: crate::film::Frame
 
+mod animation;
 mod atomic;
 mod compare;
 mod encode;
 mod error;
+mod folder;
 mod pixel_hash;
 mod preview;
 mod provenance;
 mod read;
 
+pub use animation::Animation;
 pub use atomic::{remove_abandoned, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, compare, net_rmse};
 pub use encode::write;
 pub use error::FrameFileError;
-pub use preview::write_preview;
+pub use folder::frames_in;
+pub use preview::{Picture, write_preview};
 pub use provenance::{Attributes, Provenance};
 pub use read::{FrameFile, is_valid, read};

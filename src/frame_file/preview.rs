@@ -1,46 +1,85 @@
-//! A frame to a PNG for human eyes. Invariant: the same frame gives the same bytes, whether it was just rendered or is
-//! read from its file; the EXR stays the picture, this is a look at it.
+//! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes, whether it was just
+//! rendered or is read from its file; the EXR stays the picture, this is a look at it.
 
 use super::{FrameFileError, atomic};
 use crate::color::{Display, Rgb};
 use crate::film::Frame;
+use crate::scene::Size;
 use image::ExtendedColorType;
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
 use std::path::Path;
 
-/// Writes R, G and B, over black, as an 8-bit PNG of the frame's window.
+/// Eight bits of red, green and blue a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Columns and rows.
+    pub size: Size,
+    /// Three bytes a pixel, row by row from the top.
+    pub bytes: Vec<u8>,
+}
+
+impl Picture {
+    /// All black.
+    pub fn black(size: Size) -> Self {
+        Self { size, bytes: vec![0; 3 * size.width * size.height] }
+    }
+
+    /// What a screen is sent for a frame's window: its R, G and B, over black.
+    ///
+    /// # Errors
+    /// With the reason if the frame has no colour.
+    pub fn of(frame: &Frame, display: &Display) -> Result<Self, String> {
+        let channel =
+            |name: &str| frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"));
+        let colors = [channel("R")?, channel("G")?, channel("B")?];
+        let pixels = frame.window.pixels().enumerate();
+        let bytes = pixels.flat_map(|(index, (x, y))| {
+            let color = colors.map(|color| f64::from(color.precision.stored(color.pixels[index])));
+            display.bytes(Rgb::from(color), x, y)
+        });
+        let size = Size { width: frame.window.width, height: frame.window.height };
+        Ok(Self { size, bytes: bytes.collect() })
+    }
+
+    /// Puts another picture into this one, its upper left corner at a pixel; it has to fit.
+    pub fn paste(&mut self, x: usize, y: usize, other: &Self) {
+        for (row, source) in other.bytes.chunks_exact(3 * other.size.width).enumerate() {
+            let at = 3 * ((y + row) * self.size.width + x);
+            self.bytes[at..at + source.len()].copy_from_slice(source);
+        }
+    }
+
+    /// Writes it as PNG, whole or not at all; folders are created.
+    ///
+    /// # Errors
+    /// If it is too large for a PNG or the disk says no.
+    pub fn write(&self, path: &Path) -> Result<(), FrameFileError> {
+        let encode_error = |reason: String| FrameFileError::Encode { path: path.to_owned(), reason };
+        let (width, height) = png_size(self.size).map_err(encode_error)?;
+        let mut png = Vec::new();
+        PngEncoder::new(&mut png)
+            .write_image(&self.bytes, width, height, ExtendedColorType::Rgb8)
+            .map_err(|error| encode_error(error.to_string()))?;
+        atomic::write(path, &png)
+    }
+}
+
+/// Columns and rows, if a PNG can have so many.
+pub(super) fn png_size(size: Size) -> Result<(u32, u32), String> {
+    let side = |side: usize| u32::try_from(side).ok().filter(|&side| side <= i32::MAX as u32);
+    let sides = side(size.width).zip(side(size.height));
+    sides.ok_or_else(|| String::from("the picture is too large for a PNG"))
+}
+
+/// Writes a frame's picture.
 ///
 /// # Errors
 /// If the frame has no colour or the disk says no.
 pub fn write_preview(path: &Path, frame: &Frame, display: &Display) -> Result<(), FrameFileError> {
-    let png =
-        encode(frame, display).map_err(|reason| FrameFileError::Encode { path: path.to_owned(), reason })?;
-    atomic::write(path, &png)
-}
-
-fn encode(frame: &Frame, display: &Display) -> Result<Vec<u8>, String> {
-    let pixels = shown(frame, display)?;
-    let side =
-        |side: usize| u32::try_from(side).map_err(|_| String::from("the picture is too large for a PNG"));
-    let (width, height) = (side(frame.window.width)?, side(frame.window.height)?);
-    let mut png = Vec::new();
-    PngEncoder::new(&mut png)
-        .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
-        .map_err(|error| error.to_string())?;
-    Ok(png)
-}
-
-/// What a screen is sent for the frame's window: three bytes a pixel, row by row.
-fn shown(frame: &Frame, display: &Display) -> Result<Vec<u8>, String> {
-    let channel = |name: &str| frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"));
-    let colors = [channel("R")?, channel("G")?, channel("B")?];
-    let pixels = frame.window.pixels().enumerate();
-    let bytes = pixels.flat_map(|(index, (x, y))| {
-        let color = colors.map(|color| f64::from(color.precision.stored(color.pixels[index])));
-        display.bytes(Rgb::from(color), x, y)
-    });
-    Ok(bytes.collect())
+    Picture::of(frame, display)
+        .map_err(|reason| FrameFileError::Encode { path: path.to_owned(), reason })?
+        .write(path)
 }
 
 #[cfg(test)]
@@ -48,7 +87,7 @@ fn shown(frame: &Frame, display: &Display) -> Result<Vec<u8>, String> {
 mod tests {
     use super::*;
     use crate::film::{Channel, Precision};
-    use crate::scene::{Size, Window};
+    use crate::scene::Window;
 
     #[test]
     fn a_picture_is_what_the_display_shows_of_each_pixel() {

@@ -26,7 +26,7 @@ pub struct OutputPattern {
 impl OutputPattern {
     /// Where frames go when nothing is said.
     pub fn default_for(sequence_name: &str) -> Self {
-        Self::in_folder(Path::new("out").join(sequence_name), sequence_name)
+        Self::in_folder(Path::new("out").join(sequence_name), sequence_name, "exr")
     }
 
     /// Reads what follows `--out`.
@@ -34,24 +34,32 @@ impl OutputPattern {
     /// # Errors
     /// If it is neither a folder nor the name of an EXR file, or has more than one place for the number.
     pub fn parse(text: &str, sequence_name: &str) -> Result<Self, Diagnostic> {
+        Self::parse_as(text, sequence_name, "exr")
+    }
+
+    /// The same for files that end in another extension.
+    ///
+    /// # Errors
+    /// As [`OutputPattern::parse`].
+    pub fn parse_as(text: &str, sequence_name: &str, extension: &str) -> Result<Self, Diagnostic> {
         let path = Path::new(text);
+        let error = |text: &str, why: &str| error(text, why, extension);
         if text.is_empty() {
             return Err(error(text, "the name is empty"));
         }
         if text.ends_with(['/', std::path::MAIN_SEPARATOR]) || path.is_dir() {
-            return Ok(Self::in_folder(path.to_owned(), sequence_name));
+            return Ok(Self::in_folder(path.to_owned(), sequence_name, extension));
         }
         let Some(file) = path.file_name().and_then(OsStr::to_str) else {
             return Err(error(text, "it does not end in the name of a file"));
         };
         let placeholders = placeholders(file);
-        let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        if !is_exr {
+        if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension)) {
             if path.extension().is_none() && placeholders.is_empty() {
-                return Ok(Self::in_folder(path.to_owned(), sequence_name));
+                return Ok(Self::in_folder(path.to_owned(), sequence_name, extension));
             }
-            return Err(error(text, "the file's name does not end in .exr")
-                .remedy("end it in .exr, or in / if it is a folder"));
+            return Err(error(text, &format!("the file's name does not end in .{extension}"))
+                .remedy(format!("end it in .{extension}, or in / if it is a folder")));
         }
         let folder = path.parent().unwrap_or_else(|| Path::new(""));
         if folder.to_str().is_some_and(|folder| !self::placeholders(folder).is_empty()) {
@@ -74,8 +82,8 @@ impl OutputPattern {
         }
     }
 
-    fn in_folder(folder: PathBuf, sequence_name: &str) -> Self {
-        Self { folder, before: format!("{sequence_name}."), digits: Some(4), after: String::from(".exr") }
+    fn in_folder(folder: PathBuf, sequence_name: &str, extension: &str) -> Self {
+        Self { folder, before: format!("{sequence_name}."), digits: Some(4), after: format!(".{extension}") }
     }
 
     /// Refuses to write several frames to one file.
@@ -86,13 +94,13 @@ impl OutputPattern {
         if self.digits.is_some() || frames <= 1 {
             return Ok(());
         }
-        let stem = self.before.strip_suffix(".exr").unwrap_or(&self.before);
+        let (stem, extension) = self.before.rsplit_once('.').unwrap_or((&self.before, "exr"));
         let found = format!("--out: {frames} frames would all be written to {}", self.path(0).display());
         Err(Diagnostic::error(Place::Nowhere, found)
             .expected("a place for the frame's number: ####, %04d or $F4")
             .remedy(format!(
                 "write for instance --out {}",
-                self.folder.join(format!("{stem}.####.exr")).display()
+                self.folder.join(format!("{stem}.####.{extension}")).display()
             )))
     }
 
@@ -156,10 +164,11 @@ fn number(digits: &str) -> usize {
     if digits.is_empty() { 1 } else { digits.parse().unwrap_or(usize::MAX) }
 }
 
-fn error(text: &str, why: &str) -> Diagnostic {
+fn error(text: &str, why: &str, extension: &str) -> Diagnostic {
+    let example = format!("out/name.####.{extension}");
     Diagnostic::error(Place::Nowhere, format!("--out: cannot write frames to `{text}`: {why}"))
-        .expected("a folder, or a file name with a place for the frame's number, such as out/name.####.exr")
-        .remedy("write for instance --out out/name.####.exr")
+        .expected(format!("a folder, or a file name with a place for the frame's number, such as {example}"))
+        .remedy(format!("write for instance --out {example}"))
 }
 
 #[cfg(test)]
@@ -188,6 +197,11 @@ mod tests {
             let pattern = OutputPattern::parse(text, "name").unwrap();
             assert_eq!(pattern.path(frame), Path::new(expected), "{text}");
         }
+        let pictures = OutputPattern::parse_as("a/x.##.png", "name", "png").unwrap();
+        assert_eq!(pictures.path(3), Path::new("a/x.03.png"));
+        assert!(
+            OutputPattern::parse_as("a/x.##.exr", "name", "png").unwrap_err().to_string().contains(".png")
+        );
         assert_eq!(OutputPattern::default_for("fall").path(3), Path::new("out/fall/fall.0003.exr"));
     }
 

@@ -109,7 +109,7 @@ impl MeshTrees {
 }
 
 /// Whether anything shows through a material anywhere.
-fn is_blended(scene: &Scene, material: &Material) -> bool {
+pub(super) fn is_blended(scene: &Scene, material: &Material) -> bool {
     let texture = material.base_color_texture.map(|texture| &scene.textures[texture]);
     material.alpha_mode == AlphaMode::Blend
         && (material.opacity < 1.0

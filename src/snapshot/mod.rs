@@ -10,6 +10,7 @@ mod lens;
 mod light;
 mod luminaire;
 mod mesh_trees;
+mod placed_mesh;
 mod surface;
 
 use crate::accel::{InstanceTree, PlacedMesh};
@@ -27,6 +28,7 @@ pub use lens::View;
 pub use light::FrozenLight;
 pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
+pub use placed_mesh::DrawnMesh;
 pub use surface::{Facet, SurfacePoint};
 
 /// When the shutter is open, in seconds.
@@ -65,6 +67,8 @@ pub struct Snapshot<'scene> {
     materials: Cow<'scene, [Material]>,
     /// What the instances of both trees are, under their numbers.
     placed: Vec<Placed>,
+    /// From here on they are those of `blended`.
+    first_blended: usize,
     /// All lights that shine.
     pub lights: Vec<Luminaire>,
     /// All fog.
@@ -149,7 +153,7 @@ impl<'scene> Snapshot<'scene> {
             }
         }
         let ([mut placed, placed_blended], [opaque, blended]) = (placed, placed_meshes);
-        let first_blended = placed.len() as u32;
+        let first_blended = placed.len();
         placed.extend(placed_blended);
 
         let lights = scene
@@ -179,8 +183,9 @@ impl<'scene> Snapshot<'scene> {
             materials,
             view,
             tree: InstanceTree::new(opaque),
-            blended: InstanceTree::numbered_from(first_blended, blended),
+            blended: InstanceTree::numbered_from(first_blended as u32, blended),
             placed,
+            first_blended,
             lights,
             medium: Medium::new(fog),
             background: scene.background,

@@ -27,6 +27,11 @@ pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &Sur
         .sum()
 }
 
+/// The same if nothing is in the way of any light.
+pub fn unshadowed(lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
+    lights.iter().filter_map(|light| Unshadowed::new(light, point)).map(|light| light.radiance).sum()
+}
+
 /// What a surface scatters towards the eye of one light if nothing is in the way.
 pub(super) struct Unshadowed {
     /// W m^-2 sr^-1.

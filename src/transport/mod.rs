@@ -15,6 +15,7 @@ mod sun_stretch;
 mod veils;
 mod visibility;
 
+pub use direct::unshadowed;
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;
 pub use radiance::{Scratch, Transport, radiance, radiance_of_light};

@@ -7,6 +7,7 @@ mod extras;
 mod failures;
 mod frames;
 mod interruption;
+mod previews;
 mod program;
 mod questions;
 mod schema;

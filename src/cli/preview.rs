@@ -1,0 +1,265 @@
+//! `sunfleck preview`: a scene by scan line, or frames that are there, to pictures for eyes. In goes an input, out come PNG
+//! files. Invariant: every file is whole or not there; pictures are the same for any number of threads.
+
+use super::arguments::{PreviewArguments, SizeArgument};
+use super::bench::{MOST_PIXELS, fitting};
+use super::plan::{find_camera, find_frames, resized, usage};
+use super::{CliError, tell};
+use crate::description;
+use crate::diagnostic::Severity;
+use crate::film::Frame;
+use crate::frame_file::{self, Animation, FrameFileError, Picture};
+use crate::scanline;
+use crate::scene::{self, FrameRate, RenderSettings, Scene, Size};
+use crate::sequence::{FrameList, OutputPattern};
+use crate::snapshot::{MeshTrees, Shutter, Snapshot};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A contact sheet shows no more frames than this, evenly spread.
+const MOST_ON_SHEET: usize = 64;
+
+/// Where frames come from.
+enum Source {
+    /// Drawn.
+    Scene { scene: Box<Scene>, trees: MeshTrees, camera: usize, size: Size, rate: FrameRate },
+    /// Read.
+    Files(BTreeMap<i64, PathBuf>),
+}
+
+/// What becomes of the pictures.
+struct Outputs {
+    pictures: Option<OutputPattern>,
+    sheet: Option<PathBuf>,
+    animation: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
+    let (source, settings) = Source::new(arguments)?;
+    let frames = find_frames(arguments.frames.as_deref(), &settings)?;
+    let frames = source.existing(&frames);
+    let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
+    let pool =
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(arguments.threads.unwrap_or(0) as usize)
+            .build()
+            .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
+    let display = arguments.display.display();
+    let started = Instant::now();
+    let mut kept = Kept::new(&outputs, frames.len(), settings.frame_rate);
+    // A frame a thread at a time, so that none waits for another's file.
+    for group in frames.chunks(pool.current_num_threads()) {
+        let pictures: Result<Vec<Picture>, FrameFileError> = pool.install(|| {
+            let picture = |&frame: &i64| {
+                let path = outputs.pictures.as_ref().map(|pattern| pattern.path(frame));
+                let encode = |reason| FrameFileError::Encode { path: source.path(frame), reason };
+                let picture = Picture::of(&source.frame(frame)?, &display).map_err(encode)?;
+                path.map_or(Ok(()), |path| picture.write(&path))?;
+                Ok(picture)
+            };
+            group.par_iter().map(picture).collect()
+        });
+        for picture in pictures.map_err(failure)? {
+            kept.add(&picture)?;
+        }
+    }
+    let size = kept.finish()?;
+    let seconds = started.elapsed().as_secs_f64();
+    tell(&format!(
+        "{} frame{} of {}x{} in {seconds:.2} s ({:.0} a second), written to {outputs}",
+        frames.len(),
+        if frames.len() == 1 { "" } else { "s" },
+        size.width,
+        size.height,
+        frames.len() as f64 / seconds
+    ));
+    Ok(())
+}
+
+impl Source {
+    fn new(arguments: &PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
+        if arguments.input.is_dir() {
+            return Self::files(arguments);
+        }
+        let description = description::load(&arguments.input)?;
+        let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+        for remark in scene.remarks.0.iter().filter(|remark| remark.severity == Severity::Warning) {
+            tell(&remark.to_string());
+        }
+        settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
+        let name = arguments.camera.clone().or(settings.camera.clone());
+        let camera = find_camera(&scene, name.as_deref())?;
+        let smaller = || SizeArgument::Percent(fitting(settings.size, MOST_PIXELS));
+        let size = resized(settings.size, arguments.size.unwrap_or_else(smaller))?;
+        if size.width * size.height > LARGEST_PICTURE {
+            let found = format!("{}x{} pixels are too many for a preview", size.width, size.height);
+            return Err(usage("--size", found, &format!("at most {LARGEST_PICTURE} pixels")));
+        }
+        let (trees, rate) = (MeshTrees::new(&scene), settings.frame_rate);
+        Ok((Self::Scene { scene: Box::new(scene), trees, camera, size, rate }, settings))
+    }
+
+    /// The EXR files of a folder, by the number that their names end in.
+    fn files(arguments: &PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
+        let input = arguments.input.as_path();
+        let flags = [
+            ("--size", arguments.size.is_some()),
+            ("--camera", arguments.camera.is_some()),
+            ("--light-units", arguments.light_units.is_some()),
+        ];
+        if let Some((flag, _)) = flags.into_iter().find(|(_, given)| *given) {
+            return Err(usage(
+                flag,
+                String::from("frames that are there are shown as they are"),
+                "no such flag",
+            ));
+        }
+        let files = frame_file::frames_in(input).map_err(failure)?;
+        let (Some(first), Some(last)) = (files.keys().next().copied(), files.keys().last().copied()) else {
+            let found = format!("there is no frame in {}", input.display());
+            return Err(usage("INPUT", found, "a folder of files such as name.0001.exr"));
+        };
+        let name =
+            input.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+        let settings = RenderSettings {
+            name: name.unwrap_or_else(|| String::from("frames")),
+            frames: first..=last,
+            frame_rate: arguments.fps.unwrap_or(RenderSettings::default().frame_rate),
+            ..RenderSettings::default()
+        };
+        Ok((Self::Files(files), settings))
+    }
+
+    /// Of frames that were asked for those that there are.
+    fn existing(&self, frames: &FrameList) -> Vec<i64> {
+        let exists = |frame: &i64| match self {
+            Self::Scene { .. } => true,
+            Self::Files(files) => files.contains_key(frame),
+        };
+        frames.as_slice().iter().copied().filter(exists).collect()
+    }
+
+    fn path(&self, frame: i64) -> PathBuf {
+        match self {
+            Self::Scene { .. } => PathBuf::new(),
+            Self::Files(files) => files[&frame].clone(),
+        }
+    }
+
+    fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
+        match self {
+            Self::Scene { scene, trees, camera, size, rate } => {
+                let aspect = size.width as f64 / size.height as f64;
+                let shutter = Shutter::around(*rate, frame as f64, 0.0);
+                Ok(scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), *size))
+            }
+            Self::Files(files) => Ok(frame_file::read(&files[&frame])?.frame),
+        }
+    }
+}
+
+/// A preview of more pixels than this is none.
+const LARGEST_PICTURE: usize = 1 << 26;
+
+impl Outputs {
+    fn new(out: Option<&Path>, name: &str, frames: usize) -> Result<Self, CliError> {
+        let Some(out) = out else {
+            let folder = Path::new("out").join(format!("{name}.preview"));
+            let pattern = folder.join(format!("{name}.####.png"));
+            let pictures =
+                OutputPattern::parse_as(&pattern.to_string_lossy(), name, "png").map_err(CliError::Usage)?;
+            let sheet = Some(folder.join(format!("{name}.sheet.png")));
+            return Ok(Self { pictures: Some(pictures), sheet, animation: None });
+        };
+        if out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("apng")) {
+            return Ok(Self { pictures: None, sheet: None, animation: Some(out.to_owned()) });
+        }
+        let pictures =
+            OutputPattern::parse_as(&out.to_string_lossy(), name, "png").map_err(CliError::Usage)?;
+        // A single file for many frames is their contact sheet.
+        if pictures.check(frames).is_err() {
+            return Ok(Self { pictures: None, sheet: Some(out.to_owned()), animation: None });
+        }
+        Ok(Self { pictures: Some(pictures), sheet: None, animation: None })
+    }
+}
+
+impl std::fmt::Display for Outputs {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (&self.pictures, self.sheet.as_ref().or(self.animation.as_ref())) {
+            (Some(pictures), _) => write!(f, "{}", pictures.folder().display()),
+            (None, file) => write!(f, "{}", file.map_or(Path::new(""), PathBuf::as_path).display()),
+        }
+    }
+}
+
+/// Pictures that become one file.
+struct Kept<'a> {
+    outputs: &'a Outputs,
+    frames: usize,
+    rate: FrameRate,
+    /// How many there were.
+    seen: usize,
+    size: Size,
+    sheet: Option<Picture>,
+    animation: Option<Animation>,
+}
+
+impl<'a> Kept<'a> {
+    fn new(outputs: &'a Outputs, frames: usize, rate: FrameRate) -> Self {
+        let size = Size { width: 0, height: 0 };
+        Self { outputs, frames, rate, seen: 0, size, sheet: None, animation: None }
+    }
+
+    fn add(&mut self, picture: &Picture) -> Result<(), CliError> {
+        let shown = self.frames.min(MOST_ON_SHEET);
+        let columns = (shown as f64).sqrt().ceil() as usize;
+        if self.seen == 0 {
+            self.size = picture.size;
+            let Size { width, height } = self.size;
+            let sheet =
+                || Picture::black(Size { width: columns * width, height: shown.div_ceil(columns) * height });
+            self.sheet = self.outputs.sheet.as_ref().map(|_| sheet());
+            if let Some(path) = &self.outputs.animation {
+                self.animation =
+                    Some(Animation::new(path, self.size, self.frames, self.rate).map_err(failure)?);
+            }
+        }
+        let kept = self.sheet.is_some() || self.animation.is_some();
+        if kept && picture.size != self.size {
+            let (Size { width, height }, other) = (self.size, picture.size);
+            let found = format!(
+                "a frame of {}x{} pixels is among others of {width}x{height}",
+                other.width, other.height
+            );
+            return Err(usage("--frames", found, "frames of one size, or --out NAME.####.png"));
+        }
+        // Every so many-th, from the first on.
+        let place = (self.seen * shown).div_ceil(self.frames);
+        if place * self.frames / shown == self.seen {
+            if let Some(sheet) = &mut self.sheet {
+                sheet.paste(place % columns * self.size.width, place / columns * self.size.height, picture);
+            }
+        }
+        if let Some(animation) = &mut self.animation {
+            animation.push(picture).map_err(failure)?;
+        }
+        self.seen += 1;
+        Ok(())
+    }
+
+    /// Writes what was kept, and says how large a picture was.
+    fn finish(self) -> Result<Size, CliError> {
+        if let (Some(sheet), Some(path)) = (&self.sheet, &self.outputs.sheet) {
+            sheet.write(path).map_err(failure)?;
+        }
+        self.animation.map_or(Ok(()), Animation::finish).map_err(failure)?;
+        Ok(self.size)
+    }
+}
+
+fn failure(error: FrameFileError) -> CliError {
+    CliError::InputOutput(error.diagnostic().to_string())
+}

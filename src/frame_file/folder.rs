@@ -1,0 +1,49 @@
+//! Which frames a folder holds. Invariant: temporary files are none.
+
+use super::FrameFileError;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The EXR files of a folder, by the number that their names end in; 0 without one.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn frames_in(folder: &Path) -> Result<BTreeMap<i64, PathBuf>, FrameFileError> {
+    let failed = |source| FrameFileError::Read { path: folder.to_owned(), source };
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if is_exr && !stem.starts_with('.') {
+            files.insert(number(&stem), path);
+        }
+    }
+    Ok(files)
+}
+
+fn number(stem: &str) -> i64 {
+    let (before, digits) = stem.split_at(stem.trim_end_matches(|c: char| c.is_ascii_digit()).len());
+    let sign = if before == "-" || before.ends_with(".-") { -1 } else { 1 };
+    sign * digits.parse::<i64>().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_end_in_numbers() {
+        for (stem, expected) in [
+            ("x.0012", 12),
+            ("x.-0003", -3),
+            ("take2.0007", 7),
+            ("x", 0),
+            ("0004", 4),
+            ("x_9", 9),
+            ("a-5", 5),
+        ] {
+            assert_eq!(number(stem), expected, "{stem}");
+        }
+    }
+}

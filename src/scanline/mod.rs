@@ -1,0 +1,55 @@
+//! A look at a frame in moments: triangles one after another into a depth buffer, without a ray, a tree or a shadow. In
+//! goes a [`Snapshot`], out comes a [`Frame`]. Invariants: a pixel is a function of snapshot and size alone; what is seen
+//! where is decided in double precision from the triangles' vertices, sharing no code with `accel`, so that each can
+//! vouch for the other.
+//!
+//! Visibility first, then light (Burns and Hunt 2013, "The Visibility Buffer"): bands of rows find which triangle each
+//! sample shows, then each pixel is shaded once a triangle that it shows. The light is that of `transport` without
+//! shadows and without light in fog; fog dims what lies behind it.
+
+mod bands;
+mod projection;
+mod shade;
+mod triangle;
+
+use crate::film::{Channel, Frame, Precision};
+use crate::scene::{Size, Window};
+use crate::snapshot::Snapshot;
+use bands::Bands;
+use glam::DVec2;
+use rayon::prelude::*;
+use shade::Shader;
+
+/// Where the samples of a pixel lie, from its upper left corner: a turned square, so that edges near the
+/// horizontal and near the vertical get all their steps.
+const ROTATED_GRID: [DVec2; 4] =
+    [DVec2::new(0.375, 0.125), DVec2::new(0.875, 0.375), DVec2::new(0.125, 0.625), DVec2::new(0.625, 0.875)];
+
+/// Where rays through pixels' centres go.
+const CENTRES: [DVec2; 1] = [DVec2::splat(0.5)];
+
+/// Draws a whole picture: `R`, `G`, `B` and `A`, linear. Works on the current rayon pool.
+pub fn draw(snapshot: &Snapshot, size: Size) -> Frame {
+    let bands = Bands::new(snapshot, size, &ROTATED_GRID);
+    let rows: Vec<[Vec<f32>; 4]> = (0..bands.count())
+        .into_par_iter()
+        .map(|band| Shader::new(snapshot, &bands).colors(&bands.visible(band)))
+        .collect();
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(|(channel, name)| {
+        let pixels = rows.iter().flat_map(|rows| &rows[channel]).copied().collect();
+        Channel::new(name, Precision::Half, pixels)
+    });
+    Frame { full: size, window: Window::whole(size), channels: channels.collect() }
+}
+
+/// Distance along the view axis (planar Z) of the nearest opaque surface at every pixel's centre, metres, row by row from the
+/// top; `None` where there is none.
+///
+/// A centre on a triangle's very edge belongs to it. Of two triangles that share the edge both count, and the nearer is
+/// seen, so nothing shows through between them.
+pub fn depths(snapshot: &Snapshot, size: Size) -> Vec<Option<f64>> {
+    let bands = Bands::new(snapshot, size, &CENTRES);
+    let depths: Vec<Vec<f64>> =
+        (0..bands.count()).into_par_iter().map(|band| bands.visible(band).depths).collect();
+    depths.into_iter().flatten().map(|depth| depth.is_finite().then_some(depth)).collect()
+}

@@ -1,0 +1,108 @@
+//! What samples show becomes colours. In goes what is visible, out come a band's pixels. Invariant: a pixel is
+//! shaded once for each triangle that it shows, however many of its samples show it.
+
+use super::bands::{Bands, NOTHING, Visible};
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::snapshot::{Facet, FrozenLight, Snapshot};
+use crate::transport::unshadowed;
+use glam::DVec2;
+
+/// Shades the pixels of a band.
+pub(super) struct Shader<'a> {
+    snapshot: &'a Snapshot<'a>,
+    bands: &'a Bands<'a>,
+    /// Lights with an extent shine from their middles.
+    lights: Vec<FrozenLight>,
+    /// The last triangle: neighbours often show the same.
+    facet: Option<(u32, Facet<'a>)>,
+    /// What the pixel at work shows of its triangles.
+    shaded: Vec<(u32, Shaded)>,
+}
+
+/// What is seen of a triangle.
+#[derive(Clone, Copy)]
+struct Shaded {
+    radiance: Rgb,
+    see_through: Rgb,
+}
+
+impl<'a> Shader<'a> {
+    pub(super) fn new(snapshot: &'a Snapshot<'a>, bands: &'a Bands<'a>) -> Self {
+        let lights = snapshot.lights.iter().map(|light| light.centre()).collect();
+        Self { snapshot, bands, lights, facet: None, shaded: Vec::new() }
+    }
+
+    /// Red, green, blue and alpha of the band's pixels, row by row.
+    pub(super) fn colors(mut self, visible: &Visible) -> [Vec<f32>; 4] {
+        let (width, samples) = (self.bands.size.width, self.bands.pattern.len());
+        let mut channels = [const { Vec::new() }; 4];
+        let mut layers = visible.layers.as_slice();
+        for pixel in 0..visible.rows.len() * width {
+            let corner = DVec2::new((pixel % width) as f64, (visible.rows.start + pixel / width) as f64);
+            self.shaded.clear();
+            let mut sum = Rgb::ZERO;
+            let mut alpha = 0.0;
+            for (place, &offset) in self.bands.pattern.iter().enumerate() {
+                let sample = pixel * samples + place;
+                let at = corner + offset;
+                let nearest = visible.nearest[sample];
+                let (mut color, own_alpha) = match nearest {
+                    NOTHING => self.beyond(at),
+                    _ => (self.shaded(nearest, at, visible.depths[sample]).radiance, 1.0),
+                };
+                let count = layers.iter().take_while(|layer| layer.sample == sample).count();
+                for layer in &layers[..count] {
+                    let Shaded { radiance, see_through } = self.shaded(layer.triangle, at, layer.depth);
+                    color = radiance + see_through * color;
+                }
+                layers = &layers[count..];
+                sum += color;
+                alpha += own_alpha;
+            }
+            let color = (sum / samples as f64).as_vec3().to_array();
+            for (channel, value) in
+                channels.iter_mut().zip(color.into_iter().chain([(alpha / samples as f64) as f32]))
+            {
+                channel.push(value);
+            }
+        }
+        channels
+    }
+
+    fn ray(&self, at: DVec2) -> Ray {
+        let size = self.bands.size;
+        self.snapshot.view.ray(at.x / size.width as f64, at.y / size.height as f64)
+    }
+
+    /// Radiance and alpha where nothing is.
+    fn beyond(&self, at: DVec2) -> (Rgb, f64) {
+        let ray = self.ray(at);
+        let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, f64::INFINITY);
+        let has_background = self.snapshot.background != Rgb::ZERO;
+        let alpha = if has_background { 1.0 } else { 1.0 - through.element_sum() / 3.0 };
+        (self.snapshot.radiance_beyond(ray.direction) * through, alpha)
+    }
+
+    /// What a triangle shows in the pixel at work, judged where it is first met.
+    fn shaded(&mut self, triangle: u32, at: DVec2, depth: f64) -> Shaded {
+        if let Some((_, shaded)) = self.shaded.iter().find(|(known, _)| *known == triangle) {
+            return *shaded;
+        }
+        let facet = match self.facet {
+            Some((known, facet)) if known == triangle => facet,
+            _ => self.snapshot.facet(self.bands.triangles[triangle as usize].primitive),
+        };
+        self.facet = Some((triangle, facet));
+        let ray = self.ray(at);
+        let distance = depth / ray.direction.dot(self.snapshot.view.axes().2);
+        let point = facet.seen_along(&ray, distance);
+        let fog = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
+        // Mirrors show what lies beyond everything.
+        let mirrored = point.mirror * self.snapshot.background;
+        let light = unshadowed(&self.lights, &point) + point.emission + mirrored;
+        let shaded = Shaded { radiance: fog * point.alpha * light, see_through: point.see_through };
+        self.shaded.push((triangle, shaded));
+        shaded
+    }
+}

@@ -1,0 +1,57 @@
+//! Placed meshes as they stand, for who draws them one after another instead of following rays. In goes a snapshot, out
+//! come triangles in relative space. Invariant: the triangles are those of the trees, taken from the same vertices.
+
+use super::{Snapshot, mesh_trees::is_blended};
+use crate::accel::PrimitiveId;
+use crate::scene::Triangle;
+use glam::{DAffine3, Vec3};
+
+/// One mesh where it is placed; its opaque triangles, or its blended ones.
+#[derive(Clone, Copy)]
+pub struct DrawnMesh<'a> {
+    /// Where it is.
+    pub relative_from_mesh: DAffine3,
+    /// Its vertices as they are bent, in its own space.
+    pub positions: &'a [Vec3],
+    /// Whether these are its blended triangles.
+    pub is_blended: bool,
+    snapshot: &'a Snapshot<'a>,
+    number: usize,
+}
+
+impl Snapshot<'_> {
+    /// How many meshes there are to draw.
+    pub fn mesh_count(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// One of them.
+    pub fn mesh(&self, number: usize) -> DrawnMesh<'_> {
+        let placed = &self.placed[number];
+        let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
+        DrawnMesh {
+            relative_from_mesh: placed.relative_from_mesh,
+            positions: placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions),
+            is_blended: number >= self.first_blended,
+            snapshot: self,
+            number,
+        }
+    }
+}
+
+impl<'a> DrawnMesh<'a> {
+    /// Its triangles: what the snapshot knows them by, and their vertices.
+    pub fn triangles(self) -> impl Iterator<Item = (PrimitiveId, [usize; 3])> + 'a {
+        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
+        let scene = self.snapshot.scene;
+        let is_in = move |triangle: &Triangle| {
+            let material = &scene.materials[instance.material.unwrap_or(triangle.material)];
+            is_blended(scene, material) == self.is_blended
+        };
+        let triangles = scene.meshes[instance.mesh].triangles.iter().zip(0..);
+        triangles.filter(move |(triangle, _)| is_in(triangle)).map(move |(triangle, number)| {
+            let primitive = PrimitiveId { instance: self.number as u32, triangle: number };
+            (primitive, triangle.vertices.map(|vertex| vertex as usize))
+        })
+    }
+}

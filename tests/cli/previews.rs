@@ -1,0 +1,49 @@
+//! `preview`: pictures, contact sheets and animations, drawn or of frames that are there.
+
+use crate::program::Studio;
+use image::RgbImage;
+
+fn picture(studio: &Studio, name: &str) -> RgbImage {
+    let bytes = studio.bytes(name);
+    image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).unwrap().to_rgb8()
+}
+
+#[test]
+fn pictures_and_a_sheet_where_nobody_said_otherwise() {
+    let studio = Studio::new();
+    let outcome = studio.succeed("preview tiny.ron --frames 1-3 --size 16x9");
+    let names = ["tiny.0001.png", "tiny.0002.png", "tiny.0003.png", "tiny.sheet.png"];
+    assert_eq!(studio.names("out/tiny.preview"), names);
+    assert!(outcome.err.lines().last().unwrap().starts_with("3 frames of 16x9 in "), "{}", outcome.err);
+    let sheet = picture(&studio, "out/tiny.preview/tiny.sheet.png");
+    assert_eq!(sheet.dimensions(), (32, 18));
+    let second = picture(&studio, "out/tiny.preview/tiny.0002.png");
+    assert!(second.pixels().any(|pixel| pixel.0 != [0; 3]), "something is seen");
+    assert_eq!(image::imageops::crop_imm(&sheet, 16, 0, 16, 9).to_image(), second);
+}
+
+#[test]
+fn the_name_says_what_is_made() {
+    let studio = Studio::new();
+    studio.succeed("preview tiny.ron --frames 1-2 --size 16x9 --out a/x.##.png");
+    assert_eq!(studio.names("a"), ["x.01.png", "x.02.png"]);
+    studio.succeed("preview tiny.ron --frames 1-2 --size 16x9 --out sheet.png");
+    assert_eq!(picture(&studio, "sheet.png").dimensions(), (32, 9));
+    studio.succeed("preview tiny.ron --frames 2 --size 16x9 --out one.png");
+    assert_eq!(picture(&studio, "one.png"), picture(&studio, "a/x.02.png"));
+    studio.succeed("preview tiny.ron --frames 1-2 --size 16x9 --out a.apng --threads 1");
+    // The picture that viewers without animation show is the first.
+    assert_eq!(picture(&studio, "a.apng"), picture(&studio, "a/x.01.png"));
+}
+
+#[test]
+fn frames_that_are_there_are_shown_as_they_are() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1-2 --size 16x9 --samples 1 --out a/ --preview png");
+    studio.succeed("preview a --frames 2 --out b/x.####.png");
+    assert_eq!(studio.names("b"), ["x.0002.png"]);
+    assert_eq!(picture(&studio, "b/x.0002.png"), picture(&studio, "a/tiny.0002.png"));
+    studio.succeed("preview a --out both.apng --fps 12");
+    assert!(studio.fail("preview a --size 50%", 2).contains("--size"));
+    assert!(studio.fail("preview b", 2).contains("remedy"));
+}
