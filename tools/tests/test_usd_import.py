@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import unittest
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, Vt
 
 from sunfleck_tools import SceneError
+from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.gltf.container import Container
 from sunfleck_tools.gltf.deformation import Bending
 from sunfleck_tools.gltf.meshes import Meshes
@@ -16,10 +18,16 @@ from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
 from sunfleck_tools.usd.reading.triangles import triangulate
 
-from .test_usd_export import SAMPLES, Case, inspect, needs_program
+from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, needs_program
 from .test_validation import run
 
+SEQUENCES = SAMPLES.parents[2] / "sequences"
 QUAD = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+
+
+def program(command: str) -> None:
+    """Runs sunfleck."""
+    subprocess.run([PROGRAM, *command.split()], check=True, capture_output=True)
 
 
 def quad(stage: Usd.Stage, path: str) -> UsdGeom.Mesh:
@@ -68,6 +76,24 @@ class ThereAndBack(Case):
                 found = inspect(back, list(expected))
                 for frame, truth in expected.items():
                     self.compare(truth, found[frame], f"{name}, {options}, frame {frame}")
+
+    @needs_program
+    def test_the_picture_is_the_same(self):
+        glb, back = self.folder / "leaves.glb", self.folder / "back.glb"
+        program(f"export {SEQUENCES}/falling_leaves.ron {glb} --frames 24-24")
+        expected = self.picture(glb)
+        for options in (ExportOptions(), ExportOptions(for_blender=True), ExportOptions(point_instancer=True)):
+            stage = self.folder / f"leaves_{options.for_blender}_{options.point_instancer}.usdc"
+            export_usd(glb, stage, options)
+            import_usd(stage, back)
+            self.assertLess(np.abs(self.picture(back) - expected).mean(), 1e-3 * expected.mean())
+
+    def picture(self, path: Path) -> np.ndarray:
+        """A small frame: leaves with textures and light through them, two suns, fog."""
+        out = self.folder / f"{path.stem}.exr"
+        program(f"render {path} --frames 24 --size 48x27 --samples 4 --threads 1 --out {out}")
+        channels = decode(out)
+        return np.float32([channels[each] for each in "RGB"])
 
     def compare(self, truth: dict, found: dict, what: str):
         for key, node in truth["nodes"].items():

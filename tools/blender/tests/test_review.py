@@ -134,6 +134,22 @@ class Review(unittest.TestCase):
                     self.assertNear(points[:, :3].min(axis=0), expected["bbox_min"], bar, shape)
                     self.assertNear(points[:, :3].max(axis=0), expected["bbox_max"], bar, shape)
 
+    def test_nodes_beside_what_bends_are_where_they_are(self):
+        for name in ("c_morph", "d_skin"):
+            path = SAMPLES / f"{name}.glb"
+            self.open(path)
+            compared = 0
+            for frame, expected in inspect(path, (1.0, 2.25, 17.5, 48.0)).items():
+                graph = at_frame(frame)
+                for thing in bpy.data.objects:
+                    key = thing.get("sunfleck_name")
+                    # A skin's own mesh is in the world.
+                    if key in expected["nodes"] and not (name == "d_skin" and thing.type == "MESH"):
+                        world = world_of(thing.evaluated_get(graph).matrix_world)
+                        self.assertNear(world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}")
+                        compared += 1
+            self.assertGreaterEqual(compared, 8)
+
     def test_the_camera_sees_what_the_renderer_sees(self):
         truth = self.review()
         camera = bpy.data.objects["main"]
