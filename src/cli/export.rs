@@ -22,9 +22,14 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     if let Some(list) = &arguments.frames {
         let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;
         let (first, last) = (frames.as_slice().iter().min(), frames.as_slice().iter().max());
-        if let (Some(&first), Some(&last)) = (first, last) {
-            settings.frames = first..=last;
-        }
+        let (Some(&first), Some(&last)) = (first, last) else {
+            return Err(usage(
+                "--frames",
+                "an animation of no frames".into(),
+                "its first and last frame, such as 1-48",
+            ));
+        };
+        settings.frames = first..=last;
     }
     let exported =
         export::glb(&scene, &settings).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;

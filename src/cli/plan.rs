@@ -12,7 +12,7 @@ use crate::snapshot::{Shutter, View, shows_surfaces};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use sha2::{Digest, Sha256};
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// 16384 x 8192.
 const MOST_PIXELS: usize = 1 << 27;
@@ -112,7 +112,6 @@ impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let frames = self.frames.as_slice();
         let Size { width, height } = self.job.size;
-        let first = frames.first().map_or_else(PathBuf::new, |frame| self.output.path(*frame));
         writeln!(
             f,
             "{} frame{} of {width}x{height} pixels, {} on {:?}, fog by {:?}, {}",
@@ -124,7 +123,10 @@ impl fmt::Display for Plan {
             super::pass_names(&self.job.passes)
         )?;
         writeln!(f, "camera `{}`, seed {}", self.scene.cameras[self.camera].name, self.job.seed)?;
-        write!(f, "the first would be {}; nothing was rendered", first.display())
+        if let Some(&first) = frames.first() {
+            write!(f, "the first would be {}; ", self.output.path(first).display())?;
+        }
+        write!(f, "nothing was rendered")
     }
 }
 

@@ -1,5 +1,5 @@
-//! Frame numbers from what the user types. Invariant: at least one frame, each once, in the order
-//! of first mention.
+//! Frame numbers from what the user types. Invariant: each frame once, in the order of first
+//! mention.
 //!
 //! | written | means |
 //! |---|---|
@@ -8,6 +8,7 @@
 //! | `1-48x2`, `1-48:2`, `1..48x2` | every second of them |
 //! | `all` | all frames of the sequence |
 //! | `1-10,20,30-40x5` | one after the other |
+//! | `none` alone | no frame, as `sunfleck-tools validate --list-missing` says where none is missing |
 
 use crate::diagnostic::{Diagnostic, Place};
 use std::collections::BTreeSet;
@@ -21,11 +22,14 @@ const MOST_FRAMES: usize = 1_000_000;
 pub struct FrameList(Vec<i64>);
 
 impl FrameList {
-    /// Reads a list; `all` are the frames of the sequence.
+    /// Reads a list; `all` are the frames of the sequence, `none` is no frame.
     ///
     /// # Errors
     /// If some part of it is no frame, range or `all`, or there are more frames than a million.
     pub fn parse(text: &str, all: RangeInclusive<i64>) -> Result<Self, Diagnostic> {
+        if text.trim() == "none" {
+            return Ok(Self(Vec::new()));
+        }
         let mut frames = Vec::new();
         let mut seen = BTreeSet::new();
         for item in text.split(',') {
@@ -124,7 +128,8 @@ mod tests {
 
     #[test]
     fn the_grammar() {
-        let table: [(&str, &[i64]); 17] = [
+        let table: [(&str, &[i64]); 18] = [
+            ("none", &[]),
             ("7", &[7]),
             ("-3", &[-3]),
             ("0001", &[1]),
@@ -170,6 +175,7 @@ mod tests {
             "99999999999",
             "1-2-3",
             "ALL",
+            "none,1",
             "1 2",
             "é",
         ] {

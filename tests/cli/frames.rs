@@ -183,6 +183,15 @@ fn a_dry_run_writes_nothing() {
 }
 
 #[test]
+fn no_frames_are_rendered_well_and_animate_nothing() {
+    let studio = Studio::new();
+    let outcome = studio.succeed("render tiny.ron --frames none --out a/ --progress plain");
+    assert!(format!("{}{}", outcome.out, outcome.err).contains("0 frames written"), "{}", outcome.err);
+    assert!(studio.succeed("render tiny.ron --frames none --dry-run").out.starts_with("0 frames"));
+    studio.fail("export tiny.ron tiny.glb --frames none", 2);
+}
+
+#[test]
 fn valid_frames_are_skipped_and_damaged_ones_rendered_again() {
     let studio = Studio::new();
     let render = "render tiny.ron --frames 1-3 --out a/ --skip valid";
