@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The same scenes, made in Blender, in Cycles and by sunfleck from the exported file: a table of mean ratios.
 
-    python3.11 -m venv .venv && .venv/bin/pip install bpy==5.0.1 numpy==1.26.4
+    python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/compare_cycles.py --sunfleck target/release/sunfleck
 
 Cycles with all bounces 0 is direct light and single scattering, which is what sunfleck computes. Exits with 1 if a mean differs
@@ -16,15 +16,15 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "blender"), str(HERE.parent / "blender" / "tests")]
+sys.path[:0] = [str(HERE.parent / "blender"), str(HERE.parent / "blender" / "tests")]
 
 import bpy
 import numpy
 
-import cycles_peer
 import scenes
 import sunfleck
 from sunfleck import export
+from sunfleck_tools.peers import cycles
 
 SIZE = (160, 90)
 
@@ -118,7 +118,7 @@ def compare(name, build, arguments, folder):
     ours = folder / "ours.exr"
     command = [arguments.sunfleck, "render", glb, "--samples", str(arguments.samples), "--passes", "none", "--out", ours]
     subprocess.run(list(map(str, command)), check=True, capture_output=True)
-    cycles_peer.settings(scene, SIZE)
+    cycles.settings(scene, SIZE)
     scene.cycles.samples = arguments.cycles_samples
     scene.render.filepath = str(folder / "cycles.exr")
     bpy.ops.render.render(write_still=True)

@@ -1,29 +1,27 @@
 """Mitsuba 3: `volpath` with two segments, which is direct light and single scattering."""
 
+from __future__ import annotations
+
 import time
 
 import mitsuba as mi
 import numpy
+
+from .scene import Fog, PeerScene, Surface
 
 # Cuts so little fog off in front of the camera that no figure shows it.
 NEAR_M = 1e-4
 
 
 def version() -> str:
+    """Of Mitsuba."""
     return mi.__version__
 
 
-def prepare(scene, variant: str):
+def prepare(scene: PeerScene, variant: str):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
     mi.set_variant(variant)
     width, height = scene.size
-    inside = numpy.linalg.inv(scene.fog.world_from_cube) @ scene.world_from_camera[:, 3]
-    fog = {
-        "type": "homogeneous",
-        "sigma_t": {"type": "rgb", "value": scene.fog.density_per_m},
-        "albedo": {"type": "rgb", "value": scene.fog.albedo},
-        "phase": {"type": "hg", "g": scene.fog.anisotropy},
-    }
     # Mitsuba's cameras look along +Z with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
     sensor = {
@@ -45,21 +43,25 @@ def prepare(scene, variant: str):
     described = {
         "type": "scene",
         "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100},
-        "fog_box": {
+        "sensor": sensor,
+    }
+    for index, sun in enumerate(scene.suns):
+        described[f"sun_{index}"] = {
+            "type": "directional",
+            "direction": (-sun.to_sun).tolist(),
+            "irradiance": {"type": "rgb", "value": sun.irradiance.tolist()},
+        }
+    if scene.fog is not None:
+        fog = medium(scene.fog)
+        described["fog_box"] = {
             "type": "cube",
             "to_world": mi.ScalarTransform4f(scene.fog.world_from_cube),
             "bsdf": {"type": "null"},
             "interior": fog,
-        },
-        "sun": {
-            "type": "directional",
-            "direction": (-scene.to_sun).tolist(),
-            "irradiance": {"type": "rgb", "value": scene.irradiance.tolist()},
-        },
-        "sensor": sensor,
-    }
-    if numpy.abs(inside[:3]).max() <= 1.0:
-        sensor["medium"] = fog
+        }
+        cube_from_camera = numpy.linalg.inv(scene.fog.world_from_cube) @ scene.world_from_camera
+        if numpy.abs(cube_from_camera[:3, 3]).max() <= 1.0:
+            sensor["medium"] = fog
     for index, surface in enumerate(scene.surfaces):
         described[f"surface_{index}"] = mesh(surface)
     built = mi.load_dict(described)
@@ -74,7 +76,17 @@ def prepare(scene, variant: str):
     return render
 
 
-def mesh(surface):
+def medium(fog: Fog) -> dict:
+    """Fog that fills a shape evenly."""
+    return {
+        "type": "homogeneous",
+        "sigma_t": {"type": "rgb", "value": fog.density_per_m},
+        "albedo": {"type": "rgb", "value": fog.albedo},
+        "phase": {"type": "hg", "g": fog.anisotropy},
+    }
+
+
+def mesh(surface: Surface):
     """Triangles with flat normals, seen from both sides."""
     matte = {"type": "diffuse", "reflectance": {"type": "rgb", "value": surface.reflectance}}
     properties = mi.Properties()

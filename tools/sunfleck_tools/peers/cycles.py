@@ -1,5 +1,7 @@
 """Cycles, as the module `bpy`: no bounces, which is direct light and single scattering."""
 
+from __future__ import annotations
+
 import tempfile
 import time
 from pathlib import Path
@@ -8,6 +10,8 @@ import bpy
 import mathutils
 import numpy
 
+from .scene import PeerScene, Sun
+
 # Cuts so little fog off in front of the camera that no figure shows it.
 NEAR_M = 1e-4
 # From the axes of glTF (Y up) to Blender's (Z up).
@@ -15,18 +19,21 @@ BLENDER_FROM_GLTF = numpy.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 
 
 
 def version() -> str:
+    """Of Blender."""
     return bpy.app.version_string
 
 
-def prepare(scene):
+def prepare(scene: PeerScene):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     made = bpy.context.scene
     for index, surface in enumerate(scene.surfaces):
         points = surface.positions @ BLENDER_FROM_GLTF[:3, :3].T
         add_mesh(made, f"surface_{index}", points, surface.triangles, matte(surface.reflectance))
-    add_fog(made, scene.fog)
-    add_sun(made, scene)
+    if scene.fog is not None:
+        add_fog(made, scene.fog)
+    for sun in scene.suns:
+        add_sun(made, sun)
     add_camera(made, scene)
     settings(made, scene.size)
     target = Path(tempfile.mkdtemp()) / "picture.exr"
@@ -106,13 +113,13 @@ def add_fog(made, fog):
     add_mesh(made, "fog", points, quads, material)
 
 
-def add_sun(made, scene):
+def add_sun(made, described: Sun):
     light = bpy.data.lights.new("sun", "SUN")
-    strength = float(scene.irradiance.max())
+    strength = float(described.irradiance.max()) or 1.0
     light.energy, light.angle = strength, 0.0
-    light.color = (scene.irradiance / strength).tolist()
+    light.color = (described.irradiance / strength).tolist()
     sun = bpy.data.objects.new("sun", light)
-    towards = mathutils.Vector((BLENDER_FROM_GLTF[:3, :3] @ scene.to_sun).tolist())
+    towards = mathutils.Vector((BLENDER_FROM_GLTF[:3, :3] @ described.to_sun).tolist())
     sun.rotation_mode = "QUATERNION"
     sun.rotation_quaternion = towards.to_track_quat("Z", "Y")
     made.collection.objects.link(sun)

@@ -1,0 +1,109 @@
+"""Error against time of other renderers, as `sunfleck bench --peers` reads it.
+
+Invariant: time is that of all processors together, after scene and kernels are built.
+"""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+import OpenEXR
+
+from ..errors import ToolError
+from .scene import PeerScene
+
+Render = Callable[[int, int], tuple[np.ndarray, float]]
+"""Samples a pixel and a seed to a picture, and the seconds that it took."""
+RENDERERS = {
+    "mitsuba-llvm": ("Mitsuba llvm", "mitsuba", ("llvm_ad_rgb",), "mitsuba"),
+    "mitsuba-scalar": ("Mitsuba scalar", "mitsuba", ("scalar_rgb",), "mitsuba"),
+    "cycles": ("Cycles", "cycles", (), "bpy"),
+}
+"""Name, module here, what it is told, and the package that it needs."""
+COLUMNS = ("renderer", "version", "spp", "cpu_s", "rmse", "date", "machine")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A picture of one renderer; `rmse` and `mean_ratio` where there was a reference."""
+
+    renderer: str
+    version: str
+    samples: int
+    cpu_s: float
+    rmse: float | None
+    mean_ratio: float | None
+
+
+def available(name: str) -> str | None:
+    """A sentence if a renderer is not there."""
+    label, module, _, package = RENDERERS[name]
+    try:
+        import_module(f".{module}", __package__)
+    except ImportError as error:
+        return f"{label} is not here ({error}): pip install './tools[{module}]' (docs/tools.md says with which Python)"
+    return None
+
+
+def measure(
+    scene: PeerScene,
+    names: Sequence[str],
+    samples: Sequence[int],
+    reference: np.ndarray | None = None,
+    reference_noise: float = 0.0,
+    pictures: Path | None = None,
+) -> Iterator[Point]:
+    """Renders with each of the renderers; `pictures` is a folder that their frames go to."""
+    for name in names:
+        label, module, options, _ = RENDERERS[name]
+        peer = import_module(f".{module}", __package__)
+        render: Render = peer.prepare(scene, *options)
+        for count in samples:
+            picture, seconds = render(count, count)
+            if pictures is not None:
+                write_frame(pictures / f"{name}.{count:04d}.exr", picture, f"{label} {peer.version()}, {count} samples a pixel")
+            rmse = ratio = None
+            if reference is not None:
+                square = float(np.mean((picture - reference) ** 2))
+                rmse = max(square - reference_noise**2, 0.0) ** 0.5
+                ratio = float(picture.mean() / reference.mean())
+            yield Point(label, peer.version(), count, seconds, rmse, ratio)
+
+
+def write_frame(path: Path, picture: np.ndarray, said: str) -> None:
+    """R, G and B as floats."""
+    header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION, "comments": said}
+    channels = {letter: np.ascontiguousarray(picture[..., i], np.float32) for i, letter in enumerate("RGB")}
+    try:
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(path))
+    except RuntimeError as error:
+        raise ToolError(f"cannot write {path}: {error}", is_usage=False) from error
+
+
+def write_table(file: TextIO, points: Sequence[Point], remark: str) -> None:
+    """The CSV table that docs/command-line.md describes."""
+    file.write(f"# {remark}\n")
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    today = datetime.date.today().isoformat()
+    for point in points:
+        seconds, rmse = f"{point.cpu_s:.4g}", f"{point.rmse:.4g}"
+        writer.writerow([point.renderer, point.version, point.samples, seconds, rmse, today, _machine()])
+
+
+def _machine() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return f"{len(names)} x {names[0]}" if names else platform.processor()

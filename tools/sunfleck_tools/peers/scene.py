@@ -1,0 +1,182 @@
+"""A moment of a scene as the renderers beside us take it: triangles in the world, suns, a camera, a box of fog.
+
+Invariant: what a scene has beyond that is refused where it would change the light, and told where it changes surfaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import SceneError
+from ..gltf.deformation import Bending
+from ..gltf.load import load
+from ..gltf.meshes import Meshes
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from ..gltf.values import Value
+
+LUMENS_PER_WATT = 683.0
+DEFAULT_SIZE = (960, 540)
+SURFACE_BEYOND = ("normalTexture", "emissiveTexture", "emissiveFactor")
+
+
+@dataclass
+class Surface:
+    """Triangles in world space that share a Lambert reflectance."""
+
+    positions: np.ndarray
+    triangles: np.ndarray
+    reflectance: list[float]
+
+
+@dataclass
+class Sun:
+    """Irradiance in W/m^2 on a plane that faces it."""
+
+    to_sun: np.ndarray
+    irradiance: np.ndarray
+
+
+@dataclass
+class Fog:
+    """The image of the cube [-1, 1]^3, filled evenly; extinction a metre."""
+
+    world_from_cube: np.ndarray
+    density_per_m: list[float]
+    albedo: list[float]
+    anisotropy: float
+
+
+@dataclass
+class PeerScene:
+    """Everything that is rendered."""
+
+    surfaces: list[Surface]
+    suns: list[Sun]
+    world_from_camera: np.ndarray
+    fov_y_rad: float
+    fog: Fog | None
+    size: tuple[int, int]
+    notes: list[str]
+
+
+def read_scene(source: Path, frame: float | None = None, program: str | None = None) -> PeerScene:
+    """Reads what the renderer reads (`load`) at a frame, by default the first. Raises `SceneError`."""
+    gltf = load(source, program)
+    return _Reader(gltf, gltf.settings.first if frame is None else frame).scene()
+
+
+class _Reader:
+    def __init__(self, gltf: Gltf, frame: float):
+        self.gltf, self.notes = gltf, []
+        self.time_s = gltf.settings.seconds(np.array([frame]))
+        self.materials = gltf.document.items("materials")
+
+    def scene(self) -> PeerScene:
+        meshes = Meshes(self.gltf, self.notes)
+        parts: dict[int | None, list[tuple[np.ndarray, np.ndarray]]] = {}
+        suns, cameras, fogs = [], [], []
+        for node in self.gltf.nodes:
+            world_from_node = node.world_from_node(self.time_s)[0]
+            if (found := meshes.of(node)) is not None and self._is_visible(node):
+                bending = Bending(self.gltf, node, found[1])
+                place = np.eye(4) if bending.is_skinned else world_from_node
+                for primitive in found[1].primitives:
+                    points = bending.positions(primitive, self.time_s)[0] @ place[:3, :3].T + place[:3, 3]
+                    parts.setdefault(primitive.material, []).append((points, primitive.triangles))
+            if node.source.extension("KHR_lights_punctual") is not None or node.extras.member("sunfleck_light") is not None:
+                suns.append(self._sun(node, world_from_node))
+            if node.source.member("camera") is not None:
+                cameras.append((node, world_from_node))
+            if (fog := node.extras.member("sunfleck_fog_volume")) is not None:
+                fogs.append(self._fog(fog, world_from_node))
+        if not suns or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
+            raise SceneError(f"{self.gltf.document.file}: other renderers get one or more suns and at most one box of fog")
+        world_from_camera, fov_y_rad = self._camera(cameras)
+        return PeerScene(
+            surfaces=[self._surface(material, pieces) for material, pieces in parts.items()],
+            suns=suns,
+            world_from_camera=world_from_camera,
+            fov_y_rad=fov_y_rad,
+            fog=fogs[0] if fogs else None,
+            size=self.gltf.settings.size if all(self.gltf.settings.size) else DEFAULT_SIZE,
+            notes=list(dict.fromkeys(self.notes)),
+        )
+
+    def _is_visible(self, node: Node) -> bool:
+        above: Node | None = node
+        while above is not None:
+            visibility = above.source.extension("KHR_node_visibility")
+            if visibility is not None and visibility.raw.get("visible", True) is False:
+                return False
+            above = above.parent
+        return True
+
+    def _sun(self, node: Node, world_from_node: np.ndarray) -> Sun:
+        ours = node.extras.group("sunfleck_light")
+        reference = node.source.extension("KHR_lights_punctual")
+        if reference is None:
+            ours.fail("other renderers get suns only, no area lights")
+        lights = self.gltf.document.group("extensions").group("KHR_lights_punctual").items("lights")
+        light = lights[reference.need("light").index(lights, "light")]
+        if light.text_at("type") != "directional":
+            light.fail("other renderers get suns only: lights of the type directional")
+        if ours.number_at("angle", 0.0) > 0:
+            ours.fail("other renderers get suns without a disc: the angle 0")
+        color = np.array(light.need("color").numbers(3) if light.member("color") else [1.0] * 3)
+        said = ours.member("strength_w_m2")
+        if said is None and self.gltf.settings.light_units != "spec":
+            light.fail(f"its unit is `{self.gltf.settings.light_units}`: other renderers get lux only")
+        strength = light.number_at("intensity", 1.0, 0.0) / LUMENS_PER_WATT if said is None else said.number(0.0)
+        axis = world_from_node[:3, 2]
+        return Sun(axis / np.linalg.norm(axis), color * strength)
+
+    def _fog(self, fog: Value, world_from_cube: np.ndarray) -> Fog:
+        if fog.text_at("shape", "box") != "box" or fog.number_at("falloff", 0.0) > 0:
+            fog.fail("other renderers get fog that fills a box evenly")
+        albedo = fog.member("albedo")
+        return Fog(
+            world_from_cube,
+            fog.need("density").channels(),
+            [1.0] * 3 if albedo is None else albedo.channels(),
+            fog.number_at("anisotropy", 0.0, -1.0, 1.0),
+        )
+
+    def _camera(self, cameras: list[tuple[Node, np.ndarray]]) -> tuple[np.ndarray, float]:
+        named = self.gltf.settings.camera
+        chosen = [entry for entry in cameras if not named or entry[0].name == named]
+        if not chosen:
+            raise SceneError(f"{self.gltf.document.file}: there is no camera" + (f" `{named}`" if named else ""))
+        node, world_from_camera = chosen[0]
+        described = self.gltf.document.items("cameras")
+        source = described[node.source.need("camera").index(described, "camera")]
+        ours = source.group("extras").group("sunfleck_camera")
+        if source.text_at("type") != "perspective" or any(ours.member(name) is not None for name in ("shift", "fstop")):
+            source.fail("other renderers get a pinhole camera: perspective, without a shift or an aperture")
+        return world_from_camera, source.need("perspective").need("yfov").number(1e-6, 3.14)
+
+    def _surface(self, material: int | None, pieces: list[tuple[np.ndarray, np.ndarray]]) -> Surface:
+        first, triangles = 0, []
+        for points, own in pieces:
+            triangles.append(own.astype(np.uint32) + np.uint32(first))
+            first += len(points)
+        positions = np.concatenate([points for points, _ in pieces])
+        return Surface(positions, np.concatenate(triangles), self._reflectance(material))
+
+    def _reflectance(self, material: int | None) -> list[float]:
+        if material is None:
+            return [1.0] * 3
+        source = self.materials[material]
+        shading = source.group("pbrMetallicRoughness")
+        beyond = [name for name in SURFACE_BEYOND if source.member(name) is not None]
+        beyond += sorted(source.group("extensions").raw)
+        beyond += ["baseColorTexture"] if shading.member("baseColorTexture") is not None else []
+        beyond += ["metallicFactor"] if shading.number_at("metallicFactor", 1.0) > 0 else []
+        beyond += ["alphaMode"] if source.text_at("alphaMode", "OPAQUE") != "OPAQUE" else []
+        if beyond:
+            self.notes.append(f"{source.path}: other renderers get a matte surface of its baseColorFactor, without {', '.join(beyond)}")
+        color = shading.member("baseColorFactor")
+        return [1.0] * 3 if color is None else color.numbers(4)[:3]
