@@ -94,7 +94,7 @@ class SUNFLECK_OT_render(bpy.types.Operator):
             return False
         frames = [] if self.animation else ["--frames", str(scene.frame_current)]
         self.run, self.folder, self.total = Run(executable, glb, folder, frames), folder, 1
-        self.done = 0
+        self.done, self.shown = 0, 0.0
         return True
 
     def execute(self, context):
@@ -136,9 +136,10 @@ class SUNFLECK_OT_render(bpy.types.Operator):
             self.total = max(1, news["frames"])
         elif news["event"] in {"frame_written", "frame_skipped", "frame_given_up"}:
             self.done += 1
-        fraction = (self.done + news.get("fraction", 0.0)) / self.total
-        context.window_manager.progress_update(min(1.0, fraction))
-        context.workspace.status_text_set(f"sunfleck: {100.0 * fraction:.0f} %, Esc stops")
+        # A frame begins while the one before is still being written: what was shown once stays.
+        self.shown = max(self.shown, min(1.0, (self.done + news.get("fraction", 0.0)) / self.total))
+        context.window_manager.progress_update(self.shown)
+        context.workspace.status_text_set(f"sunfleck: {100.0 * self.shown:.0f} %, Esc stops")
 
     def put_away(self, context):
         context.window_manager.event_timer_remove(self.timer)
