@@ -2,6 +2,7 @@
 //! cannot say stands in the custom property `sunfleck_material`.
 
 use super::Writer;
+use super::material_changes::Written;
 use crate::color::{Rgb, srgb_from_linear};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, Wrap};
@@ -21,7 +22,8 @@ impl Writer<'_> {
     /// All materials under the scene's numbers, and all textures.
     pub(super) fn materials(&mut self) -> Result<(Vec<Value>, Images), Diagnostic> {
         let scene = self.scene;
-        let materials = scene.materials.iter().map(|material| self.material(material)).collect();
+        let numbered = scene.materials.iter().enumerate();
+        let materials = numbered.map(|(index, material)| self.material(index, material)).collect();
         let mut images = Images::default();
         for (number, texture) in scene.textures.iter().enumerate() {
             let holds_data = scene.materials.iter().any(|material| {
@@ -43,7 +45,7 @@ impl Writer<'_> {
         Ok((materials, images))
     }
 
-    fn material(&mut self, material: &Material) -> Value {
+    fn material(&mut self, index: usize, material: &Material) -> Value {
         let is_unlit = is_unlit(material);
         let is_metal = material.mirror != Rgb::ZERO
             && material.base_color == Rgb::ZERO
@@ -75,8 +77,11 @@ impl Writer<'_> {
                 material.coat.map_or(json!({ "specularFactor": 0.0 }), specular);
         }
         // The factor itself is at most 1.
+        let times_s = material.changes.iter().flat_map(|changes| changes.times_s());
+        let brightest = times_s.map(|&time_s| material.at(time_s).emission.max_element());
         let emission = if is_unlit { Rgb::ZERO } else { material.emission };
-        let strength = emission.max_element().max(1.0);
+        let strength = brightest.fold(emission.max_element().max(1.0), f64::max);
+        self.carry_changes(index, material, &Written { is_metal, is_unlit, emission_strength: strength });
         if strength > 1.0 {
             self.extensions.insert("KHR_materials_emissive_strength");
             extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });

@@ -6,6 +6,7 @@ mod binary;
 mod controls;
 mod keys;
 mod lights;
+mod material_changes;
 mod materials;
 mod meshes;
 mod nodes;

@@ -139,16 +139,21 @@ impl File {
     }
 
     pub(crate) fn load(&self) -> (Scene, RenderSettings) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("made.gltf");
-        std::fs::write(&path, self.text()).unwrap();
-        let description = description::load(&path).unwrap_or_else(|error| panic!("{error}"));
-        scene::resolve(description, None).unwrap_or_else(|problems| panic!("{problems}"))
+        load(&self.text(), "made.gltf")
     }
 
     pub(crate) fn scene(&self) -> Scene {
         self.load().0
     }
+}
+
+/// The scene of a file with these bytes.
+pub(crate) fn load(bytes: &[u8], name: &str) -> (Scene, RenderSettings) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let description = description::load(&path).unwrap_or_else(|error| panic!("{error}"));
+    scene::resolve(description, None).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
 fn list<'a>(value: &'a mut Value, name: &str) -> &'a mut Vec<Value> {

@@ -107,6 +107,42 @@ fn roughness_metal_and_normal_maps_change() {
     assert_ne!(seen(&moving, 0.0, PLACES[0]), seen(&moving, 0.25, PLACES[0]));
 }
 
+/// Written as glTF and read again, changes are the same.
+#[test]
+fn changes_travel_out_and_back() {
+    for kind in [
+        json!({ "pbrMetallicRoughness": { "metallicFactor": 0.5 }, "alphaMode": "BLEND" }),
+        json!({ "extensions": { "KHR_materials_unlit": {} } }),
+        json!({ "pbrMetallicRoughness": { "metallicFactor": 1, "roughnessFactor": 0 } }),
+    ] {
+        let mut file = square(&kind);
+        let color = [0.2, 0.4, 0.6, 1.0, 0.8, 0.2, 0.1, 0.5];
+        let pbr = "/materials/0/pbrMetallicRoughness";
+        file.animate(&format!("{pbr}/baseColorFactor"), "VEC4", "STEP", &[0.0, 1.0], &color);
+        if kind["pbrMetallicRoughness"]["metallicFactor"] == 0.5 {
+            file.animate(&format!("{pbr}/roughnessFactor"), "SCALAR", "LINEAR", &[0.0, 2.0], &[0.25, 0.75]);
+            file.animate(
+                "/materials/0/emissiveFactor",
+                "VEC3",
+                "LINEAR",
+                &[0.5, 1.5],
+                &[0.0, 0.1, 0.2, 1.0, 0.5, 0.0],
+            );
+            let strength = "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength";
+            file.animate(strength, "SCALAR", "STEP", &[0.0, 1.25], &[3.0, 20.0]);
+        }
+        let (scene, settings) = file.load();
+        let exported = sunfleck::export::glb(&scene, &settings).unwrap();
+        assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
+        let again = crate::file::load(&[exported.head, exported.binary].concat(), "made.glb").0;
+        for time_s in [0.0, 0.7, 0.9999, 1.0, 1.2499, 1.25, 1.7, 3.0] {
+            for place in PLACES {
+                assert_near(seen(&again, time_s, place), seen(&scene, time_s, place), (&kind, time_s));
+            }
+        }
+    }
+}
+
 /// A spline, which is followed in straight parts.
 #[test]
 fn spline_keys_of_materials_are_followed() {
