@@ -152,7 +152,7 @@ impl Source {
         match self {
             Self::Scene { scene, trees, camera, size, rate } => {
                 let aspect = size.width as f64 / size.height as f64;
-                let shutter = Shutter::around(*rate, frame as f64, 0.0);
+                let shutter = Shutter::instant(rate.seconds(frame as f64));
                 Ok(scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), *size))
             }
             Self::Files(files) => Ok(frame_file::read(&files[&frame])?.frame),

@@ -48,6 +48,11 @@ impl Shutter {
         Self { open_s, close_s }
     }
 
+    /// One that is open at a moment only, in seconds.
+    pub fn instant(moment_s: f64) -> Self {
+        Self { open_s: moment_s, close_s: moment_s }
+    }
+
     /// The moment that a picture without motion blur shows.
     pub fn middle_s(self) -> f64 {
         0.5 * (self.open_s + self.close_s)
