@@ -51,6 +51,7 @@ pub(crate) fn material(bytes: &[u8]) {
 /// A texture.
 pub(crate) fn image(bytes: &[u8]) {
     let _ = image::decode(bytes, Encoding::Srgb, Place::Nowhere);
+    let _ = image::decode(bytes, Encoding::Radiance, Place::Nowhere);
 }
 
 /// An EXR frame.

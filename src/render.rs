@@ -16,7 +16,7 @@ use crate::film::Frame;
 use crate::math::{Ray, Sampler};
 use crate::scene::{Pass, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
-use crate::transport::Transport;
+use crate::transport::{Part, Transport};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use refine::{Budget, Goal, Refined};
@@ -116,7 +116,8 @@ impl Job {
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
-    let survey = if job.is_judged() { Survey::new(middle, job) } else { Survey::omitted(middle) };
+    let parts = parts(exposure);
+    let survey = if job.is_judged() { Survey::new(middle, job, parts) } else { Survey::omitted(parts) };
     let mut sum = Sum::default();
     let from_slices = match job.placement {
         Placement::Auto => choose(exposure).placement == Placement::Slices,
@@ -126,23 +127,37 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     sum.statistics.from_slices = from_slices;
     if from_slices {
         let tally = slices::Tally::default();
-        let lights = survey.lights.len();
+        let parts = survey.parts.len();
         // The brightest first: the others are judged by what they add to it.
         let mut share_so_far = 0.0;
-        for (number, (&light, &share)) in survey.lights.iter().zip(&survey.shares).enumerate() {
-            let picture = slices::LightPicture { exposure, job, light, tally: &tally };
-            let part = (number as f64 / lights as f64, (number + 1) as f64 / lights as f64);
+        for (number, (&part, &share)) in survey.parts.iter().zip(&survey.shares).enumerate() {
+            let range = (number as f64 / parts as f64, (number + 1) as f64 / parts as f64);
             share_so_far += share;
             let budget = Budget { share, share_so_far, before: sum.estimates() };
-            let developed = watch.part(part, None, |watch| develop(&picture, job, &survey, &budget, watch));
+            let developed = watch.part(range, None, |watch| match part {
+                Part::Light(light) => {
+                    let picture = slices::LightPicture { exposure, job, light, tally: &tally };
+                    develop(&picture, job, &survey, &budget, watch)
+                }
+                Part::Sky => {
+                    let picture = tiles::RayPicture { exposure, job, part: Some(part) };
+                    develop(&picture, job, &survey, &budget, watch)
+                }
+            });
             sum.add(developed);
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
-        let picture = tiles::RayPicture { exposure, job };
+        let picture = tiles::RayPicture { exposure, job, part: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }
     sum.finish(job, &survey)
+}
+
+/// What a picture from slices is the sum of: every light's part, and that of the sky if it lights anything.
+fn parts(exposure: &Exposure) -> Vec<Part> {
+    let lights = (0..exposure.middle().lights.len()).map(Part::Light);
+    lights.chain(exposure.has_sky_light().then_some(Part::Sky)).collect()
 }
 
 /// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.

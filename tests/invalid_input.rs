@@ -5,6 +5,8 @@
 
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
+use sunfleck::description::image;
+use sunfleck::diagnostic::Place;
 use sunfleck::{description, scene};
 
 fn data(folder: &str) -> PathBuf {
@@ -25,9 +27,15 @@ fn message(path: &Path) -> Result<scene::Scene, String> {
     scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
 }
 
-/// A scene that shows `path`, an OBJ file or a texture, in a file of its own.
+/// A scene that shows `path`, an OBJ file, a texture or an image of a sky, in a file of its own.
 fn scene_showing(path: &Path, folder: &Path) -> PathBuf {
     let path = path.to_str().unwrap();
+    if path.ends_with(".hdr") || path.ends_with(".exr") {
+        let scene = folder.join("scene.ron");
+        let text = format!("Scene(version: 1, cameras: {{ \"main\": () }}, sky: Image(image: \"{path}\"))");
+        std::fs::write(&scene, text).unwrap();
+        return scene;
+    }
     let (mesh, material) = match path.ends_with(".obj") {
         true => (format!("Obj(\"{path}\")"), String::from("()")),
         false => (String::from("Quad(size_m: 1.0)"), format!("(texture: \"{path}\")")),
@@ -94,6 +102,27 @@ fn bad_images_are_well_reported() {
 }
 
 #[test]
+fn bad_skies_are_well_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = files("invalid/sky", &["hdr", "exr"]);
+    let complaints = cases.iter().map(|path| complaint(path, message(&scene_showing(path, folder.path()))));
+    assert_all_well_reported(complaints, 9);
+}
+
+#[test]
+fn good_skies_are_accepted() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in files("valid/sky", &["hdr", "exr"]) {
+        let scene =
+            message(&scene_showing(&path, folder.path())).unwrap_or_else(|message| panic!("{message}"));
+        let sky = scene.sky.unwrap();
+        // The sun of both: a little to the right of the middle, well above the horizon.
+        let sun = sky.picture().along(glam::DVec3::new(1.0, 2.0_f64.sqrt(), -1.0).normalize());
+        assert!((sun - glam::DVec3::new(40.0, 36.0, 30.0)).abs().max_element() < 0.5, "{sun}");
+    }
+}
+
+#[test]
 fn all_problems_of_a_file_are_reported_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
@@ -147,6 +176,13 @@ proptest! {
         let path = folder.path().join("scene.ron");
         std::fs::write(&path, bytes).unwrap();
         let _ = message(&path);
+    }
+
+    #[test]
+    fn damaged_skies_do_not_panic(bytes in mutated(valid("sky/sun.exr")), hdr in mutated(valid("sky/sun.hdr"))) {
+        for bytes in [bytes, hdr] {
+            let _ = image::decode(&bytes, image::Encoding::Radiance, Place::Nowhere);
+        }
     }
 
     #[test]

@@ -32,30 +32,45 @@ pub enum Encoding {
     Srgb,
     /// Numbers as they are.
     Linear,
+    /// Light, of any brightness: Radiance HDR and OpenEXR.
+    Radiance,
 }
+
+/// Larger radiances are refused, as larger numbers are everywhere.
+const MOST_RADIANCE: f32 = 1e15;
 
 /// Linear light for every sRGB code of 16 bits; 8-bit codes are multiples of 257.
 static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
 });
 
-/// Decodes a PNG, JPEG, WebP or PPM image, recognised by its content.
+/// Decodes a PNG, JPEG, WebP or PPM image, or one of radiances, recognised by its content.
 ///
 /// # Errors
 /// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
 pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedImage, Diagnostic> {
-    let reject = |found: String| {
-        Diagnostic::error(place.clone(), found)
-            .expected("a PNG, JPEG, WebP or PPM image of at most 16384 texels a side")
-            .remedy("save the image again as PNG, or scale it down")
+    let (expected, remedy) = match encoding {
+        Encoding::Srgb | Encoding::Linear => (
+            "a PNG, JPEG, WebP or PPM image of at most 16384 texels a side",
+            "save the image again as PNG, or scale it down",
+        ),
+        Encoding::Radiance => (
+            "a Radiance HDR (.hdr) or OpenEXR (.exr) image with red, green and blue, at most 16384 texels a side",
+            "save the image again as .hdr or as .exr with ZIP compression, or scale it down",
+        ),
     };
+    let reject = |found: String| Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy);
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| reject(format!("the image cannot be read: {error}")))?;
-    if !matches!(
-        reader.format(),
-        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm | ImageFormat::WebP)
-    ) {
+    let is_read = match reader.format() {
+        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm | ImageFormat::WebP) => {
+            encoding != Encoding::Radiance
+        }
+        Some(ImageFormat::Hdr | ImageFormat::OpenExr) => encoding == Encoding::Radiance,
+        _ => false,
+    };
+    if !is_read {
         return Err(reject(String::from("this is not an image in a format that is read")));
     }
     let mut limits = Limits::default();
@@ -70,7 +85,11 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     let decoded = reader
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
-    Ok(linear(decoded, encoding))
+    if encoding == Encoding::Radiance {
+        radiances(decoded).map_err(reject)
+    } else {
+        Ok(linear(decoded, encoding))
+    }
 }
 
 fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
@@ -91,12 +110,30 @@ fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
             let plain = |code: u16| f32::from(code) / f32::from(u16::MAX);
             let [r, g, b] = match encoding {
                 Encoding::Srgb => [r, g, b].map(|code| curve[usize::from(code)]),
-                Encoding::Linear => [r, g, b].map(plain),
+                Encoding::Linear | Encoding::Radiance => [r, g, b].map(plain),
             };
             [r, g, b, plain(alpha)]
         })
         .collect();
     DecodedImage { width: rgba.width() as usize, height: rgba.height() as usize, texels }
+}
+
+/// What is wrong is said of the first texel concerned.
+fn radiances(decoded: DynamicImage) -> Result<DecodedImage, String> {
+    let rgba = decoded.into_rgba32f();
+    let texels: Vec<[f32; 4]> = rgba.pixels().map(|pixel| pixel.0).collect();
+    let is_bad =
+        |texel: &[f32; 4]| texel[..3].iter().any(|value| value.is_nan() || value.abs() > MOST_RADIANCE);
+    let width = rgba.width() as usize;
+    if let Some(bad) = texels.iter().position(is_bad) {
+        return Err(format!(
+            "the texel in column {} of row {} has the radiance {:?}",
+            bad % width,
+            bad / width,
+            &texels[bad][..3]
+        ));
+    }
+    Ok(DecodedImage { width, height: rgba.height() as usize, texels })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use super::Writer;
 use crate::color::Rgb;
-use crate::scene::{Fog, FogShape, RenderSettings, Sampling};
+use crate::scene::{Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture};
 use serde_json::{Map, Value, json};
 
 impl Writer<'_> {
@@ -42,6 +42,32 @@ impl Writer<'_> {
         written
     }
 
+    /// The sky as it is at the start, if the file can carry it.
+    fn sky(&mut self) -> Option<Value> {
+        let sky = self.scene.sky.as_ref()?;
+        let strength = sky.strength.at(self.moments.start_s);
+        let scaled = |color: Rgb| json!((color * strength).to_array());
+        let mut written = match sky.picture() {
+            SkyPicture::Even(color) => json!({ "color": scaled(*color) }),
+            SkyPicture::Gradient { zenith, horizon, ground } => {
+                json!({ "zenith": scaled(*zenith), "horizon": scaled(*horizon), "ground": scaled(*ground) })
+            }
+            SkyPicture::Image(_) => {
+                self.lost("the sky's image is not carried: glTF files have skies of one colour or of three");
+                return None;
+            }
+        };
+        if !sky.is_constant() {
+            self.lost("the sky does not change in glTF: it stays as it is at the start");
+        }
+        written["lights"] = json!(match sky.lights {
+            SkyLight::Nothing => "nothing",
+            SkyLight::Surfaces => "surfaces",
+            SkyLight::SurfacesAndFog => "surfaces_and_fog",
+        });
+        Some(written)
+    }
+
     /// The custom properties of the scene.
     pub(super) fn scene_extras(&mut self, settings: &RenderSettings) -> Value {
         let rate = settings.frame_rate;
@@ -74,6 +100,9 @@ impl Writer<'_> {
         let mut extras = json!({ "sunfleck": sunfleck });
         if self.scene.background != Rgb::ZERO {
             extras["sunfleck_env"] = json!({ "color": self.scene.background.to_array(), "strength": 1.0 });
+        }
+        if let Some(sky) = self.sky() {
+            extras["sunfleck_env"] = sky;
         }
         extras
     }

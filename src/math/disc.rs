@@ -1,6 +1,6 @@
-//! The unit disc as the image of the unit square. Invariant: equal areas go to equal areas.
+//! The unit disc and the sphere as images of the unit square. Invariant: equal areas go to equal areas.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// A point of `[0, 1]^2` in the unit disc: squares about the middle become circles (Shirley & Chiu
@@ -31,6 +31,23 @@ pub fn square_from_disc(disc: DVec2) -> DVec2 {
     (0.5 * (DVec2::new(x, y) + 1.0)).clamp(DVec2::ZERO, DVec2::ONE)
 }
 
+/// A point of `[0, 1]^2` on the unit sphere: the middle is +Y, all of the edge is -Y (Lambert's azimuthal
+/// equal-area projection of the disc that the square becomes: `|p| = sin(angle from +Y / 2)`).
+pub fn sphere_from_square(square: DVec2) -> DVec3 {
+    let disc = disc_from_square(square);
+    let squared = disc.length_squared().min(1.0);
+    // sin(a) = 2 sin(a / 2) cos(a / 2).
+    let around = 2.0 * (1.0 - squared).sqrt() * disc;
+    DVec3::new(around.x, 1.0 - 2.0 * squared, around.y)
+}
+
+/// The way back: a unit vector in `[0, 1]^2`.
+pub fn square_from_sphere(direction: DVec3) -> DVec2 {
+    let radius = (0.5 * (1.0 - direction.y)).max(0.0).sqrt();
+    let around = DVec2::new(direction.x, direction.z).try_normalize().unwrap_or(DVec2::X);
+    square_from_disc(radius.min(1.0) * around)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,6 +61,37 @@ mod tests {
             assert!(back.distance(square) < 1e-14, "{square} {back}");
         }
         assert_eq!(square_from_disc(DVec2::ZERO), DVec2::splat(0.5));
+    }
+
+    #[test]
+    fn to_the_sphere_and_back() {
+        for sample in 0..1000 {
+            let square = DVec2::from(Sampler::new(5, 0, 0, sample).next_2d());
+            let direction = sphere_from_square(square);
+            assert!((direction.length() - 1.0).abs() < 1e-14);
+            assert!(square_from_sphere(direction).distance(square) < 1e-7, "{square}");
+        }
+        assert_eq!(sphere_from_square(DVec2::splat(0.5)), DVec3::Y);
+        assert_eq!(square_from_sphere(DVec3::Y), DVec2::splat(0.5));
+        assert!(sphere_from_square(square_from_sphere(DVec3::NEG_Y)).distance(DVec3::NEG_Y) < 1e-7);
+    }
+
+    /// The moments of a uniform sphere: E[x] = E[xy] = 0, E[x^2] = 1/3, E[y^4] = 1/5.
+    #[test]
+    fn uniform_over_the_sphere() {
+        let count = 1 << 14;
+        let mut moments = [0.0; 8];
+        for sample in 0..count {
+            let p = sphere_from_square(Sampler::new(6, 0, 0, sample).next_2d().into());
+            let found = [p.x, p.y, p.z, p.x * p.y, p.x * p.x, p.y * p.y, p.z * p.z, p.y.powi(4)];
+            for (sum, value) in moments.iter_mut().zip(found) {
+                *sum += value / f64::from(count);
+            }
+        }
+        let third = 1.0 / 3.0;
+        for (found, expected) in moments.into_iter().zip([0.0, 0.0, 0.0, 0.0, third, third, third, 0.2]) {
+            assert!((found - expected).abs() < 2e-3, "{moments:?}");
+        }
     }
 
     /// The moments of a uniform disc: E[x] = E[xy] = 0, E[x^2] = E[y^2] = 1/4, E[r^4] = 1/3.

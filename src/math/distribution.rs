@@ -44,6 +44,14 @@ impl SquareDistribution {
         (row * self.side + column, place)
     }
 
+    /// How dense places in a cell are picked, where 1 is the mean over the square.
+    pub fn density(&self, cell: usize) -> f64 {
+        let (row, column) = (cell / self.side, cell % self.side);
+        let first = row * (self.side + 1) + column;
+        let share = (self.columns[first + 1] - self.columns[first]) / self.rows[self.side];
+        share * (self.side * self.side) as f64
+    }
+
     /// The cell in which a place of the square lies.
     pub fn cell(&self, place: DVec2) -> usize {
         let index = |x: f64| ((x * self.side as f64) as usize).min(self.side - 1);
@@ -79,6 +87,9 @@ mod tests {
         for (picked, density) in picked.into_iter().zip(densities) {
             let expected = density / 8.0 * f64::from(count);
             assert!((f64::from(picked) - expected).abs() <= 6.0, "{picked} instead of {expected}");
+        }
+        for (cell, density) in densities.into_iter().enumerate() {
+            assert!((table.density(cell) - density * 9.0 / 8.0).abs() < 1e-14);
         }
         for u in [DVec2::ZERO, DVec2::splat(1.0 - 1e-16), DVec2::ONE] {
             assert!(densities[table.pick(u).0] > 0.0, "{u}");

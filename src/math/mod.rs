@@ -12,7 +12,7 @@ mod ray;
 mod sampler;
 
 pub use chebyshev::Antiderivative;
-pub use disc::{disc_from_square, square_from_disc};
+pub use disc::{disc_from_square, sphere_from_square, square_from_disc, square_from_sphere};
 pub use distribution::SquareDistribution;
 pub use exponential::fast_exp;
 pub use interval::IntervalSet;

@@ -52,7 +52,9 @@ pub fn choose(exposure: &Exposure) -> Choice {
     let reason = obstacle(exposure).unwrap_or_else(|| {
         let lights = snapshot.lights.len() as f64;
         let shafts = if snapshot.medium.is_empty() { 0.0 } else { cost::SHAFTS };
-        Reason::Cost { slices: lights * cost::SLICES, rays: 1.0 + lights * (cost::DIRECT + shafts) }
+        // Its rays are traced either way, but for what they see that slices know.
+        let sky = if exposure.has_sky_light() { 1.0 } else { 0.0 };
+        Reason::Cost { slices: lights * cost::SLICES + sky, rays: 1.0 + lights * (cost::DIRECT + shafts) }
     });
     let placement = match reason {
         Reason::Cost { slices, rays } if slices <= rays => Placement::Slices,

@@ -10,7 +10,7 @@ use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, pixel, solve};
-use crate::transport::{Scratch, radiance_of_light};
+use crate::transport::{Part, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -65,9 +65,8 @@ impl Picture for LightPicture<'_> {
             let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
             let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let (snapshot, ray) = camera_ray(exposure, job.size, centre, &mut sampler);
-            let own = light == 0;
-            let value =
-                radiance_of_light(snapshot, &job.transport, light, own, &ray, &mut sampler, &mut scratch);
+            let part = Part::Light(light);
+            let value = radiance_of_part(part, snapshot, &job.transport, &ray, &mut sampler, &mut scratch);
             film.add(x, y, 1.0, 0.0, &value);
         }
     }

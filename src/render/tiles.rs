@@ -6,7 +6,7 @@ use crate::film::Film;
 use crate::math::Sampler;
 use crate::scene::{Sampling, Window};
 use crate::snapshot::Exposure;
-use crate::transport::{Scratch, radiance};
+use crate::transport::{Part, Scratch, radiance, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,10 +14,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
 const TILE: usize = 32;
 
-/// A picture of all lights, each sample a ray of its own.
+/// A picture of all light, or a part of it, each sample a ray of its own.
 pub(super) struct RayPicture<'a> {
     pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
+    /// Which part, if not all of it.
+    pub(super) part: Option<Part>,
 }
 
 impl Picture for RayPicture<'_> {
@@ -49,7 +51,7 @@ impl Picture for RayPicture<'_> {
 
 impl RayPicture<'_> {
     fn render_tile(&self, pass: &Pass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
-        let Self { exposure, job } = *self;
+        let Self { exposure, job, part } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
             for number in 0..pass.samples {
                 let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before + number);
@@ -59,7 +61,13 @@ impl RayPicture<'_> {
                 };
                 let film_px = DVec2::new(x as f64 + right, y as f64 + down);
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
-                let value = radiance(snapshot, &job.transport, &ray, &mut sampler, scratch);
+                let transport = &job.transport;
+                let value = match part {
+                    None => radiance(snapshot, transport, &ray, &mut sampler, scratch),
+                    Some(part) => {
+                        radiance_of_part(part, snapshot, transport, &ray, &mut sampler, scratch)
+                    }
+                };
                 let from_centre = (right - 0.5).hypot(down - 0.5);
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
                 if pass.fresh == Fresh::All || 2 * number >= pass.samples {

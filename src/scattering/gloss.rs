@@ -46,14 +46,29 @@ impl Gloss {
             return Rgb::ZERO;
         }
         let alpha2 = self.alpha * self.alpha;
-        // B.3.2: D = alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2), the sum written so that nothing cancels.
-        let sin2 = normal.cross(half).length_squared();
-        let spread = sin2 + alpha2 * normal.dot(half).powi(2);
-        let distribution = alpha2 * FRAC_1_PI / (spread * spread);
-        // B.3.2: G / (4 n.v n.l).
-        let smith = |cos: f64| cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt();
         let fresnel = self.f0 + (self.f90 - self.f0) * schlick(to_eye.dot(half));
-        fresnel * distribution / (smith(cos_eye) * smith(cos_light))
+        // B.3.2: G / (4 n.v n.l).
+        fresnel * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith(alpha2, cos_light))
+    }
+
+    /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine: where a
+    /// visible microfacet mirrors the eye. It may lie below the surface.
+    pub fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
+        let across = normal.any_orthonormal_vector();
+        let up = normal.cross(across);
+        let local = DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal));
+        let half = visible_normal(self.alpha, local, u);
+        let to_light = 2.0 * local.dot(half) * half - local;
+        to_light.x * across + to_light.y * up + to_light.z * normal
+    }
+
+    /// How densely [`Gloss::pick`] picks a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
+    pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
+        let Some(half) = (to_eye + to_light).try_normalize() else { return 0.0 };
+        let alpha2 = self.alpha * self.alpha;
+        let cos_eye = normal.dot(to_eye).max(0.0);
+        // G1(v) D(h) / (4 n.v), with G1(v) = 2 n.v / smith(n.v).
+        0.5 * distribution(alpha2, normal, half) / smith(alpha2, cos_eye)
     }
 
     /// What the BRDF of the surface beneath is to be multiplied with, for the cosines of both directions.
@@ -83,6 +98,27 @@ impl Gloss {
         let [a, b] = [above, above + 1].map(row);
         [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
     }
+}
+
+/// B.3.2: `D = alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2)`, the sum written so that nothing cancels.
+fn distribution(alpha2: f64, normal: DVec3, half: DVec3) -> f64 {
+    let sin2 = normal.cross(half).length_squared();
+    let spread = sin2 + alpha2 * normal.dot(half).powi(2);
+    alpha2 * FRAC_1_PI / (spread * spread)
+}
+
+/// `cos` times the sum that Smith's shadowing divides by: `G1 = 2 cos / smith`.
+fn smith(alpha2: f64, cos: f64) -> f64 {
+    cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
+}
+
+/// A visible normal of the microfacets about +z: a point of a spherical cap (Dupuy and Benyoub 2023,
+/// "Sampling visible GGX normals with spherical caps", listing 3).
+fn visible_normal(alpha: f64, to_eye: DVec3, u: DVec2) -> DVec3 {
+    let stretched = (to_eye * DVec3::new(alpha, alpha, 1.0)).normalize();
+    let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
+    let around = DVec2::from_angle(2.0 * PI * u.x) * (1.0 - z * z).max(0.0).sqrt();
+    ((around.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize()
 }
 
 /// The whole part, less than [`LAST`], and the rest.
@@ -133,21 +169,16 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
 /// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
 fn directional_albedo(alpha: f64, cos: f64) -> [f64; 2] {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let stretched = (to_eye * DVec3::new(alpha, alpha, 1.0)).normalize();
     let mut sum = [0.0; 2];
     for index in 0..DIRECTIONS * DIRECTIONS {
         let (i, j) = (index / DIRECTIONS, index % DIRECTIONS);
         let point = (DVec2::new(i as f64, j as f64) + 0.5) / DIRECTIONS as f64;
-        // A point of a spherical cap is a visible normal (Dupuy and Benyoub 2023, listing 3).
-        let z = (1.0 - point.y) * (1.0 + stretched.z) - stretched.z;
-        let around = DVec2::from_angle(2.0 * PI * point.x) * (1.0 - z * z).max(0.0).sqrt();
-        let half = ((around.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize();
+        let half = visible_normal(alpha, to_eye, point);
         let cos_half = to_eye.dot(half);
         let cos_light = 2.0 * cos_half * half.z - cos;
         if cos_light > 0.0 {
             let alpha2 = alpha * alpha;
-            let shown =
-                2.0 * cos_light / (cos_light + (alpha2 + (1.0 - alpha2) * cos_light * cos_light).sqrt());
+            let shown = 2.0 * cos_light / smith(alpha2, cos_light);
             let fresnel = schlick(cos_half);
             sum[0] += shown * (1.0 - fresnel);
             sum[1] += shown * fresnel;
@@ -209,6 +240,27 @@ mod tests {
                     let found = gloss.albedo(cos)[channel];
                     assert!((found - exact).abs() < 0.004, "{roughness} {cos} {channel}: {found} {exact}");
                 }
+            }
+        }
+    }
+
+    /// What is picked, weighed by what is said of its density, gives the coat's albedo back.
+    #[test]
+    fn directions_are_picked_as_densely_as_is_said() {
+        let normal = DVec3::new(0.3, 0.8, -0.4).normalize();
+        let across = normal.any_orthonormal_vector();
+        for roughness in [0.2, 0.6, 1.0] {
+            for cos in [0.2, 0.7, 1.0_f64] {
+                let gloss = Gloss::new(Rgb::splat(0.5), Rgb::ONE, roughness);
+                let to_eye = cos * normal + (1.0 - cos * cos).sqrt() * across;
+                let (mut sum, count) = (0.0, 200);
+                for index in 0..count * count {
+                    let u = DVec2::new(f64::from(index % count), f64::from(index / count)) + 0.5;
+                    let to_light = gloss.pick(normal, to_eye, u / f64::from(count));
+                    let weight = normal.dot(to_light) / gloss.picked(normal, to_eye, to_light);
+                    sum += gloss.brdf(normal, to_eye, to_light).x * weight / f64::from(count * count);
+                }
+                assert!((sum - gloss.albedo(cos).x).abs() < 4e-3, "{roughness} {cos}: {sum}");
             }
         }
     }

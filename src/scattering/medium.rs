@@ -196,6 +196,22 @@ impl Medium {
             .sum()
     }
 
+    /// Extinction at a point, 1/m.
+    pub fn extinction_at(&self, point: DVec3) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_t * fog.density(point)).sum()
+    }
+
+    /// Henyey-Greenstein g of the fog at a point, as the mean of its banks by how much they scatter.
+    pub fn anisotropy_at(&self, point: DVec3) -> f64 {
+        let (mut weighted, mut all) = (0.0, 0.0);
+        for fog in &self.banks {
+            let scatters = fog.sigma_s.element_sum() * fog.density(point);
+            weighted += scatters * fog.g;
+            all += scatters;
+        }
+        if all > 0.0 { weighted / all } else { 0.0 }
+    }
+
     /// How the optical depth changes on a stretch under a distant light.
     pub fn course(&self, stretch: &Stretch, ray: &Ray, to_light: DVec3) -> Course {
         let middle = 0.5 * (stretch.start + stretch.end);

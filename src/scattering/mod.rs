@@ -13,4 +13,4 @@ pub use falloff::{Climb, Falloff};
 pub use fog_bank::FogBank;
 pub use gloss::{Gloss, LEAST_ROUGHNESS};
 pub use medium::{Course, Medium, Source, Stretch};
-pub use phase::henyey_greenstein;
+pub use phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};

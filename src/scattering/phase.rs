@@ -3,6 +3,9 @@
 
 use std::f64::consts::PI;
 
+/// |g| below which the phase function is taken for even when a cosine is picked.
+const EVEN: f64 = 1e-3;
+
 /// Henyey & Greenstein 1941, eq. 2: `(1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^1.5)`, 1/sr.
 ///
 /// `cos_deflection` is that between the directions of travel before and after, so `g > 0` scatters
@@ -10,6 +13,23 @@ use std::f64::consts::PI;
 pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
     let spread = (1.0 + g * g - 2.0 * g * cos_deflection).max(0.0);
     (1.0 - g * g) / (4.0 * PI * spread * spread.sqrt())
+}
+
+/// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt 1977,
+/// "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
+pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
+    let cos = if g.abs() < EVEN {
+        1.0 - 2.0 * u
+    } else {
+        let ratio = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
+        ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
+    };
+    (cos, picked_henyey_greenstein(g, cos))
+}
+
+/// How densely [`pick_henyey_greenstein`] picks a cosine, over the sphere, 1/sr.
+pub fn picked_henyey_greenstein(g: f64, cos_deflection: f64) -> f64 {
+    henyey_greenstein(cos_deflection, if g.abs() < EVEN { 0.0 } else { g })
 }
 
 #[cfg(test)]
@@ -48,5 +68,24 @@ mod tests {
             }
         }
         assert!((sum - g).abs() < 1e-12);
+    }
+
+    /// The mean of `f(cos) / density` over what is picked is the integral of `f` over the sphere.
+    #[test]
+    fn cosines_are_picked_as_densely_as_is_said() {
+        for g in [-0.9, -0.5, 0.0, 5e-4, 2e-3, 0.3, 0.9] {
+            let count = 100_000;
+            let mut integrals = [0.0; 3];
+            for index in 0..count {
+                let (cos, density) = pick_henyey_greenstein(g, (f64::from(index) + 0.5) / f64::from(count));
+                assert_eq!(density, picked_henyey_greenstein(g, cos));
+                for (power, sum) in integrals.iter_mut().enumerate() {
+                    *sum += cos.powi(power as i32) / density / f64::from(count);
+                }
+            }
+            for (found, expected) in integrals.into_iter().zip([4.0 * PI, 0.0, 4.0 / 3.0 * PI]) {
+                assert!((found - expected).abs() < 2e-3, "g = {g}: {integrals:?}");
+            }
+        }
     }
 }

@@ -16,6 +16,7 @@ mod motion;
 mod outline;
 mod resolve;
 mod settings;
+mod sky;
 mod texture;
 mod track;
 
@@ -37,6 +38,7 @@ pub use motion::{FallingPath, Motion, Rotation};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
 pub use resolve::{LightUnits, resolve};
 pub use settings::{FrameRate, Pass, RenderSettings, Sampling, Size, Window};
+pub use sky::{Sky, SkyLight, SkyPicture};
 pub use texture::{Texture, Wrap};
 pub use track::{Animate, Extend, Handle, Key, Segment, Track};
 
@@ -59,8 +61,10 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Banks of fog.
     pub fogs: Vec<Fog>,
-    /// Radiance of rays that leave the scene, W m^-2 sr^-1.
+    /// Radiance of rays that leave the scene, W m^-2 sr^-1; it lights nothing.
     pub background: Rgb,
+    /// What lies behind the scene, added to the background, and lights it.
+    pub sky: Option<Sky>,
     /// What custom properties of a glTF file said to us, as they stand there.
     pub properties: Vec<Property>,
     /// Everything that the description asks for and that is not honoured, or only nearly.
@@ -175,10 +179,12 @@ impl Scene {
         });
         let materials = self.materials.iter().all(Material::is_constant);
         let deformations = self.instances.iter().filter_map(|instance| instance.deformation.as_deref());
+        let sky = self.sky.as_ref().is_none_or(Sky::is_constant);
         nodes
             && cameras
             && lights
             && fogs
+            && sky
             && materials
             && deformations.into_iter().all(Deformation::is_constant)
     }

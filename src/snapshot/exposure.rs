@@ -60,6 +60,11 @@ impl<'scene> Exposure<'scene> {
         &self.moments[((u * self.moments.len() as f64) as usize).min(last)]
     }
 
+    /// Whether the sky lights anything at any of its moments.
+    pub fn has_sky_light(&self) -> bool {
+        self.moments.iter().any(|moment| moment.sky.is_some_and(|sky| sky.lights_surfaces()))
+    }
+
     /// Whether there is nothing to average over but the picture's area and the lights'.
     pub fn is_instant(&self) -> bool {
         self.moments.len() == 1

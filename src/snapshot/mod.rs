@@ -11,6 +11,7 @@ mod light;
 mod luminaire;
 mod mesh_trees;
 mod placed_mesh;
+mod sky;
 mod surface;
 
 use crate::accel::{InstanceTree, PlacedMesh};
@@ -29,6 +30,7 @@ pub use light::FrozenLight;
 pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
 pub use placed_mesh::DrawnMesh;
+pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
 
 /// When the shutter is open, in seconds.
@@ -78,8 +80,10 @@ pub struct Snapshot<'scene> {
     pub lights: Vec<Luminaire>,
     /// All fog.
     pub medium: Medium,
-    /// Radiance of rays that leave the scene, but for suns that they meet.
+    /// Radiance of rays that leave the scene, but for the sky and for suns that they meet.
     pub background: Rgb,
+    /// The sky, unless it is dark.
+    pub sky: Option<FrozenSky<'scene>>,
 }
 
 /// An instance of the tree, back in the scene's terms.
@@ -194,6 +198,7 @@ impl<'scene> Snapshot<'scene> {
             lights,
             medium: Medium::new(fog),
             background: scene.background,
+            sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
         }
     }
 
@@ -205,7 +210,13 @@ impl<'scene> Snapshot<'scene> {
     /// Radiance of a ray that leaves the scene in that direction.
     pub fn radiance_beyond(&self, direction: DVec3) -> Rgb {
         let suns: Rgb = self.lights.iter().map(|light| light.seen_along(direction)).sum();
-        self.background + suns
+        let sky = self.sky.as_ref().map_or(Rgb::ZERO, |sky| sky.along(direction));
+        self.background + sky + suns
+    }
+
+    /// Whether rays that leave the scene see something, suns aside.
+    pub fn has_background(&self) -> bool {
+        self.background != Rgb::ZERO || self.sky.is_some()
     }
 
     /// A point of relative space in world space.

@@ -47,22 +47,30 @@ impl Unshadowed {
     #[inline]
     pub(super) fn new(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
         let (to_light, distance, arriving) = light.arriving_at(point.position);
-        let cos = point.shading_normal.dot(to_light);
-        let is_before = point.geometric_normal.dot(to_light) > 0.0;
-        let scattered = if is_before { point.albedo } else { point.transmission };
-        let falls_on_that_side = if is_before { cos > 0.0 } else { cos < 0.0 };
-        if !falls_on_that_side || arriving == Rgb::ZERO {
-            return None;
-        }
-        let mut radiance = FRAC_1_PI * cos.abs() * scattered * arriving;
-        if let Some(gloss) = &point.gloss {
-            // Seen from behind, as interpolated normals may be at a silhouette, there is no shine.
-            let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
-            radiance *= gloss.beneath(cos_eye, cos.abs());
-            if is_before {
-                radiance += cos * arriving * gloss.brdf(point.shading_normal, point.to_eye, to_light);
-            }
-        }
+        let radiance = arriving * scattered_per_radiance(point, to_light);
         (radiance != Rgb::ZERO).then_some(Self { radiance, to_light, distance })
     }
+}
+
+/// What a surface scatters towards the eye of the radiance from a direction, per steradian: the BSDF times the
+/// cosine, 1/sr.
+#[inline]
+pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> Rgb {
+    let cos = point.shading_normal.dot(to_light);
+    let is_before = point.geometric_normal.dot(to_light) > 0.0;
+    let lambert = if is_before { point.albedo } else { point.transmission };
+    let falls_on_that_side = if is_before { cos > 0.0 } else { cos < 0.0 };
+    if !falls_on_that_side {
+        return Rgb::ZERO;
+    }
+    let mut scattered = FRAC_1_PI * cos.abs() * lambert;
+    if let Some(gloss) = &point.gloss {
+        // Seen from behind, as interpolated normals may be at a silhouette, there is no shine.
+        let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
+        scattered *= gloss.beneath(cos_eye, cos.abs());
+        if is_before {
+            scattered += cos * gloss.brdf(point.shading_normal, point.to_eye, to_light);
+        }
+    }
+    scattered
 }

@@ -4,13 +4,14 @@
 use super::lit_segments::LitSegments;
 use super::shafts::{VolumeMethod, in_scattered};
 use super::visibility::layers;
-use super::{Sample, SurfaceFeatures, direct};
+use super::{Sample, SurfaceFeatures, direct, sky_light};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::scattering::Stretch;
-use crate::snapshot::{FrozenLight, Luminaire, Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
+use std::ops::Range;
 
 /// How rays are to be followed.
 #[derive(Clone, Copy, Debug)]
@@ -38,13 +39,31 @@ pub(super) struct Illumination<'a> {
     pub(super) lights: &'a [FrozenLight],
     /// Whether surfaces that shine by themselves, and the background, belong to it.
     pub(super) self_luminous: bool,
+    /// Whether the light of the sky belongs to it.
+    pub(super) sky: bool,
 }
 
 impl Illumination<'_> {
+    /// What a surface scatters towards the eye.
+    fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, sampler: &mut Sampler) -> Rgb {
+        let lights = direct::scattered(snapshot, self.lights, point);
+        let sky = snapshot.sky.as_ref().filter(|sky| self.sky && sky.lights_surfaces());
+        lights + sky.map_or(Rgb::ZERO, |sky| sky_light::scattered(snapshot, sky, point, sampler))
+    }
+
     /// What lies behind everything.
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
         if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
     }
+}
+
+/// A part of a picture: the picture is the sum of its parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Light of one of the snapshot's lights, with what shines by itself if it is the first.
+    Light(usize),
+    /// Light of the sky that was scattered on the way.
+    Sky,
 }
 
 /// One leg of a path: from its origin to the first surface.
@@ -70,39 +89,51 @@ pub fn radiance(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    radiance_of(&snapshot.lights, true, snapshot, transport, ray, sampler, scratch)
+    let wanted = Wanted { lights: 0..snapshot.lights.len(), self_luminous: true, sky: true };
+    radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
 }
 
-/// The same of one of the snapshot's lights alone, with what shines by itself or without.
-pub fn radiance_of_light(
+/// The same of a part of the picture alone.
+pub fn radiance_of_part(
+    part: Part,
     snapshot: &Snapshot,
     transport: &Transport,
-    light: usize,
-    self_luminous: bool,
     ray: &Ray,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    radiance_of(&snapshot.lights[light..=light], self_luminous, snapshot, transport, ray, sampler, scratch)
+    let wanted = match part {
+        Part::Light(light) => Wanted { lights: light..light + 1, self_luminous: light == 0, sky: false },
+        Part::Sky => Wanted { lights: 0..0, self_luminous: false, sky: true },
+    };
+    radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
+}
+
+/// Which light a camera ray is to see.
+struct Wanted {
+    /// Indices of the snapshot's lights.
+    lights: Range<usize>,
+    self_luminous: bool,
+    sky: bool,
 }
 
 /// Of each light one point for the whole ray: fog, surface and mirrors then see the same light, and
 /// shafts fit the shadows they cast.
 fn radiance_of(
-    luminaires: &[Luminaire],
-    self_luminous: bool,
+    wanted: Wanted,
     snapshot: &Snapshot,
     transport: &Transport,
     ray: &Ray,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
+    let Wanted { lights: range, self_luminous, sky } = wanted;
     let mut lights = std::mem::take(&mut scratch.lights);
     lights.clear();
-    lights.extend(luminaires.iter().map(|luminaire| {
+    lights.extend(snapshot.lights[range].iter().map(|luminaire| {
         if luminaire.is_delta() { luminaire.centre() } else { luminaire.point(sampler.next_3d()) }
     }));
-    let light = Illumination { lights: &lights, self_luminous };
+    let light = Illumination { lights: &lights, self_luminous, sky };
     let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
     scratch.lights = lights;
     leg.sample(snapshot, transport)
@@ -111,7 +142,7 @@ fn radiance_of(
 impl Leg {
     /// What the film is to know of it.
     pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport) -> Sample {
-        let alpha = if self.covered || snapshot.background != Rgb::ZERO {
+        let alpha = if self.covered || snapshot.has_background() {
             1.0
         } else {
             1.0 - self.transmittance.element_sum() / 3.0
@@ -147,15 +178,17 @@ fn follow(
     let (shafts, fog) = if snapshot.medium.is_empty() {
         (Rgb::ZERO, Rgb::ONE)
     } else {
-        (
-            in_scattered(snapshot, transport.volume, light.lights, ray, distance, &layers, sampler, scratch),
-            snapshot.medium.transmittance(ray.origin, ray.direction, distance),
-        )
+        let lights =
+            in_scattered(snapshot, transport.volume, light.lights, ray, distance, &layers, sampler, scratch);
+        let sky = snapshot.sky.as_ref().filter(|sky| light.sky && sky.lights_fog());
+        let sky = sky
+            .map_or(Rgb::ZERO, |sky| sky_light::in_scattered(snapshot, sky, ray, distance, &layers, sampler));
+        (lights + sky, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
     };
     // Front to back: what each layer shows itself, and what all of them let through.
     let (mut radiance, mut seen_through) = (shafts, Rgb::ONE);
     for layer in &layers {
-        let own = direct::scattered(snapshot, light.lights, &layer.point)
+        let own = light.scattered(snapshot, &layer.point, sampler)
             + own_and_mirrored(snapshot, transport, light, ray, &layer.point, mirrors_left, sampler, scratch);
         let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, layer.t);
         radiance += seen_through * through_fog * layer.point.alpha * own;
@@ -165,7 +198,7 @@ fn follow(
     let behind_fog = surface.map_or_else(
         || light.background(snapshot, ray.direction),
         |point| {
-            direct::scattered(snapshot, light.lights, &point)
+            light.scattered(snapshot, &point, sampler)
                 + own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch)
         },
     );

@@ -3,7 +3,9 @@
 
 use super::super::pass_names;
 use super::Inspected;
-use crate::scene::{AreaShape, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SunPicture};
+use crate::scene::{
+    AreaShape, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture, SunPicture,
+};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -142,6 +144,32 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
             fog.anisotropy.at(time_s)
         )?;
     }
+    if let Some(sky) = &scene.sky {
+        let strength = sky.strength.at(time_s);
+        let look = match sky.picture() {
+            SkyPicture::Even(radiance) => format!("{} W/(m2 sr)", color(*radiance * strength)),
+            SkyPicture::Gradient { zenith, horizon, ground } => format!(
+                "zenith {}, horizon {}, ground {} W/(m2 sr)",
+                color(*zenith * strength),
+                color(*horizon * strength),
+                color(*ground * strength)
+            ),
+            SkyPicture::Image(image) => format!(
+                "`{}`, {} x {}, times {} W/(m2 sr), turned by {:.3} deg",
+                image.name,
+                image.width,
+                image.height,
+                color(strength),
+                sky.rotation.at(time_s).to_degrees()
+            ),
+        };
+        let lights = match sky.lights {
+            SkyLight::Nothing => "lights nothing",
+            SkyLight::Surfaces => "lights surfaces",
+            SkyLight::SurfacesAndFog => "lights surfaces and fog",
+        };
+        writeln!(out, "    sky      {look}; {lights}")?;
+    }
     let hidden = placements.iter().filter(|placement| !placement.visible).count();
     if hidden > 0 {
         writeln!(out, "    hidden   {}", count(hidden, "node", "nodes"))?;
@@ -170,7 +198,7 @@ fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
     if scene.fogs.is_empty() {
         skips.push("no fog: no shafts are computed".to_owned());
     }
-    if scene.lights.is_empty() {
+    if scene.lights.is_empty() && scene.sky.is_none() {
         skips.push("no lights: no shadow is looked for".to_owned());
     }
     if used.len() < scene.meshes.len() {

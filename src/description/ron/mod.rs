@@ -12,6 +12,7 @@ mod parse;
 mod references;
 mod scene_file;
 mod sequence_file;
+mod sky;
 pub(crate) mod suggest;
 mod version;
 
@@ -32,6 +33,7 @@ pub use number::{
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};
+pub use sky::{Sky, SkyLight};
 pub use version::Version;
 
 /// A sequence file as read.
@@ -56,6 +58,8 @@ pub struct LoadedScene {
     pub models: BTreeMap<PathBuf, ObjModel>,
     /// Images by their path: as the scene writes it, or joined to the OBJ file's folder.
     pub images: BTreeMap<PathBuf, DecodedImage>,
+    /// The image that the sky shows.
+    pub sky_image: Option<DecodedImage>,
 }
 
 /// What a RON file turned out to be.

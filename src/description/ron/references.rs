@@ -1,7 +1,7 @@
 //! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
 //! or texture that nothing in the picture uses is not read.
 
-use super::{Keyed, Light, LoadedScene, Mesh, SceneFile, beside};
+use super::{Keyed, Light, LoadedScene, Mesh, SceneFile, Sky, beside};
 use crate::description::{Files, LoadError, image, obj};
 use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,10 +36,14 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
             loader.image(image.clone(), &format!("lights.{name}.image"), &mut images)?;
         }
     }
+    let sky_image = match &file.sky {
+        Some(Sky::Image { image, .. }) => loader.decoded(image, image::Encoding::Radiance, "sky.image")?,
+        _ => None,
+    };
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
-    Ok(LoadedScene { path: path.to_owned(), file, models, images })
+    Ok(LoadedScene { path: path.to_owned(), file, models, images, sky_image })
 }
 
 /// Names of what takes part in the picture.
@@ -111,14 +115,25 @@ impl Loader<'_> {
         if images.contains_key(&texture) {
             return Ok(());
         }
-        let path = beside(self.path, &texture);
-        let bytes = self.files.read(&path, Some(&format!("{}: {referrer}", self.path.display())))?;
-        match image::decode(&bytes, image::Encoding::Srgb, Place::File(path)) {
-            Ok(image) => {
-                images.insert(texture, image);
-            }
-            Err(problem) => self.problems.push(problem),
-        }
+        let image = self.decoded(&texture, image::Encoding::Srgb, referrer)?;
+        images.extend(image.map(|image| (texture, image)));
         Ok(())
+    }
+
+    fn decoded(
+        &mut self,
+        image: &Path,
+        encoding: image::Encoding,
+        referrer: &str,
+    ) -> Result<Option<image::DecodedImage>, LoadError> {
+        let path = beside(self.path, image);
+        let bytes = self.files.read(&path, Some(&format!("{}: {referrer}", self.path.display())))?;
+        match image::decode(&bytes, encoding, Place::File(path)) {
+            Ok(image) => Ok(Some(image)),
+            Err(problem) => {
+                self.problems.push(problem);
+                Ok(None)
+            }
+        }
     }
 }

@@ -8,6 +8,7 @@ use super::number::{
     Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart, NonNegative,
     Number, Point, Positive, Quaternion, Triple, UnitInterval, Vector, Whole,
 };
+use super::sky::Sky;
 use super::version::Version;
 use glam::DVec3;
 use serde::Deserialize;
@@ -40,6 +41,8 @@ pub struct SceneFile {
     /// Banks of fog.
     #[serde(default)]
     pub fog: Named<Fog>,
+    /// What lies behind the scene and lights it.
+    pub sky: Option<Sky>,
     /// Radiance of whatever lies beyond the scene.
     #[serde(default = "black")]
     pub background_w_per_m2_sr: Triple<NonNegative>,

@@ -1,12 +1,12 @@
 //! The custom properties through which a Blender scene says what glTF cannot. Invariant: a property
 //! named `sunfleck...` is honoured, reported or refused, never passed over in silence.
 
-use super::Builder;
+use super::{Builder, environment};
 use crate::color::Rgb;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::Diagnostic;
-use crate::scene::Property;
+use crate::scene::{Property, Sky};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -17,6 +17,7 @@ pub(super) struct SceneExtras {
     pub(super) sunfleck: Sunfleck,
     pub(super) fog: Option<Fog>,
     pub(super) background: Rgb,
+    pub(super) sky: Option<Sky>,
 }
 
 /// `sunfleck`: how the scene is to be rendered.
@@ -94,19 +95,8 @@ impl From<Channels> for Rgb {
     }
 }
 
-#[derive(Debug, Deserialize)]
-struct Environment {
-    color: [f64; 3],
-    #[serde(default = "one")]
-    strength: f64,
-}
-
 fn white() -> Channels {
     Channels::Same(1.0)
-}
-
-fn one() -> f64 {
-    1.0
 }
 
 /// The property `key` among `extras`, which stand at `path`; what is malformed is reported.
@@ -150,17 +140,9 @@ pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtr
         );
     }
     let fog: Option<Fog> = read(&source.extras, "sunfleck_fog", &path, report);
-    let environment: Option<Environment> = read(&source.extras, "sunfleck_env", &path, report);
-    let background = environment.map_or(Rgb::ZERO, |env| Rgb::from(env.color) * env.strength);
-    if background.min_element() < 0.0 || !background.is_finite() {
-        report.error(
-            format!("{path}.extras.sunfleck_env"),
-            format!("the background's radiance is {background}"),
-            "a color and a strength of at least 0",
-        );
-    }
+    let (background, sky) = environment::surroundings(&source.extras, &path, report);
     report_unknown(&source.extras, &["sunfleck", "sunfleck_fog", "sunfleck_env"], "the scene", report);
-    SceneExtras { sunfleck, fog, background }
+    SceneExtras { sunfleck, fog, background, sky }
 }
 
 /// Says which properties whose name starts as ours do are none that we know.

@@ -5,6 +5,7 @@ mod cameras;
 mod clock;
 mod controls;
 mod deformations;
+mod environment;
 mod extras;
 mod fog;
 mod joined;
@@ -73,7 +74,7 @@ pub(super) fn resolve(
     builder.add_meshes_and_instances();
     builder.add_lights(units, extras.sunfleck.light_units.as_deref());
     builder.add_fogs(extras.fog);
-    builder.scene.background = extras.background;
+    (builder.scene.background, builder.scene.sky) = (extras.background, extras.sky);
     builder.add_cameras(&extras.sunfleck, &mut settings);
     builder.apply_controls();
     builder.report_other_extras();

@@ -9,6 +9,7 @@ mod masks;
 mod problems;
 mod sequence;
 mod shapes;
+mod skies;
 mod suns;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
@@ -21,6 +22,7 @@ use super::{
     Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
+use crate::description::image::DecodedImage;
 use crate::description::obj::ObjModel;
 use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -41,9 +43,10 @@ pub(super) fn resolve(
     sequence: Option<SequenceFile>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
-    let LoadedScene { path, file, mut models, images } = loaded;
+    let LoadedScene { path, file, mut models, images, sky_image } = loaded;
     let mut resolver = Resolver::new(&path, &file, &models);
     resolver.scene.background = file.background_w_per_m2_sr.si();
+    resolver.sky_image = sky_image;
     for (texture_path, image) in images {
         resolver.textures.insert(texture_path.clone(), resolver.scene.textures.len());
         resolver.scene.textures.push(Texture {
@@ -62,6 +65,7 @@ pub(super) fn resolve(
     resolver.cameras();
     resolver.lights();
     resolver.fogs();
+    resolver.sky();
     let (mut scene, problems) = resolver.finish();
     for model in models.values_mut() {
         scene.remarks.0.append(&mut model.remarks.0);
@@ -110,6 +114,8 @@ struct Resolver<'a> {
     /// What masks have left of meshes.
     cut_meshes: BTreeMap<(MeshIndex, MaterialIndex), Option<MeshIndex>>,
     outlines: Tally,
+    /// Until the sky takes it.
+    sky_image: Option<DecodedImage>,
 }
 
 impl<'a> Resolver<'a> {
@@ -130,6 +136,7 @@ impl<'a> Resolver<'a> {
             cutoffs: BTreeMap::new(),
             cut_meshes: BTreeMap::new(),
             outlines: Tally::default(),
+            sky_image: None,
         }
     }
 

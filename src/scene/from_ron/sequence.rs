@@ -117,6 +117,10 @@ impl KeyTimes {
             times.add(&fog.albedo);
             times.add(&fog.anisotropy);
         }
+        if let Some(sky) = &scene.sky {
+            times.add(&sky.strength);
+            times.add(&sky.rotation);
+        }
         (times.first_s <= times.last_s && !times.endless).then_some((times.first_s, times.last_s))
     }
 

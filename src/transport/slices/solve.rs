@@ -133,8 +133,8 @@ pub fn solve(
                 by_segments(snapshot, light, &ray, distance, shadows, followed)
             }
         };
-        let illumination =
-            Illumination { lights: std::slice::from_ref(light), self_luminous: job.self_luminous };
+        let lights = std::slice::from_ref(light);
+        let illumination = Illumination { lights, self_luminous: job.self_luminous, sky: false };
         let shows = |&(facet, _, is_lit): &(&Facet, f64, bool)| {
             is_lit || facet.shines_or_mirrors() || job.transport.features
         };

@@ -1,0 +1,75 @@
+//! What a scene file says of the sky. Invariant: every field's unit is in its name.
+
+use super::keyed::Keyed;
+use super::number::{Degrees, NonNegative, Number, Triple};
+use glam::DVec3;
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// What lies behind the scene and lights it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Sky {
+    /// The same everywhere.
+    Constant {
+        /// How bright it is.
+        radiance_w_per_m2_sr: Keyed<Triple<NonNegative>>,
+        /// What it lights.
+        #[serde(default)]
+        lights: SkyLight,
+    },
+    /// From the horizon up, and something else below.
+    Gradient {
+        /// Straight up.
+        zenith_w_per_m2_sr: Triple<NonNegative>,
+        /// Just above the horizon.
+        horizon_w_per_m2_sr: Triple<NonNegative>,
+        /// Below the horizon.
+        #[serde(default = "black")]
+        ground_w_per_m2_sr: Triple<NonNegative>,
+        /// Multiplies all of it.
+        #[serde(default = "as_it_is")]
+        strength: Keyed<Triple<NonNegative>>,
+        /// What it lights.
+        #[serde(default)]
+        lights: SkyLight,
+    },
+    /// An image of all directions.
+    Image {
+        /// Radiance HDR or OpenEXR, longitude across and latitude down, relative to the scene file.
+        image: PathBuf,
+        /// Radiance of what is 1 in the image.
+        #[serde(default = "as_it_is")]
+        strength_w_per_m2_sr: Keyed<Triple<NonNegative>>,
+        /// Turned about +y, anticlockwise as seen from above.
+        #[serde(default = "not_turned")]
+        rotation_deg: Keyed<Number<Degrees>>,
+        /// What it lights.
+        #[serde(default)]
+        lights: SkyLight,
+    },
+}
+
+/// What a sky lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum SkyLight {
+    /// It is seen, and lights nothing.
+    Nothing,
+    /// Surfaces.
+    Surfaces,
+    /// Surfaces and fog.
+    #[default]
+    SurfacesAndFog,
+}
+
+fn black() -> Triple<NonNegative> {
+    Triple::new(DVec3::ZERO)
+}
+
+fn as_it_is() -> Keyed<Triple<NonNegative>> {
+    Keyed::Plain(Triple::new(DVec3::ONE))
+}
+
+fn not_turned() -> Keyed<Number<Degrees>> {
+    Keyed::Plain(Number::new(0.0))
+}

@@ -1,0 +1,90 @@
+//! The sky in, its picture and light out. Invariant: a sky that exists is bright somewhere.
+
+use super::{Resolver, track};
+use crate::color::Rgb;
+use crate::description::ron;
+use crate::diagnostic::Diagnostic;
+use crate::scene::{Sky, SkyLight, SkyPicture, Texture, Wrap};
+use std::path::Path;
+
+impl Resolver<'_> {
+    /// Resolves the sky, if there is one.
+    pub(super) fn sky(&mut self) {
+        let Some(sky) = &self.file.sky else { return };
+        if self.scene.background != Rgb::ZERO {
+            self.problems.error(
+                "sky",
+                "the scene has a sky and a background",
+                "`sky` or `background_w_per_m2_sr`",
+                "take `background_w_per_m2_sr` out: a sky is seen too",
+            );
+        }
+        let (picture, strength, rotation, lights) = match sky {
+            ron::Sky::Constant { radiance_w_per_m2_sr, lights } => {
+                let strength = track(radiance_w_per_m2_sr, "sky.radiance_w_per_m2_sr", &mut self.problems);
+                (Some(SkyPicture::Even(Rgb::ONE)), strength, Some(0.0.into()), lights)
+            }
+            ron::Sky::Gradient {
+                zenith_w_per_m2_sr,
+                horizon_w_per_m2_sr,
+                ground_w_per_m2_sr,
+                strength,
+                lights,
+            } => {
+                let picture = SkyPicture::Gradient {
+                    zenith: zenith_w_per_m2_sr.si(),
+                    horizon: horizon_w_per_m2_sr.si(),
+                    ground: ground_w_per_m2_sr.si(),
+                };
+                let strength = track(strength, "sky.strength", &mut self.problems);
+                (Some(picture), strength, Some(0.0.into()), lights)
+            }
+            ron::Sky::Image { image, strength_w_per_m2_sr, rotation_deg, lights } => {
+                let strength = track(strength_w_per_m2_sr, "sky.strength_w_per_m2_sr", &mut self.problems);
+                let rotation = track(rotation_deg, "sky.rotation_deg", &mut self.problems);
+                (self.image_of_sky(image), strength, rotation, lights)
+            }
+        };
+        let (Some(picture), Some(strength), Some(rotation)) = (picture, strength, rotation) else { return };
+        match Sky::new(picture) {
+            Some(sky) => {
+                let lights = match lights {
+                    ron::SkyLight::Nothing => SkyLight::Nothing,
+                    ron::SkyLight::Surfaces => SkyLight::Surfaces,
+                    ron::SkyLight::SurfacesAndFog => SkyLight::SurfacesAndFog,
+                };
+                self.scene.sky = Some(sky.with(strength, rotation, lights));
+            }
+            None => self.problems.error(
+                "sky",
+                "the sky is black all over",
+                "a sky that is bright somewhere",
+                "make it brighter, or take `sky` out",
+            ),
+        }
+    }
+
+    /// Radiances below 0, which filters leave behind, count as 0.
+    fn image_of_sky(&mut self, path: &Path) -> Option<SkyPicture> {
+        let image = self.sky_image.take()?;
+        let mut texels = image.texels;
+        let is_negative = |texel: &&mut [f32; 4]| texel[..3].iter().any(|value| *value < 0.0);
+        let negative = texels.iter_mut().filter(is_negative).map(|texel| {
+            texel.iter_mut().for_each(|value| *value = value.max(0.0));
+        });
+        let negative = negative.count();
+        if negative > 0 {
+            let found =
+                format!("{negative} texels of {} have radiances below 0, which count as 0", path.display());
+            let place = self.problems.place("sky.image");
+            self.scene.remarks.push(Diagnostic::warning(place, found));
+        }
+        Some(SkyPicture::Image(Texture {
+            name: path.display().to_string(),
+            width: image.width,
+            height: image.height,
+            texels,
+            wrap: [Wrap::Repeat, Wrap::Clamp],
+        }))
+    }
+}

@@ -1,0 +1,253 @@
+//! The sky: radiance that comes from infinitely far away in every direction, as what lies behind the scene
+//! and as light. Invariant: its picture is not black all over, and has a table of where it is bright
+//! unless it is the same everywhere.
+
+use super::{Texture, Track};
+use crate::color::{Rgb, luminance};
+use crate::math::{SquareDistribution, sphere_from_square, square_from_sphere};
+use glam::{DVec2, DVec3, Vec2};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+
+/// The sky, at every time.
+#[derive(Clone, Debug)]
+pub struct Sky {
+    /// What it looks like.
+    picture: SkyPicture,
+    /// Where it is bright; `None` if it is the same everywhere.
+    table: Option<SquareDistribution>,
+    /// Multiplies the picture.
+    pub strength: Track<Rgb>,
+    /// How far it is turned about +Y, anticlockwise as seen from above, radians.
+    pub rotation: Track<f64>,
+    /// What it lights.
+    pub lights: SkyLight,
+}
+
+/// What a sky looks like, +Y up, radiance in W m^-2 sr^-1.
+#[derive(Clone, Debug)]
+pub enum SkyPicture {
+    /// The same everywhere.
+    Even(Rgb),
+    /// From `horizon` to `zenith` in proportion to the sine of the elevation, and `ground` below.
+    Gradient {
+        /// Straight up.
+        zenith: Rgb,
+        /// Just above the horizon.
+        horizon: Rgb,
+        /// Everywhere below it.
+        ground: Rgb,
+    },
+    /// Longitude across and latitude down, seen from within; -Z in the middle, +X to the right of it.
+    Image(Texture),
+}
+
+/// What a sky lights. It is seen in any case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SkyLight {
+    /// It is a background.
+    Nothing,
+    /// Surfaces.
+    Surfaces,
+    /// Surfaces, and the fog.
+    #[default]
+    SurfacesAndFog,
+}
+
+/// Cells along an edge of the table, which is the square that [`sphere_from_square`] takes.
+const CELLS: usize = 256;
+/// An image is looked up at so many places across, or at each of its texels if those are more, to fill the table.
+const LOOKED_UP: usize = 1024;
+
+impl Sky {
+    /// A sky that lights all; `None` if it is black, or not finite.
+    pub fn new(picture: SkyPicture) -> Option<Self> {
+        let table = match &picture {
+            SkyPicture::Even(radiance) if radiance.max_element() > 0.0 && radiance.is_finite() => None,
+            SkyPicture::Even(_) => return None,
+            SkyPicture::Gradient { .. } => {
+                let place = |cell: usize| DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64) + 0.5;
+                let bright = |cell| luminance(picture.along(sphere_from_square(place(cell) / CELLS as f64)));
+                Some(SquareDistribution::new(CELLS, (0..CELLS * CELLS).map(bright))?)
+            }
+            SkyPicture::Image(image) => Some(table_of(image)?),
+        };
+        let (strength, rotation) = (Track::from(Rgb::ONE), Track::from(0.0));
+        Some(Self { picture, table, strength, rotation, lights: SkyLight::default() })
+    }
+
+    /// The same with other strength, rotation and light.
+    pub fn with(self, strength: Track<Rgb>, rotation: Track<f64>, lights: SkyLight) -> Self {
+        Self { strength, rotation, lights, ..self }
+    }
+
+    /// What it looks like.
+    pub fn picture(&self) -> &SkyPicture {
+        &self.picture
+    }
+
+    /// Whether it is the same at all times.
+    pub fn is_constant(&self) -> bool {
+        self.strength.is_constant() && self.rotation.is_constant()
+    }
+
+    /// Whether some of it is brighter than the rest, so that [`Sky::pick`] picks directions.
+    pub fn is_uneven(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// A direction that two uniform numbers pick, about as densely as the picture is bright; `None` if
+    /// that is the same everywhere. Directions are those of the picture before it is turned.
+    pub fn pick(&self, u: DVec2) -> Option<DVec3> {
+        let (_, place) = self.table.as_ref()?.pick(u);
+        Some(sphere_from_square(place))
+    }
+
+    /// How densely [`Sky::pick`] picks a direction, 1/sr; 0 if it picks none.
+    pub fn picked(&self, direction: DVec3) -> f64 {
+        self.table
+            .as_ref()
+            .map_or(0.0, |table| 0.25 * FRAC_1_PI * table.density(table.cell(square_from_sphere(direction))))
+    }
+}
+
+impl SkyPicture {
+    /// Radiance seen in the direction of a unit vector.
+    pub fn along(&self, direction: DVec3) -> Rgb {
+        match self {
+            Self::Even(radiance) => *radiance,
+            Self::Gradient { ground, .. } if direction.y < 0.0 => *ground,
+            Self::Gradient { zenith, horizon, .. } => horizon.lerp(*zenith, direction.y.min(1.0)),
+            Self::Image(image) => {
+                let across = 0.5 + direction.x.atan2(-direction.z) / TAU;
+                let down = direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI;
+                image.color(Vec2::new(across as f32, down as f32))
+            }
+        }
+    }
+}
+
+/// The direction that a place of an image of longitudes and latitudes shows, `[0, 1]^2` from its top left corner.
+fn direction_of(place: DVec2) -> DVec3 {
+    let ((sin_across, cos_across), (sin_down, cos_down)) =
+        ((TAU * (place.x - 0.5)).sin_cos(), (PI * place.y).sin_cos());
+    DVec3::new(sin_down * sin_across, cos_down, -sin_down * cos_across)
+}
+
+/// How much light comes from each cell. Texels are spread over cells rather than cells looked up among
+/// texels, so that none is missed, however small a sun it is.
+fn table_of(image: &Texture) -> Option<SquareDistribution> {
+    let per_texel = LOOKED_UP.div_ceil(image.width).min(2 * CELLS);
+    let (columns, rows) = (image.width * per_texel, image.height * per_texel);
+    let strip = |strip: usize| {
+        let mut cells = vec![0.0; CELLS * CELLS];
+        for row in (strip * rows / STRIPS)..((strip + 1) * rows / STRIPS) {
+            let down = (row as f64 + 0.5) / rows as f64;
+            let solid_angle = (PI * down).sin();
+            for column in 0..columns {
+                let place = DVec2::new((column as f64 + 0.5) / columns as f64, down);
+                let square = CELLS as f64 * square_from_sphere(direction_of(place));
+                let index = |place: f64| (place as usize).min(CELLS - 1);
+                let cell = index(square.y) * CELLS + index(square.x);
+                cells[cell] += solid_angle * luminance(image.color(place.as_vec2()));
+            }
+        }
+        cells
+    };
+    // In a fixed order, so that the sums do not depend on threads.
+    let strips: Vec<Vec<f64>> = (0..STRIPS).into_par_iter().map(strip).collect();
+    let cells = (0..CELLS * CELLS).map(|cell| strips.iter().map(|strip| strip[cell]).sum());
+    SquareDistribution::new(CELLS, cells)
+}
+
+/// Parts of an image that threads look through.
+const STRIPS: usize = 16;
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::math::Sampler;
+    use crate::scene::Wrap;
+
+    fn image(width: usize, height: usize, texel: impl Fn(usize, usize) -> f32) -> SkyPicture {
+        let pixel = |index: usize| {
+            let radiance = texel(index % width, index / width);
+            [radiance, radiance, radiance, 1.0]
+        };
+        let texels = (0..width * height).map(pixel).collect();
+        let wrap = [Wrap::Repeat, Wrap::Clamp];
+        SkyPicture::Image(Texture { name: String::new(), width, height, texels, wrap })
+    }
+
+    /// Irradiance of a plane that faces up, by directions that are picked.
+    fn irradiance(sky: &Sky, count: u32) -> f64 {
+        let sample = |sample| {
+            let u = DVec2::from(Sampler::new(1, 0, 0, sample).next_2d());
+            let direction = sky.pick(u).unwrap_or_else(|| sphere_from_square(u));
+            let density = if sky.table.is_some() { sky.picked(direction) } else { 0.25 * FRAC_1_PI };
+            sky.picture.along(direction).x * direction.y.max(0.0) / density
+        };
+        (0..count).map(sample).sum::<f64>() / f64::from(count)
+    }
+
+    /// The integral of (h + (z - h) y) y over the upper half: pi (h + 2 z) / 3.
+    #[test]
+    fn a_gradient_lights_the_ground_as_its_integral_says() {
+        let (zenith, horizon, ground) = (Rgb::splat(3.0), Rgb::splat(1.5), Rgb::splat(0.2));
+        let sky = Sky::new(SkyPicture::Gradient { zenith, horizon, ground }).unwrap();
+        let exact = PI * (1.5 + 2.0 * 3.0) / 3.0;
+        let found = irradiance(&sky, 1 << 14);
+        assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
+        assert_eq!(sky.picture.along(DVec3::NEG_Y), ground);
+        assert_eq!(sky.picture.along(DVec3::Y), zenith);
+        assert_eq!(sky.picture.along(DVec3::X), horizon);
+    }
+
+    /// Seen from within: -Z in the middle, +X to the right of it, +Y on top.
+    #[test]
+    fn an_image_is_seen_from_within() {
+        let at = |picture: &SkyPicture, direction: DVec3| picture.along(direction.normalize()).x;
+        let columns = image(64, 32, |column, _| column as f32);
+        let west_to_east = [DVec3::new(-1.0, 0.0, -1.0), DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1.0), DVec3::X];
+        let found = west_to_east.map(|direction| at(&columns, direction) + 0.5);
+        assert!(found.iter().zip([24.0, 32.0, 40.0, 48.0]).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}");
+        let rows = image(64, 32, |_, row| row as f32);
+        assert!((at(&rows, DVec3::new(0.0, 1.0, -1.0)) + 0.5 - 8.0).abs() < 1e-3);
+        for sample in 0..1000 {
+            let place = DVec2::from(Sampler::new(3, 0, 0, sample).next_2d());
+            let there = direction_of(place);
+            let back = DVec2::new(0.5 + there.x.atan2(-there.z) / TAU, there.y.acos() / PI);
+            assert!(back.distance(place) < 1e-9, "{place} {back}");
+        }
+    }
+
+    /// A sun of one texel, ten thousand times as bright as the sky around: picking finds it.
+    #[test]
+    fn small_suns_are_found() {
+        for (width, height) in [(32, 16), (512, 256)] {
+            let sun = (3 * width / 8, height / 4);
+            let sky = Sky::new(image(width, height, |x, y| if (x, y) == sun { 1e4 } else { 1.0 })).unwrap();
+            let found = irradiance(&sky, 1 << 13);
+            // By the midpoint rule, over more places than the table's own.
+            let (mut exact, columns, rows) = (0.0, 4096, 2048);
+            for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+                let place = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+                let place = place / DVec2::new(f64::from(columns), f64::from(rows));
+                let direction = direction_of(place);
+                let solid_angle = 2.0 * PI * PI / f64::from(columns * rows) * (PI * place.y).sin();
+                exact += solid_angle * sky.picture.along(direction).x * direction.y.max(0.0);
+            }
+            assert!((found / exact - 1.0).abs() < 5e-3, "{width}: {found} {exact}");
+        }
+    }
+
+    #[test]
+    fn black_skies_are_none() {
+        assert!(Sky::new(SkyPicture::Even(Rgb::ZERO)).is_none());
+        assert!(Sky::new(image(4, 2, |_, _| 0.0)).is_none());
+        assert!(Sky::new(image(4, 2, |_, _| f32::INFINITY)).is_none());
+        let black = Rgb::ZERO;
+        assert!(Sky::new(SkyPicture::Gradient { zenith: black, horizon: black, ground: black }).is_none());
+    }
+}

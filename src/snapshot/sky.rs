@@ -1,0 +1,60 @@
+//! The sky at one time. In go directions and uniform numbers, out come radiances, directions and densities.
+//! Invariant: directions are of relative space, turned as the sky is.
+
+use crate::color::Rgb;
+use crate::scene::{Sky, SkyLight};
+use glam::{DVec2, DVec3};
+
+/// A sky, frozen.
+#[derive(Clone, Copy, Debug)]
+pub struct FrozenSky<'scene> {
+    sky: &'scene Sky,
+    strength: Rgb,
+    /// Cosine and sine of how far it is turned about +Y.
+    turn: DVec2,
+}
+
+impl<'scene> FrozenSky<'scene> {
+    /// Freezes `sky`; `None` if it is dark at that time.
+    pub(super) fn new(sky: &'scene Sky, time_s: f64) -> Option<Self> {
+        let (strength, turn) = (sky.strength.at(time_s), DVec2::from_angle(sky.rotation.at(time_s)));
+        (strength.max_element() > 0.0).then_some(Self { sky, strength, turn })
+    }
+
+    /// Radiance seen in a direction, W m^-2 sr^-1.
+    pub fn along(&self, direction: DVec3) -> Rgb {
+        self.strength * self.sky.picture().along(turned(direction, DVec2::new(self.turn.x, -self.turn.y)))
+    }
+
+    /// Whether it lights surfaces.
+    pub fn lights_surfaces(&self) -> bool {
+        self.sky.lights != SkyLight::Nothing
+    }
+
+    /// Whether it lights the fog.
+    pub fn lights_fog(&self) -> bool {
+        self.sky.lights == SkyLight::SurfacesAndFog
+    }
+
+    /// A direction that two uniform numbers pick, about as densely as it is bright; `None` if it is the same everywhere.
+    pub fn pick(&self, u: DVec2) -> Option<DVec3> {
+        self.sky.pick(u).map(|direction| turned(direction, self.turn))
+    }
+
+    /// How densely [`FrozenSky::pick`] picks a direction, 1/sr; 0 if it picks none.
+    pub fn picked(&self, direction: DVec3) -> f64 {
+        self.sky.picked(turned(direction, DVec2::new(self.turn.x, -self.turn.y)))
+    }
+
+    /// Whether [`FrozenSky::pick`] picks directions.
+    pub fn is_uneven(&self) -> bool {
+        self.sky.is_uneven()
+    }
+}
+
+/// A direction turned about +Y by an angle, of which `turn` is the cosine and the sine.
+fn turned(direction: DVec3, turn: DVec2) -> DVec3 {
+    // Anticlockwise from above: +Z goes towards +X.
+    let DVec2 { x, y } = DVec2::new(direction.z, direction.x).rotate(turn);
+    DVec3::new(y, direction.y, x)
+}
