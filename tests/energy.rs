@@ -1,0 +1,176 @@
+//! Nothing is gained and nothing lost: suns of every look against the parallel one, and leaves in light from
+//! everywhere. Prints what it finds, with `--nocapture`.
+
+#![allow(clippy::print_stdout, reason = "figures for who asks")]
+
+mod common;
+
+use common::{EXACT, INSTANT, add_light, camera_at, place};
+use glam::{DAffine3, DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+use sunfleck::color::Rgb;
+use sunfleck::math::{Ray, Sampler};
+use sunfleck::scene::{
+    Coat, DiscPicture, Instance, Julia, Light, LightKind, Material, Mesh, Scene, SunDisc, SunPicture, Track,
+    Triangle, limb_darkening,
+};
+use sunfleck::snapshot::{Luminaire, MeshTrees, Snapshot};
+use sunfleck::transport::{Scratch, radiance};
+
+/// c = -0.012375 + 0.56805i, the Julia set on the sun.
+const C: (f64, f64) = (-0.012375, 0.56805);
+
+fn still(color: impl Fn(DVec2) -> Rgb) -> SunPicture {
+    SunPicture::Still(Arc::new(DiscPicture::new(1, color).expect("it is bright somewhere")))
+}
+
+fn suns() -> Vec<(&'static str, SunPicture)> {
+    let julia = Julia { real: C.0.into(), imaginary: C.1.into(), iterations: 100 };
+    let color = julia.color_at(0.0);
+    let checks = |p: DVec2| {
+        if (5.0 * p.x).floor() as i64 % 2 == 0 { Rgb::new(1.0, 0.8, 0.5) } else { Rgb::splat(0.1) }
+    };
+    vec![
+        ("even", SunPicture::Even),
+        ("limb darkening 0.6", still(|p| Rgb::splat(limb_darkening(0.6, p.length())))),
+        ("Julia set of -0.012375 + 0.56805i", still(&color)),
+        ("Julia set, limb darkening 0.6", still(|p| color(p) * limb_darkening(0.6, p.length()))),
+        ("an image", still(checks)),
+    ]
+}
+
+/// A perpendicular plane gets from the disc, by its points and by what is seen of it, what it gets from parallel light.
+#[test]
+fn a_disc_is_as_bright_as_parallel_light() {
+    let power = Rgb::new(20.0, 18.0, 14.0);
+    for (name, picture) in suns() {
+        for diameter_deg in [0.53, 5.0_f64] {
+            let disc = SunDisc {
+                angular_diameter: diameter_deg.to_radians().into(),
+                picture: picture.clone(),
+                picture_rotation: 0.7.into(),
+                visible_to_camera: true,
+            };
+            let kind = LightKind::SunDisc(disc);
+            let light = Light { name: String::new(), node: 0, power: Track::from(power), kind };
+            let sun = Luminaire::new(&light, DAffine3::IDENTITY, 0.0);
+            // It shines along -Z.
+            let count = 1 << 16;
+            let (mut by_points, mut by_sight) = (Rgb::ZERO, Rgb::ZERO);
+            let radius = (0.5 * diameter_deg.to_radians()).sin();
+            for index in 0..count {
+                let mut sampler = Sampler::new(1, 0, 0, index);
+                let (to_light, _, irradiance) = sun.point(sampler.next_3d()).arriving_at(DVec3::ZERO);
+                by_points += irradiance * to_light.z / f64::from(count);
+                // Uniform over the square around the disc's projection, where cos dw = dx dy.
+                let (u, v) = sampler.next_2d();
+                let place = radius * (2.0 * DVec2::new(u, v) - 1.0);
+                let direction = place.extend((1.0 - place.length_squared()).sqrt());
+                by_sight += sun.seen_along(direction) * 4.0 * radius * radius / f64::from(count);
+            }
+            let off = |found: Rgb| (found / power - 1.0).abs().max_element();
+            let (points, sight) = (off(by_points), off(by_sight));
+            println!("{name}, {diameter_deg} degrees: off by {points:.1e} by points, {sight:.1e} by sight");
+            assert!(points < 1e-3 && sight < 1e-3, "{name}, {diameter_deg}: {points:.1e} {sight:.1e}");
+        }
+    }
+}
+
+/// A large sheet 3 m before the camera, facing it.
+fn sheet(material: Material) -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    let node = place(&mut scene, DAffine3::from_translation(3.0 * DVec3::NEG_Z));
+    scene.materials.push(material);
+    scene.meshes.push(Mesh {
+        positions: [DVec2::new(-90.0, -90.0), DVec2::new(90.0, -90.0), DVec2::new(0.0, 90.0)]
+            .map(|corner| corner.extend(0.0).as_vec3())
+            .to_vec(),
+        triangles: vec![Triangle { vertices: [0, 1, 2], material: 0 }],
+        ..Mesh::default()
+    });
+    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None });
+    scene
+}
+
+/// What the eye sees in a direction from it, of suns with these irradiances.
+fn seen(material: &Material, from_eye: DVec3, suns: &[(DVec3, f64)]) -> Rgb {
+    let mut scene = sheet(material.clone());
+    for &(to_sun, irradiance) in suns {
+        add_light(&mut scene, LightKind::Sun, DVec3::ZERO, -to_sun, Rgb::splat(irradiance));
+    }
+    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    let ray = Ray { origin: DVec3::ZERO, direction: from_eye };
+    radiance(&snapshot, &EXACT, &ray, &mut Sampler::new(0, 0, 0, 0), &mut Scratch::default()).radiance
+}
+
+fn leaves() -> Vec<(&'static str, Material)> {
+    let coat = |roughness: f64| {
+        Some(Coat { metallic: 0.0, roughness, texture: None, f0: Rgb::splat(0.04), f90: 1.0 })
+    };
+    let leaf = |albedo: f64, transmission: f64, coat| Material {
+        base_color: Rgb::splat(albedo),
+        transmission: Rgb::splat(transmission),
+        coat,
+        ..Material::default()
+    };
+    vec![
+        ("matte, 0.6 + 0.4", leaf(0.6, 0.4, None)),
+        ("matte, 0.3 + 0.5", leaf(0.3, 0.5, None)),
+        ("glossy, 0.6 + 0.4", leaf(0.6, 0.4, coat(0.5))),
+        ("glossy, 0.3 + 0.5", leaf(0.3, 0.5, coat(0.35))),
+    ]
+}
+
+/// Where the eye and the sun change places, from the same side and through the leaf: the same share.
+#[test]
+fn light_goes_both_ways() {
+    let ways = |cos: f64, angle: f64| (DVec2::from_angle(angle) * (1.0 - cos * cos).sqrt()).extend(cos);
+    let mut largest = 0.0_f64;
+    for (name, material) in leaves() {
+        for (a, b) in [
+            (ways(0.9, 0.2), ways(0.3, 1.9)),
+            (ways(0.5, 3.0), ways(-0.7, 1.0)),
+            (ways(0.2, 5.0), ways(-1.0, 0.0)),
+        ] {
+            // The sheet looks the same from behind, so that an eye there is one here that sees it turned about.
+            let scattered = |to_eye: DVec3, to_sun: DVec3| {
+                let flip = if to_eye.z < 0.0 { DVec3::new(1.0, 1.0, -1.0) } else { DVec3::ONE };
+                seen(&material, -to_eye * flip, &[(to_sun * flip, 1.0)]).x / to_sun.z.abs()
+            };
+            let (there, back) = (scattered(a, b), scattered(b, a));
+            largest = largest.max((there / back - 1.0).abs());
+            assert!(there > 0.0 && (there / back - 1.0).abs() < 1e-12, "{name}: {there} {back}");
+        }
+    }
+    println!("reciprocity of leaves: off by {largest:.1e} at most");
+}
+
+/// Light from everywhere, a sun on each place of a Fibonacci lattice: what comes back to the eye is no more than what
+/// falls on both sides; of a leaf that takes nothing away, as much.
+#[test]
+fn leaves_give_back_no_more_than_they_receive() {
+    let count = 20_000;
+    let suns: Vec<(DVec3, f64)> = (0..count)
+        .map(|number| {
+            let y = 1.0 - (2.0 * f64::from(number) + 1.0) / f64::from(count);
+            let (sin, cos) = (f64::from(number) * TAU * 0.618_033_988_749_895).sin_cos();
+            let to_sun = DVec3::new(cos, 0.0, sin) * (1.0 - y * y).sqrt() + y * DVec3::Y;
+            (to_sun, 4.0 * PI / f64::from(count))
+        })
+        .collect();
+    for (name, material) in leaves() {
+        let all = (material.base_color + material.transmission).x;
+        for from_eye in
+            [DVec3::NEG_Z, DVec3::new(1.0, 0.3, -1.0).normalize(), DVec3::new(3.0, 0.0, -1.0).normalize()]
+        {
+            let given = seen(&material, from_eye, &suns).x;
+            println!("{name}, seen at {:.2}: gives back {given:.5}", -from_eye.z);
+            match material.coat {
+                None => assert!((given / all - 1.0).abs() < 1e-3, "{name}: {given}"),
+                // What the table of the coat's albedo errs by; a coat adds its own reflection to what is beneath.
+                Some(_) => assert!(given < 1.006 && given > all - 0.006, "{name}: {given}"),
+            }
+        }
+    }
+}
