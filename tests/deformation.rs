@@ -22,8 +22,11 @@ fn foggy(file: &str) -> Scene {
     // Close to what bends.
     let (centre, size) = bounds(&scene, 0.5);
     let camera = &scene.cameras[0];
-    scene.nodes[camera.node].motion =
-        Motion::Aimed { position: (centre + DVec3::splat(size)).into(), target: centre.into(), up: DVec3::Y };
+    scene.nodes[camera.node].motion = Motion::Aimed {
+        position: (centre + DVec3::splat(size)).into(),
+        target: centre.into(),
+        up: DVec3::Y.into(),
+    };
     scene
 }
 

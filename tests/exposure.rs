@@ -37,7 +37,7 @@ fn with_a_travelling_camera(mut scene: Scene) -> Scene {
     let position = Track::new(vec![key(-1.0, -0.3), key(1.0, 0.3)], Extend::Hold).expect("good keys");
     let node = scene.cameras[0].node;
     scene.nodes[node].motion =
-        Motion::Aimed { position, target: DVec3::new(0.0, 2.6, 0.0).into(), up: DVec3::Y };
+        Motion::Aimed { position, target: DVec3::new(0.0, 2.6, 0.0).into(), up: DVec3::Y.into() };
     scene
 }
 

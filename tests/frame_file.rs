@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use sunfleck::film::{Channel, Frame, Precision};
 use sunfleck::frame_file::{self, FrameFileError, Provenance, compare, is_valid};
@@ -18,6 +19,7 @@ fn provenance() -> Provenance {
         seed: u32::MAX,
         sampling: Sampling::Exactly(64),
         owner: Some(String::from("Zoë")),
+        object_names: BTreeMap::new(),
         comments: None,
     }
 }

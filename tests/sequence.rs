@@ -29,6 +29,7 @@ fn provenance(frame: i64) -> Provenance {
         sampling: Sampling::Exactly(1),
         owner: None,
         comments: None,
+        object_names: std::collections::BTreeMap::new(),
     }
 }
 

@@ -15,6 +15,7 @@ use crate::math::Sampler;
 use crate::render::{Job, Placement, Watch, render};
 use crate::scene::{self, LightKind, Pass, Sampling, Scene, SunDisc, Track};
 use crate::snapshot::{Exposure, MeshTrees, Shutter, shows_surfaces};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -174,6 +175,7 @@ fn by_the_disk(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
         sampling: plan.job.sampling,
         owner: None,
         comments: None,
+        object_names: BTreeMap::new(),
     };
     let write =
         || frame_file::write(&path, &whole, &provenance).map_err(|error| error.diagnostic().to_string());

@@ -83,6 +83,9 @@ pub(super) struct RenderArguments {
     /// Frames that the shutter is open for; 0 is an instant without motion blur.
     #[arg(long, value_name = "S", value_parser = parse_shutter, allow_negative_numbers = true)]
     pub(super) shutter: Option<f64>,
+    /// Where the shutter opens: 0 is centred on the frame, 0.5 opens at it, -0.5 closes at it.
+    #[arg(long, value_name = "P", value_parser = parse_shutter_position, allow_negative_numbers = true)]
+    pub(super) shutter_position: Option<f64>,
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
@@ -316,6 +319,8 @@ pub(super) enum PassArgument {
     Albedo,
     LeafId,
     Error,
+    Motion,
+    Cryptomatte,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -407,6 +412,8 @@ pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
             PassArgument::Albedo => passes.push(Pass::Albedo),
             PassArgument::LeafId => passes.push(Pass::LeafId),
             PassArgument::Error => passes.push(Pass::Error),
+            PassArgument::Motion => passes.push(Pass::Motion),
+            PassArgument::Cryptomatte => passes.push(Pass::Cryptomatte),
         }
     }
     passes.sort_unstable();
@@ -484,6 +491,16 @@ fn parse_shutter(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(frames) if (0.0..=1000.0).contains(&frames) => Ok(frames),
         _ => Err("expected how many frames the shutter is open for, from 0 to 1000, such as 0.5".into()),
+    }
+}
+
+fn parse_shutter_position(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(position) if (-1000.0..=1000.0).contains(&position) => Ok(position),
+        _ => {
+            Err("expected where the shutter opens, from -1000 to 1000: 0 is centred, 0.5 opens at the frame"
+                .into())
+        }
     }
 }
 

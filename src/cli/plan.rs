@@ -51,6 +51,7 @@ impl Plan {
             Sampling::said(arguments.samples, arguments.tolerance).unwrap_or(settings.sampling);
         settings.seed = arguments.seed.unwrap_or(settings.seed);
         settings.shutter = arguments.shutter.unwrap_or(settings.shutter);
+        settings.shutter_position = arguments.shutter_position.unwrap_or(settings.shutter_position);
         settings.camera = arguments.camera.clone().or(settings.camera);
 
         let camera = find_camera(&scene, settings.camera.as_deref())?;

@@ -8,9 +8,11 @@ use super::stats::Stats;
 use super::{CliError, answer, tell};
 use crate::frame_file::Provenance;
 use crate::render::{self, Rendered, Watch};
+use crate::scene::{Pass, matte_id};
 use crate::sequence::{self, Job, SequenceError, Skip};
-use crate::snapshot::{Exposure, MeshTrees};
+use crate::snapshot::{Exposure, MeshTrees, MotionField};
 use signal_hook::consts::{SIGINT, SIGTERM};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
@@ -112,7 +114,24 @@ impl Plan {
     fn exposure(&self, trees: &MeshTrees, frame: i64) -> Exposure<'_> {
         let size = self.job.size;
         let aspect = size.width as f64 / size.height as f64;
-        Exposure::new(&self.scene, trees, self.camera, aspect, self.shutter(frame))
+        let mut exposure = Exposure::new(&self.scene, trees, self.camera, aspect, self.shutter(frame));
+        if self.job.passes.contains(&Pass::Motion) {
+            let rate = self.settings.frame_rate;
+            let times_s = [-1.0, 0.0, 1.0].map(|offset| rate.seconds(frame as f64 + offset));
+            exposure = exposure.with_motion(MotionField::new(&self.scene, self.camera, size, times_s));
+        }
+        if self.job.passes.contains(&Pass::Cryptomatte) {
+            exposure = exposure.with_mattes(&self.scene);
+        }
+        exposure
+    }
+
+    /// What mattes are called, if the frames have any.
+    fn object_names(&self) -> BTreeMap<u32, String> {
+        let is_asked = self.job.passes.contains(&Pass::Cryptomatte);
+        let instances = 0..if is_asked { self.scene.instances.len() } else { 0 };
+        let names = instances.map(|instance| self.scene.matte_name(instance));
+        names.map(|name| (matte_id(name), name.to_owned())).collect()
     }
 }
 
@@ -129,6 +148,7 @@ fn provenance(plan: &Plan, frame: i64) -> Provenance {
         sampling: plan.job.sampling,
         owner: None,
         comments: None,
+        object_names: plan.object_names(),
     }
 }
 

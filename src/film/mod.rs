@@ -8,11 +8,13 @@ mod estimate;
 mod frame;
 mod holes;
 mod mask;
+mod mattes;
 mod pass_layout;
 mod splats;
 
 use crate::scene::{Pass, Size, Window};
 use crate::transport::Sample;
+use mattes::MatteList;
 use pass_layout::layout;
 use rayon::prelude::*;
 use splats::{BEAUTY, Band, KeptPasses, SplatPlace};
@@ -21,6 +23,7 @@ pub use blocks::{BLOCK_SIDE, Blocks};
 pub use estimate::{BlockEstimate, PixelEstimate};
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 pub use mask::Mask;
+pub use mattes::MATTE_LAYER;
 pub use splats::Splats;
 
 /// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.
@@ -39,6 +42,8 @@ pub struct Film {
     nearest_distances_px: Vec<f32>,
     /// What that sample showed: the channels of the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
+    /// Which objects cover each pixel; empty unless somebody asks.
+    mattes: Vec<MatteList>,
 }
 
 impl Film {
@@ -60,6 +65,7 @@ impl Film {
             fresh: vec![[0.0; 2]; pixels],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
+            mattes: vec![MatteList::default(); if passes.mattes { pixels } else { 0 }],
             passes,
         }
     }
@@ -143,6 +149,7 @@ impl Film {
         let (channels, nearest_channels) = (self.passes.mean_channels(), self.passes.nearest_channels());
         let mut distances = self.nearest_distances_px.chunks_mut(pixels);
         let mut nearest = self.nearest_values.chunks_mut((pixels * nearest_channels).max(1));
+        let mut mattes = self.mattes.chunks_mut(pixels);
         let sums = self.sums.chunks_mut(pixels * channels);
         let fresh = self.fresh.chunks_mut(pixels);
         let parts = self.weights.chunks_mut(pixels).zip(sums).zip(fresh).enumerate();
@@ -153,6 +160,7 @@ impl Film {
             fresh,
             nearest_distances_px: distances.next().unwrap_or_default(),
             nearest_values: nearest.next().unwrap_or_default(),
+            mattes: mattes.next().unwrap_or_default(),
         })
     }
 
@@ -173,6 +181,9 @@ impl Film {
             let added = &part.sums[from * stride..(from + 1) * stride];
             for (sum, added) in self.sums[to * stride..(to + 1) * stride].iter_mut().zip(added) {
                 *sum += added;
+            }
+            if let (Some(list), Some(added)) = (self.mattes.get_mut(to), part.mattes.get(from)) {
+                list.append(added);
             }
             if nearest_stride > 0 && part.nearest_distances_px[from] < self.nearest_distances_px[to] {
                 self.nearest_distances_px[to] = part.nearest_distances_px[from];
@@ -216,6 +227,9 @@ impl Film {
             let pixels = self.nearest_values.iter().skip(offset).step_by(nearest_stride).copied().collect();
             Channel::new(name, precision, pixels)
         }));
+        if self.passes.mattes {
+            channels.extend(mattes::channels(&self.mattes, &self.weights));
+        }
         let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
         holes::fill(self.window, known, &mut channels, mean_channels);
         Frame { full: self.full, window: self.window, channels }
@@ -237,11 +251,11 @@ impl Film {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::transport::SurfaceFeatures;
+    use crate::transport::{Matte, SurfaceFeatures};
     use glam::DVec3;
     use proptest::prelude::*;
 
-    const ALL: [Pass; 7] = [
+    const ALL: [Pass; 9] = [
         Pass::Shafts,
         Pass::Transmittance,
         Pass::Depth,
@@ -249,6 +263,8 @@ mod tests {
         Pass::Position,
         Pass::Albedo,
         Pass::LeafId,
+        Pass::Motion,
+        Pass::Cryptomatte,
     ];
     const SIZE: Size = Size { width: 4, height: 3 };
 
@@ -269,6 +285,8 @@ mod tests {
                 albedo: Rgb::splat(0.5),
                 leaf_id,
             }),
+            motion_px: [depth_m, 0.0, -depth_m, 1.0],
+            mattes: [Matte { id: leaf_id, share: 1.0 }, Matte::default(), Matte::default(), Matte::default()],
         }
     }
 
@@ -298,7 +316,40 @@ mod tests {
         assert_eq!(pixel(&frame, "Z", 2, 0), 8.0);
         assert_eq!(pixel(&frame, "Position.Z", 2, 0), 8.0);
         assert_eq!(pixel(&frame, "leaf_id.X", 2, 0), 8.0);
+        assert_eq!(
+            ["X", "Y", "Z", "W"].map(|name| pixel(&frame, &format!("Vector.{name}"), 2, 0)),
+            [8.0, 0.0, -8.0, 1.0]
+        );
         assert_eq!(pixel(&frame, "Normal.Y", 2, 0), 0.75, "averaged, the background counts as 0");
+    }
+
+    /// Eight objects, some seen more than once: the six that cover most, ids as bits.
+    #[test]
+    fn mattes_are_ranked_by_coverage() {
+        let mut film = Film::new(SIZE, whole(), &[Pass::Cryptomatte]);
+        for (id, times) in [(1, 1), (2, 5), (3, 2), (4, 2), (5, 3), (6, 1), (7, 4), (8, 1)] {
+            for _ in 0..times {
+                film.add(1, 2, 0.5, 0.0, &leaf(1.0, 1.0, id));
+            }
+        }
+        let half = Matte { id: 2, share: 0.5 };
+        film.add(1, 2, 0.5, 0.0, &Sample { mattes: [half; 4], ..Sample::default() });
+        let frame = film.resolve();
+        let ranks = (0..3).flat_map(|layer| [("R", "G"), ("B", "A")].map(|pair| (layer, pair)));
+        let found: Vec<(u32, f32)> = ranks
+            .map(|(layer, (id, coverage))| {
+                let at = |letter: &str| pixel(&frame, &format!("CryptoObject{layer:02}.{letter}"), 1, 2);
+                (at(id).to_bits(), at(coverage))
+            })
+            .collect();
+        let coverage = |times: f64| (times / 20.0) as f32;
+        let expected = [(2, 7.0), (7, 4.0), (5, 3.0), (3, 2.0), (4, 2.0), (1, 1.0)];
+        assert_eq!(found, expected.map(|(id, times)| (id, coverage(times))));
+        assert_eq!(
+            pixel(&frame, "CryptoObject00.G", 1, 1),
+            found[0].1,
+            "a hole takes over from its neighbour"
+        );
     }
 
     #[test]

@@ -18,13 +18,15 @@ pub(super) enum PixelRule {
     Mean,
     /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface; Cycles does the same.
     Nearest,
+    /// How much of it each id covers.
+    Ranked,
     /// What [`Film::estimates`](super::Film::estimates) says of the finished picture; no sample holds it.
     Estimate,
 }
 
 /// A pass as channels.
 pub(super) struct PassLayout {
-    /// Full names, at most three.
+    /// Full names, at most four, or three if they are averaged. None if the pass has its own way.
     pub(super) channels: &'static [&'static str],
     pub(super) precision: Precision,
     pub(super) rule: PixelRule,
@@ -46,23 +48,29 @@ pub(super) fn layout(pass: Pass) -> PassLayout {
         // Exact up to 2^24 instances.
         Pass::LeafId => (&["leaf_id.X"], Precision::Float, PixelRule::Nearest),
         Pass::Error => (&["error.Y"], Precision::Half, PixelRule::Estimate),
+        Pass::Motion => {
+            (&["Vector.X", "Vector.Y", "Vector.Z", "Vector.W"], Precision::Float, PixelRule::Nearest)
+        }
+        Pass::Cryptomatte => (&[], Precision::Float, PixelRule::Ranked),
     };
     let background = if pass == Pass::Depth { BACKGROUND_DEPTH_M } else { 0.0 };
     PassLayout { channels, precision, rule, background }
 }
 
-/// What a sample shows in a pass; passes with one channel use `x`.
-pub(super) fn value(pass: Pass, sample: &Sample) -> DVec3 {
+/// What a sample shows in a pass; passes with fewer channels use the first ones.
+pub(super) fn value(pass: Pass, sample: &Sample) -> [f64; 4] {
+    let three = |value: DVec3| value.extend(0.0).to_array();
     match (pass, &sample.surface) {
-        (Pass::Shafts, _) => sample.shafts,
-        (Pass::Transmittance, _) => sample.transmittance,
-        (Pass::Albedo, Some(surface)) => surface.albedo,
-        (Pass::Normal, Some(surface)) => surface.normal,
-        (Pass::Position, Some(surface)) => surface.position,
-        (Pass::Depth, Some(surface)) => DVec3::splat(surface.depth_m),
-        (Pass::LeafId, Some(surface)) => DVec3::splat(f64::from(surface.leaf_id)),
-        // Of no sample, see [`PixelRule::Estimate`].
-        (Pass::Error, _) => DVec3::ZERO,
-        (_, None) => DVec3::splat(f64::from(layout(pass).background)),
+        (Pass::Shafts, _) => three(sample.shafts),
+        (Pass::Transmittance, _) => three(sample.transmittance),
+        (Pass::Albedo, Some(surface)) => three(surface.albedo),
+        (Pass::Normal, Some(surface)) => three(surface.normal),
+        (Pass::Position, Some(surface)) => three(surface.position),
+        (Pass::Depth, Some(surface)) => [surface.depth_m; 4],
+        (Pass::LeafId, Some(surface)) => [f64::from(surface.leaf_id); 4],
+        (Pass::Motion, _) => sample.motion_px,
+        // Of no sample, see [`PixelRule`].
+        (Pass::Error | Pass::Cryptomatte, _) => [0.0; 4],
+        (_, None) => [f64::from(layout(pass).background); 4],
     }
 }

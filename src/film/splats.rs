@@ -1,6 +1,7 @@
 //! Samples on their way to a film. In go samples, out come the numbers that the film keeps of each,
 //! packed. Invariant: their order is kept, and with it the rounding of sums.
 
+use super::mattes::{self, MatteList};
 use super::pass_layout::{PixelRule, layout, value};
 use crate::color::{Rgb, luminance};
 use crate::scene::{Pass, Window};
@@ -9,14 +10,16 @@ use crate::transport::Sample;
 /// Names of the beauty's channels, in the order of the sums.
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
-/// The most channels that a sample can have: the beauty's, and three for each pass.
-const MOST_CHANNELS: usize = BEAUTY.len() + 3 * Pass::ALL.len();
+/// The most numbers that a sample can have: the beauty's, at most four for each pass, and its mattes.
+const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + mattes::PACKED;
 
 /// Which passes a film keeps, by the rule that makes pixels of samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KeptPasses {
     pub(super) mean: Vec<Pass>,
     pub(super) nearest: Vec<Pass>,
+    /// Whether the film lists which objects cover a pixel.
+    pub(super) mattes: bool,
 }
 
 impl KeptPasses {
@@ -24,11 +27,11 @@ impl KeptPasses {
         let mut wanted = passes.to_vec();
         wanted.sort_unstable();
         wanted.dedup();
-        let (mean, nearest) = wanted
-            .into_iter()
-            .filter(|&pass| layout(pass).rule != PixelRule::Estimate)
-            .partition(|&pass| layout(pass).rule == PixelRule::Mean);
-        Self { mean, nearest }
+        let of = |rule: PixelRule| -> Vec<Pass> {
+            wanted.iter().copied().filter(|&pass| layout(pass).rule == rule).collect()
+        };
+        let mattes = !of(PixelRule::Ranked).is_empty();
+        Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), mattes }
     }
 
     /// Channels of the beauty and of the passes that are averaged.
@@ -41,7 +44,13 @@ impl KeptPasses {
         self.nearest.iter().map(|&pass| layout(pass).channels.len()).sum()
     }
 
-    /// The value of each channel, those of the mean first, and how many there are.
+    /// All numbers that are kept of a sample.
+    fn packed(&self) -> usize {
+        let mattes = if self.mattes { mattes::PACKED } else { 0 };
+        self.mean_channels() + self.nearest_channels() + mattes
+    }
+
+    /// The value of each channel, those of the mean first, those of the mattes last, and how many there are.
     pub(super) fn pack(&self, sample: &Sample) -> ([f32; MOST_CHANNELS], usize) {
         let (mut packed, mut count) = ([0.0; MOST_CHANNELS], 0);
         let mut put = |values: &[f64]| {
@@ -53,10 +62,14 @@ impl KeptPasses {
         put(&sample.radiance.to_array());
         put(&[sample.alpha]);
         for &pass in &self.mean {
-            put(&value(pass, sample).to_array());
+            put(&value(pass, sample)[..3]);
         }
         for &pass in &self.nearest {
-            put(&value(pass, sample).to_array()[..layout(pass).channels.len()]);
+            put(&value(pass, sample)[..layout(pass).channels.len()]);
+        }
+        if self.mattes {
+            packed[count..][..mattes::PACKED].copy_from_slice(&mattes::packed(&sample.mattes));
+            count += mattes::PACKED;
         }
         (packed, count)
     }
@@ -109,8 +122,7 @@ impl Splats {
 
     /// Each sample's place and channels.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&SplatPlace, &[f32])> {
-        let channels = self.passes.mean_channels() + self.passes.nearest_channels();
-        self.places.iter().zip(self.values.chunks_exact(channels))
+        self.places.iter().zip(self.values.chunks_exact(self.passes.packed()))
     }
 }
 
@@ -122,6 +134,7 @@ pub(super) struct Band<'a> {
     pub(super) fresh: &'a mut [[f64; 2]],
     pub(super) nearest_distances_px: &'a mut [f32],
     pub(super) nearest_values: &'a mut [f32],
+    pub(super) mattes: &'a mut [MatteList],
 }
 
 impl Band<'_> {
@@ -132,7 +145,12 @@ impl Band<'_> {
     pub(super) fn add(&mut self, is_fresh: bool, place: &SplatPlace, values: &[f32]) {
         let pixel = place.pixel as usize - self.first_pixel;
         let channels = self.sums.len() / self.weights.len();
-        let (mean, nearest) = values.split_at(channels);
+        let (mean, rest) = values.split_at(channels);
+        let listed = if self.mattes.is_empty() { 0 } else { mattes::PACKED };
+        let (nearest, shares) = rest.split_at(rest.len() - listed);
+        if let Some(list) = self.mattes.get_mut(pixel) {
+            list.add_packed(shares, place.weight);
+        }
         self.weights[pixel] += place.weight;
         for (sum, value) in self.sums[pixel * channels..][..channels].iter_mut().zip(mean) {
             *sum += place.weight * f64::from(*value);

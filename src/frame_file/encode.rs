@@ -3,12 +3,12 @@
 
 use super::pixel_hash::pixel_hash;
 use super::provenance::{REC_709, text};
-use super::{FrameFileError, Provenance, atomic};
+use super::{FrameFileError, Provenance, atomic, cryptomatte};
 use crate::film::{Channel, Frame, Precision};
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::math::Vec2;
-use exr::meta::attribute::{Compression, IntegerBounds, LineOrder};
+use exr::meta::attribute::{AttributeValue, Compression, IntegerBounds, LineOrder};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use std::io::Cursor;
 use std::path::Path;
@@ -30,10 +30,13 @@ pub(super) fn encode(frame: &Frame, provenance: &Provenance) -> Result<Vec<u8>, 
         return Err(String::from("a channel has more or fewer values than the window has pixels"));
     }
     let channels = AnyChannels::sort(frame.channels.iter().map(stored).collect());
-    let attributes = LayerAttributes {
+    let mut attributes = LayerAttributes {
         layer_position: Vec2(position(window.x)?, position(window.y)?),
         ..provenance.layer_attributes(&pixel_hash(&channels))
     };
+    for (name, value) in cryptomatte::attributes(frame, &provenance.object_names) {
+        attributes.other.insert(text(&name), AttributeValue::Text(text(&value)));
+    }
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,

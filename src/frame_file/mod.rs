@@ -32,6 +32,7 @@
 mod animation;
 mod atomic;
 mod compare;
+mod cryptomatte;
 mod encode;
 mod error;
 mod folder;

@@ -43,6 +43,8 @@ pub struct Provenance {
     pub owner: Option<String>,
     /// Anything else worth reading.
     pub comments: Option<String>,
+    /// What the ids of Cryptomatte's channels are called, for frames that have any.
+    pub object_names: BTreeMap<u32, String>,
 }
 
 /// A file's attributes as texts, by name. Numbers are decimal, fractions `24/1`, lists separated by spaces.

@@ -64,9 +64,7 @@ impl RayPicture<'_> {
                 let transport = &job.transport;
                 let value = match part {
                     None => radiance(snapshot, transport, &ray, &mut sampler, scratch),
-                    Some(part) => {
-                        radiance_of_part(part, snapshot, transport, &ray, &mut sampler, scratch)
-                    }
+                    Some(part) => radiance_of_part(part, snapshot, transport, &ray, &mut sampler, scratch),
                 };
                 let from_centre = (right - 0.5).hypot(down - 0.5);
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.

@@ -11,6 +11,7 @@ mod from_ron;
 mod julia;
 mod light;
 mod material;
+mod matte;
 mod mesh;
 mod motion;
 mod outline;
@@ -33,6 +34,7 @@ pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
 pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
 pub use material::{AlphaMode, Coat, Material, MaterialNumbers, Painted, TextureMap};
+pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
@@ -161,6 +163,11 @@ impl Scene {
                 (Cow::Owned(deformation.shape(mesh, &pose).positions), world_from_shape)
             }
         }
+    }
+
+    /// The name by which a matte of an instance is found: its node's.
+    pub fn matte_name(&self, instance: usize) -> &str {
+        &self.nodes[self.instances[instance].node].name
     }
 
     /// True if every frame shows the same picture.

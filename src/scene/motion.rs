@@ -23,8 +23,8 @@ pub enum Motion {
         position: Track<DVec3>,
         /// The point looked at, in the same space as `position`.
         target: Track<DVec3>,
-        /// Unit vector.
-        up: DVec3,
+        /// Of any length; if it is 0, or along the view, any sideways direction will do.
+        up: Track<DVec3>,
     },
     /// A leaf that falls along a parametric path.
     Falling(FallingPath),
@@ -79,7 +79,9 @@ impl Motion {
                 rotation.at(time_s),
                 translation.at(time_s),
             ),
-            Self::Aimed { position, target, up } => aimed(position.at(time_s), target.at(time_s), *up),
+            Self::Aimed { position, target, up } => {
+                aimed(position.at(time_s), target.at(time_s), up.at(time_s))
+            }
             Self::Falling(path) => path.parent_from_leaf(time_s),
         }
     }
@@ -95,7 +97,9 @@ impl Motion {
                 };
                 translation.is_constant() && !turns && scale.is_constant()
             }
-            Self::Aimed { position, target, .. } => position.is_constant() && target.is_constant(),
+            Self::Aimed { position, target, up } => {
+                position.is_constant() && target.is_constant() && up.is_constant()
+            }
             Self::Falling(_) => false,
         }
     }
@@ -165,7 +169,7 @@ mod tests {
     fn aimed_motion_looks_at_its_target() {
         for target in [DVec3::new(1.0, 2.0, 3.0), DVec3::Y * 5.0, DVec3::NEG_Y * 5.0, DVec3::X] {
             let position = DVec3::new(0.0, 1.0, 0.0);
-            let aim = Motion::Aimed { position: position.into(), target: target.into(), up: DVec3::Y };
+            let aim = Motion::Aimed { position: position.into(), target: target.into(), up: DVec3::Y.into() };
             let parent_from_node = aim.parent_from_node(0.0);
             let forward = parent_from_node.transform_vector3(DVec3::NEG_Z);
             assert!((forward - (target - position).normalize()).length() < 1e-12);

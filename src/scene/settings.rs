@@ -133,11 +133,15 @@ pub enum Pass {
     LeafId,
     /// `error.Y`: the estimated relative error of the block of pixels around.
     Error,
+    /// `Vector.XYZW`: where things move, in pixels.
+    Motion,
+    /// `CryptoObject00.RGBA` to `CryptoObject02.RGBA`: which objects cover how much of a pixel.
+    Cryptomatte,
 }
 
 impl Pass {
     /// Every pass there is.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Shafts,
         Self::Transmittance,
         Self::Depth,
@@ -146,6 +150,8 @@ impl Pass {
         Self::Albedo,
         Self::LeafId,
         Self::Error,
+        Self::Motion,
+        Self::Cryptomatte,
     ];
 
     /// What it is called where a person names it.
@@ -159,6 +165,8 @@ impl Pass {
             Self::Albedo => "albedo",
             Self::LeafId => "leaf-id",
             Self::Error => "error",
+            Self::Motion => "motion",
+            Self::Cryptomatte => "cryptomatte",
         }
     }
 }

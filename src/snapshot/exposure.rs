@@ -3,8 +3,9 @@
 //! still, or a shutter that opens for an instant, has one; all moments have the same lights in the
 //! same order.
 
-use super::{MeshTrees, Shutter, Snapshot, shining};
-use crate::scene::Scene;
+use super::{MeshTrees, MotionField, Shutter, Snapshot, shining};
+use crate::scene::{Scene, matte_id};
+use std::sync::Arc;
 
 /// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
 /// steps of about a pixel; odd, so that one of them is the middle.
@@ -42,6 +43,21 @@ impl<'scene> Exposure<'scene> {
     /// Only an instant.
     pub fn instant(snapshot: Snapshot<'scene>) -> Self {
         Self { moments: vec![snapshot] }
+    }
+
+    /// The same with vectors of motion for those who ask.
+    pub fn with_motion(mut self, motion: MotionField) -> Self {
+        let motion = Arc::new(motion);
+        self.moments.iter_mut().for_each(|moment| moment.motion = Some(Arc::clone(&motion)));
+        self
+    }
+
+    /// The same with ids of the scene's objects for those who ask.
+    pub fn with_mattes(mut self, scene: &Scene) -> Self {
+        let id = |instance: usize| matte_id(scene.matte_name(instance));
+        let ids: Arc<[u32]> = (0..scene.instances.len()).map(id).collect();
+        self.moments.iter_mut().for_each(|moment| moment.mattes = Some(Arc::clone(&ids)));
+        self
     }
 
     /// The moments, in order of time.

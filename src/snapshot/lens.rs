@@ -81,6 +81,27 @@ impl View {
         Ray { origin: in_plane(lens_point), direction }
     }
 
+    /// Where the middle of the lens sees a point of relative space, as [`View::ray`] has film positions, also beyond the
+    /// picture; `None` if it is not before the camera.
+    pub fn film_place(&self, point: DVec3) -> Option<DVec2> {
+        let across = DVec2::new(point.dot(self.right), point.dot(self.up));
+        if self.is_orthographic {
+            return Some(self.film_of(across));
+        }
+        let depth = self.depth(point);
+        (depth > 0.0).then(|| self.film_of(across / depth))
+    }
+
+    /// The same of what lies infinitely far away; parallel rays see it everywhere, so nowhere in particular.
+    pub fn film_place_of_direction(&self, direction: DVec3) -> Option<DVec2> {
+        if self.is_orthographic { None } else { self.film_place(direction) }
+    }
+
+    fn film_of(&self, place: DVec2) -> DVec2 {
+        let DVec2 { x, y } = (place - self.middle) / self.half;
+        0.5 * DVec2::new(1.0 + x, 1.0 - y)
+    }
+
     /// Whether its rays are parallel, rather than from one eye.
     pub fn is_orthographic(&self) -> bool {
         self.is_orthographic
@@ -227,6 +248,18 @@ mod tests {
             square += point.x * point.x / f64::from(count);
         }
         assert!(mean.length() < 1e-3 && (square - 5.0 / 24.0).abs() < 1e-3, "{mean} {square}");
+    }
+
+    #[test]
+    fn a_film_place_is_where_its_ray_goes() {
+        let turned = DAffine3::from_rotation_translation(DQuat::from_rotation_y(0.4), DVec3::X);
+        let view = view(turned);
+        for (x, y) in [(0.5, 0.5), (0.1, 0.8), (1.3, -0.2)] {
+            let ray = view.ray(x, y);
+            let back = view.film_place(ray.at(7.0)).expect("it lies before the camera");
+            assert!(back.distance(DVec2::new(x, y)) < 1e-12, "{back}");
+            assert!(view.film_place(ray.at(-7.0)).is_none());
+        }
     }
 
     #[test]

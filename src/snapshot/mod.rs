@@ -10,11 +10,12 @@ mod lens;
 mod light;
 mod luminaire;
 mod mesh_trees;
+mod motion_field;
 mod placed_mesh;
 mod sky;
 mod surface;
 
-use crate::accel::{InstanceTree, PlacedMesh};
+use crate::accel::{InstanceTree, PlacedMesh, PrimitiveId};
 use crate::color::Rgb;
 use crate::scattering::{Falloff, FogBank, Medium};
 use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, Pass, RenderSettings, Scene};
@@ -29,6 +30,7 @@ pub use lens::View;
 pub use light::FrozenLight;
 pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
+pub use motion_field::MotionField;
 pub use placed_mesh::DrawnMesh;
 pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
@@ -84,6 +86,10 @@ pub struct Snapshot<'scene> {
     pub background: Rgb,
     /// The sky, unless it is dark.
     pub sky: Option<FrozenSky<'scene>>,
+    /// Where things move, if anybody asks.
+    pub motion: Option<Arc<MotionField>>,
+    /// What Cryptomatte calls each of the scene's instances, if anybody asks.
+    pub mattes: Option<Arc<[u32]>>,
 }
 
 /// An instance of the tree, back in the scene's terms.
@@ -199,6 +205,8 @@ impl<'scene> Snapshot<'scene> {
             medium: Medium::new(fog),
             background: scene.background,
             sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
+            motion: None,
+            mattes: None,
         }
     }
 
@@ -217,6 +225,22 @@ impl<'scene> Snapshot<'scene> {
     /// Whether rays that leave the scene see something, suns aside.
     pub fn has_background(&self) -> bool {
         self.background != Rgb::ZERO || self.sky.is_some()
+    }
+
+    /// Where a surface's point that a ray met moves, or what lies infinitely far away in its direction; see
+    /// [`MotionField`]. 0 if nobody asked.
+    pub fn motion_px(&self, surface: Option<&SurfacePoint>, direction: DVec3) -> [f64; 4] {
+        let Some(motion) = &self.motion else { return [0.0; 4] };
+        let Some(point) = surface else { return motion.of_direction(direction) };
+        let weights = self.facet(point.primitive).weights_at(point.position);
+        let instance = self.placed[point.primitive.instance as usize].instance;
+        motion.of_point(self.scene, instance, point.primitive.triangle as usize, weights)
+    }
+
+    /// What Cryptomatte calls the object that a triangle belongs to; 0 if nobody asked.
+    pub fn matte_id(&self, primitive: PrimitiveId) -> u32 {
+        let instance = self.placed[primitive.instance as usize].instance;
+        self.mattes.as_ref().map_or(0, |mattes| mattes[instance])
     }
 
     /// A point of relative space in world space.

@@ -128,8 +128,14 @@ impl Facet<'_> {
 
     /// What a ray that meets it at a distance sees there.
     pub fn seen_along(&self, ray: &Ray, distance: f64) -> SurfacePoint {
-        let within = ray.at(distance) - self.first_corner;
-        self.at(ray, distance, self.gradients.map(|gradient| gradient.dot(within)))
+        let [_, v, w] = self.weights_at(ray.at(distance));
+        self.at(ray, distance, [v, w])
+    }
+
+    /// Barycentric coordinates of a point of its plane.
+    pub fn weights_at(&self, point: DVec3) -> [f64; 3] {
+        let [v, w] = self.gradients.map(|gradient| gradient.dot(point - self.first_corner));
+        [1.0 - v - w, v, w]
     }
 
     fn at(&self, ray: &Ray, distance: f64, [v, w]: [f64; 2]) -> SurfacePoint {

@@ -20,5 +20,5 @@ pub use direct::unshadowed;
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;
 pub use radiance::{Part, Scratch, Transport, radiance, radiance_of_part};
-pub use sample::{Sample, SurfaceFeatures};
+pub use sample::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures};
 pub use shafts::VolumeMethod;

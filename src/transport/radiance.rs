@@ -3,8 +3,8 @@
 
 use super::lit_segments::LitSegments;
 use super::shafts::{VolumeMethod, in_scattered};
-use super::visibility::layers;
-use super::{Sample, SurfaceFeatures, direct, sky_light};
+use super::visibility::{Layer, layers};
+use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, sky_light};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
@@ -75,6 +75,7 @@ pub(super) struct Leg {
     pub(super) covered: bool,
     /// What the data passes show.
     pub(super) surface: Option<SurfacePoint>,
+    pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
 /// Blended surfaces show in the data passes from this alpha on.
@@ -136,12 +137,12 @@ fn radiance_of(
     let light = Illumination { lights: &lights, self_luminous, sky };
     let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
     scratch.lights = lights;
-    leg.sample(snapshot, transport)
+    leg.sample(snapshot, transport, ray)
 }
 
 impl Leg {
     /// What the film is to know of it.
-    pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport) -> Sample {
+    pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport, ray: &Ray) -> Sample {
         let alpha = if self.covered || snapshot.has_background() {
             1.0
         } else {
@@ -154,8 +155,9 @@ impl Leg {
             albedo: point.albedo,
             leaf_id: point.leaf_id,
         });
-        let Self { radiance, shafts, transmittance, .. } = self;
-        Sample { radiance, shafts, transmittance, alpha, surface }
+        let motion_px = snapshot.motion_px(self.surface.as_ref(), ray.direction);
+        let Self { radiance, shafts, transmittance, mattes, .. } = self;
+        Sample { radiance, shafts, transmittance, alpha, surface, motion_px, mattes }
     }
 }
 
@@ -204,7 +206,28 @@ fn follow(
     );
     radiance += behind_fog * transmittance;
     let solid = layers.iter().map(|layer| layer.point).find(|point| point.alpha >= SOLID_ALPHA);
-    Leg { radiance, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface) }
+    let mattes = mattes(snapshot, &layers, surface.as_ref());
+    Leg { radiance, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface), mattes }
+}
+
+/// Which objects a ray sees, and how much of each past those before it.
+pub(super) fn mattes(
+    snapshot: &Snapshot,
+    layers: &[Layer],
+    surface: Option<&SurfacePoint>,
+) -> [Matte; MATTES_OF_A_SAMPLE] {
+    let mut mattes = [Matte::default(); MATTES_OF_A_SAMPLE];
+    if snapshot.mattes.is_none() {
+        return mattes;
+    }
+    let points = layers.iter().map(|layer| &layer.point).chain(surface);
+    let mut left = 1.0;
+    for (matte, point) in mattes.iter_mut().zip(points) {
+        let id = snapshot.matte_id(point.primitive);
+        *matte = Matte { id, share: (left * point.alpha) as f32 };
+        left *= 1.0 - point.alpha;
+    }
+    mattes
 }
 
 /// Light that a surface emits, and what is seen in it if it is a mirror.

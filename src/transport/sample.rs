@@ -17,6 +17,23 @@ pub struct Sample {
     pub alpha: f64,
     /// What was hit, if anything.
     pub surface: Option<SurfaceFeatures>,
+    /// Where it moves, in pixels to the right and up: from where it is to where it was a frame before, and to
+    /// where it is from where it will be a frame after. 0 unless the snapshot has a motion field.
+    pub motion_px: [f64; 4],
+    /// Which objects it shows, front to back; none unless the snapshot has matte ids.
+    pub mattes: [Matte; MATTES_OF_A_SAMPLE],
+}
+
+/// Objects that a sample may show: blended ones, and the opaque one behind them. Of more, the last ones are left out.
+pub const MATTES_OF_A_SAMPLE: usize = 4;
+
+/// The share of a sample that belongs to an object; none of it unless the share is more than 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Matte {
+    /// See [`crate::scene::matte_id`].
+    pub id: u32,
+    /// `0..=1`.
+    pub share: f32,
 }
 
 /// What the data passes show of the surface that a camera ray hit.

@@ -2,6 +2,7 @@
 
 use crate::program::{Studio, repository};
 use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 use sunfleck::scene::Size;
 
 #[test]
@@ -36,6 +37,31 @@ fn a_frame_says_how_good_it_is() {
     let skips = |line: &str| studio.succeed(line).err.contains("1 skipped");
     assert!(skips("render tiny.ron --tolerance 0.2 --passes error --frames 1 --out a.exr --skip valid"));
     assert!(!skips("render tiny.ron --tolerance 0.1 --passes error --frames 1 --out a.exr --skip valid"));
+}
+
+/// The manifest names all objects in the picture, by the ids that its channels hold.
+#[test]
+fn mattes_are_named() {
+    let studio = Studio::new();
+    studio.succeed(
+        "render scene.ron --size 16x9 --samples 4 --frames 1 --passes cryptomatte,motion --out a.exr",
+    );
+    let file = studio.frame("a.exr");
+    // The layer's own hash is 3ae39a58.
+    let field = |name: &str| file.attributes.get(&format!("cryptomatte/3ae39a5/{name}")).unwrap();
+    assert_eq!(field("name"), "CryptoObject");
+    assert_eq!((field("hash"), field("conversion")), ("MurmurHash3_32", "uint32_to_float32"));
+    let manifest: BTreeMap<String, String> = serde_json::from_str(field("manifest")).unwrap();
+    let hashes: BTreeSet<String> = manifest.values().cloned().collect();
+    let ids =
+        ["00.R", "00.B", "01.R"].map(|name| file.frame.channel(&format!("CryptoObject{name}")).unwrap());
+    let found: BTreeSet<String> = ids
+        .iter()
+        .flat_map(|channel| channel.pixels.iter().filter(|id| **id != 0.0))
+        .map(|id| format!("{:08x}", id.to_bits()))
+        .collect();
+    assert!(!found.is_empty() && found == hashes, "{found:?} {manifest:?}");
+    assert!(file.frame.channel("Vector.W").is_some());
 }
 
 #[test]
@@ -114,8 +140,8 @@ fn a_crop_is_a_part_of_the_whole() {
 fn all_passes_are_the_channels_that_compositors_know() {
     let studio = Studio::new();
     studio.succeed("render tiny.ron --frames 1 --size 8x4 --passes all --out a.exr");
-    let names: Vec<_> =
-        studio.frame("a.exr").frame.channels.iter().map(|channel| channel.name.to_string()).collect();
+    let mut names: Vec<String> =
+        studio.frame("a.exr").frame.channels.iter().map(|channel| channel.name.clone()).collect();
     let mut expected = [
         "R",
         "G",
@@ -139,8 +165,16 @@ fn all_passes_are_the_channels_that_compositors_know() {
         "transmittance.R",
         "transmittance.G",
         "transmittance.B",
-    ];
-    let mut names: Vec<&str> = names.iter().map(String::as_str).collect();
+        "Vector.X",
+        "Vector.Y",
+        "Vector.Z",
+        "Vector.W",
+    ]
+    .map(String::from)
+    .to_vec();
+    let ranks =
+        (0..3).flat_map(|layer| "RGBA".chars().map(move |letter| format!("CryptoObject0{layer}.{letter}")));
+    expected.extend(ranks);
     names.sort_unstable();
     expected.sort_unstable();
     assert_eq!(names, expected);

@@ -150,8 +150,8 @@ pub struct Camera {
     /// What it looks at, in its parent's space.
     pub look_at_m: Option<Keyed<Point>>,
     /// What is up in the picture when it looks at something.
-    #[serde(default = "up")]
-    pub up: Direction,
+    #[serde(default = "upright")]
+    pub up: Keyed<Direction>,
     /// Turned about x, then y, then z, from looking along -z.
     pub rotation_deg: Option<Keyed<Vector<Degrees>>>,
     /// Turned, as a quaternion, from looking along -z.
@@ -337,6 +337,10 @@ fn seen() -> Keyed<bool> {
 
 fn up() -> Direction {
     Direction(DVec3::Y)
+}
+
+fn upright() -> Keyed<Direction> {
+    Keyed::Plain(up())
 }
 
 fn full_frame() -> Number<Positive> {

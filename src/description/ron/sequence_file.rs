@@ -1,7 +1,7 @@
 //! What a sequence file holds: how to render a scene, never what is in it. Invariant: every field
 //! but the version and the scene may be left out; what is left out is the scene's business.
 
-use super::number::{NonNegative, Number, Positive, RelativeError, Whole};
+use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Whole};
 use super::version::Version;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::fmt;
@@ -31,8 +31,10 @@ pub struct SequenceFields {
     pub passes: Option<Vec<Pass>>,
     /// Seed of the sample points.
     pub seed: Option<u32>,
-    /// How long the shutter is open, centred on the frame.
+    /// How long the shutter is open.
     pub shutter_frames: Option<Number<NonNegative>>,
+    /// Where in that time the frame lies: centred at 0, opened at 0.5, closed at -0.5.
+    pub shutter_position: Option<Number<Finite>>,
     /// How often mirrors may reflect.
     pub mirror_depth: Option<Whole<0, 64>>,
     /// The stepped method's image plane.
@@ -68,6 +70,10 @@ pub enum Pass {
     LeafId,
     /// The estimated error.
     Error,
+    /// Where things move.
+    Motion,
+    /// Which objects cover how much of a pixel.
+    Cryptomatte,
 }
 
 /// Frame numbers beyond this, either way, are refused.

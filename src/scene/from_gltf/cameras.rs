@@ -165,7 +165,7 @@ impl Builder<'_> {
         self.scene.nodes.push(Node {
             name: String::from("camera"),
             parent: None,
-            motion: Motion::Aimed { position: position.into(), target: center.into(), up: DVec3::Y },
+            motion: Motion::Aimed { position: position.into(), target: center.into(), up: DVec3::Y.into() },
             visible: Track::from(true),
         });
         let lens = Lens::Perspective { fov_y: Track::from(DEFAULT_FOV_Y) };

@@ -45,8 +45,12 @@ impl Resolver<'_> {
                         .zip(radius)
                         .map(|((outer_angle, blend), radius)| LightKind::Spot { outer_angle, blend, radius });
                     // What is up does not show in a cone of light.
-                    let motion =
-                        self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), DVec3::Y);
+                    let motion = self.aimed(
+                        &owner,
+                        ("position_m", position_m),
+                        ("target_m", target_m),
+                        DVec3::Y.into(),
+                    );
                     (parent, motion, self.keyed(&owner, "intensity_w_per_sr", intensity_w_per_sr), kind)
                 }
                 ron::Light::Rectangle { parent, position_m, target_m, up, width_m, height_m, power_w } => {
@@ -55,7 +59,7 @@ impl Resolver<'_> {
                     let shape = AreaShape::Rectangle;
                     let kind =
                         width.zip(height).map(|(width, height)| LightKind::Area { shape, width, height });
-                    let up = up.0.normalize();
+                    let up = Track::from(up.0);
                     let motion = self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), up);
                     (parent, motion, self.keyed(&owner, "power_w", power_w), kind)
                 }
@@ -66,8 +70,12 @@ impl Resolver<'_> {
                         width: diameter.clone(),
                         height: diameter,
                     });
-                    let motion =
-                        self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), DVec3::Y);
+                    let motion = self.aimed(
+                        &owner,
+                        ("position_m", position_m),
+                        ("target_m", target_m),
+                        DVec3::Y.into(),
+                    );
                     (parent, motion, self.keyed(&owner, "power_w", power_w), kind)
                 }
             };
@@ -113,7 +121,7 @@ impl Resolver<'_> {
                 return None;
             }
         };
-        Some(Motion::Aimed { position, target, up: DVec3::Y })
+        Some(Motion::Aimed { position, target, up: DVec3::Y.into() })
     }
 
     /// A motion that stands at one field's value and points to another's.
@@ -122,7 +130,7 @@ impl Resolver<'_> {
         owner: &str,
         (position_name, position): (&str, &Keyed<Point>),
         (target_name, target): (&str, &Keyed<Point>),
-        up: DVec3,
+        up: Track<DVec3>,
     ) -> Option<Motion> {
         let position = track(position, &format!("{owner}.{position_name}"), &mut self.problems);
         let target = track(target, &format!("{owner}.{target_name}"), &mut self.problems);

@@ -353,7 +353,8 @@ impl<'a> Resolver<'a> {
                 "take one of the two out",
             );
         }
-        self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), camera.up.0.normalize())
+        let up = track(&camera.up, &format!("{owner}.up"), &mut self.problems)?;
+        self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), up)
     }
 
     fn finish(mut self) -> (Scene, Problems) {

@@ -50,6 +50,7 @@ pub(in crate::scene) fn apply_sequence(
         .unwrap_or(settings.sampling);
     settings.seed = fields.seed.unwrap_or(settings.seed);
     settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
+    settings.shutter_position = fields.shutter_position.map_or(settings.shutter_position, |at| at.si());
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
     problems.unless_any(settings)
 }
@@ -64,6 +65,8 @@ fn pass(pass: ron::Pass) -> Pass {
         ron::Pass::Albedo => Pass::Albedo,
         ron::Pass::LeafId => Pass::LeafId,
         ron::Pass::Error => Pass::Error,
+        ron::Pass::Motion => Pass::Motion,
+        ron::Pass::Cryptomatte => Pass::Cryptomatte,
     }
 }
 
@@ -136,9 +139,10 @@ impl KeyTimes {
         match motion {
             Motion::Still(_) => {}
             Motion::Falling(_) => self.endless = true,
-            Motion::Aimed { position, target, .. } => {
+            Motion::Aimed { position, target, up } => {
                 self.add(position);
                 self.add(target);
+                self.add(up);
             }
             Motion::Keyed { translation, rotation, scale } => {
                 self.add(translation);

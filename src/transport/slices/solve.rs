@@ -11,7 +11,7 @@ use crate::math::{Ray, Sampler};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
-use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, own_and_mirrored};
+use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, mattes, own_and_mirrored};
 use glam::{DVec2, DVec3};
 
 /// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
@@ -175,8 +175,9 @@ pub fn solve(
         let radiance = behind_fog * transmittance + shafts;
         let covered = surface.is_some();
         let surface = seen.map(|(point, _)| point);
-        let leg = Leg { radiance, shafts, transmittance, covered, surface };
-        sample(SliceSample { place, value: leg.sample(snapshot, job.transport) });
+        let mattes = mattes(snapshot, &[], surface.as_ref());
+        let leg = Leg { radiance, shafts, transmittance, covered, surface, mattes };
+        sample(SliceSample { place, value: leg.sample(snapshot, job.transport, &ray) });
     }
     Some(cuts.len())
 }

@@ -12,6 +12,8 @@ PASSES = [
     ("albedo", "Albedo", "Reflectance"),
     ("leaf-id", "Leaf id", "Which object"),
     ("error", "Error", "Estimated relative error"),
+    ("motion", "Vector", "Where things move, in pixels"),
+    ("cryptomatte", "Cryptomatte", "Which objects cover how much of a pixel"),
 ]
 
 

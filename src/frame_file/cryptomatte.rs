@@ -1,0 +1,34 @@
+//! What a frame's Cryptomatte channels need to be read: names for their ids. In go a frame and names, out come EXR
+//! attributes. Invariant: the manifest names the ids that the frame's channels hold, and no others.
+
+use crate::film::{Frame, MATTE_LAYER};
+use crate::scene::murmur3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Attributes of the Cryptomatte specification 1.2.0, by name; none if the frame has no such channels.
+pub(super) fn attributes(frame: &Frame, object_names: &BTreeMap<u32, String>) -> Vec<(String, String)> {
+    let ids: BTreeSet<u32> = frame
+        .channels
+        .iter()
+        // Ids stand in every other channel.
+        .filter(|channel| channel.name.starts_with(MATTE_LAYER) && channel.name.ends_with(['R', 'B']))
+        .flat_map(|channel| channel.pixels.iter().map(|id| id.to_bits()))
+        .collect();
+    if ids.is_empty() {
+        return Vec::new();
+    }
+    let named = object_names.iter().filter(|(id, _)| ids.contains(id));
+    let manifest: BTreeMap<&str, String> =
+        named.map(|(id, name)| (name.as_str(), format!("{id:08x}"))).collect();
+    // The first seven digits of the layer's own hash.
+    let key = &format!("{:08x}", murmur3(MATTE_LAYER.as_bytes()))[..7];
+    let manifest = serde_json::json!(manifest).to_string();
+    [
+        ("name", MATTE_LAYER),
+        ("hash", "MurmurHash3_32"),
+        ("conversion", "uint32_to_float32"),
+        ("manifest", &manifest),
+    ]
+    .map(|(field, value)| (format!("cryptomatte/{key}/{field}"), value.to_owned()))
+    .to_vec()
+}
