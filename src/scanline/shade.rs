@@ -79,8 +79,7 @@ impl<'a> Shader<'a> {
     fn beyond(&self, at: DVec2) -> (Rgb, f64) {
         let ray = self.ray(at);
         let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, f64::INFINITY);
-        let has_background = self.snapshot.background != Rgb::ZERO;
-        let alpha = if has_background { 1.0 } else { 1.0 - through.element_sum() / 3.0 };
+        let alpha = if self.snapshot.has_background() { 1.0 } else { 1.0 - through.element_sum() / 3.0 };
         (self.snapshot.radiance_beyond(ray.direction) * through, alpha)
     }
 
@@ -99,7 +98,9 @@ impl<'a> Shader<'a> {
         let point = facet.seen_along(&ray, distance);
         let fog = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
         // Mirrors show what lies beyond everything.
-        let mirrored = point.mirror * self.snapshot.background;
+        let normal = point.shading_normal;
+        let mirrored = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
+        let mirrored = point.mirror * self.snapshot.radiance_beyond(mirrored);
         let light = unshadowed(&self.lights, &point) + point.emission + mirrored;
         let shaded = Shaded { radiance: fog * point.alpha * light, see_through: point.see_through };
         self.shaded.push((triangle, shaded));
