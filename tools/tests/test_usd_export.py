@@ -178,7 +178,21 @@ class Stages(Case):
             np.testing.assert_allclose(worlds, [1.0, scale], atol=1e-7)
             self.assertFalse(stage.GetPrimAtPath("/World/ctl"))
         exported = export_usd(path, self.folder / "again.usda")
-        self.assertEqual(exported.lost, ["a value that changes is carried for `nobody.sunfleck_light.power_w`, which takes none"])
+        self.assertEqual(exported.lost, ["what changes `nobody.sunfleck_light.power_w` is not carried"])
+
+    def test_what_is_unlit_shines_in_its_colour(self):
+        material = {"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1]}, "extensions": {"KHR_materials_unlit": {}}}
+        source = json.loads((SAMPLES.parent / "valid/gltf/same/plain.gltf").read_text())
+        for mesh in source["meshes"]:
+            for primitive in mesh["primitives"]:
+                primitive["material"] = 0
+        source["materials"] = [material]
+        path = self.folder / "unlit.gltf"
+        path.write_text(json.dumps(source))
+        stage = self.export(path)
+        shaders = [UsdShade.Shader(prim) for prim in stage.Traverse(Usd.TraverseInstanceProxies()) if prim.IsA(UsdShade.Shader)]
+        self.assertEqual(shaders[0].GetInput("emissiveColor").Get(), (0.25, 0.5, 0.75))
+        self.assertEqual(shaders[0].GetInput("diffuseColor").Get(), (0, 0, 0))
 
     def test_masks_keep_their_cutoff(self):
         stage = self.export(SAMPLES / "b_leafcards.glb")
@@ -228,6 +242,14 @@ class Stages(Case):
         stage = self.export(SAMPLES / "a_leaves40_scene.glb", frames=(5, 9))
         self.assertEqual((stage.GetStartTimeCode(), stage.GetEndTimeCode()), (5.0, 9.0))
         self.assertEqual(stage.GetPrimAtPath("/World/cam").GetAttribute("xformOp:translate").GetTimeSamples(), [5, 6, 7, 8, 9])
+
+    def test_the_shutter_opens_where_it_does(self):
+        stage = self.export(SAMPLES / "i_conventions_nopointer.glb")
+        said = Gltf(Container(SAMPLES / "i_conventions_nopointer.glb")).extras.raw["sunfleck"]
+        camera = next(UsdGeom.Camera(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Camera))
+        opening, closing = camera.GetShutterOpenAttr().Get(), camera.GetShutterCloseAttr().Get()
+        self.assertAlmostEqual(closing - opening, said["shutter"], 6)
+        self.assertAlmostEqual(opening, said["shutter_offset"], 6)
 
     def test_frames_of_a_morph_are_samples_of_its_points(self):
         stage = self.export(SAMPLES / "c_morph.glb")

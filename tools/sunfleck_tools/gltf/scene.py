@@ -29,7 +29,8 @@ class Settings:
     size: tuple[int, int]
     camera: str
     light_units: str
-    shutter: float
+    shutter: tuple[float, float]
+    """Opening and closing, frames from the frame; equal if it takes no time."""
 
     @property
     def frames(self) -> range:
@@ -89,6 +90,8 @@ class Gltf:
             sunfleck.fail(f"frames {first} to {last} are no range of at most {MOST_FRAMES}")
         size = sunfleck.member("resolution")
         width, height = (0, 0) if size is None else (max(1, int(number)) for number in size.numbers(2))
+        shutter = sunfleck.number_at("shutter", 0.0, 0.0, 1000.0)
+        opening = sunfleck.number_at("shutter_offset", -0.5 * shutter, -1000.0, 1000.0) if shutter else 0.0
         return Settings(
             fps=fps,
             first=first,
@@ -96,7 +99,7 @@ class Gltf:
             size=(width, height),
             camera=sunfleck.text_at("camera"),
             light_units=sunfleck.text_at("light_units", "spec"),
-            shutter=sunfleck.number_at("shutter", 0.0, 0.0, 1000.0),
+            shutter=(opening, opening + shutter),
         )
 
     def _keyed_frames(self, fps: Fraction) -> tuple[int, int]:

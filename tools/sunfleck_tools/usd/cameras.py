@@ -48,10 +48,10 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
         for name, field in (("fStop", "fstop"), ("focusDistance", "focus_distance")):
             codes, values = _controlled(node, f"sunfleck_camera.{field}", ours.need(field).number(0), gltf, sampler)
             prim.animate(name, Types.Float, codes, values.tolist())
-    shutter = gltf.settings.shutter
-    if shutter > 0:
-        prim.set("shutter:open", Types.Double, -0.5 * shutter)
-        prim.set("shutter:close", Types.Double, 0.5 * shutter)
+    opening, closing = gltf.settings.shutter
+    if closing > opening:
+        prim.set("shutter:open", Types.Double, opening)
+        prim.set("shutter:close", Types.Double, closing)
     if ours.raw:
         prim.remember({"sunfleck_camera": ours.raw})
 

@@ -113,7 +113,7 @@ class _Export:
             self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
             write_scene(world, self.gltf, self.sampler)
             self._write_nodes()
-        self.lost += [f"a value that changes is carried for `{target}`, which takes none" for target in self.gltf.unused]
+        self.lost += [f"what changes `{target}` is not carried" for target in self.gltf.unused]
         if not self.layer.Export(str(path)):
             raise OSError(f"{path}: could not be written")
         settings = self.gltf.settings

@@ -14,7 +14,7 @@ from .textures import Textures
 
 OURS = ("sunfleck_leaf", "sunfleck_material")
 WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
-NOT_CARRIED = ("KHR_materials_transmission", "KHR_materials_diffuse_transmission", "KHR_materials_unlit")
+NOT_CARRIED = ("KHR_materials_transmission", "KHR_materials_diffuse_transmission")
 
 
 class Materials:
@@ -75,11 +75,16 @@ class Surface:
         factor = pbr.member("baseColorFactor")
         red, green, blue, alpha = [1.0] * 4 if factor is None else factor.numbers(4)
         base = pbr.member("baseColorTexture")
+        # What is unlit shines in its base colour, and is black besides.
+        is_unlit = source.extension("KHR_materials_unlit") is not None
+        shown = "inputs:emissiveColor" if is_unlit else "inputs:diffuseColor"
         if base is None:
-            shader.set("inputs:diffuseColor", Types.Color3f, Gf.Vec3f(red, green, blue))
+            shader.set(shown, Types.Color3f, Gf.Vec3f(red, green, blue))
         else:
             texture = self._texture("base_color", base, (red, green, blue, alpha))
-            self._feed("inputs:diffuseColor", Types.Color3f, texture, "rgb", Types.Float3)
+            self._feed(shown, Types.Color3f, texture, "rgb", Types.Float3)
+        if is_unlit:
+            shader.set("inputs:diffuseColor", Types.Color3f, Gf.Vec3f(0))
         mode = source.text_at("alphaMode", "OPAQUE")
         if mode != "OPAQUE":
             if base is None:
@@ -88,8 +93,9 @@ class Surface:
                 self._feed("inputs:opacity", Types.Float, texture, "a", Types.Float)
             if mode == "MASK":
                 shader.set("inputs:opacityThreshold", Types.Float, source.number_at("alphaCutoff", 0.5, 0.0, 1.0))
-        self._write_coat(pbr)
-        self._write_emission()
+        self._write_coat(pbr, is_unlit)
+        if not is_unlit:
+            self._write_emission()
         normal = source.member("normalTexture")
         if normal is not None:
             # UsdPreviewSurface allows of no other scale of normal maps than this.
@@ -98,7 +104,7 @@ class Surface:
         shader.set("outputs:surface", Types.Token, None)
         self.prim.connect("outputs:surface", Types.Token, shader.path.AppendProperty("outputs:surface"))
 
-    def _write_coat(self, pbr: Value) -> None:
+    def _write_coat(self, pbr: Value, is_unlit: bool) -> None:
         shader = self.shader
         roughness, metallic = pbr.number_at("roughnessFactor", 1.0, 0, 1), pbr.number_at("metallicFactor", 1.0, 0, 1)
         both = pbr.member("metallicRoughnessTexture")
@@ -110,7 +116,7 @@ class Surface:
             self._feed("inputs:roughness", Types.Float, texture, "g", Types.Float)
             self._feed("inputs:metallic", Types.Float, texture, "b", Types.Float)
         shader.set("inputs:useSpecularWorkflow", Types.Int, 0)
-        shader.set("inputs:ior", Types.Float, self._ior())
+        shader.set("inputs:ior", Types.Float, 1.0 if is_unlit else self._ior())
         coat = self.source.extension("KHR_materials_clearcoat")
         if coat is not None:
             shader.set("inputs:clearcoat", Types.Float, coat.number_at("clearcoatFactor", 0.0, 0, 1))

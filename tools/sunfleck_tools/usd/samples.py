@@ -20,10 +20,10 @@ class Sampler:
     """Chooses time codes for curves."""
 
     def __init__(self, settings: Settings, per_frame: int):
-        half = 0.5 * settings.shutter
         count = (settings.last - settings.first) * per_frame + 1
         frames = settings.first + np.arange(count) / per_frame
-        ends = [settings.first - half, settings.last + half] if half else []
+        opening, closing = settings.shutter
+        ends = [settings.first + opening, settings.last + closing] if closing > opening else []
         self.settings = settings
         self.frames = np.unique(np.concatenate([frames, ends]))
 

@@ -67,6 +67,7 @@ class _Import:
         self.nodes = Nodes(self.writer, source, self.lost)
         self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
         self.lights: list[dict] = []
+        self.shutter: tuple[float, float] | None = None
         self.scene: dict = {}
 
     def run(self) -> bytes:
@@ -210,6 +211,7 @@ class _Import:
         for thing in things:
             if thing.IsA(UsdGeom.Camera):
                 seen = read_camera(thing, self.source)
+                self.shutter = self.shutter or seen.shutter
                 self.nodes.of(node)["camera"] = self.writer.add("cameras", {"name": self.nodes.of(node)["name"], **seen.camera})
                 for name, (codes, rows) in seen.carried.items():
                     self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
@@ -265,6 +267,9 @@ class _Import:
             version=1, fps=source.fps.numerator, fps_base=source.fps.denominator, frame_start=first, frame_end=last,
             light_units="spec",
         )  # fmt: skip
+        if self.shutter is not None and "shutter" not in sunfleck:
+            opening, closing = self.shutter
+            sunfleck.update(shutter=closing - opening, shutter_offset=opening)
         if self.lights:
             self.writer.extensions.add("KHR_lights_punctual")
             document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}

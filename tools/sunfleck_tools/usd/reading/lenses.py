@@ -17,9 +17,10 @@ TENTHS = 0.1
 
 @dataclass
 class Seen:
-    """A camera of glTF with its extras, and what of it changes: by field, codes and rows."""
+    """A camera of glTF with its extras, what of it changes (by field, codes and rows), and when its shutter opens and closes."""
 
     camera: dict
+    shutter: tuple[float, float] | None = None
     carried: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
@@ -59,6 +60,12 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
     kept = prim.GetCustomDataByKey("sunfleck") or {}
     if "blades" in kept.get("sunfleck_camera", {}):
         extras["blades"] = int(kept["sunfleck_camera"]["blades"])
+    # Time codes from the frame.
+    frames = float(source.fps) / source.stage.GetTimeCodesPerSecond()
+    shutter = (camera.GetShutterOpenAttr(), camera.GetShutterCloseAttr())
+    opening, closing = (float(each.Get(source.first) or 0.0) * frames for each in shutter)
+    if 0 < closing - opening <= 1000 and abs(opening) <= 1000:
+        seen.shutter = opening, closing
     if extras:
         seen.camera["extras"] = {"sunfleck_camera": extras}
     return seen

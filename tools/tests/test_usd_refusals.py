@@ -1,0 +1,116 @@
+"""Stages that nobody should write: `import-usd` says what is wrong with them, and where."""
+
+from __future__ import annotations
+
+import unittest
+
+import numpy as np
+from pxr import Sdf, UsdGeom, UsdShade
+
+from sunfleck_tools import SceneError
+from sunfleck_tools.usd import export_usd, import_usd
+
+from .test_usd_export import SAMPLES
+from .test_usd_import import ImportCase, quad
+from .test_validation import run
+
+
+class Refusals(ImportCase):
+    def test_what_does_not_hold_together(self):
+        for text, said in (
+            ('def Xform "a" (references = @./nope.usda@</x>)\n{\n}\n', "nope.usda"),
+            ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    }\n}\n', "Cycle"),
+            ('def Xform "a" (sublayers = 3)\n', "is no stage"),
+        ):
+            path = self.folder / "bad.usda"
+            path.write_text("#usda 1.0\n" + text)
+            code, _, err = run("import-usd", path, self.folder / "out.glb")
+            self.assertEqual(code, 3)
+            self.assertIn(said, err)
+            self.assertNotIn("Traceback", err)
+            layer = Sdf.Layer.Find(str(path))
+            del layer
+        self.assertEqual(run("import-usd", self.folder / "none.usd", self.folder / "out.glb")[0], 3)
+        self.assertEqual(run("import-usd", SAMPLES / "README.md", self.folder / "out.glb")[0], 3)
+
+    def test_indices_that_point_nowhere(self):
+        stage = self.stage()
+        quad(stage, "/a").GetFaceVertexIndicesAttr().Set([0, 1, 2, 9])
+        self.assertIn("/a: faceVertexIndices go from 0 to 9, of 4 points", self.refused(stage))
+        stage = self.stage()
+        quad(stage, "/a").GetFaceVertexCountsAttr().Set([400])
+        self.assertIn("faceVertexCounts ask for 400 corners", self.refused(stage))
+        stage = self.stage()
+        instancer = UsdGeom.PointInstancer.Define(stage, "/crowd")
+        quad(stage, "/crowd/leaf")
+        instancer.CreatePrototypesRel().SetTargets(["/crowd/leaf"])
+        instancer.CreateProtoIndicesAttr([0, 5])
+        instancer.CreatePositionsAttr([(0, 0, 0)] * 2)
+        self.assertIn("/crowd: protoIndices go from 0 to 5, of 1 prototypes", self.refused(stage))
+        instancer.GetProtoIndicesAttr().Set([0, 0, 0])
+        self.assertIn("3 protoIndices", self.refused(stage))
+        instancer.GetPrototypesRel().SetTargets(["/nothing"])
+        self.assertIn("there is no prototype /nothing", self.refused(stage))
+        instancer.GetPrototypesRel().SetTargets(["/crowd"])
+        self.assertIn("instance of itself", self.refused(stage))
+
+    def test_instancers_that_come_round(self):
+        stage = self.stage()
+        for name, other in (("a", "b"), ("b", "a")):
+            instancer = UsdGeom.PointInstancer.Define(stage, f"/{name}")
+            instancer.CreatePrototypesRel().SetTargets([f"/{other}"])
+            instancer.CreateProtoIndicesAttr([0])
+            instancer.CreatePositionsAttr([(0, 0, 0)])
+        self.assertIn("come round", self.refused(stage))
+
+    def test_numbers_that_are_none(self):
+        stage = self.stage()
+        quad(stage, "/a").GetPointsAttr().Set([(float("nan"), 0, 0)] * 4)
+        self.assertIn("/a: points are not all finite", self.refused(stage))
+        stage = self.stage()
+        quad(stage, "/a").AddTranslateOp().Set((float("inf"), 0, 0))
+        self.assertIn("is not finite", self.refused(stage))
+        stage = self.stage()
+        stage.SetEndTimeCode(1e12)
+        quad(stage, "/a")
+        self.assertIn("no range", self.refused(stage))
+        stage = self.stage()
+        UsdGeom.Camera.Define(stage, "/camera").CreateFocalLengthAttr(0.0)
+        self.assertIn("/camera: a camera needs a focal length", self.refused(stage))
+
+    def test_textures_that_are_not_there(self):
+        stage = self.stage()
+        mesh = quad(stage, "/a")
+        material = UsdShade.Material.Define(stage, "/m")
+        shader, texture = UsdShade.Shader.Define(stage, "/m/s"), UsdShade.Shader.Define(stage, "/m/t")
+        shader.CreateIdAttr("UsdPreviewSurface")
+        texture.CreateIdAttr("UsdUVTexture")
+        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set("./no such.png")
+        output = texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
+        shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(output)
+        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+        self.assertIn("/m/t: there is no texture `./no such.png`", self.refused(stage))
+
+    def test_flipped_bytes_raise_nothing_else(self):
+        for ending in ("usdc", "usda"):
+            whole = self.folder / f"whole.{ending}"
+            export_usd(SAMPLES / "h_lights_nopointer.glb", whole)
+            for number in range(40):
+                generator, data = np.random.default_rng(number), bytearray(whole.read_bytes())
+                for at in generator.integers(8, len(data), 2):
+                    data[at] ^= int(generator.integers(1, 256))
+                # USD would give the layer that is open already for a name that it knows.
+                path = self.folder / f"flipped_{number}.{ending}"
+                path.write_bytes(data)
+                try:
+                    import_usd(path, self.folder / "out.glb")
+                except SceneError:
+                    pass
+
+    def test_an_empty_stage(self):
+        self.assertIn("holds nothing", self.refused(self.stage()))
+
+
+if __name__ == "__main__":
+    unittest.main()
