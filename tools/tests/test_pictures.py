@@ -139,6 +139,15 @@ class Movies(WithSequence):
             self.assertEqual((int(stream["nb_read_frames"]), stream["width"], stream["height"]), (12, 32, 18), ending)
             self.assertAlmostEqual(float(Fraction(stream["r_frame_rate"])), 29.97, places=2)
 
+    @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is not installed")
+    def test_webp_moves(self):
+        path = self.scratch / "leaf.webp"
+        self.assertEqual(run("movie", self.folder, path)[0], 0)
+        data = path.read_bytes()
+        self.assertEqual((data[:4], data[8:12], data.count(b"ANIM")), (b"RIFF", b"WEBP", 1))
+        # ffmpeg joins pictures that look the same.
+        self.assertIn(data.count(b"ANMF"), range(2, 13))
+
     def test_what_ffmpeg_says_is_told_and_nothing_is_left(self):
         binaries = self.scratch / "bin"
         binaries.mkdir()

@@ -1,0 +1,64 @@
+"""Renders good frames of different sequences, and asks `validate` what it finds: nothing, if it is right.
+
+    SUNFLECK=../target/release/sunfleck python -m tests.good_frames        (in tools/; some minutes)
+
+Prints the table that docs/validate.md has; exits with 1 if anything is found.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+from sunfleck_tools import Options, validate
+
+from .command import NO_PROGRAM, PROGRAM
+
+ROOT = Path(__file__).parents[2]
+SMALL = ("--size", "10%", "--passes", "all")
+BLENDER = "tests/data/blender"
+RENDERS = {
+    "falling_leaves": ("sequences/falling_leaves.ron", "--samples", "4"),
+    "falling_leaves, motion blur, another seed": (
+        "sequences/falling_leaves.ron", "--samples", "8", "--shutter", "0.5", "--seed", "7",
+    ),
+    "one_leaf, motion blur": ("sequences/one_leaf.ron", "--samples", "4", "--shutter", "0.5"),
+    "one_leaf, cropped, ray by ray": (
+        "sequences/one_leaf.ron", "--samples", "2", "--volume", "segments", "--crop", "5,3,40,24",
+    ),
+    "i_conventions.glb": (f"{BLENDER}/i_conventions.glb", "--samples", "4"),
+    "i_conventions.glb, motion blur": (f"{BLENDER}/i_conventions.glb", "--samples", "8", "--shutter", "0.5"),
+    "a_leaves40_scene.glb": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "8"),
+    "a_leaves40_scene.glb, motion blur": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "16", "--shutter", "0.5"),
+    "e_inst_default.glb": (f"{BLENDER}/e_inst_default.glb", "--samples", "4"),
+    "h_lights_pointer_scene.glb": (f"{BLENDER}/h_lights_pointer_scene.glb", "--samples", "8"),
+    "h_transforms_scene.glb": (f"{BLENDER}/h_transforms_scene.glb", "--samples", "8"),
+}  # fmt: skip
+"""Small pictures of few samples: the noisier, the harder to tell from damage."""
+
+
+def main() -> int:
+    """Prints the table."""
+    if PROGRAM is None:
+        print(f"error: {NO_PROGRAM}", file=sys.stderr)
+        return 2
+    program, frames, findings = os.path.abspath(PROGRAM), 0, 0
+    print("| sequence | frames | found |\n|---|---|---|")
+    for name, (scene, *flags) in RENDERS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            command = [program, "render", str(ROOT / scene), *SMALL, *flags, "--progress", "none", "--out", f"{folder}/x.####.exr"]
+            subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+            report = validate(folder, Options(processes=1))
+        found = ", ".join(f"{count} `{check}`" for check, count in Counter(f.check for f in report.findings).items())
+        print(f"| {name} | {len(report.frames)} | {found or 'nothing'} |", flush=True)
+        frames, findings = frames + len(report.frames), findings + len(report.findings)
+    print(f"| together | {frames} | {findings or 'nothing'} |")
+    return int(findings > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
