@@ -1,5 +1,9 @@
 //! The scan line and the ray tracer see the same: two ways to the same picture that share no code.
-#![allow(clippy::unwrap_used)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "with --nocapture the tests show what they measure"
+)]
 
 mod common;
 

@@ -238,10 +238,10 @@ impl<'a> Kept<'a> {
         }
         // Every so many-th, from the first on.
         let place = (self.seen * shown).div_ceil(self.frames);
-        if place * self.frames / shown == self.seen {
-            if let Some(sheet) = &mut self.sheet {
-                sheet.paste(place % columns * self.size.width, place / columns * self.size.height, picture);
-            }
+        if place * self.frames / shown == self.seen
+            && let Some(sheet) = &mut self.sheet
+        {
+            sheet.paste(place % columns * self.size.width, place / columns * self.size.height, picture);
         }
         if let Some(animation) = &mut self.animation {
             animation.push(picture).map_err(failure)?;
