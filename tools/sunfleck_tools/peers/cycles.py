@@ -23,6 +23,10 @@ def version() -> str:
     return bpy.app.version_string
 
 
+def select() -> None:
+    """There is one kind."""
+
+
 def prepare(scene: PeerScene):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
     bpy.ops.wm.read_factory_settings(use_empty=True)

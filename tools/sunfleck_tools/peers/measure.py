@@ -23,11 +23,11 @@ from .scene import PeerScene
 Render = Callable[[int, int], tuple[np.ndarray, float]]
 """Samples a pixel and a seed to a picture, and the seconds that it took."""
 RENDERERS = {
-    "mitsuba-llvm": ("Mitsuba llvm", "mitsuba", ("llvm_ad_rgb",), "mitsuba"),
-    "mitsuba-scalar": ("Mitsuba scalar", "mitsuba", ("scalar_rgb",), "mitsuba"),
-    "cycles": ("Cycles", "cycles", (), "bpy"),
+    "mitsuba-llvm": ("Mitsuba llvm", "mitsuba", ("llvm_ad_rgb",)),
+    "mitsuba-scalar": ("Mitsuba scalar", "mitsuba", ("scalar_rgb",)),
+    "cycles": ("Cycles", "cycles", ()),
 }
-"""Name, module here, what it is told, and the package that it needs."""
+"""Name, module here, and what it is told."""
 COLUMNS = ("renderer", "version", "spp", "cpu_s", "rmse", "date", "machine")
 
 
@@ -45,9 +45,9 @@ class Point:
 
 def available(name: str) -> str | None:
     """A sentence if a renderer is not there."""
-    label, module, _, package = RENDERERS[name]
+    label, module, options = RENDERERS[name]
     try:
-        import_module(f".{module}", __package__)
+        import_module(f".{module}", __package__).select(*options)
     except ImportError as error:
         return f"{label} is not here ({error}): pip install './tools[{module}]' (docs/tools.md says with which Python)"
     return None
@@ -63,7 +63,7 @@ def measure(
 ) -> Iterator[Point]:
     """Renders with each of the renderers; `pictures` is a folder that their frames go to."""
     for name in names:
-        label, module, options, _ = RENDERERS[name]
+        label, module, options = RENDERERS[name]
         peer = import_module(f".{module}", __package__)
         render: Render = peer.prepare(scene, *options)
         for count in samples:

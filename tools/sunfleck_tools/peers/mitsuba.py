@@ -18,9 +18,14 @@ def version() -> str:
     return mi.__version__
 
 
+def select(variant: str) -> None:
+    """Raises `ImportError` if this installation has no such variant, or not what it is compiled by."""
+    mi.set_variant(variant)
+
+
 def prepare(scene: PeerScene, variant: str):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
-    mi.set_variant(variant)
+    select(variant)
     width, height = scene.size
     # Mitsuba's cameras look along +Z with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
