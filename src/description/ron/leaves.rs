@@ -8,7 +8,7 @@ use serde::Deserialize;
 /// More leaves than this in one scene are refused.
 pub const MAX_LEAVES: u32 = 10_000_000;
 
-/// Seeded copies of meshes, scattered over a box.
+/// Seeded copies of meshes, scattered over a box or a surface.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Leaves {
@@ -25,9 +25,15 @@ pub struct Leaves {
     /// Name of the object that the leaves follow.
     pub parent: Option<String>,
     /// Smallest coordinates of the box in which the leaves are at time 0.
-    pub min_m: Point,
+    pub min_m: Option<Point>,
     /// Largest coordinates of that box.
-    pub max_m: Point,
+    pub max_m: Option<Point>,
+    /// Name of the object on whose surface the leaves sit instead.
+    pub on: Option<String>,
+    /// How far tips hang below level; any attitude is as likely without.
+    pub droop_deg: Option<Span<Degrees>>,
+    /// Turn about the leaf's length, beside `droop_deg`.
+    pub roll_deg: Option<Span<Degrees>>,
     /// Factor on the mesh's size.
     #[serde(default = "natural_size")]
     pub scale: Span<Positive>,

@@ -27,8 +27,11 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
         }
     }
     for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
-        if let Some(texture) = &material.texture {
-            loader.image(texture.clone(), &format!("materials.{name}.texture"), &mut images)?;
+        let textures =
+            [("texture", &material.texture), ("transmission_texture", &material.transmission_texture)];
+        for (field, texture) in textures {
+            let Some(texture) = texture else { continue };
+            loader.image(texture.clone(), &format!("materials.{name}.{field}"), &mut images)?;
         }
     }
     for (name, light) in file.lights.iter() {

@@ -98,9 +98,11 @@ pub struct Material {
     pub alpha_cutoff: Option<Number<UnitInterval>>,
     /// How much light goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
-    /// Lambert transmittance to the far side; multiplied by the texture if there is one.
+    /// Lambert transmittance to the far side; multiplied by its texture, or else by `texture`.
     #[serde(default = "no_reflectance")]
     pub transmission: Triple<UnitInterval>,
+    /// An image of the colours in which light comes through, as `texture` is of those it shows.
+    pub transmission_texture: Option<PathBuf>,
     /// How rough its shine is; matte without.
     pub roughness: Option<Number<UnitInterval>>,
     /// How much of a metal it is.

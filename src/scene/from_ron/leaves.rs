@@ -4,7 +4,7 @@
 use super::Resolver;
 use crate::description::ron::{LeafMotion, Leaves, MAX_LEAVES};
 use crate::scene::{FallingPath, MaterialIndex, MeshIndex, Motion};
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::f64::consts::TAU;
 
 impl Resolver<'_> {
@@ -18,45 +18,23 @@ impl Resolver<'_> {
             self.problems.error(&format!("{owner}.count"), found, &expected, "use fewer leaves");
             return;
         }
-        let box_is_valid = self.leaf_box(&owner, block);
-        let parent = self.parent(&owner, block.parent.as_deref());
+        if block.roll_deg.is_some() && block.droop_deg.is_none() {
+            let found = "the leaves are turned any way, and rolled as well";
+            let remedy = "add `droop_deg`, or take `roll_deg` out";
+            self.problems.error(&format!("{owner}.roll_deg"), found, "`droop_deg` beside it", remedy);
+        }
+        let site = self.leaf_site(&owner, block);
         let meshes = self.leaf_meshes(&owner, block);
         let materials = self.leaf_materials(&owner, block);
-        if let (true, Some(parent), Some(meshes), Some(materials)) = (box_is_valid, parent, meshes, materials)
-        {
+        if let (Some((parent, site)), Some(meshes), Some(materials)) = (site, meshes, materials) {
             for leaf in 0..block.count.0 {
                 let chance = Chance { seed: block.seed, leaf };
-                let node = self.node(format!("{name}.{leaf}"), parent, motion_of(block, chance));
+                let start = site.at([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)));
+                let node = self.node(format!("{name}.{leaf}"), parent, motion_of(block, start, chance));
                 let mesh = chance.choose(Draw::Mesh, &meshes).unwrap_or_default();
                 self.instance(node, mesh, chance.choose(Draw::Material, &materials));
             }
         }
-    }
-
-    fn leaf_box(&mut self, owner: &str, block: &Leaves) -> bool {
-        let (min, max) = (block.min_m.si(), block.max_m.si());
-        let mut valid = true;
-        if !min.cmple(max).all() {
-            valid = false;
-            let found = "`min_m` has a larger coordinate than `max_m`";
-            self.problems.error(owner, found, "min_m <= max_m in x, y and z", "exchange the two");
-        }
-        if let LeafMotion::Falling { speed_m_per_s, wind_m_per_s, ground_y_m, .. } = &block.motion {
-            if min.y < ground_y_m.si() {
-                valid = false;
-                let found = format!("leaves would start below the ground at {} m", ground_y_m.si());
-                let remedy = "raise `min_m`, or lower `motion.ground_y_m`";
-                self.problems.error(&format!("{owner}.min_m"), found, "a box above the ground", remedy);
-            }
-            if wind_m_per_s.si().y >= speed_m_per_s.at(0.0) {
-                valid = false;
-                let field = format!("{owner}.motion.wind_m_per_s");
-                let found = "the wind would carry leaves up for ever";
-                let expected = "a wind whose y is less than the lowest `speed_m_per_s`";
-                self.problems.error(&field, found, expected, "make the wind weaker, or the leaves faster");
-            }
-        }
-        valid
     }
 
     fn leaf_meshes(&mut self, owner: &str, block: &Leaves) -> Option<Vec<MeshIndex>> {
@@ -78,11 +56,17 @@ impl Resolver<'_> {
     }
 }
 
-/// The motion of the leaf of `block` that `chance` belongs to.
-fn motion_of(block: &Leaves, chance: Chance) -> Motion {
-    let corner = |fraction: DVec3| block.min_m.si() + (block.max_m.si() - block.min_m.si()) * fraction;
-    let start = corner([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)).into());
-    let attitude = uniform_rotation([Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw)));
+/// The motion of the leaf of `block` that `chance` belongs to, and that is at `start` at time 0.
+fn motion_of(block: &Leaves, start: DVec3, chance: Chance) -> Motion {
+    let turns = [Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw));
+    let attitude = match block.droop_deg {
+        None => uniform_rotation(turns),
+        Some(droop) => {
+            let roll = block.roll_deg.map_or(0.0, |roll| roll.at(turns[2]));
+            // A leaf's tip lies towards -z: turned about x, it sinks.
+            DQuat::from_euler(EulerRot::YXZ, TAU * turns[0], -droop.at(turns[1]), roll)
+        }
+    };
     let scale = block.scale.at(chance.at(Draw::Scale));
     match &block.motion {
         LeafMotion::Still => {

@@ -3,6 +3,7 @@
 
 mod fogs;
 mod hierarchy;
+mod leaf_sites;
 mod leaves;
 mod lights;
 mod masks;
@@ -193,13 +194,15 @@ impl<'a> Resolver<'a> {
             let coat = self.coat(name, material);
             let is_blended = material.opacity.is_some() || material.filter_color.is_some();
             let texture = texture.and_then(|texture| self.textures.get(texture).copied());
+            let let_through = material.transmission_texture.as_ref();
+            let let_through = let_through.and_then(|image| self.textures.get(image).copied()).or(texture);
             self.materials.insert(name, self.scene.materials.len());
             self.scene.materials.push(Material {
                 name: name.to_owned(),
                 base_color,
                 base_color_texture: texture,
                 transmission,
-                transmission_texture: texture.map(|texture| TextureMap { texture, layer: 0 }),
+                transmission_texture: let_through.map(|texture| TextureMap { texture, layer: 0 }),
                 mirror,
                 alpha_mode: match material.alpha_cutoff {
                     None if is_blended => AlphaMode::Blend,

@@ -35,6 +35,30 @@ fn parents_come_before_their_children_whatever_the_order_in_the_file() {
 }
 
 #[test]
+fn light_comes_through_in_the_colours_of_its_own_texture_or_of_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, color) in [("red.ppm", "255 0 0"), ("green.ppm", "0 255 0")] {
+        std::fs::write(folder.path().join(name), format!("P3 1 1 255 {color}\n")).unwrap();
+    }
+    let path = folder.path().join("scene.ron");
+    let text = format!(
+        r#"Scene(version: 1, cameras: {{ "main": () }}, {LEAF} materials: {{
+        "both": (texture: "red.ppm", base_color: 0.5, transmission: 0.5, transmission_texture: "green.ppm"),
+        "one": (texture: "red.ppm", base_color: 0.5, transmission: 0.5) }},
+        objects: {{ "a": (mesh: "leaf", material: "both"), "b": (mesh: "leaf", material: "one") }})"#
+    );
+    std::fs::write(&path, text).unwrap();
+    let scene = resolve(ron::load_scene(&path, &mut Files::default()).unwrap(), None).unwrap().0;
+    let colors = ["both", "one"].map(|name| {
+        let material = scene.materials.iter().find(|material| material.name == name).unwrap();
+        let maps = [material.base_color_texture, material.transmission_texture.map(|map| map.texture)];
+        maps.map(|texture| scene.textures[texture.unwrap()].texels[0])
+    });
+    let (red, green) = ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]);
+    assert_eq!(colors, [[red, green], [red, red]]);
+}
+
+#[test]
 fn leaves_lie_in_their_box_with_ids_from_one() {
     let scene = leaves(200, "Still");
     assert_eq!(scene.instances.iter().map(|leaf| leaf.leaf_id).collect::<Vec<_>>(), Vec::from_iter(1..=200));
@@ -44,6 +68,25 @@ fn leaves_lie_in_their_box_with_ids_from_one() {
         assert!(place.translation.cmpge(low).all() && place.translation.cmple(high).all());
         let scale = place.matrix3.determinant().cbrt();
         assert!((0.5..=2.0).contains(&scale), "{scale}");
+    }
+}
+
+#[test]
+fn leaves_on_an_object_touch_it_and_droop() {
+    let scene = resolved(&format!(
+        r#"{LEAF} objects: {{ "twig": (mesh: "leaf", translation_m: (0.0, 5.0, 0.0)) }}, leaves: {{ "crown": (count: 100,
+        on: "twig", meshes: ["leaf"], droop_deg: (20.0, 60.0), roll_deg: (-10.0, 10.0)) }}"#
+    ));
+    let low = scene.meshes[0].positions.iter().fold(DVec3::MAX, |low, p| low.min(p.as_dvec3()));
+    let high = scene.meshes[0].positions.iter().fold(DVec3::MIN, |high, p| high.max(p.as_dvec3()));
+    for leaf in &scene.instances[1..] {
+        let Motion::Still(place) = scene.nodes[leaf.node].motion else { panic!("it moves") };
+        assert_eq!(scene.nodes[leaf.node].parent, Some(0));
+        assert!(place.translation.cmpge(low - 1e-9).all() && place.translation.cmple(high + 1e-9).all());
+        let (tip, upper_side) = (place.transform_vector3(DVec3::NEG_Z), place.transform_vector3(DVec3::Y));
+        let droop = (-tip.y).asin().to_degrees();
+        assert!((20.0..=60.0).contains(&droop), "{droop}");
+        assert!(upper_side.y >= 60_f64.to_radians().cos() * 10_f64.to_radians().cos() - 1e-9, "{upper_side}");
     }
 }
 

@@ -1,0 +1,151 @@
+//! Where the leaves of a block may be at time 0: a block in, a map from three random numbers to
+//! points out. Invariant: uniform in the volume of the box, or in the area of the surface.
+
+use super::Resolver;
+use crate::description::ron::{LeafMotion, Leaves};
+use crate::scene::{Mesh, NodeIndex};
+use glam::DVec3;
+
+/// Where leaves are put, in the space of what they follow.
+pub(super) enum Site {
+    /// Anywhere between two corners.
+    Box(DVec3, DVec3),
+    /// Anywhere on triangles.
+    Surface {
+        /// Their corners.
+        triangles: Vec<[DVec3; 3]>,
+        /// Area of each triangle and those before it.
+        areas: Vec<f64>,
+    },
+}
+
+impl Site {
+    /// The surface of `mesh`; `None` if it has no area.
+    fn of(mesh: &Mesh) -> Option<Self> {
+        let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
+        let triangles: Vec<_> = mesh.triangles.iter().map(|triangle| triangle.vertices.map(corner)).collect();
+        let mut sum = 0.0;
+        let areas = triangles.iter().map(|[a, b, c]| {
+            sum += 0.5 * (b - a).cross(c - a).length();
+            sum
+        });
+        let areas: Vec<_> = areas.collect();
+        (sum > 0.0).then_some(Self::Surface { triangles, areas })
+    }
+
+    /// The point that three numbers in `[0, 1)` stand for.
+    pub(super) fn at(&self, [u, v, w]: [f64; 3]) -> DVec3 {
+        match self {
+            Self::Box(min, max) => min + (max - min) * DVec3::new(u, v, w),
+            Self::Surface { triangles, areas } => {
+                let wanted = u * areas.last().copied().unwrap_or_default();
+                let place = areas.partition_point(|&area| area <= wanted);
+                let [a, b, c] = triangles[place.min(triangles.len() - 1)];
+                // Uniform in a triangle (Turk, "Generating random points in triangles", Graphics Gems, 1990).
+                let root = v.sqrt();
+                a * (1.0 - root) + b * (root * (1.0 - w)) + c * (root * w)
+            }
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// Where the leaves of `block` are, and the node that they follow.
+    pub(super) fn leaf_site(&mut self, owner: &str, block: &Leaves) -> Option<(Option<NodeIndex>, Site)> {
+        match (&block.on, &block.min_m, &block.max_m) {
+            (Some(object), None, None) => self.leaf_surface(owner, block, object),
+            (None, Some(min), Some(max)) => {
+                let valid = self.leaf_box(owner, block, min.si(), max.si());
+                let parent = self.parent(owner, block.parent.as_deref())?;
+                valid.then_some((parent, Site::Box(min.si(), max.si())))
+            }
+            _ => {
+                let found = "it is not clear where the leaves are";
+                let remedy = "name both corners of a box, or an object that the leaves sit `on`";
+                self.problems.error(owner, found, "either `min_m` and `max_m`, or `on`", remedy);
+                None
+            }
+        }
+    }
+
+    fn leaf_surface(
+        &mut self,
+        owner: &str,
+        block: &Leaves,
+        object: &str,
+    ) -> Option<(Option<NodeIndex>, Site)> {
+        let field = format!("{owner}.on");
+        if block.parent.is_some() || block.motion != LeafMotion::Still {
+            let found = "the leaves sit on an object, and follow another or fall as well";
+            let remedy = "take `on` out, or `parent` and `motion`";
+            self.problems.error(&field, found, "`on` without `parent` and `motion`", remedy);
+        }
+        let node = self.problems.find(&field, "object", object, &self.nodes)?;
+        let instance = self.scene.instances.iter().find(|instance| instance.node == node);
+        let site = instance.and_then(|instance| Site::of(&self.scene.meshes[instance.mesh]));
+        if site.is_none() {
+            let found = format!("`{object}` has no surface to sit on");
+            let remedy = "name an object with a mesh that is seen";
+            self.problems.error(&field, found, "an object with a mesh", remedy);
+        }
+        Some((Some(node), site?))
+    }
+
+    fn leaf_box(&mut self, owner: &str, block: &Leaves, min: DVec3, max: DVec3) -> bool {
+        let mut valid = true;
+        if !min.cmple(max).all() {
+            valid = false;
+            let found = "`min_m` has a larger coordinate than `max_m`";
+            self.problems.error(owner, found, "min_m <= max_m in x, y and z", "exchange the two");
+        }
+        if let LeafMotion::Falling { speed_m_per_s, wind_m_per_s, ground_y_m, .. } = &block.motion {
+            if min.y < ground_y_m.si() {
+                valid = false;
+                let found = format!("leaves would start below the ground at {} m", ground_y_m.si());
+                let remedy = "raise `min_m`, or lower `motion.ground_y_m`";
+                self.problems.error(&format!("{owner}.min_m"), found, "a box above the ground", remedy);
+            }
+            if wind_m_per_s.si().y >= speed_m_per_s.at(0.0) {
+                valid = false;
+                let field = format!("{owner}.motion.wind_m_per_s");
+                let found = "the wind would carry leaves up for ever";
+                let expected = "a wind whose y is less than the lowest `speed_m_per_s`";
+                self.problems.error(&field, found, expected, "make the wind weaker, or the leaves faster");
+            }
+        }
+        valid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Triangle;
+    use glam::Vec3;
+
+    #[test]
+    fn leaves_are_as_dense_on_every_triangle() {
+        // A unit square cut into a small and two large triangles: moments are those of the square.
+        let positions = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.25, 0.0)];
+        let mesh = Mesh {
+            positions: positions.map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec(),
+            triangles: [[0, 4, 3], [4, 1, 2], [4, 2, 3]]
+                .map(|vertices| Triangle { vertices, material: 0 })
+                .to_vec(),
+            ..Mesh::default()
+        };
+        let site = Site::of(&mesh).expect("it has an area");
+        let count = 64_u32;
+        let numbers = || (0..count).map(|i| (f64::from(i) + 0.5) / f64::from(count));
+        let (mut mean, mut square) = (DVec3::ZERO, DVec3::ZERO);
+        for (u, v, w) in
+            numbers().flat_map(|u| numbers().flat_map(move |v| numbers().map(move |w| (u, v, w))))
+        {
+            let point = site.at([u, v, w]);
+            mean += point / f64::from(count.pow(3));
+            square += point * point / f64::from(count.pow(3));
+        }
+        assert!((mean - DVec3::new(0.5, 0.0, 0.5)).length() < 2e-3, "{mean}");
+        assert!((square - DVec3::new(1.0 / 3.0, 0.0, 1.0 / 3.0)).length() < 2e-3, "{square}");
+    }
+}
