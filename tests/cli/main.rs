@@ -11,3 +11,4 @@ mod previews;
 mod program;
 mod questions;
 mod schema;
+mod shipped;

@@ -2,7 +2,8 @@
 
 A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z; it is
 one unit long from end to end, and the middle of its blade is the origin, about which it tumbles.
-Invariant: the blade is an open manifold sheet, the petiole a closed prism or a strip beside it.
+One that hangs has the petiole's end as its origin instead. Invariant: the blade is an open manifold
+sheet, the petiole a closed prism or a strip beside it.
 """
 
 import math
@@ -47,6 +48,7 @@ CANOPY = Detail("canopy", None, 0, 0, False)
 def interior_points(outline: list[Point], detail: Detail) -> list[Point]:
     """The midrib and a hexagonal grid mirrored about it, away from the edge."""
     spine = [(0.0, (i + 1) / (detail.spine_points + 1)) for i in range(detail.spine_points)]
+    spine = [p for p in spine if contains(outline, p) and distance_to_outline(p, outline) > 0.005]
     if detail.spacing is None:
         return spine
     grid = []
@@ -117,7 +119,7 @@ def texture_position(blade: Blade, x: float, z: float) -> tuple[float, float]:
     return (0.5 + scale * x, 0.02 + scale * (z - lowest))
 
 
-def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose) -> Mesh:
+def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose, hangs: bool = False) -> Mesh:
     """The mesh of one leaf, whose outline may err by `outline_tolerance` blade lengths."""
     tip = max(range(len(blade.outline)), key=lambda i: blade.outline[i][1])
     right = simplify(blade.outline[: tip + 1], outline_tolerance)
@@ -130,8 +132,13 @@ def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose
     # (x, z) as a right-handed plane has its normal towards -y; the upper side shall look towards +y.
     faces = [tuple(reversed(t)) for t in triangles]
     faces += [tuple(i + len(flat) for i in face) for face in stem_faces]
+    # What has no petiole would float beside its twig: half of the gap is taken out.
+    reach = blade.petiole_length * (1.0 if stem else 0.5)
+    origin = bend(0.0, -reach, 0.0, pose) if hangs else (0.0, 0.0, 0.0)
     return Mesh(
-        positions=[tuple(size * c for c in bend(x, z, lift, pose)) for x, z, lift in flat + stem],
+        positions=[
+            tuple(size * (c - o) for c, o in zip(bend(x, z, lift, pose), origin)) for x, z, lift in flat + stem
+        ],
         uvs=[texture_position(blade, x, z) for x, z, _ in flat + stem],
         faces=faces,
     )

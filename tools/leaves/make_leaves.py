@@ -1,88 +1,126 @@
 #!/usr/bin/env python3
-"""Makes the meshes and textures of scenes/falling_leaves: nothing in, OBJ and PNG files out.
+"""Makes the meshes and textures of scenes/woods: nothing in, OBJ and PNG files out.
 
     python3 tools/leaves/make_leaves.py [FOLDER]
 
 Needs Python 3.10 or later and no packages. The same version of these files makes the same bytes
-every time. `--meshes` leaves the textures, which take most of the time, as they are.
+every time. `--meshes` leaves the textures, which take minutes, as they are; `--only NAME` makes the textures
+whose names start so.
 """
 
 import argparse
 from pathlib import Path
 
-from leaf import CANOPY, FAR, NEAR, Pose, make_leaf
-from mesh import write_obj
-from outlines import SPECIES
-from paint import PALETTES, leaf_maps, paint_bark, paint_leaf, paint_litter
-from plants import make_bough, make_clump, make_ground, make_tree
+from floor import make_fern, make_ground
+from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
+from maps import blemished, leaf_maps
+from mesh import Mesh, write_obj
+from outlines import SPECIES, maple
+from paint import paint_bark, paint_leaf, paint_light_through, paint_litter
+from palettes import RAMPS
 from png import write_png
+from trees import HABITS, make_tree
 
 POSES = {
     "maple": Pose(fold_rad=0.28, curl_rad=0.75, cup=0.55, ripple=0.020),
     "birch": Pose(fold_rad=0.38, curl_rad=0.60, cup=0.30, ripple=0.012),
     "oak": Pose(fold_rad=0.22, curl_rad=0.95, cup=0.45, ripple=0.022),
     "beech": Pose(fold_rad=0.42, curl_rad=0.70, cup=0.35, ripple=0.016),
+    "ginkgo": Pose(fold_rad=0.20, curl_rad=0.55, cup=0.25, ripple=0.016),
+    "aspen": Pose(fold_rad=0.30, curl_rad=0.45, cup=0.30, ripple=0.018),
+    "willow": Pose(fold_rad=0.55, curl_rad=1.10, cup=0.0, ripple=0.006),
 }
 # How far an outline may err, in blade lengths: fine teeth vanish in the distance, lobes must not. Every
 # triangle between the camera's rays and the sun costs time, so the canopy is as coarse as looks allow.
 TOLERANCES = {
-    NEAR: {"maple": 0.0015, "birch": 0.0015, "oak": 0.0015, "beech": 0.0015},
-    FAR: {"maple": 0.020, "birch": 0.045, "oak": 0.020, "beech": 0.012},
-    CANOPY: {"maple": 0.180, "birch": 0.080, "oak": 0.080, "beech": 0.060},
+    NEAR: {"maple": 0.0015, "birch": 0.0015, "oak": 0.0015, "beech": 0.0015, "ginkgo": 0.002, "aspen": 0.002, "willow": 0.001},
+    FAR: {"maple": 0.020, "birch": 0.045, "oak": 0.020, "beech": 0.012, "ginkgo": 0.020, "aspen": 0.020, "willow": 0.008},
+    CANOPY: {"maple": 0.17, "birch": 0.080, "oak": 0.080, "beech": 0.060, "ginkgo": 0.10, "aspen": 0.060, "willow": 0.020},
+}  # fmt: skip
+# The leaves nearest to the camera shall not be one leaf many times.
+MORE_MAPLES = {
+    "b": Pose(fold_rad=0.12, curl_rad=0.35, cup=0.85, ripple=0.030),
+    "c": Pose(fold_rad=0.45, curl_rad=0.95, cup=0.20, ripple=0.028),
 }
-COLORS = {
-    "maple": ["green_yellow", "yellow", "orange_red", "brown"],
-    "birch": ["green_yellow", "yellow", "brown"],
-    "oak": ["green_yellow", "orange_red", "brown"],
-    "beech": ["yellow", "orange_red", "brown"],
+# Ages of the pictures of each species, on its ramp of colours.
+AGES = {
+    "maple": {"green": 0.12, "lime": 0.28, "yellow": 0.42, "amber": 0.56, "red": 0.78, "brown": 0.96},
+    "birch": {"lime": 0.28, "yellow": 0.48, "brown": 0.92},
+    "oak": {"olive": 0.26, "russet": 0.56, "brown": 0.84},
+    "beech": {"yellow": 0.32, "copper": 0.56, "brown": 0.84},
+    "ginkgo": {"lime": 0.30, "yellow": 0.54},
+    "aspen": {"yellow": 0.44, "gold": 0.66},
+    "willow": {"lime": 0.30, "yellow": 0.55},
 }
+# What hangs close to the camera against the light has a picture of the light through it, too.
+LIT_THROUGH = {"maple": ["lime", "yellow", "amber", "red"], "oak": ["russet"], "ginkgo": ["yellow"], "beech": ["copper"]}
+
+
+def leaves() -> dict[str, tuple[Mesh, Detail]]:
+    """Every leaf, named after species, detail and variant."""
+    meshes = {}
+    for blade in (species() for species in SPECIES):
+        pose = POSES[blade.name]
+        for detail, tolerances in TOLERANCES.items():
+            meshes[f"{blade.name}_{detail.suffix}"] = (make_leaf(blade, detail, tolerances[blade.name], pose), detail)
+        for detail in (FAR, CANOPY):
+            hanging = make_leaf(blade, detail, TOLERANCES[detail][blade.name], pose, hangs=True)
+            meshes[f"{blade.name}_{detail.suffix}_hanging"] = (hanging, detail)
+    for name, pose in MORE_MAPLES.items():
+        meshes[f"maple_near_{name}"] = (make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose), NEAR)
+    return meshes
 
 
 def make_meshes(folder: Path) -> None:
     """Writes every OBJ file."""
     folder.mkdir(parents=True, exist_ok=True)
-    blades = {blade.name: blade for blade in (species() for species in SPECIES)}
-    meshes = {}
-    for name, blade in blades.items():
-        for detail, tolerances in TOLERANCES.items():
-            leaf = make_leaf(blade, detail, tolerances[name], POSES[name])
-            meshes[f"{name}_{detail.suffix}"] = (leaf, detail.smooth)
-    silhouette, _ = meshes["maple_canopy"]
-    meshes["bough"] = (make_bough(silhouette, "bough 1", 3.2, 4, 20, 0.68), False)
-    meshes["clump"] = (make_clump("clump 1", 11), False)
-    meshes["tree_a"] = (make_tree("tree 1", 15.0, 0.34, 5), True)
-    meshes["tree_b"] = (make_tree("tree 2", 13.0, 0.24, 5), True)
-    meshes["ground"] = (make_ground(30.0, 16.0, -44.0, 20, 20, 2.6), True)
+    meshes = {name: (mesh, detail.smooth) for name, (mesh, detail) in leaves().items()}
+    for name, habit in HABITS.items():
+        tree = make_tree(f"{name} 1", habit)
+        meshes[f"{name}_wood"], meshes[f"{name}_twigs"] = (tree.wood, True), (tree.twigs, False)
+    # A clearing, where litter lies leaf by leaf, and what is around it.
+    meshes["ground_clearing"] = (make_ground(-9.0, 9.0, 9.0, -12.0, 3.0, 2.6), True)
+    meshes["ground_left"] = (make_ground(-45.0, -9.0, 9.0, -12.0, 3.0, 2.6), True)
+    meshes["ground_right"] = (make_ground(9.0, 45.0, 9.0, -12.0, 3.0, 2.6), True)
+    meshes["ground_beyond"] = (make_ground(-45.0, 45.0, -12.0, -72.0, 3.0, 2.6), True)
+    meshes["fern"] = (make_fern("fern 1", 9, 0.75, 15), False)
     for name, (mesh, smooth) in meshes.items():
         write_obj(folder / f"{name}.obj", name, mesh, smooth)
         print(f"{name}.obj: {mesh.triangle_count()} triangles", flush=True)
 
 
-def make_textures(folder: Path) -> None:
-    """Writes every PNG file."""
+def make_textures(folder: Path, only: str) -> None:
+    """Writes every PNG file whose name starts with `only`."""
     folder.mkdir(parents=True, exist_ok=True)
     blades = [species() for species in SPECIES]
-    for blade in blades:
-        maps = leaf_maps(blade, 512)
-        for palette in PALETTES:
-            if palette.name in COLORS[blade.name]:
-                write_png(folder / f"{blade.name}_{palette.name}.png", paint_leaf(maps, palette))
-                print(f"{blade.name}_{palette.name}.png")
-    write_png(folder / "litter.png", paint_litter(blades, 512))
-    write_png(folder / "bark.png", paint_bark(256, 512))
-    print("litter.png, bark.png")
+    for blade in (blade for blade in blades if blade.name.startswith(only)):
+        shared = leaf_maps(blade, 512 if blade.name == "maple" else 384)
+        for name, age in AGES[blade.name].items():
+            maps = blemished(shared, f"{blade.name} {name}")
+            write_png(folder / f"{blade.name}_{name}.png", paint_leaf(maps, RAMPS[blade.name], age))
+            if name in LIT_THROUGH.get(blade.name, []):
+                write_png(folder / f"{blade.name}_{name}_through.png", paint_light_through(maps, RAMPS[blade.name], age))
+            print(f"{blade.name}_{name}.png", flush=True)
+    if "litter".startswith(only):
+        write_png(folder / "litter.png", paint_litter(blades, 640))
+        print("litter.png", flush=True)
+    for kind in ("oak", "maple", "birch"):
+        if f"bark_{kind}".startswith(only):
+            write_png(folder / f"bark_{kind}.png", paint_bark(kind, 256, 512))
+            print(f"bark_{kind}.png", flush=True)
 
 
 def main() -> None:
     """Reads the command line."""
-    scene = Path(__file__).resolve().parents[2] / "scenes" / "falling_leaves"
-    parser = argparse.ArgumentParser(description="Makes the meshes and textures of scenes/falling_leaves.")
+    scene = Path(__file__).resolve().parents[2] / "scenes" / "woods"
+    parser = argparse.ArgumentParser(description="Makes the meshes and textures of scenes/woods.")
     parser.add_argument("folder", nargs="?", type=Path, default=scene, help="where meshes/ and textures/ go (default: %(default)s)")
     parser.add_argument("--meshes", action="store_true", help="meshes only")
+    parser.add_argument("--only", default="", metavar="NAME", help="textures whose names start so")
     arguments = parser.parse_args()
     make_meshes(arguments.folder / "meshes")
     if not arguments.meshes:
-        make_textures(arguments.folder / "textures")
+        make_textures(arguments.folder / "textures", arguments.only)
 
 
 if __name__ == "__main__":

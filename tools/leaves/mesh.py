@@ -58,12 +58,12 @@ def number(value: float) -> str:
 
 
 def write_obj(path: Path, name: str, mesh: Mesh, smooth: bool) -> None:
-    """Writes an OBJ file; `smooth` adds vertex normals."""
+    """Writes an OBJ file; `smooth` adds vertex normals. A mesh without texture coordinates has none in the file."""
     lines = [f"# {name}: {mesh.triangle_count()} triangles, made by tools/leaves/make_leaves.py", f"o {name}"]
     lines += ["v " + " ".join(map(number, p)) for p in mesh.positions]
     lines += ["vt " + " ".join(map(number, uv)) for uv in mesh.uvs]
     if smooth:
         lines += ["vn " + " ".join(map(number, n)) for n in mesh.normals()]
-    corner = "{0}/{0}/{0}" if smooth else "{0}/{0}"
+    corner = ("{0}/{0}" if mesh.uvs else "{0}") if not smooth else ("{0}/{0}/{0}" if mesh.uvs else "{0}//{0}")
     lines += ["f " + " ".join(corner.format(i + 1) for i in face) for face in mesh.faces]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")

@@ -1,8 +1,8 @@
 """Leaf outlines: species in, closed counter-clockwise polygons and veins out.
 
-A blade lies in the plane (x across, z along): its petiole joins at (0, 0) and its tip is at (0, 1).
-Invariant: an outline is a simple polygon whose first vertex is the petiole joint and which passes
-through the tip.
+A blade lies in the plane (x across, z along): its petiole joins at (0, 0) and it reaches z = 1.
+Invariant: an outline is a simple polygon whose first vertex is the petiole joint and whose highest
+vertices lie at z = 1.
 """
 
 import math
@@ -22,6 +22,8 @@ class Blade:
     """Polylines from the thick end to the thin end; the first is the midrib."""
     petiole_length: float
     """In blade lengths."""
+    twigs: bool = True
+    """Whether finer veins branch off those above."""
 
 
 def sagging(points: list[Point], sag: float, steps: int) -> list[Point]:
@@ -65,9 +67,9 @@ def jittered(points: list[Point], amount: float, rng: random.Random) -> list[Poi
     return [points[0], *inner, points[-1]]
 
 
-def maple() -> Blade:
-    """Norway maple: five long lobes with drawn-out teeth, sinuses between them."""
-    rng = random.Random("maple")
+def maple(individual: str = "") -> Blade:
+    """Norway maple: five long lobes with drawn-out teeth, sinuses between them; another individual is cut a little differently."""
+    rng = random.Random("maple" + individual)
     side = [
         (0.00, 0.00), (0.09, -0.075), (0.21, -0.085), (0.385, -0.135), (0.345, -0.01), (0.43, 0.035),
         (0.335, 0.085), (0.43, 0.105), (0.545, 0.085), (0.555, 0.185), (0.735, 0.285), (0.575, 0.315),
@@ -163,4 +165,76 @@ def beech() -> Blade:
     return Blade("beech", closed(side(0.0), side(1.3)), pinnate_veins(half_width, 8, 0.15), 0.20)
 
 
-SPECIES = [maple, birch, oak, beech]
+def ginkgo() -> Blade:
+    """Ginkgo: a fan with a wavy rim and one deep cleft; its veins fork and never meet again."""
+    rng = random.Random("ginkgo")
+    spread, notch = 1.16, 0.07  # Half the fan's opening in radians, half the cleft's at the rim.
+
+    def rim(turn: float, phase: float) -> Point:
+        """On the rim, `turn` radians from the axis."""
+        reach = 0.99 + 0.018 * math.sin(23 * turn + phase) + 0.012 * math.sin(41 * turn + 2 * phase)
+        reach *= 1.0 - 0.13 * (turn / spread) ** 4
+        return (reach * math.sin(turn), reach * math.cos(turn))
+
+    def side(phase: float) -> list[Point]:
+        stalk = [(0.0, 0.0), (0.022, 0.02), (0.075, 0.07), (0.24, 0.175), (0.50, 0.265)]
+        turns = [spread + (notch - spread) * i / 26 for i in range(27)]
+        depth = rng.uniform(0.56, 0.6)
+        return smooth(stalk, 3)[:-1] + [rim(turn, phase) for turn in turns] + [(0.012, 0.8), (0.0, depth)]
+
+    right, left = side(0.4), side(2.1)
+    highest = max(z for _, z in right + left)
+    outline = [(x / highest, z / highest) for x, z in closed(right, left)]
+    veins = []
+    for i in range(17):
+        turn = (i - 8) / 8 * spread * 0.94
+        if abs(turn) < 0.05:
+            continue
+        # Two to a stem: each pair parts a third of the way out.
+        stem = turn - math.copysign(0.04, i % 2 - 0.5)
+        bases = [(0.02 * math.sin(stem), 0.05), (0.36 * math.sin(stem), 0.36 * math.cos(stem))]
+        ends = [(r * math.sin(turn), r * math.cos(turn)) for r in (0.62, 0.9)]
+        veins.append(bases + ends)
+    return Blade("ginkgo", outline, [[(0, 0), (0, 0.3)]] + veins, 0.75, twigs=False)
+
+
+def aspen() -> Blade:
+    """Trembling aspen: almost round, blunt teeth, a short point, a long flat petiole."""
+    rng = random.Random("aspen")
+
+    def half_width(t: float) -> float:
+        return 0.49 * max(math.sin(math.pi * t**0.86), 0.0) ** 0.56
+
+    def side() -> list[Point]:
+        points: list[Point] = [(0.0, 0.0), (0.10, -0.012)]
+        teeth = 10
+        for i in range(teeth):
+            t = 0.06 + 0.80 * i / teeth
+            depth = rng.uniform(0.012, 0.022)
+            points.append((half_width(t) - depth, t - 0.006))
+            points.append((half_width(t + 0.04) + depth, t + 0.045))
+        points += [(0.16, 0.905), (0.07, 0.945), (0.0, 1.0)]
+        return smooth(points, 3)
+
+    return Blade("aspen", closed(side(), side()), pinnate_veins(half_width, 5, 0.24), 0.85)
+
+
+def willow() -> Blade:
+    """White willow: a narrow lance with fine teeth and many side veins."""
+
+    def half_width(t: float) -> float:
+        return ovate(0.092, 0.42, 0.88, t)
+
+    def side(phase: float) -> list[Point]:
+        steps = 40
+        inner = [i / steps for i in range(1, steps)]
+        return [
+            (0.0, 0.0),
+            *((half_width(t) + 0.0035 * math.sin(80 * t + phase) * min(1.0, 8 * t * (1 - t)), t) for t in inner),
+            (0.0, 1.0),
+        ]
+
+    return Blade("willow", closed(side(0.0), side(0.8)), pinnate_veins(half_width, 14, 0.06), 0.09)
+
+
+SPECIES = [maple, birch, oak, beech, ginkgo, aspen, willow]

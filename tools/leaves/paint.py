@@ -1,190 +1,69 @@
-"""Texture maps: a blade and a palette in, rows of sRGB bytes out.
+"""Pictures: maps and ages in, rows of sRGB bytes out.
 
-A leaf's picture is three maps painted once a species (distance from the edge, veins, mottle) and a
-palette that colours them, so that variants differ in colour only. Invariant: what lies outside the
+A leaf ages from green to brown at every point at its own pace: ahead at the edge, behind along the
+veins, mottled between (`palettes` has the colours on the way). Invariant: what lies outside the
 blade is coloured like its edge, so that filtering at the outline brings in no foreign colour.
 """
 
 import math
 import random
-from dataclasses import dataclass
 
-from leaf import texture_position
+from maps import LeafMaps, Map, add_maps, fill, noise_map
 from outlines import Blade
-
-Color = tuple[float, float, float]
-Map = list[list[float]]
+from palettes import RAMPS, Color, Ramp, mix
 
 
-@dataclass(frozen=True)
-class Palette:
-    """sRGB colours, 0..255, of one variant of a leaf."""
-
-    name: str
-    vein: Color
-    heart: Color
-    """Near the veins."""
-    field: Color
-    """Between them."""
-    edge: Color
-    spot: Color
-
-
-PALETTES = [
-    Palette("green_yellow", (222, 214, 120), (150, 160, 48), (196, 178, 44), (214, 164, 40), (104, 76, 30)),
-    Palette("yellow", (250, 226, 132), (238, 188, 40), (246, 196, 34), (222, 142, 24), (134, 78, 22)),
-    Palette("orange_red", (248, 190, 92), (232, 126, 26), (218, 82, 20), (166, 38, 16), (84, 28, 14)),
-    Palette("brown", (190, 148, 92), (150, 98, 48), (134, 80, 36), (98, 56, 26), (58, 34, 18)),
-]
-
-
-def mix(a: Color, b: Color, t: float) -> Color:
-    """From a at 0 to b at 1."""
-    return (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t)
-
-
-def noise_map(width: int, height: int, cells_x: int, cells_y: int, rng: random.Random) -> Map:
-    """Value noise in -1..1 that repeats at the borders (Perlin's fade between random lattice values)."""
-    lattice = [[rng.uniform(-1, 1) for _ in range(cells_x)] for _ in range(cells_y)]
-
-    def cell_and_fade(i: int, size: int, cells: int) -> tuple[int, int, float]:
-        position = i * cells / size
-        cell = int(position)
-        t = position - cell
-        return cell, (cell + 1) % cells, t * t * (3 - 2 * t)
-
-    columns = [cell_and_fade(x, width, cells_x) for x in range(width)]
+def local_ages(maps: LeafMaps, age: float) -> Map:
+    """How far each point has aged."""
     rows = []
-    for y in range(height):
-        y0, y1, fade = cell_and_fade(y, height, cells_y)
-        line = [a + (b - a) * fade for a, b in zip(lattice[y0], lattice[y1])]
-        rows.append([line[x0] + (line[x1] - line[x0]) * t for x0, x1, t in columns])
-    return rows
-
-
-def add_maps(parts: list[tuple[float, Map]]) -> Map:
-    """The weighted sum of maps of one size."""
-    height, width = len(parts[0][1]), len(parts[0][1][0])
-    return [[sum(weight * part[y][x] for weight, part in parts) for x in range(width)] for y in range(height)]
-
-
-def fill(polygon: list[tuple[float, float]], size: int) -> list[bytearray]:
-    """Scan conversion: 1 where a pixel's centre lies inside (even-odd)."""
-    rows = [bytearray(size) for _ in range(size)]
-    edges = list(zip(polygon, polygon[1:] + polygon[:1]))
-    for y, row in enumerate(rows):
-        cuts = sorted(
-            x0 + (y + 0.5 - y0) / (y1 - y0) * (x1 - x0) for (x0, y0), (x1, y1) in edges if (y0 > y + 0.5) != (y1 > y + 0.5)
+    for edge, glow, mottle in zip(maps.edge_distance, maps.glow, maps.mottle):
+        rows.append(
+            [age + 0.26 * m + 0.20 * (1 - d) ** 2 - 0.17 * g + 0.02 for d, g, m in zip(edge, glow, mottle)]
         )
-        for start, end in zip(cuts[::2], cuts[1::2]):
-            first, last = max(0, math.ceil(start - 0.5)), min(size, math.ceil(end - 0.5))
-            row[first:last] = b"\1" * max(0, last - first)
     return rows
 
 
-def distance_inside(mask: list[bytearray]) -> Map:
-    """Pixels to the nearest pixel outside: the two-pass chamfer transform (Borgefors 1986)."""
-    size = len(mask)
-    far, straight, diagonal = 1e6, 1.0, 1.4142
-    d = [[far if inside else 0.0 for inside in row] for row in mask]
-    for y in range(1, size):
-        above, row = d[y - 1], d[y]
-        for x in range(1, size - 1):
-            if row[x]:
-                row[x] = min(row[x - 1] + straight, above[x] + straight, above[x - 1] + diagonal, above[x + 1] + diagonal)
-    for y in range(size - 2, -1, -1):
-        below, row = d[y + 1], d[y]
-        for x in range(size - 2, 0, -1):
-            if row[x]:
-                row[x] = min(
-                    row[x], row[x + 1] + straight, below[x] + straight, below[x + 1] + diagonal, below[x - 1] + diagonal
-                )
-    return d
-
-
-def stamp_line(strength: Map, a, b, radius_a: float, radius_b: float, reach: float) -> None:
-    """Raises `strength` along a tapered line to 1 at its middle, falling off over `reach` radii."""
-    steps = max(2, int(math.dist(a, b) * 1.5))
-    size = len(strength)
-    for i in range(steps + 1):
-        t = i / steps
-        cx, cy, radius = a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, radius_a + (radius_b - radius_a) * t
-        extent = radius * reach
-        for y in range(max(0, int(cy - extent)), min(size, int(cy + extent) + 2)):
-            row = strength[y]
-            for x in range(max(0, int(cx - extent)), min(size, int(cx + extent) + 2)):
-                value = math.exp(-(((x + 0.5 - cx) ** 2 + (y + 0.5 - cy) ** 2) / (radius * radius)))
-                if value > row[x]:
-                    row[x] = value
-
-
-@dataclass(frozen=True)
-class LeafMaps:
-    """What all variants of a species share; every map is `size` x `size`."""
-
-    edge_distance: Map
-    vein: Map
-    glow: Map
-    """A wide, soft neighbourhood of the veins."""
-    mottle: Map
-    spots: Map
-
-
-def leaf_maps(blade: Blade, size: int) -> LeafMaps:
-    """Paints the maps of a species."""
-    rng = random.Random(f"paint {blade.name}")
-
-    def pixel(x: float, z: float) -> tuple[float, float]:
-        u, v = texture_position(blade, x, z)
-        return (u * size, (1 - v) * size)
-
-    unit = math.dist(pixel(0, 0), pixel(0, 1))
-    edge_distance = distance_inside(fill([pixel(x, z) for x, z in blade.outline], size))
-    vein = [[0.0] * size for _ in range(size)]
-    glow = [[0.0] * size for _ in range(size)]
-    for index, polyline in enumerate(blade.veins):
-        thick = 0.0105 if index == 0 else 0.0065
-        count = len(polyline) - 1
-        for k, (a, b) in enumerate(zip(polyline, polyline[1:])):
-            radii = [unit * thick * (1 - 0.75 * (k + end) / count) for end in (0, 1)]
-            stamp_line(vein, pixel(*a), pixel(*b), *radii, 2.2)
-            stamp_line(glow, pixel(*a), pixel(*b), *(r + unit * 0.035 for r in radii), 2.0)
-            twigs = max(2, int(math.dist(a, b) * 14))
-            for i in range(1, twigs):
-                # Fine veins branch off in turn to either side, leaning forward.
-                t, turn = i / twigs, (0.75 if i % 2 else -0.75) + rng.uniform(-0.12, 0.12)
-                start = (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t)
-                angle = math.atan2(b[1] - a[1], b[0] - a[0]) + turn
-                length = rng.uniform(0.06, 0.12)
-                end = (start[0] + math.cos(angle) * length, start[1] + math.sin(angle) * length)
-                stamp_line(vein, pixel(*start), pixel(*end), unit * 0.0028, unit * 0.0012, 2.0)
-    petiole_end = pixel(0, -blade.petiole_length - 0.1)
-    stamp_line(vein, pixel(0, 0), petiole_end, unit * 0.05, unit * 0.05, 1.5)
-    mottle = add_maps([(0.6, noise_map(size, size, 5, 5, rng)), (0.4, noise_map(size, size, 17, 17, rng))])
-    spots = [[0.0] * size for _ in range(size)]
-    for _ in range(34):
-        x, y = rng.uniform(0, size), rng.uniform(0, size)
-        radius = unit * 0.004 + unit * 0.016 * rng.random() ** 3
-        stamp_line(spots, (x, y), (x + rng.uniform(-2, 2), y + rng.uniform(-2, 2)), radius, radius, 1.8)
-    reach = unit * 0.16
-    edge = [[min(1.0, d / reach) for d in row] for row in edge_distance]
-    return LeafMaps(edge, vein, glow, mottle, spots)
-
-
-def paint_leaf(maps: LeafMaps, palette: Palette) -> list[bytes]:
-    """Colours a species' maps."""
+def paint_leaf(maps: LeafMaps, ramp: Ramp, age: float) -> list[bytes]:
+    """What a leaf reflects."""
     rows = []
-    for edge, vein, glow, mottle, spots in zip(maps.edge_distance, maps.vein, maps.glow, maps.mottle, maps.spots):
+    elsewhere = packed(ramp.at(age + 0.2))
+    for shown, ages, veins, nets, spots, mottle in zip(
+        maps.margin, local_ages(maps, age), maps.vein, maps.net, maps.spots, maps.mottle
+    ):
         row = bytearray()
-        for distance, v, g, m, s in zip(edge, vein, glow, mottle, spots):
-            color = mix(palette.field, palette.heart, min(1.0, max(0.0, g * 0.8 + m * 0.35)))
-            rim = (1 - distance) ** 2 * 0.85 + max(0.0, m) * 0.35
-            color = mix(color, palette.edge, min(1.0, rim))
-            color = mix(color, palette.spot, s * 0.75)
-            color = mix(color, palette.vein, v * 0.72)
+        for here, local, v, n, s, m in zip(shown, ages, veins, nets, spots, mottle):
+            if not here:
+                row += elsewhere
+                continue
+            color = ramp.at(local)
+            color = mix(color, ramp.spot, min(1.0, s * 0.75 + 0.10 * n))
+            color = mix(color, mix(color, ramp.vein, 0.8), v * 0.8)
             shade = 1.0 + 0.07 * m
-            # Even values only: half the file for a difference nobody sees.
-            row += bytes(min(254, max(0, int(c * shade))) & 0xFE for c in color)
+            row += packed([c * shade for c in color])
+        rows.append(bytes(row))
+    return rows
+
+
+def packed(color: Color) -> bytes:
+    """Three bytes, every fourth value only: half the file for a difference nobody sees."""
+    return bytes(min(252, max(0, int(c))) & 0xFC for c in color)
+
+
+def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float) -> list[bytes]:
+    """What a leaf lets through: twice through the pigments, so deeper in colour; veins and spots hold light back."""
+    rows = []
+    elsewhere = packed(ramp.at(age + 0.2))
+    for shown, ages, veins, nets, spots in zip(maps.margin, local_ages(maps, age), maps.vein, maps.net, maps.spots):
+        row = bytearray()
+        for here, local, v, n, s in zip(shown, ages, veins, nets, spots):
+            if not here:
+                row += elsewhere
+                continue
+            color = ramp.at(local)
+            most = max(color)
+            held = (1 - 0.50 * v) * (1 - 0.18 * n) * (1 - 0.75 * s)
+            # Brighter than the reflectance by the share that the surface does not reflect.
+            row += packed([1.12 * most * (c / most) ** 1.5 * held for c in color])
         rows.append(bytes(row))
     return rows
 
@@ -194,11 +73,11 @@ def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
     rng = random.Random("litter")
     soil = add_maps([(0.5, noise_map(size, size, 8, 8, rng)), (0.5, noise_map(size, size, 32, 32, rng))])
     picture = [[mix((44, 32, 20), (74, 52, 30), 0.5 + 0.5 * s) for s in row] for row in soil]
-    colors = [(206, 140, 36), (190, 96, 28), (150, 62, 22), (128, 82, 40), (104, 66, 34), (88, 56, 30), (168, 134, 52), (70, 44, 26)]
-    count = 700
+    count = 900
     for index in range(count):
         blade = rng.choice(blades)
-        color = rng.choice(colors)
+        # The longest down are the brownest.
+        color = RAMPS[blade.name].at(rng.triangular(0.35, 1.0, 1.0 - 0.3 * index / count))
         # What lies deeper is darker.
         depth = 0.45 + 0.55 * index / count
         x, y, turn, length = rng.uniform(0, size), rng.uniform(0, size), rng.uniform(0, math.tau), size * rng.uniform(0.05, 0.085)
@@ -219,20 +98,37 @@ def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
                     across = (i + ox - x) * math.cos(turn) + (j + oy - y) * math.sin(turn)
                     shade = depth * (0.92 + 0.22 * max(-1.0, min(1.0, across / (0.3 * length))) + 0.12 * (abs(across) < 0.7))
                     picture[(j + oy) % size][(i + ox) % size] = mix((0, 0, 0), color, shade)
-    return [bytes(min(254, max(0, int(c))) & 0xFC for color in row for c in color) for row in picture]
+    return [b"".join(map(packed, row)) for row in picture]
 
 
-def paint_bark(width: int, height: int) -> list[bytes]:
-    """Furrowed bark with a touch of moss, repeating at the borders."""
-    rng = random.Random("bark")
-    ridges = add_maps([(0.55, noise_map(width, height, 18, 5, rng)), (0.45, noise_map(width, height, 40, 14, rng))])
-    moss = add_maps([(0.7, noise_map(width, height, 3, 4, rng)), (0.3, noise_map(width, height, 24, 40, rng))])
+def paint_bark(kind: str, width: int, height: int) -> list[bytes]:
+    """Bark that repeats at the borders: of `oak` deeply furrowed, of `maple` grey and finely cracked, of `birch` white with dark bands."""
+    rng = random.Random(f"bark {kind}")
+
+    def noise(cells_x: int, cells_y: int) -> Map:
+        return noise_map(width, height, cells_x, cells_y, rng)
+
+    wide, fine, grain, moss = noise(9, 3), noise(21, 7), noise(64, 40), add_maps([(0.7, noise(3, 4)), (0.3, noise(24, 40))])
+    bands, patches = noise(4, 46), noise(3, 7)
     rows = []
-    for ridge_row, moss_row in zip(ridges, moss):
+    for y in range(height):
         row = bytearray()
-        for ridge, m in zip(ridge_row, moss_row):
-            color = mix((38, 29, 22), (104, 84, 64), max(0.0, min(1.0, 0.5 + 1.1 * ridge)))
-            color = mix(color, (72, 78, 34), max(0.0, min(0.6, 1.2 * m - 0.15)))
-            row += bytes(int(c) & 0xFC for c in color)
+        for x in range(width):
+            g, m = grain[y][x], moss[y][x]
+            # Furrows run where noise crosses 0, as cracks between plates do.
+            furrow = min(1.0, 2.6 * abs(wide[y][x] + 0.5 * fine[y][x])) * min(1.0, 0.35 + 2.4 * abs(fine[y][x]))
+            if kind == "oak":
+                color = mix((26, 20, 15), (112, 96, 78), furrow * (0.82 + 0.25 * g))
+                color = mix(color, (84, 92, 40), max(0.0, min(0.55, 1.3 * m - 0.1)))
+            elif kind == "maple":
+                color = mix((54, 48, 42), (128, 118, 104), 0.35 + 0.45 * min(1.0, furrow) + 0.20 * g)
+                color = mix(color, (150, 152, 128), max(0.0, min(0.5, 2.0 * patches[y][x] - 0.5)))
+                color = mix(color, (88, 98, 46), max(0.0, min(0.45, 1.2 * m - 0.2)))
+            else:
+                dark = max(0.0, min(1.0, 5.0 * (bands[y][x] + 0.35 * g) - 2.3))
+                scar = max(0.0, min(1.0, 4.0 * (patches[y][x] + 0.3 * wide[y][x]) - 2.0))
+                color = mix((214, 206, 190), (236, 230, 218), 0.5 + 0.5 * g)
+                color = mix(mix(color, (64, 54, 46), dark), (44, 38, 34), scar)
+            row += packed(color)
         rows.append(bytes(row))
     return rows

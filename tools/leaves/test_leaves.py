@@ -6,20 +6,22 @@ import unittest
 from collections import Counter
 from pathlib import Path
 
-from leaf import make_leaf
-from make_leaves import POSES, TOLERANCES, make_meshes
+from floor import ground_height, make_fern, make_ground
+from make_leaves import AGES, leaves, make_meshes
+from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
-from outlines import SPECIES
-from plants import make_ground, make_tree
+from outlines import SPECIES, maple
+from paint import paint_leaf, paint_light_through
+from palettes import RAMPS
+from trees import HABITS, make_tree
 from triangulate import clip_ears, contains, distance_to_outline, doubled_area, triangulate
 
+LEAVES = {name: mesh for name, (mesh, _) in leaves().items()}
 
-def all_leaves():
-    """Every species at every level of detail."""
-    for species in SPECIES:
-        blade = species()
-        for detail, tolerances in TOLERANCES.items():
-            yield f"{blade.name}_{detail.suffix}", make_leaf(blade, detail, tolerances[blade.name], POSES[blade.name])
+
+def blades():
+    """Every species, and the other individuals of maple."""
+    return [*(species() for species in SPECIES), maple("b"), maple("c")]
 
 
 def triangles(mesh: Mesh):
@@ -31,8 +33,8 @@ def triangles(mesh: Mesh):
 
 class Triangulation(unittest.TestCase):
     def test_triangles_cover_the_polygon_once(self):
-        for species in SPECIES:
-            outline = species().outline
+        for blade in blades():
+            outline = blade.outline
             area = sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(outline, outline[1:] + outline[:1]))
             areas = [doubled_area(*(outline[i] for i in t)) for t in clip_ears(outline)]
             self.assertTrue(all(a > 0 for a in areas))
@@ -58,17 +60,17 @@ class Triangulation(unittest.TestCase):
 
 class Leaves(unittest.TestCase):
     def test_no_triangle_is_degenerate(self):
-        for name, mesh in all_leaves():
+        for name, mesh in LEAVES.items():
             for a, b, c in triangles(mesh):
                 self.assertGreater(math.hypot(*cross(subtract(b, a), subtract(c, a))), 1e-7, name)
 
     def test_an_edge_has_one_face_on_either_side(self):
-        for name, mesh in all_leaves():
+        for name, mesh in LEAVES.items():
             edges = Counter(e for face in mesh.faces for e in zip(face, face[1:] + face[:1]))
             self.assertEqual(max(edges.values()), 1, name)
 
     def test_leaves_are_about_a_unit_long_and_lie_flat(self):
-        for name, mesh in all_leaves():
+        for name, mesh in LEAVES.items():
             length = max(p[2] for p in mesh.positions) - min(p[2] for p in mesh.positions)
             if "canopy" not in name:  # Those have no petiole.
                 self.assertTrue(0.85 < length <= 1.0, f"{name}: {length}")
@@ -76,23 +78,121 @@ class Leaves(unittest.TestCase):
             self.assertGreater(up, 0.0, name)
 
     def test_texture_coordinates_stay_in_the_picture(self):
-        for name, mesh in all_leaves():
+        for name, mesh in LEAVES.items():
             self.assertTrue(all(0.0 <= c <= 1.0 for uv in mesh.uvs for c in uv), name)
 
 
-class Plants(unittest.TestCase):
-    def test_trees_face_outward(self):
-        volume = sum(sum(x * n for x, n in zip(a, cross(b, c))) for a, b, c in triangles(make_tree("test", 10.0, 0.3, 4)))
-        self.assertGreater(volume, 0.0)
+    def test_details_of_a_leaf_cover_about_the_same_area(self):
+        # What a crown holds back of the sun shall not depend on how finely its leaves are cut.
+        for species in SPECIES:
+            name = species().name
+            near, far, canopy = (
+                sum(math.hypot(*cross(subtract(b, a), subtract(c, a))) / 2 for a, b, c in triangles(LEAVES[f"{name}_{detail}"]))
+                for detail in ("near", "far", "canopy")
+            )
+            self.assertAlmostEqual(far / near, 1.0, delta=0.15, msg=name)
+            self.assertAlmostEqual(canopy / near, 1.0, delta=0.35, msg=name)
 
-    def test_the_ground_faces_up(self):
-        for a, b, c in triangles(make_ground(10.0, 5.0, -5.0, 4, 4, 2.0)):
+    def test_a_hanging_leaf_hangs_by_its_petiole(self):
+        for name, mesh in LEAVES.items():
+            if name.endswith("far_hanging"):
+                nearest = min(math.hypot(*p) for p in mesh.positions)
+                self.assertLess(nearest, 0.03, name)
+                self.assertLess(max(p[2] for p in mesh.positions), 0.06, name)
+
+
+class Outlines(unittest.TestCase):
+    def test_outlines_do_not_cross_themselves(self):
+        for blade in blades():
+            edges = list(zip(blade.outline, blade.outline[1:] + blade.outline[:1]))
+            for i, (a, b) in enumerate(edges):
+                for c, d in edges[i + 2 : len(edges) - (i == 0)]:
+                    apart = doubled_area(a, b, c) * doubled_area(a, b, d) >= 0 or doubled_area(c, d, a) * doubled_area(c, d, b) >= 0
+                    self.assertTrue(apart, f"{blade.name}: {a}-{b} and {c}-{d}")
+
+    def test_species_are_as_narrow_and_wide_as_they_should_be(self):
+        areas = {}
+        for species in SPECIES:
+            outline = species().outline
+            areas[species().name] = sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(outline, outline[1:] + outline[:1])) / 2
+        self.assertEqual(sorted(areas, key=areas.get), ["willow", "oak", "beech", "birch", "maple", "aspen", "ginkgo"])
+        self.assertTrue(0.08 < areas["willow"] and areas["ginkgo"] < 1.2, areas)
+
+    def test_veins_start_at_the_petiole_or_on_the_blade(self):
+        for blade in blades():
+            for vein in blade.veins:
+                self.assertTrue(vein[0] == (0, 0) or contains(blade.outline, vein[0]) or abs(vein[0][0]) < 1e-9, blade.name)
+
+
+class Colours(unittest.TestCase):
+    def test_ramps_change_without_a_jump_and_stay_colours(self):
+        for name, ramp in RAMPS.items():
+            colors = [ramp.at(-0.5 + i / 500) for i in range(1000)]
+            self.assertTrue(all(0 <= c <= 255 for color in colors for c in color), name)
+            self.assertLess(max(math.dist(a, b) for a, b in zip(colors, colors[1:])), 2.0, name)
+
+    def test_leaves_turn_from_green_to_brown(self):
+        for name, ramp in RAMPS.items():
+            (r0, g0, b0), (r1, g1, b1) = ramp.at(0.0), ramp.at(1.0)
+            self.assertTrue(g0 > r0 > b0, name)
+            self.assertTrue(r1 > g1 > b1, name)
+
+    def test_pictures_are_made_of_their_seed_alone_and_return_less_than_they_get(self):
+        shared = leaf_maps(maple(), 48)
+        age, ramp = AGES["maple"]["amber"], RAMPS["maple"]
+        pictures = [paint(blemished(shared, seed), ramp, age) for seed in "aab" for paint in (paint_leaf, paint_light_through)]
+        self.assertEqual(pictures[0:2], pictures[2:4])
+        self.assertNotEqual(pictures[0], pictures[4])
+        for picture in pictures:
+            self.assertEqual({len(row) for row in picture}, {3 * 48})
+
+
+class Plants(unittest.TestCase):
+    def test_trees_face_outward_and_stand_on_the_ground(self):
+        for name, habit in HABITS.items():
+            tree = make_tree("test", habit)
+            volume = sum(sum(x * n for x, n in zip(a, cross(b, c))) for a, b, c in triangles(tree.wood))
+            self.assertGreater(volume, 0.0, name)
+            self.assertTrue(all(math.isfinite(x) for p in tree.wood.positions + tree.twigs.positions for x in p), name)
+            for face in (face for face in tree.twigs.faces if len(face) == 4):
+                # Seen from the middle of its own piece of twig, every face is turned away: three sides, four points a ring.
+                first = min(face) // 4 * 4
+                middle = [sum(p[k] for p in tree.twigs.positions[first : first + 8]) / 8 for k in range(3)]
+                a, b, c, d = (tree.twigs.positions[i] for i in face)
+                normal = cross(subtract(c, a), subtract(d, b))
+                self.assertGreater(sum(n * (a[k] + c[k] - 2 * middle[k]) for k, n in enumerate(normal)), 0.0, name)
+            self.assertLess(min(p[1] for p in tree.wood.positions), 0.0, name)
+            self.assertGreater(min(p[1] for p in tree.twigs.positions), 0.0, name)
+            self.assertAlmostEqual(max(p[1] for p in tree.wood.positions) / habit.height_m, 1.0, delta=0.3, msg=name)
+
+    def test_twigs_have_room_for_ten_thousand_leaves(self):
+        # Half a metre of twig for a dozen leaves.
+        for name in ("oak", "maple", "birch"):
+            habit = HABITS[name]
+            length = habit.limbs * habit.branches * habit.twigs * habit.twig_length_m * 0.9
+            self.assertGreater(length / 0.5 * 40, 10_000, name)
+
+    def test_another_seed_is_another_tree(self):
+        one, same, other = (make_tree(seed, HABITS["sapling"]).wood.positions for seed in "aab")
+        self.assertEqual(one, same)
+        self.assertNotEqual(one, other)
+
+    def test_the_ground_faces_up_and_its_pieces_meet(self):
+        here, beyond = make_ground(-6.0, 6.0, 3.0, -6.0, 3.0, 2.0), make_ground(-6.0, 6.0, -6.0, -12.0, 3.0, 2.0)
+        for a, b, c in [*triangles(here), *triangles(beyond)]:
             self.assertGreater(cross(subtract(b, a), subtract(c, a))[1], 0.0)
+        self.assertEqual(len(set(here.positions) & set(beyond.positions)), 5)
+        self.assertTrue(all(p[1] == ground_height(p[0], p[2]) for p in here.positions))
+
+    def test_ferns_rise_from_where_they_stand(self):
+        fern = make_fern("test", 7, 1.0, 12)
+        self.assertEqual(fern.triangle_count(), 7 * 12 * 2 * 2)
+        self.assertTrue(all(math.hypot(p[0], p[2]) < 1.6 for p in fern.positions))
 
 
 class Files(unittest.TestCase):
     def test_the_meshes_in_the_scene_are_the_ones_made_here(self):
-        committed = Path(__file__).resolve().parents[2] / "scenes" / "falling_leaves" / "meshes"
+        committed = Path(__file__).resolve().parents[2] / "scenes" / "woods" / "meshes"
         with tempfile.TemporaryDirectory() as folder:
             make_meshes(Path(folder))
             made = {path.name: path.read_text() for path in Path(folder).glob("*.obj")}

@@ -1,0 +1,54 @@
+//! What comes with the program can be rendered: sequences in, small frames out.
+
+use crate::program::{Studio, repository};
+use std::collections::BTreeSet;
+
+/// Names of the sequences in the repository, without `.ron`.
+fn sequences() -> BTreeSet<String> {
+    let entries = std::fs::read_dir(repository("sequences")).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    paths.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn every_sequence_renders_to_light_without_a_warning() {
+    let studio = Studio::new();
+    for name in sequences() {
+        let path = repository(&format!("sequences/{name}.ron"));
+        let line = format!("render {} --size 64x36 --samples 1 --frames 24 --out {name}.exr", path.display());
+        let outcome = studio.succeed(&line);
+        assert!(!outcome.err.contains("warning"), "{name}: {}", outcome.err);
+        let file = studio.frame(&format!("{name}.exr"));
+        let red = &file.frame.channel("R").unwrap().pixels;
+        let mean = red.iter().map(|&value| f64::from(value)).sum::<f64>() / red.len() as f64;
+        assert!(red.iter().all(|value| value.is_finite()), "{name}");
+        assert!((0.01..10.0).contains(&mean), "{name}: the mean of red is {mean}");
+    }
+}
+
+#[test]
+fn the_gallery_shows_every_sequence() {
+    let page = std::fs::read_to_string(repository("docs/gallery/README.md")).unwrap();
+    for name in sequences() {
+        assert!(page.contains(&format!("sequences/{name}.ron")), "{name} is not in the gallery");
+        let picture = repository(&format!("docs/gallery/{name}.jpg"));
+        assert!(picture.exists(), "{} is not there", picture.display());
+    }
+}
+
+#[test]
+fn the_page_on_the_seed_names_tests_that_there_are() {
+    let page = std::fs::read_to_string(repository("docs/seed.md")).unwrap();
+    let mut count = 0;
+    for name in page.split('`').filter_map(|word| word.split_once("::")) {
+        let (file, test) = name;
+        let source =
+            std::fs::read_to_string(repository(file)).unwrap_or_else(|_| panic!("{file} is not there"));
+        assert!(
+            ["fn ", "def "].iter().any(|kind| source.contains(&format!("{kind}{test}("))),
+            "{file} has no test `{test}`"
+        );
+        count += 1;
+    }
+    assert!(count >= 10, "only {count} tests are named");
+}

@@ -1,0 +1,65 @@
+"""The forest's floor: ground and ferns, metres. Invariant: y is up, and pieces of ground meet without a gap."""
+
+import math
+import random
+
+from mesh import Mesh, Vector, cross
+from trees import along, unit
+
+
+def ground_height(x: float, z: float) -> float:
+    """Gentle undulation, metres; about level around the origin."""
+    away = min(1.0, math.hypot(x, z) / 12.0)
+    waves = 0.22 * math.sin(0.31 * x + 0.6) * math.cos(0.27 * z) + 0.10 * math.sin(0.83 * x + 0.49 * z) + 0.06 * math.sin(1.1 * z)
+    banks = 0.9 * max(0.0, abs(x) - 6.0) / 14.0
+    return away * waves + banks
+
+
+def make_ground(left: float, right: float, near: float, far: float, cell_m: float, tile_m: float) -> Mesh:
+    """A grid of quads `cell_m` wide, whole numbers of them; one texture tile is `tile_m` metres."""
+    columns, rows = round((right - left) / cell_m), round((near - far) / cell_m)
+    mesh = Mesh()
+    for row in range(rows + 1):
+        for column in range(columns + 1):
+            x = left + cell_m * column
+            z = near - cell_m * row
+            mesh.positions.append((x, ground_height(x, z), z))
+            mesh.uvs.append((x / tile_m, -z / tile_m))
+    width = columns + 1
+    for row in range(rows):
+        for column in range(columns):
+            a = row * width + column
+            mesh.faces.append((a, a + 1, a + width + 1, a + width))
+    return mesh
+
+
+def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
+    """A fern: fronds that arch outward, each with two rows of narrow pinnae; texture coordinates lie on one leaf."""
+    rng = random.Random(seed)
+    mesh = Mesh()
+    for f in range(fronds):
+        turn = math.tau * (f + rng.uniform(-0.3, 0.3)) / fronds
+        out: Vector = (math.cos(turn), 0.0, math.sin(turn))
+        length, rise = length_m * rng.uniform(0.7, 1.1), rng.uniform(0.75, 1.25)
+        across = unit(cross((0.0, 1.0, 0.0), out))
+        roll = rng.uniform(-0.25, 0.25)
+
+        def rachis(t: float) -> Vector:
+            return (out[0] * length * (0.2 * t + 0.7 * t * t), length * rise * (t - 0.62 * t * t), out[2] * length * (0.2 * t + 0.7 * t * t))
+
+        for i in range(pinnae):
+            t = 0.16 + 0.84 * i / pinnae
+            base, ahead = rachis(t), rachis(min(1.0, t + 0.08))
+            forward = unit(tuple(b - a for a, b in zip(base, ahead)))
+            reach = length * 0.26 * math.sin(math.pi * (0.12 + 0.88 * t) ** 1.3) + 0.01
+            width = length * 0.42 / pinnae
+            for side in (1.0, -1.0):
+                outward = unit((side * across[0] + 0.45 * forward[0], side * roll - 0.25, side * across[2] + 0.45 * forward[2]))
+                tip = along(base, outward, reach * rng.uniform(0.85, 1.1))
+                middle = along(base, outward, reach * 0.45)
+                first = len(mesh.positions)
+                mesh.positions += [base, along(middle, forward, width), tip, along(middle, forward, -width)]
+                mesh.uvs += [(0.5, 0.42), (0.56, 0.55), (0.5, 0.72), (0.44, 0.55)]
+                corners = (first, first + 1, first + 2, first + 3)
+                mesh.faces.append(corners if side < 0 else corners[::-1])
+    return mesh

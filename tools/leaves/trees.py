@@ -1,0 +1,196 @@
+"""Trees: a habit and a seed in, wood and twigs out, metres.
+
+Wood is what shows its bark; leaves sit on twigs. Invariant: y is up, roots at y = 0, every tube
+faces outward and is closed at its far end.
+"""
+
+import math
+import random
+from dataclasses import dataclass
+
+from mesh import Mesh, Vector, cross, subtract
+
+
+def unit(a: Vector) -> Vector:
+    """`a` at length 1."""
+    length = math.hypot(*a)
+    return (a[0] / length, a[1] / length, a[2] / length)
+
+
+def along(a: Vector, direction: Vector, distance: float) -> Vector:
+    """a + direction * distance."""
+    return (a[0] + direction[0] * distance, a[1] + direction[1] * distance, a[2] + direction[2] * distance)
+
+
+def tube(path: list[Vector], radii: list[float], sides: int, uv_scale: tuple[float, float]) -> Mesh:
+    """A tapered pipe along a path, closed at its far end; u runs `uv_scale[0]` times around, v in metres / `uv_scale[1]`."""
+    mesh = Mesh()
+    right: Vector = (1.0, 0.0, 0.0)
+    travelled = 0.0
+    for ring, (center, radius) in enumerate(zip(path, radii)):
+        before, after = path[max(ring - 1, 0)], path[min(ring + 1, len(path) - 1)]
+        axis = unit(subtract(after, before))
+        if abs(sum(a * r for a, r in zip(axis, right))) > 0.95:
+            right = (0.0, 0.0, 1.0)
+        side = unit(cross(axis, right))
+        right = cross(side, axis)  # Carried from ring to ring, so that the pipe does not twist.
+        travelled += math.dist(before, center) if ring else 0.0
+        for k in range(sides + 1):
+            angle = math.tau * k / sides
+            rim = along(along(center, right, radius * math.cos(angle)), side, -radius * math.sin(angle))
+            mesh.positions.append(rim)
+            mesh.uvs.append((uv_scale[0] * k / sides, travelled / uv_scale[1]))
+    row = sides + 1
+    for ring in range(len(path) - 1):
+        for k in range(sides):
+            a = ring * row + k
+            mesh.faces.append((a, a + row, a + row + 1, a + 1))
+    last = (len(path) - 1) * row
+    mesh.faces.append(tuple(last + k for k in reversed(range(sides))))
+    return mesh
+
+
+def wander(start: Vector, direction: Vector, length: float, steps: int, bend: float, lift: float, rng: random.Random) -> list[Vector]:
+    """A crooked path that turns by about `bend` a step and towards the sky by `lift`."""
+    path = [start]
+    for _ in range(steps):
+        direction = unit(
+            (
+                direction[0] + rng.uniform(-bend, bend),
+                direction[1] + rng.uniform(-bend, bend) * 0.5 + lift,
+                direction[2] + rng.uniform(-bend, bend),
+            )
+        )
+        path.append(along(path[-1], direction, length / steps))
+    return path
+
+
+@dataclass(frozen=True)
+class Habit:
+    """How a kind of tree grows."""
+
+    height_m: float
+    girth_m: float
+    """Radius of the trunk above its roots."""
+    crown_base: float
+    """Height of the lowest limb, as a share of the tree's."""
+    limbs: int
+    limb_length_m: float
+    rise: float
+    """How steeply limbs leave the trunk: 0 is level."""
+    bend: float
+    """How crooked everything is."""
+    branches: int
+    """On each limb."""
+    twigs: int
+    """On each branch."""
+    twig_length_m: float
+    droop: float
+    """How much twigs hang."""
+    sides: int
+    """Of the trunk."""
+
+
+HABITS = {
+    # In a wood trees are bare far up; what stands alone or at its edge is not.
+    "oak": Habit(15.0, 0.36, 0.22, 13, 5.4, 0.40, 0.30, 6, 4, 0.85, 0.0, 14),
+    "maple": Habit(17.0, 0.24, 0.24, 16, 4.4, 0.50, 0.20, 6, 4, 0.80, 0.08, 12),
+    "birch": Habit(13.0, 0.13, 0.26, 16, 2.8, 0.72, 0.16, 5, 4, 0.85, 0.45, 10),
+    "sapling": Habit(3.6, 0.035, 0.22, 9, 1.1, 0.75, 0.24, 3, 3, 0.36, 0.05, 6),
+}
+
+
+@dataclass
+class Tree:
+    """The two meshes of a tree."""
+
+    wood: Mesh
+    twigs: Mesh
+    """Without texture coordinates: they are too thin to show any."""
+
+
+def shape_of_crown(t: float) -> float:
+    """Length of limbs at `t` between crown base and top, as a share of the longest."""
+    return (0.55 + 0.45 * math.sin(math.pi * min(1.0, t * 1.5))) * (1.0 - 0.62 * t)
+
+
+def make_trunk(habit: Habit, rng: random.Random) -> tuple[list[Vector], list[float], Mesh]:
+    """Path, radii and mesh of a trunk, whose foot flares into roots."""
+    steps = 12
+    path = wander((0.0, -0.4, 0.0), (rng.uniform(-0.08, 0.08), 1.0, rng.uniform(-0.08, 0.08)), habit.height_m, steps, habit.bend * 0.4, 0.10, rng)
+    # Two more rings near the ground, where the flare bends most.
+    path[1:1] = [tuple(a + (b - a) * t for a, b in zip(path[0], path[1])) for t in (0.35, 0.65)]
+    shares = [0.0, 0.35 / steps, 0.65 / steps] + [i / steps for i in range(1, steps + 1)]
+    radii = [habit.girth_m * (1.0 - 0.93 * s**0.85) for s in shares]
+    mesh = tube(path, radii, habit.sides, (max(1, round(habit.girth_m * 8)), 2.0))
+    phase, row = rng.uniform(0, math.tau), habit.sides + 1
+    for ring, share in enumerate(shares):
+        height = share * habit.height_m
+        for k in range(row):
+            i = ring * row + k
+            angle = math.tau * (k % habit.sides) / habit.sides
+            ridges = 0.5 + 0.5 * math.cos(4 * angle + phase + 0.8 * math.sin(2 * angle))
+            flare = math.exp(-height / (2.2 * habit.girth_m)) * (0.25 + 0.75 * ridges)
+            fluting = 0.045 * math.sin(3 * angle + 0.5 * height + phase)
+            out = 1.0 + 0.9 * flare + fluting
+            center, position = path[ring], mesh.positions[i]
+            mesh.positions[i] = tuple(c + (p - c) * (1.0 if axis == 1 else out) for axis, (c, p) in enumerate(zip(center, position)))
+    return path, radii, mesh
+
+
+def at(path: list[Vector], values: list[float], share: float) -> tuple[Vector, Vector, float]:
+    """Point, direction and value at a share of a path's steps."""
+    place = share * (len(path) - 1)
+    step = min(int(place), len(path) - 2)
+    t = place - step
+    point = tuple(a + (b - a) * t for a, b in zip(path[step], path[step + 1]))
+    return point, unit(subtract(path[step + 1], path[step])), values[step] + (values[step + 1] - values[step]) * t
+
+
+def sideways(direction: Vector, angle: float, forward: float) -> Vector:
+    """A direction that leaves `direction` at `angle` around it; `forward` is the tangent of how far it leans ahead."""
+    right = unit(cross(direction, (0.0, 1.0, 0.0) if abs(direction[1]) < 0.9 else (1.0, 0.0, 0.0)))
+    up = cross(right, direction)
+    return unit(tuple(math.cos(angle) * r + math.sin(angle) * u + forward * d for r, u, d in zip(right, up, direction)))
+
+
+def make_tree(seed: str, habit: Habit) -> Tree:
+    """A tree of that habit; another seed, another tree."""
+    rng = random.Random(seed)
+    path, radii, wood = make_trunk(habit, rng)
+    tree = Tree(wood, Mesh())
+    turn = rng.uniform(0, math.tau)
+    for i in range(habit.limbs):
+        t = (i + rng.uniform(0.1, 0.9)) / habit.limbs
+        start, _, radius = at(path, radii, habit.crown_base + (0.98 - habit.crown_base) * t)
+        turn += 2.4 + rng.uniform(-0.5, 0.5)  # About the golden angle, so that limbs spread.
+        outward = unit((math.cos(turn), habit.rise * rng.uniform(0.6, 1.3) + 0.7 * t * t, math.sin(turn)))
+        length = habit.limb_length_m * shape_of_crown(t) * rng.uniform(0.8, 1.2)
+        add_limb(tree, habit, start, outward, length, min(0.55 * radius, 0.022 * length + 0.012), rng)
+    return tree
+
+
+def add_limb(tree: Tree, habit: Habit, start: Vector, outward: Vector, length: float, radius: float, rng: random.Random) -> None:
+    """A limb with its branches and their twigs."""
+    steps = 5
+    limb = wander(start, outward, length, steps, habit.bend, 0.05, rng)
+    radii = [radius * (1.0 - 0.80 * k / steps) for k in range(steps + 1)]
+    tree.wood.add(tube(limb, radii, 6, (1.0, 2.0)))
+    for b in range(habit.branches):
+        share = 0.28 + 0.72 * (b + rng.uniform(0.2, 0.8)) / habit.branches
+        point, direction, thickness = at(limb, radii, share)
+        side = rng.uniform(-0.6, 0.6) + (math.pi if b % 2 else 0.0)
+        branch_length = length * rng.uniform(0.30, 0.45) * (1.25 - 0.6 * share)
+        branch = wander(point, sideways(direction, side, 0.9), branch_length, 3, habit.bend, 0.02, rng)
+        branch_radii = [thickness * 0.55 * (1.0 - 0.75 * k / 3) for k in range(4)]
+        tree.wood.add(tube(branch, branch_radii, 4, (1.0, 2.0)))
+        for k in range(habit.twigs):
+            share = 0.25 + 0.75 * (k + 1) / habit.twigs
+            point, direction, _ = at(branch, branch_radii, share)
+            side = rng.uniform(-0.7, 0.7) + (math.pi if k % 2 else 0.0)
+            heading = direction if k == habit.twigs - 1 else sideways(direction, side, 0.8)
+            heading = unit((heading[0], heading[1] - habit.droop, heading[2]))
+            twig = wander(point, heading, habit.twig_length_m * rng.uniform(0.6, 1.2), 1, 0.2, -0.10 - 0.3 * habit.droop, rng)
+            thin = tube(twig, [0.006, 0.003], 3, (1.0, 1.0))
+            thin.uvs = []
+            tree.twigs.add(thin)
