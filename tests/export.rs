@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
+use std::collections::BTreeMap;
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::description;
@@ -97,9 +98,12 @@ fn check(input: &str, size_percent: f64, frames: &[i64], bar: f64) {
     for &frame in frames {
         let time_s = settings.frame_rate.seconds(frame as f64);
         let (before, after) = (scene.placements(time_s), again.placements(time_s));
+        let mut named: BTreeMap<&str, Vec<_>> = BTreeMap::new();
+        for (node, placement) in again.nodes.iter().zip(&after) {
+            named.entry(&node.name).or_default().push(placement);
+        }
         for (node, placement) in scene.nodes.iter().zip(&before) {
-            let mut found = again.nodes.iter().zip(&after).filter(|(other, _)| other.name == node.name);
-            let near = found.any(|(_, other)| {
+            let near = named.get(node.name.as_str()).into_iter().flatten().any(|other| {
                 let size = placement.world_from_node.translation.abs().max_element().max(1.0);
                 other.world_from_node.abs_diff_eq(placement.world_from_node, 1e-6 * size)
             });
