@@ -1,6 +1,7 @@
 //! Figures that the documents quote: `cargo bench --bench figures -- <figure> [count]`.
 #![allow(missing_docs, unreachable_pub, clippy::print_stdout, clippy::print_stderr, clippy::unwrap_used)]
 
+mod falling;
 mod import;
 mod inputs;
 mod leaks;
@@ -20,6 +21,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
     let count = |default: u64| arguments.get(1).and_then(|count| count.parse().ok()).unwrap_or(default);
     match arguments.first().map(String::as_str) {
+        Some("falling") => falling::run(count(3) as usize),
         Some("import") => import::run(count(3) as usize),
         // What `import` starts.
         Some("read") => import::read(Path::new(&arguments[1])),
@@ -37,6 +39,7 @@ fn main() {
         _ => {
             println!("bias [seeds]      means of pictures of few samples against the per-ray method");
             println!("canopy [rounds]   whole pictures of 20,000 leaves by slices: time and error");
+            println!("falling [rounds]  20,000 falling leaves from the file to their keys: time");
             println!("import [rounds]   large glTF files: time and memory");
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
             println!("near [rounds]     a near light's lit parts, few and many: time and error");

@@ -1,6 +1,7 @@
 //! Geometry and numbers without any notion of scenes or light. Invariant: nothing here knows a
 //! unit other than metres, seconds and radians.
 
+mod chance;
 mod chebyshev;
 mod disc;
 mod distribution;
@@ -11,6 +12,7 @@ mod quadrature;
 mod ray;
 mod sampler;
 
+pub use chance::Chance;
 pub use chebyshev::Antiderivative;
 pub use disc::{disc_from_square, sphere_from_square, square_from_disc, square_from_sphere};
 pub use distribution::SquareDistribution;

@@ -5,6 +5,7 @@
 mod camera;
 mod deformation;
 mod disc_picture;
+mod fall;
 mod fog;
 mod from_gltf;
 mod from_ron;

@@ -9,10 +9,20 @@ pub struct Track<T> {
     times_s: Vec<f64>,
     /// As many as times.
     values: Vec<T>,
-    /// As many, or a single one where all are alike: curves take several times the memory of what
-    /// scenes by the thousand nodes are made of, straight lines between sampled keys.
-    to_next: Vec<Segment<T>>,
+    to_next: Ways<T>,
     extend: Extend,
+}
+
+/// How a track goes on from key to key. Any curves take several times the memory of what scenes by the
+/// thousand nodes are made of: straight lines between sampled keys, and smooth curves.
+#[derive(Clone, Debug, PartialEq)]
+enum Ways<T> {
+    /// From every key in the same way.
+    Alike(Segment<T>),
+    /// Splines with one slope at each key, on both its sides.
+    Smooth(Vec<T>),
+    /// As many as keys.
+    Each(Vec<Segment<T>>),
 }
 
 /// What a track does outside its keys.
@@ -82,8 +92,8 @@ pub trait Animate: Copy + PartialEq {
 
 impl<T: Copy> From<T> for Track<T> {
     fn from(value: T) -> Self {
-        let (times_s, values, to_next) = (vec![0.0], vec![value], vec![Segment::Step]);
-        Self { times_s, values, to_next, extend: Extend::Hold }
+        let (times_s, values) = (vec![0.0], vec![value]);
+        Self { times_s, values, to_next: Ways::Alike(Segment::Step), extend: Extend::Hold }
     }
 }
 
@@ -102,7 +112,11 @@ impl<T: Copy> Track<T> {
         Track {
             times_s: self.times_s.clone(),
             values: self.values.iter().map(|&value| map(value)).collect(),
-            to_next: self.to_next.iter().map(segment).collect(),
+            to_next: match &self.to_next {
+                Ways::Alike(way) => Ways::Alike(segment(way)),
+                Ways::Smooth(slopes) => Ways::Smooth(slopes.iter().map(|&slope| map(slope)).collect()),
+                Ways::Each(ways) => Ways::Each(ways.iter().map(segment).collect()),
+            },
             extend: self.extend,
         }
     }
@@ -127,14 +141,13 @@ impl<T: Animate> Track<T> {
         let finite = keys.iter().all(|key| key.time_s.is_finite());
         let increasing = keys.windows(2).all(|pair| pair[0].time_s < pair[1].time_s);
         let first = keys.first().filter(|_| finite && increasing)?;
-        let are_alike = keys.iter().all(|key| key.to_next == first.to_next);
-        let kept = if are_alike { 1 } else { keys.len() };
-        Some(Self {
-            times_s: keys.iter().map(|key| key.time_s).collect(),
-            values: keys.iter().map(|key| key.value).collect(),
-            to_next: keys.iter().take(kept).map(|key| key.to_next).collect(),
-            extend,
-        })
+        let to_next = if keys.iter().all(|key| key.to_next == first.to_next) {
+            Ways::Alike(first.to_next)
+        } else {
+            smooth(&keys).unwrap_or_else(|| Ways::Each(keys.iter().map(|key| key.to_next).collect()))
+        };
+        let values = keys.iter().map(|key| key.value).collect();
+        Some(Self { times_s: keys.iter().map(|key| key.time_s).collect(), values, to_next, extend })
     }
 
     /// The keys, put together anew.
@@ -143,7 +156,14 @@ impl<T: Animate> Track<T> {
     }
 
     fn key(&self, index: usize) -> Key<T> {
-        let to_next = if self.to_next.len() == 1 { self.to_next[0] } else { self.to_next[index] };
+        let to_next = match &self.to_next {
+            Ways::Alike(way) => *way,
+            Ways::Smooth(slopes) => {
+                let arrive = slopes.get(index + 1).copied().unwrap_or(T::ZERO);
+                Segment::Hermite { leave: slopes[index], arrive }
+            }
+            Ways::Each(ways) => ways[index],
+        };
         Key { time_s: self.times_s[index], value: self.values[index], to_next }
     }
 
@@ -181,6 +201,21 @@ impl<T: Animate> Track<T> {
         // Rounding in the line above may leave a full period as well as none.
         if wrapped_s as f32 >= last_s as f32 { first_s } else { wrapped_s }
     }
+}
+
+/// Splines whose slopes go on through their keys, the last one towards nowhere; `None` of other keys.
+fn smooth<T: Animate>(keys: &[Key<T>]) -> Option<Ways<T>> {
+    let mut slopes = Vec::with_capacity(keys.len());
+    let mut expected = None;
+    for key in keys {
+        let Segment::Hermite { leave, arrive } = key.to_next else { return None };
+        if expected.is_some_and(|expected| expected != leave) {
+            return None;
+        }
+        expected = Some(arrive);
+        slopes.push(leave);
+    }
+    (expected == Some(T::ZERO)).then_some(Ways::Smooth(slopes))
 }
 
 /// The value on the way from one key to the next.
@@ -527,6 +562,28 @@ mod tests {
     fn visibility_switches_at_its_keys() {
         let track = track(vec![key(0.0, true, Segment::Step), key(1.0, false, Segment::Step)]);
         assert!(track.at(0.999) && !track.at(1.0));
+    }
+
+    #[test]
+    fn one_slope_a_key_is_kept_once_and_given_back() {
+        let spline = |leave: f64, arrive: f64| Segment::Hermite { leave, arrive };
+        let smooth = vec![
+            key(0.0, 1.0, spline(0.5, -1.0)),
+            key(1.0, 2.0, spline(-1.0, 3.0)),
+            key(2.5, 0.0, spline(3.0, 0.0)),
+        ];
+        let mut kinked = smooth.clone();
+        kinked[1].to_next = spline(-1.5, 3.0);
+        assert!(matches!(track(smooth.clone()).to_next, Ways::Smooth(_)));
+        assert!(matches!(track(kinked.clone()).to_next, Ways::Each(_)));
+        for keys in [smooth, kinked] {
+            let track = track(keys.clone());
+            assert_eq!(track.keys(), keys);
+            let doubled = track.map_linear(|value| 2.0 * value);
+            assert!(
+                (0..50).all(|at| doubled.at(0.05 * f64::from(at)) == 2.0 * track.at(0.05 * f64::from(at)))
+            );
+        }
     }
 
     #[test]

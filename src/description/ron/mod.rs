@@ -4,6 +4,7 @@
 //! docs/scene-format.md is the author's view of these types; a field is added here, there and in
 //! `scene::from_ron`.
 
+mod fall;
 mod keyed;
 mod leaves;
 mod named;
@@ -24,12 +25,14 @@ use parse::Document;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+pub use fall::{Emitter, Fall, FallGround, MOST_FALLING, Motion, Species, Wind};
 pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
 pub use named::Named;
 pub use number::{
-    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart, NonNegative,
-    Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, Triple, UnitInterval, Vector, Whole,
+    Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart,
+    LeafLength, NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain,
+    Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};

@@ -53,6 +53,16 @@ pub enum JuliaPart {}
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HalfAngle {}
 
+/// Length or width of something light enough to be borne by the air, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LeafLength {}
+/// Mass over area of such a thing, in kilograms per square metre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ArealMass {}
+/// A factor on speeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpeedGain {}
+
 impl Range for Finite {
     const EXPECTED: &'static str = "a finite number, at most 1e15 in magnitude";
     fn contains(_: f64) -> bool {
@@ -134,6 +144,27 @@ impl Range for HalfAngle {
     }
 }
 
+impl Range for LeafLength {
+    const EXPECTED: &'static str = "a length from 0.005 to 1 m";
+    fn contains(value: f64) -> bool {
+        (0.005..=1.0).contains(&value)
+    }
+}
+
+impl Range for ArealMass {
+    const EXPECTED: &'static str = "from 0.01 to 2 kg/m2; paper and leaves have about 0.08";
+    fn contains(value: f64) -> bool {
+        (0.01..=2.0).contains(&value)
+    }
+}
+
+impl Range for SpeedGain {
+    const EXPECTED: &'static str = "a factor from 0.1 to 10";
+    fn contains(value: f64) -> bool {
+        (0.1..=10.0).contains(&value)
+    }
+}
+
 /// One number in a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number<R> {
@@ -150,6 +181,12 @@ impl<R: Range> Number<R> {
     /// The number in SI units: radians for angles, else as the author wrote it.
     pub fn si(self) -> f64 {
         self.value * R::UNIT
+    }
+}
+
+impl Default for Number<NonNegative> {
+    fn default() -> Self {
+        Self::new(0.0)
     }
 }
 

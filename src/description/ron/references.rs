@@ -67,6 +67,11 @@ impl<'a> Used<'a> {
         for (_, leaves) in file.leaves.iter() {
             used.add(&leaves.meshes, &leaves.materials);
         }
+        for (_, fall) in file.fall.iter() {
+            for species in &fall.species {
+                used.add(&species.meshes, &species.materials);
+            }
+        }
         used
     }
 

@@ -1,6 +1,7 @@
 //! What a scene file holds, field by field. Invariant: every field's unit is in its name, and
 //! docs/scene-format.md describes every field.
 
+use super::fall::Fall;
 use super::keyed::Keyed;
 use super::leaves::Leaves;
 use super::named::Named;
@@ -32,6 +33,9 @@ pub struct SceneFile {
     /// Leaves, stamped by the hundred.
     #[serde(default)]
     pub leaves: Named<Leaves>,
+    /// Leaves that fall as leaves fall.
+    #[serde(default)]
+    pub fall: Named<Fall>,
     /// Cameras.
     #[serde(default)]
     pub cameras: Named<Camera>,

@@ -3,6 +3,7 @@
 
 use super::Resolver;
 use crate::description::ron::{LeafMotion, Leaves, MAX_LEAVES};
+use crate::math::Chance;
 use crate::scene::{FallingPath, MaterialIndex, MeshIndex, Motion};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::f64::consts::TAU;
@@ -24,11 +25,11 @@ impl Resolver<'_> {
             self.problems.error(&format!("{owner}.roll_deg"), found, "`droop_deg` beside it", remedy);
         }
         let site = self.leaf_site(&owner, block);
-        let meshes = self.leaf_meshes(&owner, block);
-        let materials = self.leaf_materials(&owner, block);
+        let meshes = self.leaf_meshes(&owner, &block.meshes);
+        let materials = self.leaf_materials(&owner, &block.materials);
         if let (Some((parent, site)), Some(meshes), Some(materials)) = (site, meshes, materials) {
             for leaf in 0..block.count.0 {
-                let chance = Chance { seed: block.seed, leaf };
+                let chance = LeafChance(Chance::of(block.seed, leaf));
                 let start = site.at([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)));
                 let node = self.node(format!("{name}.{leaf}"), parent, motion_of(block, start, chance));
                 let mesh = chance.choose(Draw::Mesh, &meshes).unwrap_or_default();
@@ -37,19 +38,21 @@ impl Resolver<'_> {
         }
     }
 
-    fn leaf_meshes(&mut self, owner: &str, block: &Leaves) -> Option<Vec<MeshIndex>> {
+    /// The meshes of a list of names, at least one.
+    pub(super) fn leaf_meshes(&mut self, owner: &str, names: &[String]) -> Option<Vec<MeshIndex>> {
         let field = format!("{owner}.meshes");
-        if block.meshes.is_empty() {
+        if names.is_empty() {
             self.problems.error(&field, "the list is empty", "at least one mesh", "name a mesh of `meshes`");
             return None;
         }
-        let found = block.meshes.iter().enumerate();
+        let found = names.iter().enumerate();
         let found: Vec<_> = found.map(|(at, mesh)| self.mesh(&format!("{field}[{at}]"), mesh)).collect();
         found.into_iter().collect()
     }
 
-    fn leaf_materials(&mut self, owner: &str, block: &Leaves) -> Option<Vec<MaterialIndex>> {
-        let found = block.materials.iter().enumerate();
+    /// The materials of a list of names.
+    pub(super) fn leaf_materials(&mut self, owner: &str, names: &[String]) -> Option<Vec<MaterialIndex>> {
+        let found = names.iter().enumerate();
         let found: Vec<_> =
             found.map(|(at, name)| self.material(&format!("{owner}.materials[{at}]"), name)).collect();
         found.into_iter().collect()
@@ -57,7 +60,7 @@ impl Resolver<'_> {
 }
 
 /// The motion of the leaf of `block` that `chance` belongs to, and that is at `start` at time 0.
-fn motion_of(block: &Leaves, start: DVec3, chance: Chance) -> Motion {
+fn motion_of(block: &Leaves, start: DVec3, chance: LeafChance) -> Motion {
     let turns = [Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw));
     let attitude = match block.droop_deg {
         None => uniform_rotation(turns),
@@ -122,30 +125,16 @@ enum Draw {
 
 /// The chance of one leaf.
 #[derive(Clone, Copy)]
-struct Chance {
-    seed: u32,
-    leaf: u32,
-}
+struct LeafChance(Chance);
 
-impl Chance {
-    /// A number in `[0, 1)`; the same for the same seed, leaf and draw, whatever else there is.
+impl LeafChance {
     fn at(self, draw: Draw) -> f64 {
-        let leaf = mix((u64::from(self.seed) << 32) | u64::from(self.leaf));
-        let bits = mix(leaf.wrapping_add(1 + draw as u64));
-        (bits >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.at(draw as u64)
     }
 
     fn choose(self, draw: Draw, among: &[usize]) -> Option<usize> {
         among.get((self.at(draw) * among.len() as f64) as usize).copied()
     }
-}
-
-/// SplitMix64 (Steele, Lea and Flood 2014): a Weyl step and Stafford's 13th mix.
-fn mix(counter: u64) -> u64 {
-    let mut bits = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ (bits >> 31)
 }
 
 /// A rotation from three numbers in `[0, 1)`, all rotations alike (Shoemake, "Uniform random
@@ -168,26 +157,13 @@ fn uniform_direction([u1, u2]: [f64; 2]) -> DVec3 {
 mod tests {
     use super::*;
 
-    fn numbers(draw: Draw) -> impl Iterator<Item = f64> {
-        (0..20_000).map(move |leaf| Chance { seed: 7, leaf }.at(draw))
-    }
-
-    #[test]
-    fn chance_is_uniform_in_every_draw_and_independent_between_draws() {
-        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 20_000.0;
-        assert!((mean(&mut numbers(Draw::X)) - 0.5).abs() < 0.01);
-        assert!((mean(&mut numbers(Draw::Spin).map(|x| x * x)) - 1.0 / 3.0).abs() < 0.01);
-        let mut product = numbers(Draw::X).zip(numbers(Draw::Y)).map(|(x, y)| (x - 0.5) * (y - 0.5));
-        assert!(mean(&mut product).abs() < 0.003);
-    }
-
     #[test]
     fn rotations_are_uniform() {
         // Under the uniform distribution the image of any vector is uniform on the sphere, and the
         // angle has density (1 - cos)/pi, hence mean pi/2 + 2/pi.
         let (mut image, mut square, mut angle) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for leaf in 0..20_000 {
-            let chance = Chance { seed: 1, leaf };
+            let chance = LeafChance(Chance::of(1, leaf));
             let turn = uniform_rotation([Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw)));
             let vector = turn * DVec3::Z;
             image += vector / 20_000.0;

@@ -1,6 +1,7 @@
 //! Our own format in, a scene and its settings out. Invariant: every problem is collected and
 //! named by its field's path; what is not used is a remark.
 
+mod falls;
 mod fogs;
 mod hierarchy;
 mod leaf_sites;
@@ -62,6 +63,9 @@ pub(super) fn resolve(
     resolver.objects();
     for (name, block) in file.leaves.iter() {
         resolver.leaves(name, block);
+    }
+    for (name, block) in file.fall.iter() {
+        resolver.fall(name, block);
     }
     resolver.cameras();
     resolver.lights();

@@ -1,0 +1,227 @@
+//! One leaf from its twig to the ground. In goes a leaf, out come its poses, evenly spaced but for the
+//! moment when it lands. Invariant: a pure function of the leaf, the wind and the ground; no frame rate
+//! and no frame reaches it, and before it lands no point of it is below the ground.
+//!
+//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind
+//! that is exact in the frame of the air; changing wind acts as a weight. What three dimensions need
+//! beyond that is dressing, chosen for looks: the plane turns ([`Manner`]), the leaf banks and is
+//! twisted about its normal, and across the plane the air carries it along.
+
+use super::ground::Ground;
+use super::landing;
+use super::plate::{GRAVITY, Plate, Scales, State};
+use super::wind::Wind;
+use glam::{DQuat, DVec3};
+
+/// Longest time between two poses, seconds, and in units of the leaf's own time: a leaf turns less than
+/// half a radian in it.
+const LONGEST_INTERVAL_S: f64 = 1.0 / 60.0;
+const LONGEST_INTERVAL: f64 = 1.0 / 3.0;
+/// Longest step of the integration in units of the leaf's own time: with it, a flutter of 20 units ends
+/// a ten-thousandth of a chord from where it should.
+const LONGEST_STEP: f64 = 0.1;
+/// A leaf that the wind keeps up for longer is given up, seconds.
+pub(crate) const LONGEST_FLIGHT_S: f64 = 120.0;
+/// Time in which the air carries a leaf along across its plane, in units of the leaf's own time.
+const CARRIED_ALONG: f64 = 4.0;
+/// Time after its release in which a leaf takes up its manner, seconds.
+const TAKING_UP_S: f64 = 0.5;
+
+/// A leaf that is about to fall.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf<'a> {
+    pub(crate) plate: Plate,
+    pub(crate) scales: Scales,
+    /// Factor on all speeds.
+    pub(crate) speed_gain: f64,
+    pub(crate) manner: Manner,
+    /// Where its middle hangs.
+    pub(crate) middle: DVec3,
+    pub(crate) release_s: f64,
+    /// Cosine and sine: of the plane's turn about the vertical, and of the chord's slope in it.
+    pub(crate) heading: [f64; 2],
+    pub(crate) slope: [f64; 2],
+    /// Of the leaf about its normal.
+    pub(crate) twist: DQuat,
+    /// Points of its outline relative to its middle, metres.
+    pub(crate) outline: &'a [DVec3],
+    /// How far the outline reaches.
+    pub(crate) reach_m: f64,
+    /// Free height below it once it lies.
+    pub(crate) clearance_m: f64,
+}
+
+/// What turns a fall in a plane into one in space. Dressing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Manner {
+    /// How fast the plane turns.
+    pub(crate) yaw_rad_per_s: f64,
+    /// How fast that becomes less, 1/s: the circles widen.
+    pub(crate) widening_per_s: f64,
+    /// Lean to one side, and how far it sways from there, radians.
+    pub(crate) bank: f64,
+    pub(crate) sway: f64,
+    pub(crate) sway_rad_per_s: f64,
+    /// Cosine and sine of the sway's phase at the release.
+    pub(crate) sway_phase: [f64; 2],
+}
+
+/// Where a leaf is at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pose {
+    pub(crate) time_s: f64,
+    pub(crate) middle: DVec3,
+    pub(crate) turn: DQuat,
+}
+
+/// All that becomes of a leaf.
+#[derive(Clone, Debug)]
+pub(crate) struct Flight {
+    /// From the release on.
+    pub(crate) poses: Vec<Pose>,
+    /// Which pose is the first that touches the ground, unless it never does.
+    pub(crate) landed_at: Option<usize>,
+}
+
+impl Leaf<'_> {
+    pub(crate) fn fly(&self, wind: &Wind, ground: &Ground) -> Flight {
+        self.fly_by(LONGEST_INTERVAL_S.min(LONGEST_INTERVAL * self.own_time_s()), wind, ground)
+    }
+
+    /// The same with poses so far apart.
+    pub(super) fn fly_by(&self, interval_s: f64, wind: &Wind, ground: &Ground) -> Flight {
+        // Well within the 2.8 that the method bears.
+        let longest_step = LONGEST_STEP.min(1.5 * self.plate.damping_time());
+        let steps = (interval_s / (longest_step * self.own_time_s())).ceil();
+        let mut flier = Flier::released(self, wind);
+        let mut poses = vec![flier.pose(self, 0.0)];
+        let first = poses[0];
+        if first.middle.y < landing::lowest_height_m(self, ground, &first) {
+            poses.extend(landing::settle(self, ground, first, DVec3::ZERO, interval_s));
+            return Flight { poses, landed_at: Some(0) };
+        }
+        for number in 1..=(LONGEST_FLIGHT_S / interval_s) as usize {
+            flier.advance(self, wind, interval_s, steps as usize);
+            let before = poses[poses.len() - 1];
+            let after = flier.pose(self, interval_s * number as f64);
+            if after.middle.y < landing::lowest_height_m(self, ground, &after) {
+                let touching = landing::first_touch(self, ground, before, after);
+                let velocity = (after.middle - before.middle) / interval_s;
+                landing::push_apart(&mut poses, touching);
+                let landed_at = poses.len() - 1;
+                poses.extend(landing::settle(self, ground, touching, velocity, interval_s));
+                return Flight { poses, landed_at: Some(landed_at) };
+            }
+            poses.push(after);
+        }
+        Flight { poses, landed_at: None }
+    }
+
+    /// Time in which the leaf falls about half its width.
+    pub(crate) fn own_time_s(&self) -> f64 {
+        self.scales.time_s() / self.speed_gain
+    }
+}
+
+/// A leaf in the air.
+struct Flier {
+    state: State,
+    time_s: f64,
+    middle: DVec3,
+    heading: [f64; 2],
+    sway_phase: [f64; 2],
+    /// Speed through the air across the plane.
+    sideways: f64,
+    /// The air's velocity around it, and the way that it went in the last interval.
+    air: DVec3,
+    moved: DVec3,
+}
+
+impl Flier {
+    fn released(leaf: &Leaf, wind: &Wind) -> Self {
+        let air = wind.at(leaf.middle, leaf.release_s);
+        let speed = leaf.scales.speed_m_per_s * leaf.speed_gain;
+        let [along, across] = axes(leaf.heading);
+        let through_air = -air;
+        let state =
+            State::at_rest(leaf.slope).with_velocity(through_air.dot(along) / speed, through_air.y / speed);
+        Self {
+            state,
+            time_s: 0.0,
+            middle: leaf.middle,
+            heading: leaf.heading,
+            sway_phase: leaf.manner.sway_phase,
+            sideways: through_air.dot(across),
+            air,
+            moved: DVec3::ZERO,
+        }
+    }
+
+    fn advance(&mut self, leaf: &Leaf, wind: &Wind, interval_s: f64, steps: usize) {
+        // Where it will be about at the interval's end, as it was before.
+        let air = wind.at(self.middle + self.moved, leaf.release_s + self.time_s + interval_s);
+        let acceleration = (air - self.air) / interval_s;
+        let yaw =
+            leaf.manner.yaw_rad_per_s * self.taken_up() / (1.0 + leaf.manner.widening_per_s * self.time_s);
+        self.heading = turned(self.heading, 0.5 * yaw * interval_s);
+        let [along, across] = axes(self.heading);
+        let gravity = GRAVITY * leaf.speed_gain * leaf.speed_gain;
+        let weight = [-acceleration.dot(along) / gravity, -1.0 - acceleration.y / gravity];
+        let step = interval_s / leaf.own_time_s() / steps as f64;
+        (self.state.x, self.state.y) = (0.0, 0.0);
+        for _ in 0..steps {
+            self.state = leaf.plate.step(self.state, weight, step);
+        }
+        let carried_s = CARRIED_ALONG * leaf.own_time_s();
+        self.sideways =
+            (self.sideways - acceleration.dot(across) * interval_s) / (1.0 + interval_s / carried_s);
+        let fallen = (along * self.state.x + DVec3::Y * self.state.y) * leaf.scales.length_m;
+        self.moved = fallen + (across * self.sideways + 0.5 * (self.air + air)) * interval_s;
+        self.middle += self.moved;
+        self.heading = turned(self.heading, 0.5 * yaw * interval_s);
+        self.sway_phase = turned(self.sway_phase, leaf.manner.sway_rad_per_s * interval_s);
+        self.air = air;
+        self.time_s += interval_s;
+    }
+
+    /// From 0 at the release to 1.
+    fn taken_up(&self) -> f64 {
+        let square = self.time_s * self.time_s;
+        square / (square + TAKING_UP_S * TAKING_UP_S)
+    }
+
+    fn pose(&self, leaf: &Leaf, time_s: f64) -> Pose {
+        let [along, _] = axes(self.heading);
+        let lean = self.taken_up() * (leaf.manner.bank + leaf.manner.sway * self.sway_phase[1]);
+        let tilt = along * (0.5 * lean);
+        let bank = DQuat::from_xyzw(tilt.x, tilt.y, tilt.z, 1.0).normalize();
+        // Turning x towards z is turning backwards about y.
+        let [cos, sin] = half_angle(self.heading);
+        let yaw = DQuat::from_xyzw(0.0, -sin, 0.0, cos);
+        let [cos, sin] = half_angle([self.state.cos, self.state.sin]);
+        let pitch = DQuat::from_xyzw(0.0, 0.0, sin, cos);
+        let turn = (bank * yaw * pitch * leaf.twist).normalize();
+        Pose { time_s: leaf.release_s + time_s, middle: self.middle, turn }
+    }
+}
+
+/// The horizontal direction in the plane of fall, and the one across it.
+fn axes([cos, sin]: [f64; 2]) -> [DVec3; 2] {
+    [DVec3::new(cos, 0.0, sin), DVec3::new(-sin, 0.0, cos)]
+}
+
+/// Turned by twice the angle whose tangent is half of `angle`: small angles nearly, and for ever of unit
+/// length. No sine, for machines disagree about sines.
+fn turned([cos, sin]: [f64; 2], angle: f64) -> [f64; 2] {
+    let tangent = 0.5 * angle;
+    let over = (1.0 + tangent * tangent).recip();
+    let (by_cos, by_sin) = ((1.0 - tangent * tangent) * over, 2.0 * tangent * over);
+    [cos * by_cos - sin * by_sin, sin * by_cos + cos * by_sin]
+}
+
+/// Cosine and sine of half the angle that has these.
+fn half_angle([cos, sin]: [f64; 2]) -> [f64; 2] {
+    let sum = 1.0 + cos;
+    let length = (sum * sum + sin * sin).sqrt();
+    if length < 1e-9 { [0.0, 1.0] } else { [sum / length, sin / length] }
+}

@@ -1,0 +1,152 @@
+//! What leaves come to rest on: a level, and the upper side of a mesh. Invariant: every place has one
+//! height.
+
+use glam::{DVec2, DVec3};
+
+/// Triangles that one cell of the grid should hold, about.
+const TRIANGLES_PER_CELL: usize = 2;
+/// Cells along one side of the grid, at most.
+const MOST_CELLS: usize = 1024;
+
+/// Heights over the x-z plane.
+#[derive(Clone, Debug)]
+pub(crate) struct Ground {
+    level_m: f64,
+    highest_m: f64,
+    triangles: Vec<[DVec3; 3]>,
+    /// The smallest corner of the grid, and the size of a cell.
+    corner: DVec2,
+    cell: DVec2,
+    side: usize,
+    /// Triangles over each cell, row by row along x.
+    cells: Vec<Vec<u32>>,
+}
+
+impl Ground {
+    /// Where no triangle is, the ground is level.
+    pub(crate) fn new(level_m: f64, triangles: Vec<[DVec3; 3]>) -> Self {
+        let flat = |point: DVec3| DVec2::new(point.x, point.z);
+        let points = || triangles.iter().flatten().copied();
+        let low = points().map(flat).fold(DVec2::INFINITY, DVec2::min);
+        let high = points().map(flat).fold(DVec2::NEG_INFINITY, DVec2::max);
+        let highest_m = points().map(|point| point.y).fold(level_m, f64::max);
+        let side = (triangles.len() / TRIANGLES_PER_CELL).isqrt().clamp(1, MOST_CELLS);
+        let cell = ((high - low) / side as f64).max(DVec2::splat(f64::MIN_POSITIVE));
+        let mut ground = Self {
+            level_m,
+            highest_m,
+            triangles: Vec::new(),
+            corner: low,
+            cell,
+            side,
+            cells: vec![Vec::new(); if triangles.is_empty() { 0 } else { side * side }],
+        };
+        for (number, triangle) in triangles.iter().enumerate() {
+            let corners = triangle.map(flat);
+            let (first, last) = (
+                ground.cell_of(corners[0].min(corners[1]).min(corners[2])),
+                ground.cell_of(corners[0].max(corners[1]).max(corners[2])),
+            );
+            for row in first.1..=last.1 {
+                for column in first.0..=last.0 {
+                    ground.cells[row * side + column].push(number as u32);
+                }
+            }
+        }
+        ground.triangles = triangles;
+        ground
+    }
+
+    /// No place is higher.
+    pub(crate) fn highest_m(&self) -> f64 {
+        self.highest_m
+    }
+
+    /// Of the mesh where there is one, its upper side; else of the level.
+    pub(crate) fn height_m(&self, x: f64, z: f64) -> f64 {
+        let place = DVec2::new(x, z);
+        let beyond = self.corner + self.cell * self.side as f64;
+        if self.cells.is_empty() || place.cmplt(self.corner).any() || place.cmpgt(beyond).any() {
+            return self.level_m;
+        }
+        let (column, row) = self.cell_of(place);
+        let heights = self.cells[row * self.side + column]
+            .iter()
+            .filter_map(|&number| height_in(self.triangles[number as usize], place));
+        heights.reduce(f64::max).unwrap_or(self.level_m)
+    }
+
+    /// Unit vector that stands on the ground, seen over a distance.
+    pub(crate) fn normal(&self, x: f64, z: f64, over_m: f64) -> DVec3 {
+        let half = 0.5 * over_m;
+        let along_x = self.height_m(x + half, z) - self.height_m(x - half, z);
+        let along_z = self.height_m(x, z + half) - self.height_m(x, z - half);
+        DVec3::new(-along_x, over_m, -along_z).normalize()
+    }
+
+    fn cell_of(&self, place: DVec2) -> (usize, usize) {
+        let cell = (place - self.corner) / self.cell;
+        let most = self.side - 1;
+        ((cell.x.max(0.0) as usize).min(most), (cell.y.max(0.0) as usize).min(most))
+    }
+}
+
+/// Height of the triangle's plane over a place that it covers, its edges included.
+fn height_in([a, b, c]: [DVec3; 3], place: DVec2) -> Option<f64> {
+    let (ab, ac) = (b - a, c - a);
+    let (x, z) = (place.x - a.x, place.y - a.z);
+    let area = ab.x * ac.z - ab.z * ac.x;
+    if area == 0.0 {
+        return None;
+    }
+    let (towards_b, towards_c) = ((x * ac.z - z * ac.x) / area, (z * ab.x - x * ab.z) / area);
+    // Rounding must not open a gap between neighbours.
+    const SLACK: f64 = -1e-9;
+    let inside = towards_b >= SLACK && towards_c >= SLACK && towards_b + towards_c <= 1.0 - SLACK;
+    inside.then_some(a.y + towards_b * ab.y + towards_c * ac.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Chance;
+
+    /// Hills as a mesh of `side` times `side` squares over 20 m, and their heights by interpolation.
+    fn hills(side: i32) -> Ground {
+        let point = |i: i32, j: i32| {
+            let (x, z) =
+                (20.0 * f64::from(i) / f64::from(side) - 10.0, 20.0 * f64::from(j) / f64::from(side) - 10.0);
+            DVec3::new(x, (0.3 * x).sin() + 0.1 * z, z)
+        };
+        let squares = (0..side).flat_map(|i| (0..side).map(move |j| (i, j)));
+        let triangles = squares.flat_map(|(i, j)| {
+            let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        Ground::new(-5.0, triangles.collect())
+    }
+
+    #[test]
+    fn heights_are_the_meshes_and_beyond_it_the_level() {
+        let ground = hills(200);
+        for item in 0..2000 {
+            let chance = Chance::of(2, item);
+            let (x, z) = (20.0 * chance.at(0) - 10.0, 20.0 * chance.at(1) - 10.0);
+            let height = ground.height_m(x, z);
+            assert!((height - ((0.3 * x).sin() + 0.1 * z)).abs() < 1e-3, "{x} {z} {height}");
+            assert!(height <= ground.highest_m());
+        }
+        assert_eq!(ground.height_m(10.1, 0.0), -5.0);
+        let slope = ground.normal(0.0, 0.0, 0.2);
+        assert!((slope - DVec3::new(-0.3, 1.0, -0.1).normalize()).length() < 1e-3, "{slope}");
+    }
+
+    #[test]
+    fn of_two_floors_the_upper_one_counts_and_walls_do_not() {
+        let floor = |y: f64| [DVec3::new(-4.0, y, -4.0), DVec3::new(4.0, y, -4.0), DVec3::new(0.0, y, 4.0)];
+        let wall = [DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 9.0, -1.0), DVec3::new(0.0, 0.0, 1.0)];
+        let ground = Ground::new(0.0, vec![floor(1.0), floor(2.0), wall]);
+        assert_eq!(ground.height_m(0.0, 0.0), 2.0);
+        assert_eq!(Ground::new(0.25, Vec::new()).height_m(1.0, 1.0), 0.25);
+    }
+}

@@ -1,0 +1,95 @@
+//! The ways in which leaves fall, and in what proportion. Invariant: a way fixes the plate's inertia and
+//! with it what the equations do; only turns and lean of the plane of fall are added to that.
+//!
+//! The six are those of Xie & Miyata, "Stochastic modeling of immersed rigid-body dynamics" (SIGGRAPH
+//! Asia 2013 briefs), whose first four are the regimes of Field, Klaus, Moore & Nori, Nature 388 (1997).
+
+use super::flight::Manner;
+use super::plate::PAPER_DAMPING;
+use crate::math::Chance;
+use std::f64::consts::TAU;
+
+/// Damping with which swings stay small, in the place of mu_1 = 0.2: dressing, for the plate of the paper
+/// never sinks steadily.
+const STEADY_DAMPING: f64 = 8.0;
+
+/// Shares of the ways to fall; not all zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mix {
+    /// Level, rocking a little.
+    pub(crate) steady: f64,
+    /// From side to side.
+    pub(crate) flutter: f64,
+    /// Over and over about its long axis.
+    pub(crate) tumble: f64,
+    /// Now the one, now the other.
+    pub(crate) chaotic: f64,
+    /// Tumbling down a helix.
+    pub(crate) helical: f64,
+    /// Tumbling down in circles that widen.
+    pub(crate) spiral: f64,
+}
+
+#[derive(Clone, Copy)]
+enum Way {
+    Steady,
+    Flutter,
+    Tumble,
+    Chaotic,
+    Helical,
+    Spiral,
+}
+
+impl Mix {
+    /// Inertia, manner and damping of one leaf, from the draws from `first` on.
+    pub(crate) fn choose(&self, chance: Chance, first: u64) -> (f64, Manner, f64) {
+        let shares = [
+            (Way::Steady, self.steady),
+            (Way::Flutter, self.flutter),
+            (Way::Tumble, self.tumble),
+            (Way::Chaotic, self.chaotic),
+            (Way::Helical, self.helical),
+            (Way::Spiral, self.spiral),
+        ];
+        let mut left = chance.at(first) * shares.iter().map(|(_, share)| share).sum::<f64>();
+        let chosen = shares.iter().find(|(_, share)| {
+            left -= share;
+            left < 0.0
+        });
+        let way = chosen.map_or(Way::Flutter, |(way, _)| *way);
+        // Within the regimes that the equations have, figure 3 of the paper and around it.
+        let (low, high) = match way {
+            Way::Steady => (0.2, 0.5),
+            Way::Flutter => (0.6, 1.15),
+            Way::Tumble | Way::Helical | Way::Spiral => (1.26, 1.42),
+            Way::Chaotic => (1.5, 2.5),
+        };
+        let damping = if matches!(way, Way::Steady) { STEADY_DAMPING } else { PAPER_DAMPING };
+        (low + (high - low) * chance.at(first + 1), manner(way, chance, first + 2), damping)
+    }
+}
+
+/// A leaf that falls as it is: inertia, manner and damping.
+pub(crate) fn natural(inertia: f64, chance: Chance, first: u64) -> (f64, Manner, f64) {
+    (inertia, manner(Way::Chaotic, chance, first + 2), PAPER_DAMPING)
+}
+
+fn manner(way: Way, chance: Chance, first: u64) -> Manner {
+    let draw = |number: u64, low: f64, high: f64| low + (high - low) * chance.at(first + number);
+    let side = if chance.at(first) < 0.5 { -1.0 } else { 1.0 };
+    let (yaw, widening_per_s, bank) = match way {
+        Way::Steady => (draw(1, 0.2, 1.2), 0.0, 0.0),
+        Way::Helical => (draw(1, 1.5, 3.5), 0.0, draw(2, 0.2, 0.5)),
+        Way::Spiral => (draw(1, 3.0, 5.0), draw(3, 0.3, 0.6), draw(2, 0.2, 0.5)),
+        Way::Flutter | Way::Tumble | Way::Chaotic => (draw(1, 0.0, 0.5), 0.0, 0.0),
+    };
+    let (sin, cos) = libm::sincos(TAU * chance.at(first + 6));
+    Manner {
+        yaw_rad_per_s: side * yaw,
+        widening_per_s,
+        bank: side * bank,
+        sway: draw(4, 0.1, 0.35),
+        sway_rad_per_s: draw(5, 1.5, 4.0),
+        sway_phase: [cos, sin],
+    }
+}

@@ -1,0 +1,212 @@
+//! Leaves that fall, each on its own way. In goes what the author wants of a fall, resolved and in SI
+//! units; out come keys. Invariant: leaf `i` is a pure function of the fall's values other than its
+//! count, and of `i`: no frame, no frame rate, no other leaf and no machine changes it.
+//!
+//! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
+
+mod emitter;
+mod flight;
+mod ground;
+mod keys;
+mod landing;
+mod manner;
+mod plate;
+mod wind;
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
+
+use crate::math::Chance;
+use crate::scene::Track;
+use flight::Leaf;
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+pub(super) use emitter::{Emitter, Surface};
+pub(super) use flight::LONGEST_FLIGHT_S;
+pub(super) use ground::Ground;
+pub(super) use manner::Mix;
+pub(super) use wind::Wind;
+
+/// Curves may pass this far from a leaf's poses, over its length; and radians.
+const TOLERANCE: f64 = 0.01;
+/// Free height below a leaf that lies, over its length: no curve dips below the ground. Leaves lie up
+/// to twice as high, so that those that lie on each other do not lie in one plane.
+const CLEARANCE: f64 = 0.02;
+/// How far leaves may be twisted in the plane of their blade, radians: none falls along its vein.
+const MOST_TWIST: f64 = 0.7;
+
+/// Leaves to be let go.
+#[derive(Clone, Debug)]
+pub(super) struct Fall {
+    pub(super) count: u32,
+    pub(super) seed: u32,
+    /// At least one.
+    pub(super) species: Vec<Species>,
+    /// `None`: each leaf falls as its own inertia has it.
+    pub(super) mix: Option<Mix>,
+    pub(super) emitter: Emitter,
+    pub(super) wind: Wind,
+    pub(super) ground: Ground,
+    /// First and last release.
+    pub(super) release_s: (f64, f64),
+    /// Factor on all speeds but the wind's.
+    pub(super) speed_gain: f64,
+}
+
+/// Leaves of one kind.
+#[derive(Clone, Debug)]
+pub(super) struct Species {
+    /// How many of the leaves are of this kind, in proportion to the others.
+    pub(super) share: f64,
+    /// At least one.
+    pub(super) outlines: Vec<Outline>,
+    /// Ranges, from the smallest to the largest.
+    pub(super) length_m: (f64, f64),
+    /// If it is not that of the mesh.
+    pub(super) width_m: Option<(f64, f64)>,
+    pub(super) areal_mass_kg_per_m2: (f64, f64),
+    pub(super) curl: (f64, f64),
+}
+
+/// What falling needs to know of a mesh that lies flat, its length along z.
+#[derive(Clone, Debug)]
+pub(super) struct Outline {
+    points: Vec<DVec3>,
+    middle: DVec3,
+    size: DVec3,
+}
+
+/// A mesh with more vertices than this is taken for its box.
+const MOST_POINTS: usize = 400;
+
+impl Outline {
+    /// `None` of a mesh without length or width.
+    pub(super) fn new(vertices: impl Iterator<Item = DVec3> + Clone) -> Option<Self> {
+        let low = vertices.clone().fold(DVec3::INFINITY, DVec3::min);
+        let high = vertices.clone().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let (middle, size) = (0.5 * (low + high), high - low);
+        let points = if vertices.clone().nth(MOST_POINTS).is_none() {
+            vertices.map(|vertex| vertex - middle).collect()
+        } else {
+            let corner = |number: u32, bit: u32| if number >> bit & 1 == 0 { -0.5 } else { 0.5 };
+            let corner = |number| DVec3::new(corner(number, 0), corner(number, 1), corner(number, 2));
+            (0..8).map(|number| corner(number) * size).collect()
+        };
+        (size.x > 0.0 && size.z > 0.0).then_some(Self { points, middle, size })
+    }
+}
+
+/// A leaf with all its keys.
+#[derive(Clone, Debug)]
+pub(super) struct Fallen {
+    pub(super) species: usize,
+    /// Which of the species' outlines.
+    pub(super) outline: usize,
+    /// A number in `[0, 1)` that chooses its material.
+    pub(super) material: f64,
+    pub(super) scale: f64,
+    pub(super) translation: Track<DVec3>,
+    pub(super) rotation: Track<DQuat>,
+    pub(super) release_s: f64,
+    /// False if the wind kept it up for longer than leaves are followed.
+    pub(super) landed: bool,
+}
+
+/// What is left to chance. A new entry goes to the end, so that it does not change old scenes.
+#[derive(Clone, Copy)]
+enum Draw {
+    Place,
+    Release = 3,
+    Species,
+    Outline,
+    Material,
+    Length,
+    Width,
+    ArealMass,
+    Curl,
+    Heading,
+    Slope,
+    Twist,
+    Clearance,
+    /// The last: a manner takes several.
+    Manner,
+}
+
+impl Fall {
+    /// All leaves in order. `tell` hears now and then how many are done.
+    pub(super) fn bake(&self, tell: &(dyn Fn(u32) + Sync)) -> Vec<Fallen> {
+        let done = AtomicU32::new(0);
+        (0..self.count)
+            .into_par_iter()
+            .filter_map(|number| {
+                let leaf = self.leaf(number);
+                tell(done.fetch_add(1, Ordering::Relaxed) + 1);
+                leaf
+            })
+            .collect()
+    }
+
+    fn leaf(&self, number: u32) -> Option<Fallen> {
+        let chance = Chance::of(self.seed, number);
+        let draw = |draw: Draw| chance.at(draw as u64);
+        let range = |(low, high): (f64, f64), fraction: f64| low + (high - low) * fraction;
+        let species = self.choose_species(draw(Draw::Species));
+        let kind = &self.species[species];
+        let outline = (draw(Draw::Outline) * kind.outlines.len() as f64) as usize;
+        let shape = &kind.outlines[outline];
+        let length_m = range(kind.length_m, draw(Draw::Length));
+        let scale = length_m / shape.size.z;
+        let width_m = kind.width_m.map_or(scale * shape.size.x, |width_m| range(width_m, draw(Draw::Width)));
+        let areal_mass = range(kind.areal_mass_kg_per_m2, draw(Draw::ArealMass));
+        let (inertia, manner_of, damping) = match &self.mix {
+            Some(mix) => mix.choose(chance, Draw::Manner as u64),
+            None => manner::natural(plate::inertia(width_m, areal_mass), chance, Draw::Manner as u64),
+        };
+        let outline_m: Vec<DVec3> = shape.points.iter().map(|&point| point * scale).collect();
+        let release_s = range(self.release_s, draw(Draw::Release));
+        let leaf = Leaf {
+            plate: plate::Plate { inertia, damping, curl: range(kind.curl, draw(Draw::Curl)) },
+            scales: plate::Scales::new(width_m, areal_mass),
+            speed_gain: self.speed_gain,
+            manner: manner_of,
+            middle: self.emitter.place(chance, Draw::Place as u64),
+            release_s,
+            heading: direction(draw(Draw::Heading)),
+            slope: direction(draw(Draw::Slope)),
+            twist: twist(MOST_TWIST * (2.0 * draw(Draw::Twist) - 1.0)),
+            reach_m: outline_m.iter().map(|point| point.length()).fold(0.0, f64::max),
+            outline: &outline_m,
+            clearance_m: CLEARANCE * length_m * (1.0 + draw(Draw::Clearance)),
+        };
+        let flight = leaf.fly(&self.wind, &self.ground);
+        let tolerance = keys::Tolerance { place_m: TOLERANCE * length_m, turn_rad: TOLERANCE };
+        let (translation, rotation) = keys::keyed(&flight, shape.middle * scale, tolerance)?;
+        let (material, landed) = (draw(Draw::Material), flight.landed_at.is_some());
+        Some(Fallen { species, outline, material, scale, translation, rotation, release_s, landed })
+    }
+
+    fn choose_species(&self, fraction: f64) -> usize {
+        let total: f64 = self.species.iter().map(|species| species.share).sum();
+        let mut left = fraction * total;
+        let chosen = self.species.iter().position(|species| {
+            left -= species.share;
+            left < 0.0
+        });
+        chosen.unwrap_or(self.species.len() - 1)
+    }
+}
+
+/// Cosine and sine of a whole turn's `fraction`.
+fn direction(fraction: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(TAU * fraction);
+    [cos, sin]
+}
+
+fn twist(angle: f64) -> DQuat {
+    let (sin, cos) = libm::sincos(0.5 * angle);
+    DQuat::from_xyzw(0.0, sin, 0.0, cos)
+}

@@ -1,0 +1,373 @@
+//! A thin plate that falls through still air in two dimensions. State and time step in, the state
+//! after it out. Invariant: only sums, products, quotients and square roots, which every machine
+//! rounds alike, so that chaotic motion is the same motion everywhere.
+//!
+//! Andersen, Pesavento & Wang, "Analysis of transitions between fluttering, tumbling and steady descent
+//! of falling cards", J. Fluid Mech. 541 (2005), 91-104, equations (4.7)-(4.9) and (5.1)-(5.3): an
+//! ellipse in the limit of no thickness. Lengths are in half chords, velocities in
+//! `sqrt(2 areal_mass g / (pi air_density))`, see [`Scales`].
+
+use std::f64::consts::{FRAC_2_PI, PI};
+
+/// Translational circulation, of the paper's section 6.
+const C_T: f64 = 1.2;
+/// Rotational circulation.
+const C_R: f64 = PI;
+/// Drag: the mean over all angles of attack, and half the difference of broadside and edgewise.
+const A: f64 = 1.4;
+const B: f64 = 1.0;
+/// Torque of the air on a turning plate, for the linear part see [`Plate::damping`].
+const MU_2: f64 = 0.2;
+
+/// Air at 15 degrees Celsius and sea level, kg/m^3.
+pub(crate) const AIR_DENSITY: f64 = 1.225;
+/// Standard gravity, m/s^2.
+pub(crate) const GRAVITY: f64 = 9.806_65;
+
+/// What kind of plate it is, free of dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plate {
+    /// I*, mass over that of the air that the plate pushes along: decides between flutter and tumble.
+    pub(crate) inertia: f64,
+    /// mu_1 of the paper: how much slow turns are damped.
+    pub(crate) damping: f64,
+    /// How far the chord is arched, from edge to edge, radians; convex towards +normal.
+    pub(crate) curl: f64,
+}
+
+/// mu_1 of the paper's section 6.
+pub(crate) const PAPER_DAMPING: f64 = 0.2;
+
+/// What one half chord and one unit of velocity are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    /// Half the chord, metres.
+    pub(crate) length_m: f64,
+    /// Where weight and the air's forces balance, m/s.
+    pub(crate) speed_m_per_s: f64,
+}
+
+impl Scales {
+    /// Of a plate in air.
+    pub(crate) fn new(chord_m: f64, areal_mass_kg_per_m2: f64) -> Self {
+        let speed_squared = 2.0 * areal_mass_kg_per_m2 * GRAVITY / (PI * AIR_DENSITY);
+        Self { length_m: 0.5 * chord_m, speed_m_per_s: speed_squared.sqrt() }
+    }
+
+    /// Seconds in which one length is passed at that speed.
+    pub(crate) fn time_s(self) -> f64 {
+        self.length_m / self.speed_m_per_s
+    }
+}
+
+/// I* of a plate of even thickness: its mass over that of a cylinder of air as wide as the chord.
+pub(crate) fn inertia(chord_m: f64, areal_mass_kg_per_m2: f64) -> f64 {
+    4.0 * areal_mass_kg_per_m2 / (PI * AIR_DENSITY * chord_m)
+}
+
+/// How the plate moves, and where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct State {
+    /// Velocity through the air along the chord and along the normal.
+    pub(crate) u: f64,
+    pub(crate) v: f64,
+    /// Angular velocity.
+    pub(crate) w: f64,
+    /// The chord's direction (cosine, sine of its angle to the horizontal), of unit length.
+    pub(crate) cos: f64,
+    pub(crate) sin: f64,
+    /// Where the centre is relative to the air.
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+}
+
+impl State {
+    /// At rest in the air, its chord at an angle whose cosine and sine these are.
+    pub(crate) fn at_rest([cos, sin]: [f64; 2]) -> Self {
+        Self { u: 0.0, v: 0.0, w: 0.0, cos, sin, x: 0.0, y: 0.0 }
+    }
+
+    /// The same with another velocity, given along the horizontal and upwards.
+    pub(crate) fn with_velocity(self, horizontal: f64, upward: f64) -> Self {
+        let u = horizontal * self.cos + upward * self.sin;
+        Self { u, v: upward * self.cos - horizontal * self.sin, ..self }
+    }
+
+    fn plus(self, rate: Self, time: f64) -> Self {
+        Self {
+            u: self.u + time * rate.u,
+            v: self.v + time * rate.v,
+            w: self.w + time * rate.w,
+            cos: self.cos + time * rate.cos,
+            sin: self.sin + time * rate.sin,
+            x: self.x + time * rate.x,
+            y: self.y + time * rate.y,
+        }
+    }
+}
+
+impl Plate {
+    /// The state after `time`, under a weight `(horizontal, upward)` that is `(0, -1)` unless the air
+    /// itself is accelerated. Classical Runge-Kutta, fourth order.
+    pub(crate) fn step(&self, state: State, weight: [f64; 2], time: f64) -> State {
+        let k1 = self.rate(state, weight);
+        let k2 = self.rate(state.plus(k1, 0.5 * time), weight);
+        let k3 = self.rate(state.plus(k2, 0.5 * time), weight);
+        let k4 = self.rate(state.plus(k3, time), weight);
+        let mut next =
+            state.plus(k1, time / 6.0).plus(k2, time / 3.0).plus(k3, time / 3.0).plus(k4, time / 6.0);
+        let length = (next.cos * next.cos + next.sin * next.sin).sqrt();
+        next.cos /= length;
+        next.sin /= length;
+        next
+    }
+
+    /// Time in which damping alone stops all but a third of a slow turn.
+    pub(crate) fn damping_time(&self) -> f64 {
+        0.25 * (self.inertia + 0.5) / self.damping
+    }
+
+    /// Time derivative of the state.
+    fn rate(&self, state: State, weight: [f64; 2]) -> State {
+        let State { u, v, w, cos, sin, .. } = state;
+        let i = self.inertia;
+        let speed = (u * u + v * v).sqrt();
+        let over_speed = if speed > 0.0 { speed.recip() } else { 0.0 };
+        // (4.7). The last term is not the paper's: a chord arched by `curl` lifts as if it were turned
+        // by a quarter of it, and has no moment about its middle (thin aerofoils, Glauert 1926, ch. 7).
+        let circulation = FRAC_2_PI * (C_T * (-u * v * over_speed + 0.25 * self.curl * u) + C_R * w);
+        // (4.8): drag over velocity.
+        let drag = (A * speed - B * (u * u - v * v) * over_speed) / PI;
+        // (4.9)
+        let torque = (self.damping + MU_2 * w.abs()) * w;
+        let weight_u = weight[0] * cos + weight[1] * sin;
+        let weight_v = weight[1] * cos - weight[0] * sin;
+        State {
+            // (5.1)-(5.3)
+            u: ((i + 1.0) * w * v - circulation * v + weight_u - drag * u) / i,
+            v: (-i * w * u + circulation * u + weight_v - drag * v) / (i + 1.0),
+            w: (-u * v - torque) / (0.25 * (i + 0.5)),
+            cos: -w * sin,
+            sin: w * cos,
+            x: u * cos - v * sin,
+            y: u * sin + v * cos,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    const DOWN: [f64; 2] = [0.0, -1.0];
+
+    /// Speed of a flat plate that sinks broadside, its weight borne by drag alone: `pi = (A + B) speed^2`.
+    fn broadside_speed() -> f64 {
+        (PI / (A + B)).sqrt()
+    }
+
+    fn paper(inertia: f64) -> Plate {
+        Plate { inertia, damping: PAPER_DAMPING, curl: 0.0 }
+    }
+
+    fn released(angle: f64) -> State {
+        let (sin, cos) = angle.sin_cos();
+        State::at_rest([cos, sin])
+    }
+
+    /// The states from `from` to `to`, `step` apart, of a plate released at 45 degrees.
+    fn flight(plate: Plate, from: f64, to: f64, step: f64) -> Vec<State> {
+        let mut state = released(0.25 * PI);
+        let mut states = Vec::new();
+        for index in 0..(to / step) as usize {
+            if index as f64 * step >= from {
+                states.push(state);
+            }
+            state = plate.step(state, DOWN, step);
+        }
+        states
+    }
+
+    /// Angle turned through from the first state to each.
+    fn angles(states: &[State]) -> Vec<f64> {
+        let mut turned = 0.0;
+        states
+            .windows(2)
+            .map(|pair| {
+                let (a, b) = (pair[0], pair[1]);
+                turned += f64::atan2(a.cos * b.sin - a.sin * b.cos, a.cos * b.cos + a.sin * b.sin);
+                turned
+            })
+            .collect()
+    }
+
+    /// Half the width of the swing, and whole turns.
+    fn swing_and_turns(states: &[State]) -> (f64, f64) {
+        let angles = angles(states);
+        let (low, high) =
+            angles.iter().fold((0.0_f64, 0.0_f64), |(low, high), &angle| (low.min(angle), high.max(angle)));
+        (0.5 * (high - low), angles.last().copied().unwrap_or(0.0).abs() / TAU)
+    }
+
+    fn sinking(states: &[State], step: f64) -> f64 {
+        (states[0].y - states[states.len() - 1].y) / (step * (states.len() - 1) as f64)
+    }
+
+    /// Autocorrelation of the angular velocity at a lag.
+    fn likeness(states: &[State], lag: usize) -> f64 {
+        let mean = states.iter().map(|state| state.w).sum::<f64>() / states.len() as f64;
+        let count = states.len() - lag;
+        let product = |a: usize, b: usize| (states[a].w - mean) * (states[b].w - mean);
+        let whole: f64 = (0..count).map(|at| product(at, at)).sum();
+        (0..count).map(|at| product(at, at + lag)).sum::<f64>() / whole
+    }
+
+    /// Time after which the angular velocity is most alike itself, first maximum above one half.
+    fn period(states: &[State], step: f64) -> f64 {
+        let likeness = |lag| likeness(states, lag);
+        let mut lag = (1.0 / step) as usize;
+        while !(likeness(lag) > 0.5 && likeness(lag) > likeness(lag - 1) && likeness(lag) > likeness(lag + 1))
+        {
+            lag += 1;
+        }
+        lag as f64 * step
+    }
+
+    #[test]
+    fn a_flat_plate_sinks_broadside_at_the_speed_that_drag_allows() {
+        // Level and without a disturbance it stays level, stable or not.
+        let mut state = released(0.0);
+        for _ in 0..3000 {
+            state = paper(1.0).step(state, DOWN, 0.02);
+        }
+        assert!((state.v + broadside_speed()).abs() < 1e-12, "{state:?}");
+        assert_eq!((state.u, state.w, state.x), (0.0, 0.0, 0.0));
+        // In metres: the weight is the drag on the whole width, coefficient A + B = 2.4.
+        let (chord_m, areal_mass) = (0.06, 0.08);
+        let speed = broadside_speed() * Scales::new(chord_m, areal_mass).speed_m_per_s;
+        let drag = 0.5 * AIR_DENSITY * speed * speed * chord_m * (A + B);
+        assert!((drag / (areal_mass * chord_m * GRAVITY) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn edgewise_it_falls_faster_by_the_ratio_of_drags() {
+        let mut state = State::at_rest([0.0, 1.0]);
+        for _ in 0..6000 {
+            state = paper(1.0).step(state, DOWN, 0.02);
+        }
+        assert!((state.u + (PI / (A - B)).sqrt()).abs() < 1e-12, "{state:?}");
+        assert_eq!((state.v, state.w), (0.0, 0.0));
+    }
+
+    #[test]
+    fn at_first_weight_and_added_mass_alone_matter() {
+        // Over a moment from rest neither lift nor drag has grown: along the chord it is as heavy as it
+        // is, along the normal it carries the added mass of the air, (5.1) and (5.2).
+        let (plate, time) = (paper(0.8), 1e-4);
+        let state = plate.step(released(0.7), DOWN, time);
+        assert!((state.u + 0.7_f64.sin() / 0.8 * time).abs() < 1e-9);
+        assert!((state.v + 0.7_f64.cos() / 1.8 * time).abs() < 1e-9);
+        assert!(state.w.abs() < 1e-7);
+    }
+
+    #[test]
+    fn drag_and_torque_alone_take_energy() {
+        // Lift and added mass do no work in all: height lost is what drag and torque have taken.
+        let (plate, step) = (paper(1.1), 0.002);
+        let energy = |s: State| {
+            let i = plate.inertia;
+            0.5 * (i * s.u * s.u + (i + 1.0) * s.v * s.v + 0.25 * (i + 0.5) * s.w * s.w) + s.y
+        };
+        let loss = |s: State| {
+            let speed = (s.u * s.u + s.v * s.v).sqrt();
+            let drag = (A * speed - B * (s.u * s.u - s.v * s.v) / speed.max(1e-300)) / PI;
+            drag * speed * speed + (plate.damping + MU_2 * s.w.abs()) * s.w * s.w
+        };
+        let states = flight(plate, 0.0, 20.0, step);
+        let lost: f64 = states.windows(2).map(|pair| 0.5 * step * (loss(pair[0]) + loss(pair[1]))).sum();
+        let (first, last) = (states[0], states[states.len() - 1]);
+        assert!((energy(first) - energy(last) - lost).abs() < 1e-4 * lost, "{lost}");
+    }
+
+    #[test]
+    fn halving_the_step_divides_the_error_by_sixteen() {
+        // While it tumbles one way; where the turn changes its sense the torque has a kink.
+        let tumbling = flight(paper(1.4), 300.0, 300.1, 0.02)[0];
+        let end = |steps: usize| {
+            (0..steps).fold(tumbling, |state, _| paper(1.4).step(state, DOWN, 20.0 / steps as f64))
+        };
+        let finest = end(64_000);
+        let error = |steps| f64::hypot(end(steps).x - finest.x, end(steps).y - finest.y);
+        let (coarse, fine) = (error(400), error(800));
+        assert!(14.0 < coarse / fine && coarse / fine < 18.0, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn motions_are_those_of_the_papers_figure_3() {
+        // I* = 1.1 flutters, 1.4 tumbles, 1.45 tumbles with twice the period, 2.2 is chaotic, 3.0
+        // flutters broadside on (figure 3 and section 6).
+        let step = 0.02;
+        let motion = |inertia| flight(paper(inertia), 200.0, 500.0, step);
+        let (swing, turns) = swing_and_turns(&motion(1.1));
+        assert!(1.3 < swing && swing < FRAC_PI_2 && turns < 0.5, "{swing} {turns}");
+        for inertia in [1.4, 1.45] {
+            let (_, turns) = swing_and_turns(&motion(inertia));
+            assert!(turns > 20.0, "{inertia}: {turns}");
+        }
+        let half_turn = |inertia| {
+            let states = motion(inertia);
+            let (_, turns) = swing_and_turns(&states);
+            likeness(&states, (300.0 / (2.0 * turns) / step).round() as usize)
+        };
+        let (plain, doubled) = (half_turn(1.4), half_turn(1.45));
+        assert!(plain > 0.98, "{plain}");
+        assert!((0.5..0.9).contains(&doubled), "{doubled}");
+        let (swing, turns) = swing_and_turns(&motion(2.2));
+        assert!(swing > TAU && turns < 0.5 * swing / PI, "{swing} {turns}");
+        let (swing, turns) = swing_and_turns(&motion(3.0));
+        assert!(1.0 < swing && swing < FRAC_PI_2 && turns < 0.5, "{swing} {turns}");
+    }
+
+    #[test]
+    fn between_flutter_and_tumble_the_period_grows_without_bound() {
+        // A heteroclinic bifurcation (the paper's section 7): ever longer on edge as it comes near.
+        let step = 0.05;
+        let flutter = |inertia| period(&flight(paper(inertia), 200.0, 500.0, step), step);
+        let (far, near, nearest) = (flutter(1.0), flutter(1.15), flutter(1.2));
+        assert!(far < near && near < nearest && nearest > 1.5 * far, "{far} {near} {nearest}");
+        let tumbles = |inertia| swing_and_turns(&flight(paper(inertia), 200.0, 500.0, step)).1 > 5.0;
+        assert!(!tumbles(1.2) && tumbles(1.26), "the transition lies between I* = 1.20 and 1.26");
+        // And the descent is fastest there.
+        let sinks = |inertia| sinking(&flight(paper(inertia), 200.0, 500.0, step), step);
+        assert!(sinks(1.2) > 1.5 * sinks(1.0) && sinks(1.2) > 1.5 * sinks(1.4));
+    }
+
+    #[test]
+    fn strips_tumble_as_fast_as_square_root_of_thickness_over_width() {
+        // Mahadevan, Ryu & Samuel, "Tumbling cards", Phys. Fluids 11 (1999): frequency ~ d^(1/2) / w.
+        // At one I*, thickness goes with width: then frequency goes as width^(-1/2).
+        let turns_per_s = |chord_m: f64| {
+            let areal_mass = 1.4 * PI * AIR_DENSITY * chord_m / 4.0;
+            assert!((inertia(chord_m, areal_mass) - 1.4).abs() < 1e-12);
+            let (_, turns) = swing_and_turns(&flight(paper(1.4), 200.0, 500.0, 0.05));
+            (turns / 300.0 / Scales::new(chord_m, areal_mass).time_s(), areal_mass)
+        };
+        let ((narrow, thin), (wide, thick)) = (turns_per_s(0.02), turns_per_s(0.08));
+        let predicted = (thin / thick).sqrt() / (0.02 / 0.08);
+        assert!((narrow / wide / predicted - 1.0).abs() < 1e-9);
+        // A strip of paper 2 cm wide turns some ten times a second.
+        assert!((2.0..20.0).contains(&narrow), "{narrow}");
+    }
+
+    #[test]
+    fn an_arched_plate_glides_on_its_hollow_side() {
+        // Moving edgewise it is pushed towards its back, whichever way it goes.
+        let arched = Plate { curl: 0.5, ..paper(1.0) };
+        for u in [-1.0, 1.0] {
+            let state = State { u, ..released(0.0) };
+            let (flat, lifted) = (paper(1.0).step(state, DOWN, 0.01), arched.step(state, DOWN, 0.01));
+            assert!(lifted.v > flat.v + 1e-4);
+        }
+    }
+}

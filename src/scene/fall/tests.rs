@@ -1,0 +1,282 @@
+//! Falls of many leaves: what must hold whatever the leaf.
+
+use super::*;
+use flight::Flight;
+use std::f64::consts::PI;
+
+/// Frames of ten seconds.
+const FRAMES: u32 = 240;
+
+fn leaf_shape() -> Outline {
+    // A diamond with a bent tip, 1 m long.
+    let points = [(0.0, 0.0, 0.5), (-0.3, 0.05, 0.1), (0.3, 0.05, 0.1), (0.0, 0.1, 0.0), (0.0, -0.05, -0.5)];
+    Outline::new(points.into_iter().map(|(x, y, z)| DVec3::new(x, y, z))).unwrap()
+}
+
+fn calm() -> Wind {
+    Wind::new(DVec3::ZERO, (DVec3::ZERO, 1.0), (0.0, 1.0), 0)
+}
+
+fn storm() -> Wind {
+    Wind::new(DVec3::new(2.0, 0.0, 1.0), (DVec3::new(3.0, 0.3, 0.0), 3.0), (1.0, 2.0), 5)
+}
+
+fn every_way() -> Mix {
+    Mix { steady: 1.0, flutter: 1.0, tumble: 1.0, chaotic: 1.0, helical: 1.0, spiral: 1.0 }
+}
+
+const NO_WAY: Mix = Mix { steady: 0.0, flutter: 0.0, tumble: 0.0, chaotic: 0.0, helical: 0.0, spiral: 0.0 };
+
+fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
+    let species = Species {
+        share: 1.0,
+        outlines: vec![leaf_shape()],
+        length_m: (0.06, 0.12),
+        width_m: None,
+        areal_mass_kg_per_m2: (0.06, 0.1),
+        curl: (0.0, 0.5),
+    };
+    Fall {
+        count: 200,
+        seed: 3,
+        species: vec![species],
+        mix: Some(mix),
+        emitter: Emitter::Box(DVec3::new(-3.0, 2.0, -3.0), DVec3::new(3.0, 4.0, 3.0)),
+        wind,
+        ground,
+        release_s: (0.0, 3.0),
+        speed_gain: 1.0,
+    }
+}
+
+fn level() -> Ground {
+    Ground::new(0.25, Vec::new())
+}
+
+/// Slopes and hills of 20 m, in squares of half a metre.
+fn hills() -> Ground {
+    let point = |i: i32, j: i32| {
+        let (x, z) = (0.5 * f64::from(i), 0.5 * f64::from(j));
+        DVec3::new(x, 0.3 * x.sin() * z.cos() + 0.1 * x, z)
+    };
+    let squares = (-40..40).flat_map(|i| (-40..40).map(move |j| (i, j)));
+    let triangles = squares.flat_map(|(i, j)| {
+        let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    Ground::new(-9.0, triangles.collect())
+}
+
+fn bake(fall: &Fall) -> Vec<Fallen> {
+    fall.bake(&|_| {})
+}
+
+/// Points of the leaf's outline in the world.
+fn points(leaf: &Fallen, time_s: f64) -> impl Iterator<Item = DVec3> {
+    let shape = leaf_shape();
+    let (turn, place) = (leaf.rotation.at(time_s), leaf.translation.at(time_s));
+    let scale = leaf.scale;
+    shape.points.into_iter().map(move |point| place + turn * ((point + shape.middle) * scale))
+}
+
+#[test]
+fn no_leaf_goes_below_the_ground_and_each_comes_to_rest_on_it() {
+    for (wind, ground) in [(calm(), level()), (storm(), level()), (calm(), hills()), (storm(), hills())] {
+        for leaf in bake(&fall(every_way(), wind, ground.clone())) {
+            let height_m = |time_s: f64| {
+                let above = points(&leaf, time_s).map(|point| point.y - ground.height_m(point.x, point.z));
+                above.fold(f64::INFINITY, f64::min)
+            };
+            // Four moments a frame, for motion blur.
+            for moment in 0..4 * FRAMES {
+                let time_s = f64::from(moment) / 96.0;
+                assert!(height_m(time_s) > 0.0, "{} m at {time_s} s", height_m(time_s));
+            }
+            assert!(leaf.landed);
+            let rest_m = height_m(1e4);
+            assert!(rest_m <= 2.0 * CLEARANCE * leaf.scale + 1e-9, "{rest_m}");
+        }
+    }
+}
+
+#[test]
+fn leaves_neither_jump_nor_flip() {
+    let rate = 480.0;
+    for leaf in bake(&fall(every_way(), storm(), level())) {
+        for moment in 0..(10.0 * rate) as u32 {
+            let (now_s, next_s) = (f64::from(moment) / rate, f64::from(moment + 1) / rate);
+            let moved = leaf.translation.at(next_s) - leaf.translation.at(now_s);
+            // Gusts, eddies, and the fastest that a plate of these dives edgewise.
+            assert!(moved.length() * rate < 10.0, "{} m/s at {now_s} s", moved.length() * rate);
+            let (a, b) = (leaf.rotation.at(now_s), leaf.rotation.at(next_s));
+            let turned = 2.0 * (a.dot(b).abs().min(1.0)).acos() * rate;
+            assert!(turned < 200.0, "{turned} rad/s at {now_s} s");
+        }
+    }
+}
+
+#[test]
+fn leaves_hang_still_before_they_are_let_go_and_lie_still_after_they_fell() {
+    for leaf in bake(&fall(every_way(), storm(), hills())) {
+        let last_s = *leaf.translation.times_s().last().unwrap();
+        assert!((0.0..3.0).contains(&leaf.release_s) && last_s > leaf.release_s);
+        for (still_s, then_s) in [(leaf.release_s, -5.0), (last_s, last_s + 100.0)] {
+            assert_eq!(leaf.translation.at(still_s), leaf.translation.at(then_s));
+            assert!(leaf.rotation.at(still_s).abs_diff_eq(leaf.rotation.at(then_s), 1e-14));
+        }
+    }
+}
+
+#[test]
+fn no_two_leaves_fall_in_step() {
+    // All at once and in still air, where nothing but themselves keeps them apart.
+    let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 60, ..fall(every_way(), calm(), level()) });
+    let sways: Vec<Vec<f64>> = (leaves.iter())
+        .map(|leaf| {
+            let tilts: Vec<f64> =
+                (0..72).map(|at| (leaf.rotation.at(f64::from(at) / 24.0) * DVec3::Y).y).collect();
+            let mean = tilts.iter().sum::<f64>() / 72.0;
+            let tilts: Vec<f64> = tilts.iter().map(|tilt| tilt - mean).collect();
+            let length = tilts.iter().map(|tilt| tilt * tilt).sum::<f64>().sqrt();
+            tilts.iter().map(|tilt| tilt / length.max(1e-9)).collect()
+        })
+        .collect();
+    let pairs = (0..sways.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let alike: Vec<f64> =
+        pairs.map(|(a, b)| sways[a].iter().zip(&sways[b]).map(|(x, y)| x * y).sum::<f64>()).collect();
+    let mean = alike.iter().sum::<f64>() / alike.len() as f64;
+    let in_step = alike.iter().filter(|&&alike| alike > 0.95).count();
+    assert!(mean.abs() < 0.1 && in_step * 100 < alike.len(), "{mean} {in_step} of {}", alike.len());
+    assert!(alike.iter().all(|&alike| alike < 0.999));
+}
+
+#[test]
+fn more_leaves_leave_the_others_as_they_are() {
+    let few = bake(&Fall { count: 20, ..fall(every_way(), storm(), level()) });
+    let many = bake(&fall(every_way(), storm(), level()));
+    assert_eq!(format!("{few:?}"), format!("{:?}", &many[..20]));
+}
+
+/// A leaf of 8 by 6 cm in one of the ways, high above the ground.
+fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flight {
+    let outline = [DVec3::ZERO];
+    let quiet = Mix { flutter: 1.0, ..NO_WAY };
+    let (_, manner, _) = quiet.choose(Chance::of(1, 1), 0);
+    let leaf = Leaf {
+        plate: plate::Plate { inertia, damping, curl: 0.0 },
+        scales: plate::Scales::new(0.06, 0.08),
+        speed_gain: 1.0,
+        manner: flight::Manner { yaw_rad_per_s: 0.0, ..manner },
+        middle: DVec3::Y * 4.0,
+        release_s: 0.0,
+        heading: [1.0, 0.0],
+        slope: [0.8, 0.6],
+        twist: DQuat::IDENTITY,
+        outline: &outline,
+        reach_m: 0.0,
+        clearance_m: 0.0,
+    };
+    leaf.fly_by(interval_s, wind, &Ground::new(0.0, Vec::new()))
+}
+
+#[test]
+fn shorter_intervals_end_in_the_same_place() {
+    // A second and a half. In eddies flutter is chaotic, so a steady leaf stands for the storm.
+    let gusts = Wind::new(DVec3::X, (DVec3::X * 2.0, 3.0), (0.0, 2.0), 5);
+    let flights =
+        [(0.8, 0.2, calm(), 1e-5, 0.0), (0.8, 0.2, gusts, 1e-2, 8.0), (0.3, 8.0, storm(), 1e-2, 3.0)];
+    for (inertia, damping, wind, tolerance_m, gain) in flights {
+        let flight = |rate: usize| lone_flight(inertia, damping, 1.0 / rate as f64, &wind);
+        let end = |rate: usize| flight(rate).poses[3 * rate / 2].middle;
+        let finest = end(1920);
+        let (coarse, fine) = ((end(60) - finest).length(), (end(240) - finest).length());
+        assert!(coarse < tolerance_m && fine * gain <= coarse, "{coarse} {fine}");
+    }
+}
+
+#[test]
+fn steady_leaves_sink_a_little_slower_than_drag_on_a_level_plate_allows() {
+    let flight = lone_flight(0.3, 8.0, 1.0 / 60.0, &calm());
+    let (first, last) = (flight.poses[60], flight.poses[flight.landed_at.unwrap()]);
+    let sinks = (first.middle.y - last.middle.y) / (last.time_s - first.time_s);
+    let level = f64::sqrt(2.0 * 0.08 * plate::GRAVITY / (2.4 * plate::AIR_DENSITY));
+    assert!((0.75..1.0).contains(&(sinks / level)), "{sinks} of {level} m/s");
+}
+
+#[test]
+fn the_wind_carries_leaves_along() {
+    let wind = Wind::new(DVec3::new(1.5, 0.0, -0.5), (DVec3::ZERO, 1.0), (0.0, 1.0), 0);
+    let flight = lone_flight(0.3, 8.0, 1.0 / 60.0, &wind);
+    let (first, last) = (flight.poses[60], flight.poses[flight.landed_at.unwrap()]);
+    let drift = (last.middle - first.middle) / (last.time_s - first.time_s);
+    assert!((drift.x - 1.5).abs() < 0.15 && (drift.z + 0.5).abs() < 0.05, "{drift}");
+}
+
+#[test]
+fn each_way_of_falling_is_what_it_is_called() {
+    let turns = |mix: Mix| {
+        let fall = fall(mix, calm(), Ground::new(-20.0, Vec::new()));
+        let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 40, ..fall });
+        // How often the upper side comes to lie below, a leaf and second.
+        let flips = leaves.iter().map(|leaf| {
+            let up = |at: u32| (leaf.rotation.at(2.0 + f64::from(at) / 60.0) * DVec3::Y).y > 0.0;
+            (0..240).filter(|&at| up(at) != up(at + 1)).count()
+        });
+        flips.sum::<usize>() as f64 / 40.0 / 4.0
+    };
+    // From any slope, so that a few turn over once at first.
+    assert!(turns(Mix { steady: 1.0, ..NO_WAY }) < 0.02);
+    let (flutter, tumble) = (turns(Mix { flutter: 1.0, ..NO_WAY }), turns(Mix { tumble: 1.0, ..NO_WAY }));
+    assert!(flutter < 0.5 && tumble > 1.5, "{flutter} {tumble}");
+    let chaotic = turns(Mix { chaotic: 1.0, ..NO_WAY });
+    assert!(flutter < chaotic, "{chaotic}");
+}
+
+#[test]
+fn helices_keep_their_radius_and_spirals_widen() {
+    let directions = |mix: Mix| {
+        let fall = fall(mix, calm(), Ground::new(-40.0, Vec::new()));
+        let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 30, ..fall });
+        // Mean speed of turning of the way over the ground, early and late.
+        let turning = |from_s: f64| {
+            let sum: f64 = (leaves.iter())
+                .map(|leaf| {
+                    let way = |at_s: f64| {
+                        let step = leaf.translation.at(at_s + 1.0) - leaf.translation.at(at_s);
+                        f64::atan2(step.z, step.x)
+                    };
+                    let turned = way(from_s + 0.5) - way(from_s);
+                    ((turned + PI).rem_euclid(2.0 * PI) - PI).abs() / 0.5
+                })
+                .sum();
+            sum / 30.0
+        };
+        (turning(2.0), turning(12.0))
+    };
+    let (early, late) = directions(Mix { helical: 1.0, ..NO_WAY });
+    assert!((0.7..1.4).contains(&(late / early)) && early > 1.0, "{early} {late}");
+    let (early, late) = directions(Mix { spiral: 1.0, ..NO_WAY });
+    assert!(late < 0.6 * early, "{early} {late}");
+}
+
+#[test]
+fn faster_leaves_fall_the_same_way_in_less_time() {
+    // Twice the speed is four times the weight: in calm air the same path.
+    let slow = bake(&Fall { count: 20, ..fall(every_way(), calm(), level()) });
+    let fast = bake(&Fall { speed_gain: 2.0, count: 20, ..fall(every_way(), calm(), level()) });
+    let duration_s = |leaf: &Fallen| {
+        leaf.translation.times_s().last().unwrap() - leaf.translation.times_s().first().unwrap()
+    };
+    let ratio: f64 =
+        slow.iter().zip(&fast).map(|(slow, fast)| duration_s(slow) / duration_s(fast)).sum::<f64>() / 20.0;
+    assert!((1.7..2.3).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn keys_are_few() {
+    let leaves = bake(&fall(every_way(), storm(), level()));
+    let keys: usize = leaves.iter().map(|leaf| leaf.translation.times_s().len()).sum();
+    let seconds: f64 =
+        leaves.iter().map(|leaf| leaf.translation.times_s().last().unwrap() - leaf.release_s).sum();
+    assert!(keys as f64 / seconds < 20.0, "{} keys a second", keys as f64 / seconds);
+}

@@ -1,0 +1,163 @@
+//! The air's velocity at any place and time. Invariant: eddies have no divergence, so that leaves
+//! neither gather nor thin out because of them, and every machine finds the same wind to the last bit.
+
+use crate::math::Chance;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Waves that eddies are made of.
+const WAVES: u32 = 10;
+/// Wave lengths, over the eddies' size: from the largest to the smallest.
+const LENGTHS: (f64, f64) = (1.6, 0.3);
+/// Energy over wave number falls as in turbulence, so that velocity goes as length to the third
+/// (Kolmogorov 1941).
+const VELOCITY_EXPONENT: f64 = 1.0 / 3.0;
+
+/// Mean wind, gusts and eddies.
+#[derive(Clone, Debug)]
+pub(crate) struct Wind {
+    mean: DVec3,
+    gust: DVec3,
+    gust_s: f64,
+    seed: u32,
+    waves: Vec<Wave>,
+}
+
+/// Air that moves to and fro across a direction.
+#[derive(Clone, Copy, Debug)]
+struct Wave {
+    /// Phase per metre, and per second beside what the mean wind carries past.
+    per_m: DVec3,
+    per_s: f64,
+    phase: f64,
+    /// At right angles to `per_m`: hence no divergence.
+    velocity: DVec3,
+}
+
+impl Wind {
+    /// `gust` is what the strongest gust adds, one every `gust_s` or so; `eddy_m_per_s` the root of the
+    /// mean square of the eddies' velocity, `eddy_m` their size.
+    pub(crate) fn new(
+        mean: DVec3,
+        (gust, gust_s): (DVec3, f64),
+        (eddy_m_per_s, eddy_m): (f64, f64),
+        seed: u32,
+    ) -> Self {
+        let mut waves = Vec::new();
+        if eddy_m_per_s > 0.0 {
+            waves.extend(
+                (0..WAVES).map(|number| wave(Chance::of(seed, number), number, eddy_m_per_s, eddy_m)),
+            );
+            let energy: f64 = waves.iter().map(|wave: &Wave| 0.5 * wave.velocity.length_squared()).sum();
+            waves.iter_mut().for_each(|wave| wave.velocity *= eddy_m_per_s / energy.sqrt());
+        }
+        Self { mean, gust, gust_s, seed, waves }
+    }
+
+    /// The air's velocity, m/s.
+    pub(crate) fn at(&self, place: DVec3, time_s: f64) -> DVec3 {
+        let mut velocity = self.mean;
+        if self.gust != DVec3::ZERO {
+            // Gusts come with the mean wind (Taylor's frozen turbulence).
+            let speed_squared = self.mean.length_squared();
+            let late_s = if speed_squared > 0.0 { place.dot(self.mean) / speed_squared } else { 0.0 };
+            velocity += self.gust * self.gustiness(time_s - late_s);
+        }
+        let carried = place - self.mean * time_s;
+        for wave in &self.waves {
+            let phase = wave.per_m.dot(carried) + wave.per_s * time_s + wave.phase;
+            velocity += wave.velocity * libm::cos(phase);
+        }
+        velocity
+    }
+
+    /// From 0 between gusts to at most 1 in them, with a continuous derivative.
+    fn gustiness(&self, time_s: f64) -> f64 {
+        let number = (time_s / self.gust_s).floor();
+        let within = time_s / self.gust_s - number;
+        let strength = Chance::of(self.seed, number as i64 as u32).at(u64::from(WAVES) * 8);
+        let bell = within * (1.0 - within);
+        16.0 * strength * bell * bell
+    }
+}
+
+fn wave(chance: Chance, number: u32, eddy_m_per_s: f64, eddy_m: f64) -> Wave {
+    let fraction = f64::from(number) / f64::from(WAVES - 1);
+    let length = LENGTHS.0 * libm::pow(LENGTHS.1 / LENGTHS.0, fraction);
+    let per_m = direction(chance, 0) * (TAU / (length * eddy_m));
+    // Any direction that is not the wave's own leaves a part across it.
+    let across = per_m.cross(direction(chance, 2)).normalize_or(per_m.any_orthonormal_vector());
+    let velocity = across * libm::pow(length, VELOCITY_EXPONENT);
+    // An eddy turns over in the time that its air takes to cross it.
+    let per_s = (2.0 * chance.at(4) - 1.0) * TAU * eddy_m_per_s / (length * eddy_m);
+    Wave { per_m, per_s, phase: TAU * chance.at(5), velocity }
+}
+
+/// A unit vector, all directions alike, from two draws.
+fn direction(chance: Chance, draw: u64) -> DVec3 {
+    let y = 1.0 - 2.0 * chance.at(draw);
+    let (sin, cos) = libm::sincos(TAU * chance.at(draw + 1));
+    let radius = (1.0 - y * y).max(0.0).sqrt();
+    DVec3::new(radius * cos, y, radius * sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn storm() -> Wind {
+        Wind::new(DVec3::new(3.0, 0.0, 1.0), (DVec3::new(4.0, 0.0, 0.0), 3.0), (1.5, 2.0), 7)
+    }
+
+    fn places() -> impl Iterator<Item = (DVec3, f64)> {
+        (0..4000).map(|item| {
+            let chance = Chance::of(1, item);
+            let place = DVec3::new(chance.at(0), chance.at(1), chance.at(2)) * 100.0;
+            (place, 50.0 * chance.at(3))
+        })
+    }
+
+    #[test]
+    fn calm_air_does_not_move() {
+        let calm = Wind::new(DVec3::ZERO, (DVec3::ZERO, 1.0), (0.0, 1.0), 3);
+        assert!(places().all(|(place, time_s)| calm.at(place, time_s) == DVec3::ZERO));
+    }
+
+    #[test]
+    fn eddies_have_no_divergence_and_the_speed_asked_for() {
+        let eddies = Wind::new(DVec3::X, (DVec3::ZERO, 1.0), (1.5, 2.0), 7);
+        let (step, mut square, mut count) = (1e-4, 0.0, 0.0);
+        for (place, time_s) in places() {
+            let difference = |axis: DVec3| {
+                (eddies.at(place + axis * step, time_s) - eddies.at(place - axis * step, time_s))
+                    / (2.0 * step)
+            };
+            let divergence = difference(DVec3::X).x + difference(DVec3::Y).y + difference(DVec3::Z).z;
+            assert!(divergence.abs() < 1e-6, "{divergence}");
+            square += (eddies.at(place, time_s) - DVec3::X).length_squared();
+            count += 1.0;
+        }
+        let rms = f64::sqrt(square / count);
+        assert!((rms - 1.5).abs() < 0.1, "{rms}");
+    }
+
+    #[test]
+    fn gusts_add_at_most_what_they_may_and_come_with_the_wind() {
+        let gusts = Wind::new(DVec3::X * 2.0, (DVec3::X * 4.0, 3.0), (0.0, 1.0), 7);
+        let speeds: Vec<f64> =
+            (0..3000).map(|step| gusts.at(DVec3::ZERO, 0.01 * f64::from(step)).x).collect();
+        let (low, high) = speeds.iter().fold((9.0_f64, 0.0_f64), |(low, high), &x| (low.min(x), high.max(x)));
+        assert!((2.0..2.1).contains(&low) && (4.0..=6.0).contains(&high), "{low} {high}");
+        // A place further down the wind has it later.
+        assert_eq!(gusts.at(DVec3::X * 6.0, 5.0), gusts.at(DVec3::ZERO, 2.0));
+    }
+
+    #[test]
+    fn wind_changes_smoothly() {
+        let wind = storm();
+        for (place, time_s) in places() {
+            let change = wind.at(place, time_s + 1e-4) - wind.at(place, time_s);
+            assert!(change.length() < 50.0 * 1e-4, "{change}");
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! A block of leaves that fall in, nodes with keys and instances out. Invariant: leaf `i` depends on the
+//! block's fields other than `count`, and on `i`; an object of its name goes before it.
+
+use super::Resolver;
+use crate::description::ron::{self, MAX_LEAVES};
+use crate::diagnostic::Diagnostic;
+use crate::scene::fall::{
+    Emitter, Fall, Fallen, Ground, LONGEST_FLIGHT_S, Mix, Outline, Species, Surface, Wind,
+};
+use crate::scene::{Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
+use glam::{DAffine3, DVec3};
+
+/// Leaves that start higher would be followed for minutes.
+const HIGHEST_START_M: f64 = 200.0;
+
+/// Meshes and materials of a species.
+type Dress = (Vec<MeshIndex>, Vec<MaterialIndex>);
+
+impl Resolver<'_> {
+    /// Lets the leaves of `block` fall.
+    pub(super) fn fall(&mut self, name: &str, block: &ron::Fall) {
+        let owner = format!("fall.{name}");
+        self.leaf_count = self.leaf_count.saturating_add(block.count.0);
+        if self.leaf_count > MAX_LEAVES {
+            let found = format!("with this block the scene has {} leaves", self.leaf_count);
+            let expected = format!("at most {MAX_LEAVES} leaves in all");
+            self.problems.error(&format!("{owner}.count"), found, &expected, "use fewer leaves");
+            return;
+        }
+        let species = self.species(&owner, block);
+        let emitter = self.emitter(&owner, &block.emitter);
+        let wind = self.wind(&owner, &block.wind);
+        let mix = self.mix(&owner, block.motion.as_ref());
+        let ground = self.ground(&owner, &block.ground);
+        let (Some((species, dresses)), Some(emitter), Some(wind), Some(mix), Some(ground)) =
+            (species, emitter, wind, mix, ground)
+        else {
+            return;
+        };
+        let height_m = emitter.highest_m() - block.ground.height_m.si();
+        if height_m > HIGHEST_START_M {
+            let found = format!("leaves would start {height_m} m above the ground");
+            let expected = format!("at most {HIGHEST_START_M} m from `ground.height_m` to the highest leaf");
+            let remedy = "lower the emitter, or raise `ground.height_m`";
+            self.problems.error(&format!("{owner}.emitter"), found, &expected, remedy);
+            return;
+        }
+        let fall = Fall {
+            count: block.count.0,
+            seed: block.seed,
+            species,
+            mix,
+            emitter,
+            wind,
+            ground,
+            release_s: (block.release_s.at(0.0), block.release_s.at(1.0)),
+            speed_gain: block.speed.si(),
+        };
+        let leaves = fall.bake(&|_| {});
+        let in_the_air = leaves.iter().filter(|leaf| !leaf.landed).count();
+        if in_the_air > 0 {
+            let found = format!(
+                "{in_the_air} of {} leaves are in the air for longer than {LONGEST_FLIGHT_S} s, and stay there",
+                leaves.len()
+            );
+            self.scene.remarks.push(Diagnostic::warning(self.problems.place(&owner), found));
+        }
+        for (number, leaf) in leaves.into_iter().enumerate() {
+            self.fallen(format!("{name}.{number}"), leaf, &dresses, block.attached);
+        }
+    }
+
+    /// Puts one leaf into the scene.
+    fn fallen(&mut self, name: String, leaf: Fallen, dresses: &[Dress], attached: bool) {
+        let (meshes, materials) = &dresses[leaf.species];
+        let mesh = meshes[leaf.outline];
+        let material = materials.get((leaf.material * materials.len() as f64) as usize).copied();
+        if let Some(&node) = self.nodes.get(name.as_str()) {
+            // The author has keyed this one; what the object shows itself is placed already.
+            if self.file.objects.get(&name).is_some_and(|object| object.mesh.is_none()) {
+                let scale = Motion::Still(DAffine3::from_scale(DVec3::splat(leaf.scale)));
+                let node = self.node(name, Some(node), scale);
+                self.instance(node, mesh, material);
+            }
+            return;
+        }
+        let motion = Motion::Keyed {
+            translation: leaf.translation,
+            rotation: Rotation::Quaternion(leaf.rotation),
+            scale: DVec3::splat(leaf.scale).into(),
+        };
+        let node = self.node(name, None, motion);
+        if !attached {
+            let key = |time_s, value| Key { time_s, value, to_next: Segment::Step };
+            let keys = vec![key(leaf.release_s - 1.0, false), key(leaf.release_s, true)];
+            if let Some(visible) = Track::new(keys, Extend::Hold) {
+                self.scene.nodes[node].visible = visible;
+            }
+        }
+        self.instance(node, mesh, material);
+    }
+
+    fn species(&mut self, owner: &str, block: &ron::Fall) -> Option<(Vec<Species>, Vec<Dress>)> {
+        if block.species.is_empty() {
+            let remedy = "add `species: [(meshes: [\"leaf\"], length_m: 0.08)]`";
+            let field = format!("{owner}.species");
+            self.problems.error(&field, "the list is empty", "at least one species", remedy);
+            return None;
+        }
+        let all = block.species.iter().enumerate();
+        let found: Vec<_> =
+            all.map(|(at, species)| self.one_species(&format!("{owner}.species[{at}]"), species)).collect();
+        found.into_iter().collect::<Option<Vec<_>>>().map(|found| found.into_iter().unzip())
+    }
+
+    fn one_species(&mut self, owner: &str, species: &ron::Species) -> Option<(Species, Dress)> {
+        let meshes = self.leaf_meshes(owner, &species.meshes);
+        let materials = self.leaf_materials(owner, &species.materials);
+        let (meshes, materials) = (meshes?, materials?);
+        let outlines: Vec<_> = (meshes.iter())
+            .map(|&mesh| Outline::new(self.scene.meshes[mesh].positions.iter().map(|point| point.as_dvec3())))
+            .collect();
+        if let Some(at) = outlines.iter().position(Option::is_none) {
+            let found =
+                format!("the mesh `{}` has no length along z or no width along x", species.meshes[at]);
+            let remedy = "turn the mesh so that the leaf lies flat, its tip towards -z";
+            self.problems.error(&format!("{owner}.meshes[{at}]"), found, "a leaf in the x-z plane", remedy);
+        }
+        let range = |span: ron::Span<ron::LeafLength>| (span.at(0.0), span.at(1.0));
+        let mass = species.areal_mass_kg_per_m2;
+        let resolved = Species {
+            share: species.share.si(),
+            outlines: outlines.into_iter().collect::<Option<_>>()?,
+            length_m: range(species.length_m),
+            width_m: species.width_m.map(range),
+            areal_mass_kg_per_m2: (mass.at(0.0), mass.at(1.0)),
+            curl: (species.curl_deg.at(0.0), species.curl_deg.at(1.0)),
+        };
+        Some((resolved, (meshes, materials)))
+    }
+
+    fn emitter(&mut self, owner: &str, emitter: &ron::Emitter) -> Option<Emitter> {
+        let owner = format!("{owner}.emitter");
+        match emitter {
+            ron::Emitter::Box { min_m, max_m } => {
+                let (low, high) = (min_m.si(), max_m.si());
+                if !low.cmple(high).all() {
+                    let found = "`min_m` has a larger coordinate than `max_m`";
+                    self.problems.error(&owner, found, "min_m <= max_m in x, y and z", "exchange the two");
+                    return None;
+                }
+                Some(Emitter::Box(low, high))
+            }
+            ron::Emitter::Ellipsoid { center_m, radii_m } => {
+                Some(Emitter::Ellipsoid(center_m.si(), radii_m.si()))
+            }
+            ron::Emitter::Surface { object } => {
+                let field = format!("{owner}.object");
+                let surface = Surface::new(self.still_triangles(&field, object)?);
+                if surface.is_none() {
+                    let found = format!("the mesh of `{object}` has no area");
+                    let remedy = "name an object with a mesh that can be seen";
+                    self.problems.error(&field, found, "a surface", remedy);
+                }
+                surface.map(Emitter::Surface)
+            }
+        }
+    }
+
+    fn wind(&mut self, owner: &str, wind: &ron::Wind) -> Option<Wind> {
+        let (mean, gust) = (wind.mean_m_per_s.si(), wind.gust_m_per_s.si());
+        if mean.y != 0.0 {
+            let found = "the mean wind blows up or down, for ever";
+            let remedy = "make its y 0; gusts and eddies go up and down";
+            let field = format!("{owner}.wind.mean_m_per_s");
+            self.problems.error(&field, found, "a wind along the ground", remedy);
+            return None;
+        }
+        let eddies = (wind.eddy_m_per_s.si(), wind.eddy_m.si());
+        Some(Wind::new(mean, (gust, wind.gust_s.si()), eddies, wind.seed))
+    }
+
+    /// `Some(None)` is a fall without a mix.
+    fn mix(&mut self, owner: &str, motion: Option<&ron::Motion>) -> Option<Option<Mix>> {
+        let Some(motion) = motion else { return Some(None) };
+        let mix = Mix {
+            steady: motion.steady.si(),
+            flutter: motion.flutter.si(),
+            tumble: motion.tumble.si(),
+            chaotic: motion.chaotic.si(),
+            helical: motion.helical.si(),
+            spiral: motion.spiral.si(),
+        };
+        let sum = mix.steady + mix.flutter + mix.tumble + mix.chaotic + mix.helical + mix.spiral;
+        if sum == 0.0 {
+            let expected = "a share of `steady`, `flutter`, `tumble`, `chaotic`, `helical` or `spiral`";
+            let remedy = "give one of them a share, or take `motion` out";
+            self.problems.error(&format!("{owner}.motion"), "all shares are 0", expected, remedy);
+            return None;
+        }
+        Some(Some(mix))
+    }
+
+    fn ground(&mut self, owner: &str, ground: &ron::FallGround) -> Option<Ground> {
+        let triangles = match &ground.object {
+            None => Vec::new(),
+            Some(object) => self.still_triangles(&format!("{owner}.ground.object"), object)?,
+        };
+        Some(Ground::new(ground.height_m.si(), triangles))
+    }
+
+    /// The triangles of an object's mesh in the world, if it never moves.
+    fn still_triangles(&mut self, field: &str, name: &str) -> Option<Vec<[DVec3; 3]>> {
+        let node = self.problems.find(field, "object", name, &self.nodes)?;
+        let mut world_from_node = DAffine3::IDENTITY;
+        let mut next = Some(node);
+        while let Some(node) = next {
+            let Motion::Still(parent_from_node) = self.scene.nodes[node].motion else {
+                let found = format!("the object `{name}` moves, or follows one that does");
+                let remedy = "name an object without keys";
+                self.problems.error(field, found, "an object that stays where it is", remedy);
+                return None;
+            };
+            world_from_node = parent_from_node * world_from_node;
+            next = self.scene.nodes[node].parent;
+        }
+        let instance = self.scene.instances.iter().find(|instance| instance.node == node);
+        let Some(instance) = instance else {
+            let remedy = "name an object with a `mesh`";
+            self.problems.error(field, format!("the object `{name}` has no mesh to see"), "a mesh", remedy);
+            return None;
+        };
+        let mesh = &self.scene.meshes[instance.mesh];
+        let point =
+            |vertex: u32| world_from_node.transform_point3(mesh.positions[vertex as usize].as_dvec3());
+        Some(mesh.triangles.iter().map(|triangle| triangle.vertices.map(point)).collect())
+    }
+}

@@ -1,0 +1,134 @@
+//! `fall` blocks from outside: the same leaves whatever is asked of the scene, an author's own keys, and
+//! the way through glTF.
+#![allow(clippy::unwrap_used)]
+
+use glam::DVec3;
+use std::path::Path;
+use sunfleck::scene::{self, RenderSettings, Scene};
+use sunfleck::{description, export};
+
+fn resolved(path: &Path) -> (Scene, RenderSettings) {
+    scene::resolve(description::load(path).unwrap(), None).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+/// A scene of one fall, with more objects and fields of the block.
+fn scene_file(objects: &str, fields: &str) -> String {
+    format!(
+        r#"Scene(version: 1, cameras: {{ "main": () }},
+        meshes: {{ "leaf": Leaf(length_m: 0.1, width_m: 0.06, curl_deg: 30.0), "crown": Sphere(radius_m: 0.5) }},
+        objects: {{ "tree": (mesh: "crown", translation_m: (0.0, 3.0, 0.0)), {objects} }},
+        fall: {{ "autumn": (count: 12, seed: 8, release_s: (0.0, 2.0), species: [(meshes: ["leaf"], length_m: (0.06, 0.1))],
+            motion: (flutter: 1.0, tumble: 1.0, helical: 1.0), {fields}) }})"#
+    )
+}
+
+const FROM_A_BOX: &str = "emitter: Box(min_m: (-1.0, 2.0, -1.0), max_m: (1.0, 3.0, 1.0))";
+
+fn scene_of(objects: &str, fields: &str) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, scene_file(objects, fields)).unwrap();
+    resolved(&path).0
+}
+
+/// Where the middle of every leaf is, by name.
+fn leaves(scene: &Scene, time_s: f64) -> Vec<(String, DVec3, bool)> {
+    let placements = scene.placements(time_s);
+    let leaves = scene.instances.iter().filter(|instance| scene.meshes[instance.mesh].name == "leaf");
+    leaves
+        .map(|leaf| {
+            let positions = &scene.meshes[leaf.mesh].positions;
+            let low = positions.iter().copied().reduce(|a, b| a.min(b)).unwrap();
+            let high = positions.iter().copied().reduce(|a, b| a.max(b)).unwrap();
+            let placement = placements[leaf.node];
+            let middle = placement.world_from_node.transform_point3((0.5 * (low + high)).as_dvec3());
+            (scene.nodes[leaf.node].name.clone(), middle, placement.visible)
+        })
+        .collect()
+}
+
+#[test]
+fn frames_and_frame_rates_do_not_change_the_leaves() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.ron"), scene_file("", FROM_A_BOX)).unwrap();
+    let sequence = |name: &str, fields: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, format!("Sequence(version: 1, scene: \"scene.ron\", {fields})")).unwrap();
+        resolved(&path).0
+    };
+    let slow = sequence("slow.ron", "frames: (1, 48), frame_rate: 24");
+    let fast = sequence("fast.ron", "frames: (60, 61), frame_rate: 60");
+    for second in 0..8 {
+        assert_eq!(leaves(&slow, f64::from(second)), leaves(&fast, f64::from(second)));
+    }
+}
+
+#[test]
+fn leaves_hang_on_the_surface_of_an_object() {
+    let scene = scene_of("", "emitter: Surface(object: \"tree\")");
+    for (name, middle, visible) in leaves(&scene, -1.0) {
+        let radius = (middle - DVec3::Y * 3.0).length();
+        assert!((0.49..=0.5001).contains(&radius) && visible, "{name} {radius}");
+    }
+    // And all of them lie on the ground in the end.
+    assert!(leaves(&scene, 100.0).iter().all(|(_, middle, _)| (0.0..0.05).contains(&middle.y)));
+}
+
+#[test]
+fn leaves_that_are_not_attached_are_not_there_before() {
+    let scene = scene_of("", &format!("{FROM_A_BOX}, attached: false"));
+    assert!(leaves(&scene, -0.5).iter().all(|(_, _, visible)| !visible));
+    assert!(leaves(&scene, 2.5).iter().all(|(_, _, visible)| *visible));
+    let some = leaves(&scene, 1.0).iter().filter(|(_, _, visible)| *visible).count();
+    assert!(0 < some && some < 12);
+}
+
+#[test]
+fn an_object_of_a_leafs_name_takes_its_place() {
+    let keys = "Keyed(keys: [(at_s: 0.0, value: (5.0, 1.0, 0.0)), (at_s: 1.0, value: (6.0, 1.0, 0.0))])";
+    let objects = format!(
+        "\"autumn.3\": (translation_m: {keys}), \"autumn.5\": (mesh: \"crown\", translation_m: (9.0, 0.0, 0.0)),"
+    );
+    let (keyed, free) = (scene_of(&objects, FROM_A_BOX), scene_of("", FROM_A_BOX));
+    let (keyed_leaves, free_leaves) = (leaves(&keyed, 0.5), leaves(&free, 0.5));
+    assert_eq!((keyed_leaves.len(), free_leaves.len()), (11, 12));
+    for (name, middle, _) in &keyed_leaves {
+        let free = free_leaves.iter().find(|(other, _, _)| other == name).unwrap();
+        if name == "autumn.3" {
+            assert!((*middle - DVec3::new(5.5, 1.0, 0.0)).length() < 0.05, "{middle}");
+        } else {
+            assert_eq!(*middle, free.1, "{name}");
+        }
+    }
+    assert!(!keyed_leaves.iter().any(|(name, _, _)| name == "autumn.5"));
+}
+
+#[test]
+fn leaves_fall_the_same_way_through_gltf() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, scene_file("", &format!("{FROM_A_BOX}, attached: false"))).unwrap();
+    let (scene, settings) = resolved(&path);
+    let settings = RenderSettings { frames: 1..=120, ..settings };
+    let exported = export::glb(&scene, &settings).unwrap();
+    assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
+    let path = folder.path().join("scene.glb");
+    std::fs::write(&path, [exported.head, exported.binary].concat()).unwrap();
+    let (again, _) = resolved(&path);
+    // Not only at frames: the curves themselves are carried.
+    for moment in 5..480 {
+        let time_s = f64::from(moment) / 96.0;
+        for ((name, middle, visible), (_, again, visible_again)) in
+            leaves(&scene, time_s).into_iter().zip(leaves(&again, time_s))
+        {
+            assert!((middle - again).length() < 1e-5, "{name} at {time_s} s: {middle} {again}");
+            assert_eq!(visible, visible_again, "{name} at {time_s} s");
+        }
+    }
+}
+
+#[test]
+fn leaves_that_never_land_are_remarked_upon() {
+    let scene = scene_of("", "emitter: Box(min_m: (0.0, 150.0, 0.0), max_m: (0.0, 151.0, 0.0))");
+    assert!(scene.remarks.to_string().contains("fall.autumn: warning: "), "{}", scene.remarks);
+}
