@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 /// More leaves than this in one block are refused: each has keys of its own.
-pub const MOST_FALLING: u32 = 200_000;
+pub const MOST_FALLING: u32 = 50_000;
 
 /// Leaves that fall as leaves fall.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
