@@ -56,11 +56,12 @@ fn a_disc_is_as_bright_as_parallel_light() {
             let light = Light { name: String::new(), node: 0, power: Track::from(power), kind };
             let sun = Luminaire::new(&light, DAffine3::IDENTITY, 0.0);
             // It shines along -Z.
-            let count = 1 << 16;
+            let count = 1 << 18;
             let (mut by_points, mut by_sight) = (Rgb::ZERO, Rgb::ZERO);
             let radius = (0.5 * diameter_deg.to_radians()).sin();
             for index in 0..count {
-                let mut sampler = Sampler::new(1, 0, 0, index);
+                // A pixel's points repeat after so many.
+                let mut sampler = Sampler::new(1, index / Sampler::MAX_SAMPLES, 0, index);
                 let (to_light, _, irradiance) = sun.point(sampler.next_3d()).arriving_at(DVec3::ZERO);
                 by_points += irradiance * to_light.z / f64::from(count);
                 // Uniform over the square around the disc's projection, where cos dw = dx dy.

@@ -8,8 +8,8 @@ use std::path::Path;
 use sunfleck::math::Ray;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Extend, Instance, Key, Mesh, Motion, Pass, Rotation, Sampling, Scene, Segment, Size, Track, Triangle,
-    Window,
+    Extend, Instance, Key, Lens, Mesh, Motion, Pass, Rotation, Sampling, Scene, Segment, Size, Track,
+    Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, MotionField, Shutter, Snapshot};
 use sunfleck::{description, scene};
@@ -123,7 +123,7 @@ fn a_camera_that_pans() {
         // Turned by an angle, the camera sees all of it turned the other way.
         let (before, now, after) = (seen_from(angle), 18.0 * place, seen_from(-angle));
         let (back, forth) = (before - now, now - after);
-        assert_vector(vector, [back.x, back.y, forth.x, forth.y], 2e-4);
+        assert_vector(vector, [back.x, back.y, forth.x, forth.y], 1e-3);
         (walls, skies) = if depth < 1e9 { (walls + 1, skies) } else { (walls, skies + 1) };
         if place.abs().max_element() < 0.03 {
             assert!((vector[0].abs() - shift).abs() < 2e-3, "{vector:?} {shift}");
@@ -164,11 +164,11 @@ fn assert_equal_to_vertices(scene: &Scene, times_s: [f64; 3], least: usize) {
             0.5 * DVec2::new(SIZE.width as f64, SIZE.height as f64) * DVec2::new(clip.x, clip.y) / clip.w
         });
         let (back, forth) = (places[0] - places[1], places[1] - places[2]);
-        assert_vector(found, [back.x, back.y, forth.x, forth.y], 2e-3);
+        assert_vector(found, [back.x, back.y, forth.x, forth.y], 1e-3);
         hits += 1;
         moved = moved.max(back.length());
     }
-    assert!(hits >= least && moved > 0.3, "{hits} hits, by up to {moved} pixels");
+    assert!(hits >= least && moved > 0.02, "{hits} hits, by up to {moved} pixels");
 }
 
 #[test]
@@ -192,9 +192,9 @@ fn meshes_that_bend() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blender").join(name);
         let (mut scene, settings) =
             scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene");
-        // They bend slowly: so many frames apart it is pixels.
-        let (first, last) = (*settings.frames.start() as f64, *settings.frames.end() as f64);
-        let times_s = [first, 0.5 * (first + last), last].map(|frame| settings.frame_rate.seconds(frame));
+        let middle = 0.5 * (*settings.frames.start() + *settings.frames.end()) as f64;
+        // They bend slowly: so many frames apart, it shows.
+        let times_s = [-3.0, 0.0, 3.0].map(|offset| settings.frame_rate.seconds(middle + offset));
         // Close to the first that bends.
         let placements = scene.placements(times_s[1]);
         let bent =
@@ -205,12 +205,13 @@ fn meshes_that_bend() {
             points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         let (centre, size) = (0.5 * (low + high), (high - low).length());
         let motion = Motion::Aimed {
-            position: (centre + 0.7 * size * DVec3::new(0.6, 0.8, 1.0)).into(),
+            position: (centre + 4.0 * size * DVec3::new(0.6, 0.8, 1.0)).into(),
             target: centre.into(),
             up: DVec3::Y.into(),
         };
+        scene.cameras[0].lens = Lens::Perspective { fov_y: 0.25.into() };
         let node = scene.cameras[0].node;
         (scene.nodes[node].motion, scene.nodes[node].parent) = (motion, None);
-        assert_equal_to_vertices(&scene, times_s, 20);
+        assert_equal_to_vertices(&scene, times_s, 10);
     }
 }

@@ -387,12 +387,12 @@ fn pixels_equal_those_of_mitsuba() {
             add_fog(&mut scene, low, high, sigma_t, albedo, 0.5);
         }
         let exposure = Exposure::new(&scene, &MeshTrees::new(&scene), 0, 1.5, INSTANT);
-        let pictures = [1, 2].map(|seed| {
+        let pictures = [1, 2, 3, 4, 5, 6, 7, 8].map(|seed| {
             let job = Job {
                 size,
                 window: Window::whole(size),
                 passes: vec![],
-                sampling: Sampling::Exactly(2048),
+                sampling: Sampling::Exactly(1024),
                 seed,
                 transport: EXACT,
                 placement: Placement::Pixels,
@@ -402,19 +402,20 @@ fn pixels_equal_those_of_mitsuba() {
         let (means, errors) = (numbers(name, "mean"), numbers(name, "standard_error"));
         let (mut ours, mut theirs, mut squares) = (0.0, 0.0, 0.0);
         for (index, (mean, error)) in means.iter().zip(&errors).enumerate() {
-            let [a, b] = [0, 1].map(|picture: usize| {
-                let channel = pictures[picture].channel(["R", "G", "B"][index % 3]).expect("a colour");
+            let values = pictures.each_ref().map(|picture| {
+                let channel = picture.channel(["R", "G", "B"][index % 3]).expect("a colour");
                 f64::from(channel.pixels[index / 3])
             });
+            let value = values.iter().sum::<f64>() / 8.0;
+            let own = values.iter().map(|v| (v - value).powi(2)).sum::<f64>() / (7.0 * 8.0);
             // What has no variance is off by no more than single precision.
-            let rounding = (1e-4 * mean).powi(2);
-            let (value, variance) = (0.5 * (a + b), error * error + 0.25 * (a - b).powi(2) + rounding);
+            let variance = error * error + own + (1e-4 * mean).powi(2);
             let off = (value - mean).abs();
-            assert!(off <= 5.0 * variance.sqrt(), "{name} {index}: {value} {mean} +- {error}");
+            assert!(off <= 6.0 * variance.sqrt(), "{name} {index}: {value} {mean} +- {error}");
             (ours, theirs, squares) = (ours + value, theirs + mean, squares + off * off / variance);
         }
         let (ratio, z) = (ours / theirs, (squares / means.len() as f64).sqrt());
         println!("{name}: mean ratio {ratio:.5}, root mean square of z {z:.2}");
-        assert!((ratio - 1.0).abs() < 1.5e-3 && z < 1.6, "{name}: {ratio} {z}");
+        assert!((ratio - 1.0).abs() < 3e-3 && z < 1.5, "{name}: {ratio} {z}");
     }
 }
