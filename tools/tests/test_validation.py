@@ -171,6 +171,11 @@ class Apart(WithSequence):
             frame_path(self.folder, number).write_bytes(frame_path(self.folder, 1).read_bytes())
         self.assertEqual(self.found("stuck"), [2])
 
+    def test_ids_of_cryptomatte_may_be_any_floats(self):
+        for path in self.folder.iterdir():
+            rewrite(path, lambda c: {**c, "CryptoObject00.R": np.full_like(c["Z"], -1.5e-20)})
+        self.assertEqual([f.line() for f in validate(self.folder, HERE).findings], [])
+
     def test_no_sequence_at_all(self):
         with self.assertRaises(SequenceError):
             validate(self.folder / "x.exr", HERE)

@@ -12,7 +12,7 @@ from ..frame import Frame
 
 LARGEST_HALF = 65504.0
 SIGNED = re.compile(r"(^|\.)(normal|position|motion|vector|velocity|uv|crypto\w*)\.", re.IGNORECASE)
-"""Layers whose values may be negative."""
+"""Layers whose values may be negative; Cryptomatte keeps hashes in the bits of floats."""
 ALPHA_ROUNDING = 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 
