@@ -3,6 +3,7 @@
 The truth is what OpenEXR reads, in the process of the tools: Blender brings an OpenEXR of its own.
 """
 
+import json
 import shutil
 import subprocess
 import tempfile
@@ -16,18 +17,24 @@ from sunfleck import frames
 from test_review import DATA, PROGRAM, TOOLS, run
 
 WIDTH, HEIGHT = 32, 18
-PASSES = "shafts,transmittance,depth,normal,position,albedo,leaf-id"
+PASSES = "shafts,transmittance,depth,normal,position,albedo,leaf-id,motion,cryptomatte"
 # Blender's name, and the file's channels.
 NAMES = {
     "Combined": "RGBA", "Depth": "Z", "Normal": "Normal", "Position": "Position", "albedo": "albedo", "leaf_id": "leaf_id",
-    "shafts": "shafts", "transmittance": "transmittance",
+    "shafts": "shafts", "transmittance": "transmittance", "Vector": "Vector",
 }  # fmt: skip
 READ = """
 import sys, numpy, OpenEXR
 channels = OpenEXR.File(sys.argv[1]).channels()
-split = lambda name: [channels[f"{name}.{axis}"].pixels for axis in "XYZ" if f"{name}.{axis}" in channels]
+split = lambda name: [channels[f"{name}.{axis}"].pixels for axis in "XYZW" if f"{name}.{axis}" in channels]
 found = {name: channels[name].pixels if name in channels else numpy.stack(split(name), axis=-1) for name in sys.argv[3:]}
-numpy.savez(sys.argv[2], **{name: numpy.float32(values).reshape(*values.shape[:2], -1) for name, values in found.items()})
+# Ranks of an id and its coverage; ids as the manifest has them.
+ranks = numpy.concatenate([channels[f"CryptoObject0{layer}"].pixels for layer in range(3)], axis=-1)
+header = OpenEXR.File(sys.argv[1]).header()
+found |= {"coverages": ranks[..., 1::2]}
+ids = numpy.ascontiguousarray(ranks[..., 0::2]).view(numpy.uint32)
+manifest = next(value for name, value in header.items() if name.endswith("/manifest"))
+numpy.savez(sys.argv[2], ids=ids, manifest=manifest, **{name: numpy.float32(values).reshape(*values.shape[:2], -1) for name, values in found.items()})
 """
 
 
@@ -106,6 +113,26 @@ class Compositor(unittest.TestCase):
         self.tree.links.new(self.image.outputs["leaf_id"], mask.inputs[0])
         found = self.composited(mask.outputs[0], 2)[..., 0]
         np.testing.assert_array_equal(found > 0.5, ids == chosen)
+
+    def test_a_leaf_is_picked_by_its_name(self):
+        truth = self.truth(2)
+        manifest = {name: int(number, 16) for name, number in json.loads(str(truth["manifest"])).items()}
+        self.assertIn("ground", manifest)
+        node = self.tree.nodes.new("CompositorNodeCryptomatteV2")
+        node.source, node.image, node.layer_name = "IMAGE", self.image.image, "CryptoObject"
+        node.frame_start, node.frame_duration = self.image.frame_start, self.image.frame_duration
+        shares = {name: np.where(truth["ids"] == number, truth["coverages"], 0).sum(axis=-1) for name, number in manifest.items()}
+        leaf = max((name for name in shares if name.startswith("falling.")), key=lambda name: shares[name].sum())
+        for name in (leaf, "hanging leaf", "ground"):
+            node.matte_id = name
+            found = self.composited(node.outputs["Matte"], 2)[..., 0]
+            np.testing.assert_allclose(found, shares[name], atol=1e-6, err_msg=name)
+            self.assertTrue(((found > 0) & (found < 1)).any(), f"{name} has no edge")
+        # What the pixel's middle shows has a share in it: the numbers and the names speak of the same leaf.
+        numbers = truth["leaf_id"][..., 0]
+        seen = {number for number in numbers[shares[leaf] == shares[leaf].max()] if number}
+        self.assertEqual(len(seen), 1)
+        self.assertTrue((shares[leaf][numbers == seen.pop()] > 0).all())
 
 
 if __name__ == "__main__":
