@@ -24,7 +24,7 @@ const MOST_ON_SHEET: usize = 64;
 /// Where frames come from.
 enum Source {
     /// Drawn.
-    Scene { scene: Box<Scene>, trees: MeshTrees, camera: usize, size: Size, rate: FrameRate },
+    Scene { scene: Box<Scene>, trees: MeshTrees, camera: usize, size: Size, settings: RenderSettings },
     /// Read.
     Files(BTreeMap<i64, PathBuf>),
 }
@@ -97,8 +97,9 @@ impl Source {
             let found = format!("{}x{} pixels are too many for a preview", size.width, size.height);
             return Err(usage("--size", found, &format!("at most {LARGEST_PICTURE} pixels")));
         }
-        let (trees, rate) = (MeshTrees::new(&scene), settings.frame_rate);
-        Ok((Self::Scene { scene: Box::new(scene), trees, camera, size, rate }, settings))
+        let trees = MeshTrees::new(&scene);
+        let source = Self::Scene { scene: Box::new(scene), trees, camera, size, settings: settings.clone() };
+        Ok((source, settings))
     }
 
     /// The EXR files of a folder, by the number that their names end in.
@@ -150,9 +151,9 @@ impl Source {
 
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
-            Self::Scene { scene, trees, camera, size, rate } => {
+            Self::Scene { scene, trees, camera, size, settings } => {
                 let aspect = size.width as f64 / size.height as f64;
-                let shutter = Shutter::instant(rate.seconds(frame as f64));
+                let shutter = Shutter::of(settings, frame as f64);
                 Ok(scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), *size))
             }
             Self::Files(files) => Ok(frame_file::read(&files[&frame])?.frame),

@@ -1,0 +1,140 @@
+//! A look at frames while they are rendered, in the viewer tev. In go pictures as they come, out go packets of its protocol over
+//! TCP. Invariant: whatever the viewer does, rendering neither waits for it nor fails; what it misses are looks in between.
+
+mod packet;
+
+use super::tell;
+use crate::film::Frame;
+use std::collections::VecDeque;
+use std::io::Write;
+use std::net::{TcpStream, ToSocketAddrs};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Where tev listens unless it is told otherwise.
+const PORT: u16 = 14158;
+
+/// A viewer that does not take a packet for so long is gone.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Pictures that wait for the viewer; of more the oldest are forgotten.
+const MOST_WAITING: usize = 4;
+
+/// The connection, if there is to be one.
+pub(super) struct Live {
+    queue: Option<Arc<Queue>>,
+    sender: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Queue {
+    state: Mutex<State>,
+    news: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    /// Names, and what is known of these pictures.
+    waiting: VecDeque<(String, Frame)>,
+    /// No more will come.
+    over: bool,
+    /// The viewer is gone: nothing need be kept for it.
+    gone: bool,
+}
+
+impl Live {
+    /// Connects on a thread of its own; without an address nothing happens.
+    pub(super) fn new(address: Option<&str>) -> Self {
+        let Some(address) = address.map(with_port) else { return Self { queue: None, sender: None } };
+        let queue = Arc::new(Queue::default());
+        let sender = {
+            let queue = Arc::clone(&queue);
+            std::thread::spawn(move || {
+                if let Err(error) = send(&address, &queue) {
+                    queue.lock().gone = true;
+                    tell(&format!(
+                        "warning: --live: the viewer at {address} is not to be had: {error}\n  expected: tev, listening there\n  \
+                         remedy: start tev (`tev --host {address}`) before rendering; frames are rendered all the same"
+                    ));
+                }
+            })
+        };
+        Self { queue: Some(queue), sender: Some(sender) }
+    }
+
+    /// Whether anybody may be looking.
+    pub(super) fn is_on(&self) -> bool {
+        self.queue.as_ref().is_some_and(|queue| !queue.lock().gone)
+    }
+
+    /// Shows a picture, or a newer state of it. Never waits.
+    pub(super) fn show(&self, name: &str, frame: &Frame) {
+        let Some(queue) = self.queue.as_ref().filter(|_| self.is_on()) else { return };
+        let mut state = queue.lock();
+        // What was not sent yet of the same picture is out of date.
+        state.waiting.retain(|(waiting, _)| waiting != name);
+        if state.waiting.len() >= MOST_WAITING {
+            state.waiting.pop_front();
+        }
+        state.waiting.push_back((name.to_owned(), frame.clone()));
+        queue.news.notify_one();
+    }
+}
+
+impl Drop for Live {
+    /// The last pictures are still sent.
+    fn drop(&mut self) {
+        if let Some(queue) = &self.queue {
+            queue.lock().over = true;
+            queue.news.notify_one();
+        }
+        if let Some(sender) = self.sender.take() {
+            // It has spoken of its troubles already.
+            let _ = sender.join();
+        }
+    }
+}
+
+impl Queue {
+    fn lock(&self) -> std::sync::MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next picture, once there is one; `None` at the end.
+    fn next(&self) -> Option<(String, Frame)> {
+        let mut state = self.lock();
+        loop {
+            match state.waiting.pop_front() {
+                Some(next) => return Some(next),
+                None if state.over => return None,
+                None => state = self.news.wait(state).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+}
+
+fn with_port(address: &str) -> String {
+    // The colons of an address of the sixth version stand in brackets.
+    let has_port = address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok());
+    if has_port { address.to_owned() } else { format!("{address}:{PORT}") }
+}
+
+/// Sends what comes until no more will come.
+fn send(address: &str, queue: &Queue) -> std::io::Result<()> {
+    let mut addresses = address.to_socket_addrs()?;
+    let place = addresses.next().ok_or(std::io::ErrorKind::AddrNotAvailable)?;
+    let mut stream = TcpStream::connect_timeout(&place, PATIENCE)?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let mut created: Option<String> = None;
+    while let Some((name, frame)) = queue.next() {
+        if created.as_ref() != Some(&name) {
+            stream.write_all(&packet::create_image(&name, &frame))?;
+            created = Some(name.clone());
+        }
+        for update in packet::updates(&name, &frame) {
+            stream.write_all(&update)?;
+        }
+    }
+    Ok(())
+}
