@@ -24,9 +24,18 @@ const MOST_ON_SHEET: usize = 64;
 /// Where frames come from.
 enum Source {
     /// Drawn.
-    Scene { scene: Box<Scene>, trees: MeshTrees, camera: usize, size: Size, settings: RenderSettings },
+    Scene(Box<Drawn>),
     /// Read.
     Files(BTreeMap<i64, PathBuf>),
+}
+
+/// A scene to be drawn.
+struct Drawn {
+    scene: Scene,
+    trees: MeshTrees,
+    camera: usize,
+    size: Size,
+    settings: RenderSettings,
 }
 
 /// What becomes of the pictures.
@@ -98,8 +107,8 @@ impl Source {
             return Err(usage("--size", found, &format!("at most {LARGEST_PICTURE} pixels")));
         }
         let trees = MeshTrees::new(&scene);
-        let source = Self::Scene { scene: Box::new(scene), trees, camera, size, settings: settings.clone() };
-        Ok((source, settings))
+        let drawn = Drawn { scene, trees, camera, size, settings: settings.clone() };
+        Ok((Self::Scene(Box::new(drawn)), settings))
     }
 
     /// The EXR files of a folder, by the number that their names end in.
@@ -136,7 +145,7 @@ impl Source {
     /// Of frames that were asked for those that there are.
     fn existing(&self, frames: &FrameList) -> Vec<i64> {
         let exists = |frame: &i64| match self {
-            Self::Scene { .. } => true,
+            Self::Scene(_) => true,
             Self::Files(files) => files.contains_key(frame),
         };
         frames.as_slice().iter().copied().filter(exists).collect()
@@ -144,14 +153,15 @@ impl Source {
 
     fn path(&self, frame: i64) -> PathBuf {
         match self {
-            Self::Scene { .. } => PathBuf::new(),
+            Self::Scene(_) => PathBuf::new(),
             Self::Files(files) => files[&frame].clone(),
         }
     }
 
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
-            Self::Scene { scene, trees, camera, size, settings } => {
+            Self::Scene(drawn) => {
+                let Drawn { scene, trees, camera, size, settings } = &**drawn;
                 let aspect = size.width as f64 / size.height as f64;
                 let shutter = Shutter::of(settings, frame as f64);
                 Ok(scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), *size))
