@@ -12,7 +12,7 @@ mod sum;
 mod survey;
 mod tiles;
 
-use crate::film::Frame;
+use crate::film::{Film, Frame};
 use crate::math::{Ray, Sampler};
 use crate::scene::{Pass, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
@@ -60,11 +60,13 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
     /// Once it says true the frame comes back unfinished.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
+    /// Is shown the picture so far whenever a pass is done.
+    pub look: Option<&'a (dyn Fn(&Frame) + Sync)>,
 }
 
 impl Watch<'static> {
     /// Nobody.
-    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false };
+    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false, look: None };
 }
 
 /// How far a frame is.
@@ -134,14 +136,15 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
             let range = (number as f64 / parts as f64, (number + 1) as f64 / parts as f64);
             share_so_far += share;
             let budget = Budget { share, share_so_far, before: sum.estimates() };
+            let before = sum.frame();
             let developed = watch.part(range, None, |watch| match part {
                 Part::Light(light) => {
                     let picture = slices::LightPicture { exposure, job, light, tally: &tally };
-                    develop(&picture, job, &survey, &budget, watch)
+                    develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
                 Part::Sky => {
                     let picture = tiles::RayPicture { exposure, job, part: Some(part) };
-                    develop(&picture, job, &survey, &budget, watch)
+                    develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
             });
             sum.add(developed);
@@ -149,6 +152,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
         let picture = tiles::RayPicture { exposure, job, part: None };
+        let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }
     sum.finish(job, &survey)
@@ -172,6 +176,31 @@ fn camera_ray<'a, 'scene>(
     let lens_point = if view.has_lens() { view.lens_point(sampler.next_2d().into()) } else { DVec2::ZERO };
     let ray = view.ray_from(lens_point, film_px.x / size.width as f64, film_px.y / size.height as f64);
     (snapshot, ray)
+}
+
+/// A picture whose passes are shown to whoever looks on.
+struct Watched<'a, P> {
+    picture: P,
+    job: &'a Job,
+    /// The pictures that it is added to.
+    before: Option<&'a Frame>,
+}
+
+impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
+    fn add_pass(&self, pass: &passes::Pass, film: &mut Film, watch: &Watch) {
+        self.picture.add_pass(pass, film, watch);
+        if let Some(look) = watch.look {
+            let mut so_far = film.resolve();
+            if let Some(before) = self.before {
+                so_far.add_light(before);
+            }
+            look(&so_far.part(self.job.window));
+        }
+    }
+
+    fn fill_holes(&self, film: &mut Film, watch: &Watch) {
+        self.picture.fill_holes(film, watch);
+    }
 }
 
 /// Renders a picture that is added to others.

@@ -69,7 +69,7 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
     let shutter = Shutter::of(settings, frame as f64);
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, camera, aspect, shutter);
-    render(&exposure, &job, &Watch { progress: &|_| {}, cancelled: &|| false }).frame
+    render(&exposure, &job, &Watch::NOBODY).frame
 }
 
 /// Root mean square difference over the mean.

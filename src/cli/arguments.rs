@@ -103,6 +103,9 @@ pub(super) struct RenderArguments {
     pub(super) preview: Option<PreviewArgument>,
     #[command(flatten)]
     pub(super) display: DisplayArguments,
+    /// Show frames in the viewer tev while they are rendered; it listens on port 14158 unless told otherwise.
+    #[arg(long, value_name = "HOST[:PORT]")]
+    pub(super) live: Option<String>,
     /// Say what would be rendered, and render nothing.
     #[arg(long)]
     pub(super) dry_run: bool,

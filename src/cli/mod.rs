@@ -7,6 +7,7 @@ mod diff;
 mod error;
 mod export;
 mod inspect;
+mod live;
 mod plan;
 mod preview;
 mod progress;

@@ -2,10 +2,12 @@
 //! the frames are, how long they took and what was skipped.
 
 use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipArgument};
+use super::live::Live;
 use super::plan::Plan;
 use super::progress::{Progress, ProgressStyle};
 use super::stats::Stats;
 use super::{CliError, answer, tell};
+use crate::film::Frame;
 use crate::frame_file::Provenance;
 use crate::render::{self, Rendered, Watch};
 use crate::scene::{Pass, matte_id};
@@ -27,6 +29,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         return Ok(());
     }
     let signal = catch_signals()?;
+    let live = Live::new(arguments.live.as_deref());
     let stats = Stats::new(arguments.stats.as_deref())?;
     let threads = arguments.threads.unwrap_or(0) as usize;
     let pool = rayon::ThreadPoolBuilder::new()
@@ -73,7 +76,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
                     );
                     is_late.load(Ordering::Relaxed) || signal.stop.load(Ordering::Relaxed)
                 };
-                render::render(&exposure, &plan.job, &Watch { progress, cancelled: &cancelled })
+                let name = plan.output.path(frame).to_string_lossy().into_owned();
+                let look = |so_far: &Frame| live.show(&name, so_far);
+                let look: Option<&(dyn Fn(&Frame) + Sync)> = if live.is_on() { Some(&look) } else { None };
+                let picture =
+                    render::render(&exposure, &plan.job, &Watch { progress, cancelled: &cancelled, look });
+                live.show(&name, &picture.frame);
+                picture
             });
             if signal.stop.load(Ordering::Relaxed) {
                 return Err(Stopped);

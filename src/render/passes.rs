@@ -80,7 +80,7 @@ impl Watch<'_> {
             let fraction = start + (end - start) * part.fraction;
             (self.progress)(Progress { fraction, error: part.error.or(error) });
         };
-        work(&Watch { progress: &tell, cancelled: self.cancelled })
+        work(&Watch { progress: &tell, cancelled: self.cancelled, look: self.look })
     }
 
     /// Tells how much is done.

@@ -44,6 +44,11 @@ impl Sum {
         blocks.map(|(block, &variance)| BlockEstimate { luminance: luminance(block), variance }).collect()
     }
 
+    /// The pictures so far, added up.
+    pub(super) fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
+    }
+
     pub(super) fn finish(mut self, job: &Job, survey: &Survey) -> Rendered {
         let frame =
             self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());

@@ -7,6 +7,7 @@ mod extras;
 mod failures;
 mod frames;
 mod interruption;
+mod live;
 mod previews;
 mod program;
 mod questions;
