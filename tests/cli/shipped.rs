@@ -19,10 +19,12 @@ fn every_sequence_renders_to_light_without_a_warning() {
         let outcome = studio.succeed(&line);
         assert!(!outcome.err.contains("warning"), "{name}: {}", outcome.err);
         let file = studio.frame(&format!("{name}.exr"));
-        let red = &file.frame.channel("R").unwrap().pixels;
-        let mean = red.iter().map(|&value| f64::from(value)).sum::<f64>() / red.len() as f64;
+        // The median: a sun that can be seen is thousands of times as bright as the rest.
+        let mut red = file.frame.channel("R").unwrap().pixels.clone();
         assert!(red.iter().all(|value| value.is_finite()), "{name}");
-        assert!((0.01..10.0).contains(&mean), "{name}: the mean of red is {mean}");
+        red.sort_by(f32::total_cmp);
+        let median = red[red.len() / 2];
+        assert!((0.01..10.0).contains(&median), "{name}: the median of red is {median}");
     }
 }
 
