@@ -145,7 +145,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
             })
             .collect(),
     };
-    answer(bench::table(&study).trim_end());
+    answer(bench::table(&study).trim_end())?;
     write(&output(arguments.csv.as_deref(), subject, "csv"), &bench::csv(&study))?;
     write(&output(arguments.svg.as_deref(), subject, "svg"), &bench::plot(&study).to_svg())
 }
@@ -204,8 +204,7 @@ fn create_folder(path: &Path) -> Result<(), CliError> {
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {
     save(path, text)?;
-    answer(&format!("{} was written", path.display()));
-    Ok(())
+    answer(&format!("{} was written", path.display()))
 }
 
 fn save(path: &Path, text: &str) -> Result<(), CliError> {

@@ -19,9 +19,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
             .remedy("render with the same --size, --crop and --passes");
         CliError::Scene(Diagnostics(vec![diagnostic]))
     })?;
-    answer(&comparison.to_string());
+    answer(&comparison.to_string())?;
     if let Some(color) = comparison.color.as_ref().filter(|_| arguments.reference_noise > 0.0) {
-        answer(&format!("net RMSE {:.6}", net_rmse(color.rmse, arguments.reference_noise)));
+        answer(&format!("net RMSE {:.6}", net_rmse(color.rmse, arguments.reference_noise)))?;
     }
     Ok(())
 }

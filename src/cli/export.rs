@@ -46,6 +46,5 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         (exported.head.len() + exported.binary.len()) as f64 / 1e6,
         scene.nodes.len(),
         exported.channels
-    ));
-    Ok(())
+    ))
 }

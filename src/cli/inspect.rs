@@ -49,6 +49,5 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
         json::describe(&inspected, &frames)
     } else {
         text::describe(&inspected, &frames)
-    });
-    Ok(())
+    })
 }

@@ -17,6 +17,7 @@ mod stats;
 use crate::scene::Pass;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
+use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
 pub use error::CliError;
@@ -39,9 +40,9 @@ pub fn run() -> ExitCode {
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Completions { shell } => {
-            let mut command = Arguments::command();
-            clap_complete::generate(shell, &mut command, "sunfleck", &mut std::io::stdout());
-            Ok(())
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "sunfleck", &mut script);
+            answer(String::from_utf8_lossy(&script).trim_end())
         }
     };
     match result {
@@ -67,8 +68,15 @@ fn tell(message: &str) {
     eprintln!("{message}");
 }
 
-/// A line on the output stream.
-#[allow(clippy::print_stdout, reason = "this is the one place that answers the user")]
-fn answer(message: &str) {
-    println!("{message}");
+/// A line on the output stream. That nobody reads on (`| head`) is no failure.
+///
+/// # Errors
+/// The stream takes no more for any other reason: a full disk.
+fn answer(message: &str) -> Result<(), CliError> {
+    match writeln!(std::io::stdout(), "{message}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(CliError::InputOutput(format!("the answer cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
 }

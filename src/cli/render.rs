@@ -25,8 +25,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         tell(&warning);
     }
     if arguments.dry_run {
-        answer(&plan.to_string());
-        return Ok(());
+        return answer(&plan.to_string());
     }
     let signal = catch_signals()?;
     let live = Live::new(arguments.live.as_deref());

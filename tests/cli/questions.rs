@@ -3,6 +3,7 @@
 use crate::program::{Studio, repository};
 use crate::schema::violations;
 use serde_json::Value;
+use std::process::Stdio;
 
 #[test]
 fn inspect_tells_people_what_an_input_holds() {
@@ -18,6 +19,25 @@ fn inspect_tells_people_what_an_input_holds() {
         "everything that the input asks for is honoured",
     ] {
         assert!(answer.contains(part), "`{part}` is not in\n{answer}");
+    }
+}
+
+#[test]
+fn an_answer_that_nobody_reads_on_is_no_failure_and_one_that_finds_no_room_is() {
+    let studio = Studio::new();
+    for line in ["inspect tiny.ron --json", "completions bash"] {
+        let mut program = studio.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(program.stdout.take());
+        let left = program.wait_with_output().unwrap();
+        assert_eq!((left.status.code(), left.stderr.as_slice()), (Some(0), &b""[..]), "{line}");
+        #[cfg(target_os = "linux")]
+        {
+            let full = std::fs::File::create("/dev/full").unwrap();
+            let left = studio.command(line).stdout(full).output().unwrap();
+            let message = String::from_utf8_lossy(&left.stderr);
+            assert_eq!(left.status.code(), Some(4), "{line}: {message}");
+            assert!(message.contains("cannot be written"), "{line}: {message}");
+        }
     }
 }
 

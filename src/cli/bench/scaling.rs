@@ -45,8 +45,7 @@ pub(super) fn run(
         growths.push(growth);
         save(&csv, &growth_csv(&growths))?;
     }
-    answer(&format!("{} was written\n\n{title}\n\n{}", csv.display(), growth_table(&growths)));
-    Ok(())
+    answer(&format!("{} was written\n\n{title}\n\n{}", csv.display(), growth_table(&growths)))
 }
 
 impl QuantityArgument {

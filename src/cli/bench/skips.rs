@@ -35,6 +35,5 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
         folder: folder.path(),
     };
     let skips = pool(1)?.install(|| measure_skips(&plan)).map_err(CliError::InputOutput)?;
-    answer(skips_table(&skips).trim_end());
-    Ok(())
+    answer(skips_table(&skips).trim_end())
 }
