@@ -5,9 +5,13 @@
 mod readers;
 
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::scene::{self, Scene};
+
+/// Readers write what they read into one folder.
+static FOLDER: Mutex<()> = Mutex::new(());
 
 /// The files that were found for a reader.
 fn found(reader: &str) -> Vec<PathBuf> {
@@ -18,6 +22,7 @@ fn found(reader: &str) -> Vec<PathBuf> {
 
 #[test]
 fn what_fuzzing_found_is_answered() {
+    let _alone = FOLDER.lock();
     for (name, reader) in [
         ("gltf", readers::gltf as fn(&[u8])),
         ("scene", readers::scene),
@@ -39,6 +44,7 @@ fn what_fuzzing_found_is_answered() {
 /// A scene that is refused would keep every mesh and every material from its reader.
 #[test]
 fn what_shows_meshes_and_materials_is_a_scene() {
+    let _alone = FOLDER.lock();
     let files = readers::shown(readers::A_MESH, readers::A_MATERIAL);
     let scene = resolved(&files).expect("a good scene");
     assert_eq!(scene.instances.len(), 1);
