@@ -5,15 +5,14 @@
 
 mod common;
 
-use common::{EXACT, INSTANT, add_light, camera_at, place};
+use common::{EXACT, INSTANT, add_light, sheet};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{
-    Coat, DiscPicture, Instance, Julia, Light, LightKind, Material, Mesh, Scene, SunDisc, SunPicture, Track,
-    Triangle, limb_darkening,
+    Coat, DiscPicture, Julia, Light, LightKind, Material, SunDisc, SunPicture, Track, limb_darkening,
 };
 use sunfleck::snapshot::{Luminaire, MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, radiance};
@@ -76,22 +75,6 @@ fn a_disc_is_as_bright_as_parallel_light() {
             assert!(points < 1e-3 && sight < 1e-3, "{name}, {diameter_deg}: {points:.1e} {sight:.1e}");
         }
     }
-}
-
-/// A large sheet 3 m before the camera, facing it.
-fn sheet(material: Material) -> Scene {
-    let mut scene = camera_at(DVec3::ZERO);
-    let node = place(&mut scene, DAffine3::from_translation(3.0 * DVec3::NEG_Z));
-    scene.materials.push(material);
-    scene.meshes.push(Mesh {
-        positions: [DVec2::new(-90.0, -90.0), DVec2::new(90.0, -90.0), DVec2::new(0.0, 90.0)]
-            .map(|corner| corner.extend(0.0).as_vec3())
-            .to_vec(),
-        triangles: vec![Triangle { vertices: [0, 1, 2], material: 0 }],
-        ..Mesh::default()
-    });
-    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None });
-    scene
 }
 
 /// What the eye sees in a direction from it, of suns with these irradiances.

@@ -2,13 +2,13 @@
 
 mod common;
 
-use common::{EXACT, INSTANT, add_fog, add_light, camera_at, place};
+use common::{EXACT, INSTANT, add_fog, add_light, place, sheet};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
-use sunfleck::scene::{Instance, LightKind, Material, Mesh, Scene, Size, Triangle};
+use sunfleck::scene::{Instance, LightKind, Material, Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
@@ -19,22 +19,6 @@ const TRANSMISSION: Rgb = Rgb::new(0.5, 0.7, 0.2);
 
 fn leaf() -> Material {
     Material { base_color: ALBEDO, transmission: TRANSMISSION, ..Material::default() }
-}
-
-/// A large sheet 3 m before the camera, which looks along its normal.
-fn sheet(material: Material) -> Scene {
-    let mut scene = camera_at(DVec3::ZERO);
-    let node = place(&mut scene, DAffine3::from_translation(3.0 * DVec3::NEG_Z));
-    scene.materials.push(material);
-    scene.meshes.push(Mesh {
-        positions: [DVec2::new(-9.0, -9.0), DVec2::new(9.0, -9.0), DVec2::new(0.0, 9.0)]
-            .map(|corner| corner.extend(0.0).as_vec3())
-            .to_vec(),
-        triangles: vec![Triangle { vertices: [0, 1, 2], material: 0 }],
-        ..Mesh::default()
-    });
-    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None });
-    scene
 }
 
 /// What a ray from the camera sees.

@@ -5,7 +5,8 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
-    Camera, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Motion, Node, Scene, Track,
+    Camera, Fog, FogShape, HeightFalloff, Instance, Lens, Light, LightKind, Material, Mesh, Motion, Node,
+    Scene, Track, Triangle,
 };
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
@@ -84,4 +85,20 @@ pub(crate) fn look(scene: &Scene, transport: &Transport, film_x: f64, film_y: f6
     let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
     let ray = snapshot.view.ray(film_x, film_y);
     radiance(&snapshot, transport, &ray, &mut Sampler::new(0, 0, 0, 0), &mut Scratch::default())
+}
+
+/// A sheet 3 m before the camera that fills its view, facing it.
+pub(crate) fn sheet(material: Material) -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    let node = place(&mut scene, DAffine3::from_translation(3.0 * DVec3::NEG_Z));
+    scene.materials.push(material);
+    scene.meshes.push(Mesh {
+        positions: [DVec2::new(-90.0, -90.0), DVec2::new(90.0, -90.0), DVec2::new(0.0, 90.0)]
+            .map(|corner| corner.extend(0.0).as_vec3())
+            .to_vec(),
+        triangles: vec![Triangle { vertices: [0, 1, 2], material: 0 }],
+        ..Mesh::default()
+    });
+    scene.instances.push(Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None });
+    scene
 }

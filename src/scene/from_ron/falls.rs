@@ -2,7 +2,7 @@
 //! block's fields other than `count`, and on `i`; an object of its name goes before it.
 
 use super::Resolver;
-use crate::description::ron::{self, MAX_LEAVES};
+use crate::description::ron;
 use crate::diagnostic::Diagnostic;
 use crate::scene::fall::{
     Emitter, Fall, Fallen, Ground, LONGEST_FLIGHT_S, Mix, Outline, Species, Surface, Wind,
@@ -20,11 +20,7 @@ impl Resolver<'_> {
     /// Lets the leaves of `block` fall.
     pub(super) fn fall(&mut self, name: &str, block: &ron::Fall) {
         let owner = format!("fall.{name}");
-        self.leaf_count = self.leaf_count.saturating_add(block.count.0);
-        if self.leaf_count > MAX_LEAVES {
-            let found = format!("with this block the scene has {} leaves", self.leaf_count);
-            let expected = format!("at most {MAX_LEAVES} leaves in all");
-            self.problems.error(&format!("{owner}.count"), found, &expected, "use fewer leaves");
+        if !self.has_room_for(&owner, block.count.0) {
             return;
         }
         let species = self.species(&owner, block);

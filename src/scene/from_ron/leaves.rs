@@ -9,14 +9,22 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::f64::consts::TAU;
 
 impl Resolver<'_> {
-    /// Stamps out the leaves of `block`.
-    pub(super) fn leaves(&mut self, name: &str, block: &Leaves) {
-        let owner = format!("leaves.{name}");
-        self.leaf_count = self.leaf_count.saturating_add(block.count.0);
-        if self.leaf_count > MAX_LEAVES {
+    /// Whether the scene may have so many leaves more; counts them.
+    pub(super) fn has_room_for(&mut self, owner: &str, leaves: u32) -> bool {
+        self.leaf_count = self.leaf_count.saturating_add(leaves);
+        let has_room = self.leaf_count <= MAX_LEAVES;
+        if !has_room {
             let found = format!("with this block the scene has {} leaves", self.leaf_count);
             let expected = format!("at most {MAX_LEAVES} leaves in all");
             self.problems.error(&format!("{owner}.count"), found, &expected, "use fewer leaves");
+        }
+        has_room
+    }
+
+    /// Stamps out the leaves of `block`.
+    pub(super) fn leaves(&mut self, name: &str, block: &Leaves) {
+        let owner = format!("leaves.{name}");
+        if !self.has_room_for(&owner, block.count.0) {
             return;
         }
         if block.roll_deg.is_some() && block.droop_deg.is_none() {
