@@ -4,6 +4,9 @@
 use crate::color::linear_from_srgb;
 use crate::diagnostic::{Diagnostic, Place};
 use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use exr::math::Vec2;
+use exr::meta::header::Header;
+use exr::meta::{BlockDescription, MetaData};
 use std::io::Cursor;
 use std::sync::LazyLock;
 
@@ -82,6 +85,9 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MAX_TEXELS {
         return Err(reject(format!("the image has {width}x{height} texels")));
     }
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        check_exr(bytes).map_err(&reject)?;
+    }
     let decoded = reader
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
@@ -89,6 +95,30 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         radiances(decoded).map_err(reject)
     } else {
         Ok(linear(decoded, encoding))
+    }
+}
+
+/// Refuses what would make the decoder take more memory than the limits, which it does not keep to for OpenEXR:
+/// parts and tiles of any size, and channels that have fewer samples than the picture.
+fn check_exr(bytes: &[u8]) -> Result<(), String> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| format!("the image cannot be decoded: {error}"))?;
+    let fits = |header: &Header| {
+        let is_small = |Vec2(width, height): Vec2<usize>| {
+            let samples = (width as u64).saturating_mul(height as u64);
+            samples.saturating_mul(4 * header.channels.list.len() as u64) <= MAX_DECODER_BYTES
+        };
+        let tile_is_small = match header.blocks {
+            BlockDescription::Tiles(tiles) => is_small(tiles.tile_size),
+            BlockDescription::ScanLines => true,
+        };
+        let is_whole = header.channels.list.iter().all(|channel| channel.sampling == Vec2(1, 1));
+        !header.deep && is_whole && tile_is_small && is_small(header.layer_size)
+    };
+    if meta.headers.iter().all(fits) {
+        Ok(())
+    } else {
+        Err(String::from("the image has deep data, a subsampled channel, or a part of more than 1 GiB"))
     }
 }
 
