@@ -40,8 +40,8 @@ fn the_scene_in_the_readme_can_be_rendered() {
 }
 
 #[test]
-fn files_that_the_readme_names_are_there() {
-    for word in page("README.md").split(['`', '(', ')', ' ', '\n', '|']) {
+fn files_that_the_readme_and_the_figures_name_are_there() {
+    for word in (page("README.md") + &page("docs/figures.md")).split(['`', '(', ')', ' ', '\n', '|']) {
         let is_ours = ["docs/", "scenes/", "sequences/", "src/", "tests/", "tools/", "benches/"]
             .iter()
             .any(|folder| word.starts_with(folder));
