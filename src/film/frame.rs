@@ -1,6 +1,7 @@
 //! A finished picture: named channels of pixels. Invariant: every channel has one value for each
 //! pixel of the window, row by row from the top.
 
+use super::MATTE_LAYER;
 use crate::scene::{Size, Window};
 use half::f16;
 use std::fmt;
@@ -28,6 +29,14 @@ pub struct Channel {
     pub precision: Precision,
     /// Values row by row from the top of the window, not yet rounded to `precision`.
     pub pixels: Vec<f32>,
+}
+
+impl Channel {
+    /// Whether its values are names of things: they are equal or not, and neither near nor far.
+    pub fn holds_ids(&self) -> bool {
+        // Of a Cryptomatte layer every other channel holds ids, the rest coverages.
+        self.name == "leaf_id.X" || self.name.starts_with(MATTE_LAYER) && self.name.ends_with(['R', 'B'])
+    }
 }
 
 /// How a channel is stored.

@@ -10,8 +10,10 @@ use std::fmt;
 pub struct Comparison {
     /// R, G and B taken together, if both frames have them.
     pub color: Option<Errors>,
-    /// Every channel that both frames have, in the order of the output's.
+    /// Every channel of amounts that both frames have, in the order of the output's.
     pub channels: Vec<ChannelErrors>,
+    /// Every channel of ids that both frames have, likewise.
+    pub ids: Vec<IdErrors>,
     /// Channels that only one of the frames has.
     pub unmatched: Vec<String>,
 }
@@ -41,6 +43,19 @@ pub struct Errors {
     /// Values that are NaN or infinite in either frame, and not the same infinity in both.
     pub not_finite: usize,
     /// Values compared.
+    pub values: usize,
+}
+
+/// Pixels of a channel of ids that name another thing than the reference's do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IdErrors {
+    /// The channel.
+    pub name: String,
+    /// How many.
+    pub different: usize,
+    /// The first of them, by row, then column.
+    pub first: Option<PixelPlace>,
+    /// Pixels compared.
     pub values: usize,
 }
 
@@ -91,11 +106,16 @@ pub fn compare(output: &Frame, reference: &Frame) -> Result<Comparison, CompareE
         let missing = one.channels.iter().filter(|channel| other.channel(&channel.name).is_none());
         missing.map(|channel| channel.name.clone()).collect()
     };
+    let (id_pairs, pairs): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|(channel, _)| channel.holds_ids());
     Ok(Comparison {
         color: (color.len() == 3).then(|| errors(&color)),
         channels: pairs
             .iter()
             .map(|&pair| ChannelErrors { name: pair.0.name.clone(), errors: errors(&[pair]) })
+            .collect(),
+        ids: id_pairs
+            .into_iter()
+            .map(|pair| id_errors(window, output.window, reference.window, pair))
             .collect(),
         unmatched: [only_in(output, reference), only_in(reference, output)].concat(),
     })
@@ -153,6 +173,29 @@ fn errors(window: Window, output: Window, reference: Window, pairs: &[(&Channel,
     }
 }
 
+fn id_errors(window: Window, output: Window, reference: Window, (o, r): (&Channel, &Channel)) -> IdErrors {
+    let (mut different, mut first) = (0, None);
+    for (x, y) in window.pixels() {
+        let ids = output.index(x, y).zip(reference.index(x, y));
+        // As bits: some ids are no numbers.
+        if ids.is_some_and(|(of_o, of_r)| o.pixels[of_o].to_bits() != r.pixels[of_r].to_bits()) {
+            different += 1;
+            first.get_or_insert_with(|| PixelPlace { channel: o.name.clone(), x, y });
+        }
+    }
+    IdErrors { name: o.name.clone(), different, first, values: window.width * window.height }
+}
+
+impl fmt::Display for IdErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {} ids differ", self.different, self.values)?;
+        if let Some(place) = &self.first {
+            write!(f, ", first at {}, {}", place.x, place.y)?;
+        }
+        Ok(())
+    }
+}
+
 impl fmt::Display for Errors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -172,13 +215,17 @@ impl fmt::Display for Errors {
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = self.channels.iter().map(|channel| channel.name.len());
+        let names = self.channels.iter().map(|channel| &channel.name);
+        let names = names.chain(self.ids.iter().map(|channel| &channel.name)).map(String::len);
         let width = names.max().unwrap_or(0).max(3);
         if let Some(color) = &self.color {
             writeln!(f, "{:width$}  {color}", "RGB")?;
         }
         for channel in &self.channels {
             writeln!(f, "{:width$}  {}", channel.name, channel.errors)?;
+        }
+        for channel in &self.ids {
+            writeln!(f, "{:width$}  {channel}", channel.name)?;
         }
         if !self.unmatched.is_empty() {
             writeln!(f, "only in one of the two: {}", self.unmatched.join(", "))?;
@@ -222,6 +269,23 @@ mod tests {
         let errors = &compare(&output, &reference).unwrap().channels[0].errors;
         assert_eq!((errors.not_finite, errors.values, errors.rmse), (1, 2, 0.0));
         assert_eq!(errors.mean_ratio, 1.0);
+    }
+
+    /// The bits of two of these ids are those of NaN and of a number next to another.
+    #[test]
+    fn ids_are_equal_or_not() {
+        let ids = [0, 7, 0x7fc0_0001, 0x3f80_0000].map(f32::from_bits);
+        let others = [0, 7, 0x7fc0_0002, 0x3f80_0001].map(f32::from_bits);
+        let name = "CryptoObject00.R";
+        let ids_differ = |output: &[f32]| {
+            let comparison = compare(&frame(WHOLE, name, output), &frame(WHOLE, name, &ids)).unwrap();
+            assert_eq!(comparison.channels, []);
+            comparison.ids[0].clone()
+        };
+        assert_eq!(ids_differ(&ids).different, 0);
+        let found = ids_differ(&others);
+        assert_eq!(found.first, Some(PixelPlace { channel: String::from(name), x: 2, y: 0 }));
+        assert_eq!(found.to_string(), "2 of 4 ids differ, first at 2, 0");
     }
 
     #[test]

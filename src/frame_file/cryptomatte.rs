@@ -10,8 +10,7 @@ pub(super) fn attributes(frame: &Frame, object_names: &BTreeMap<u32, String>) ->
     let ids: BTreeSet<u32> = frame
         .channels
         .iter()
-        // Ids stand in every other channel.
-        .filter(|channel| channel.name.starts_with(MATTE_LAYER) && channel.name.ends_with(['R', 'B']))
+        .filter(|channel| channel.name.starts_with(MATTE_LAYER) && channel.holds_ids())
         .flat_map(|channel| channel.pixels.iter().map(|id| id.to_bits()))
         .collect();
     if ids.is_empty() {

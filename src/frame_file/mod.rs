@@ -43,7 +43,7 @@ mod read;
 
 pub use animation::Animation;
 pub use atomic::{remove_abandoned, write_whole};
-pub use compare::{ChannelErrors, CompareError, Comparison, Errors, compare, net_rmse};
+pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, compare, net_rmse};
 pub use encode::write;
 pub use error::FrameFileError;
 pub use folder::frames_in;
