@@ -93,13 +93,17 @@ class Frame:
         if any(letter not in self.channels for letter in "RGB"):
             return None
         color = [self.channels[letter] for letter in "RGB"]
-        total = np.empty(color[0].shape, np.float32)
+        plain = [stored.dtype == np.float16 and half.plain(*self.extremes(letter)) for letter, stored in zip("RGB", color)]
+        total = np.zeros(color[0].shape, np.float32)
+        scratch = np.empty_like(total[next(row_blocks(total.shape))])
         for rows in row_blocks(total.shape):
             block = total[rows]
-            np.multiply(wide(color[0][rows]), LUMINANCE[0], out=block)
-            for weight, channel in zip(LUMINANCE[1:], color[1:]):
-                part = wide(channel[rows])
-                part *= weight
+            part = scratch[: len(block)]
+            for weight, stored, is_plain in zip(LUMINANCE, color, plain):
+                if is_plain:
+                    half.scaled_into(stored[rows], weight, part)
+                else:
+                    np.multiply(wide(stored[rows]), weight, out=part)
                 block += part
         if all(np.isfinite(self.extremes(letter)).all() for letter in "RGB"):
             return total

@@ -11,6 +11,8 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import TypeVar
 
+from .memory import keep_freed_memory
+
 Argument, Result = TypeVar("Argument"), TypeVar("Result")
 QUEUED_PER_PROCESS = 4
 
@@ -29,7 +31,7 @@ def in_processes(
     remaining = iter(arguments)
     # Not fork: the caller may have threads.
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(processes, mp_context=context)
+    pool = ProcessPoolExecutor(processes, mp_context=context, initializer=keep_freed_memory)
     try:
         while True:
             while len(waiting) < processes * QUEUED_PER_PROCESS:
@@ -48,7 +50,7 @@ def in_processes(
                 for suspect in [argument, *(argument for argument, _ in waiting)]:
                     yield _alone(function, suspect, context, if_it_dies)
                 waiting = []
-                pool = ProcessPoolExecutor(processes, mp_context=context)
+                pool = ProcessPoolExecutor(processes, mp_context=context, initializer=keep_freed_memory)
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 

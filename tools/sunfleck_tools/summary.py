@@ -87,11 +87,12 @@ def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -
         # In single precision, but pairwise: to some 1e-6.
         summary.mean = float(flat.mean())
         index = min(flat.size - 1, int(0.99 * flat.size))
-        # In place: fresh memory costs as much as the search.
-        flat.partition(index)
-        summary.p99 = float(flat[index])
         ranges = [frame.extremes(letter) for letter in "RGB"]
         summary.smallest, summary.largest = min(low for low, _ in ranges), max(high for _, high in ranges)
+        # In place: fresh memory costs as much as the search. What is not negative is in the order of its bits, and integers
+        # are searched twice as fast.
+        (flat.view(np.int32) if all(low >= 0 for low, _ in ranges) else flat).partition(index)
+        summary.p99 = float(flat[index])
         summary.constant = all(low == high for low, high in ranges)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from sunfleck_tools.exr.chunks import chunk_faults
 from sunfleck_tools.exr.decode import claims_too_much
-from sunfleck_tools.exr.half import extremes, widened
+from sunfleck_tools.exr.half import extremes, plain, scaled_into, widened
 from sunfleck_tools.exr.header import HeaderError, TimeCode, parse_header
 
 from .files import DATA
@@ -84,6 +84,16 @@ class Halves(unittest.TestCase):
         self.same(finite)
         self.same(finite[finite >= 0])
         np.testing.assert_array_equal(np.signbit(widened(finite)), np.signbit(finite))
+
+    def test_products_of_plain_ones_are_those_of_the_floats(self):
+        values = self.EVERY[: 0x7C00]
+        self.assertTrue(plain(*extremes(values)))
+        out = np.empty(values.shape, np.float32)
+        for factor in (np.float32(0.2126), np.float32(0.0722), np.float32(1)):
+            scaled_into(values, factor, out)
+            np.testing.assert_array_equal(out, values.astype(np.float32) * factor)
+        for other in (-0.0, -1.0, np.inf, np.nan):
+            self.assertFalse(plain(*extremes(np.array([1, other], np.float16))), other)
 
     def test_extremes_are_those_of_the_floats(self):
         random = np.random.default_rng(1)
