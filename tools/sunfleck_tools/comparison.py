@@ -29,6 +29,7 @@ class Limits:
     relative_mse: float | None = None
     flip: float | None = None
     max_error: float | None = None
+    ids: float | None = None
 
 
 @dataclass(frozen=True)
@@ -55,15 +56,16 @@ class Compared:
         if self.difference is None:
             return [self.fault or "it was not compared"]
         found = self.difference
-        measures = found.color or next(iter(found.channels.values()))
+        measures = found.measures
         sentences = []
         if any(errors.not_finite for errors in found.channels.values()):
             sentences.append("values are not finite")
         for name, value, limit in (
-            ("RMSE", measures.rmse, limits.rmse),
-            ("relative mean square error", measures.relative_mse, limits.relative_mse),
+            ("RMSE", measures and measures.rmse, limits.rmse),
+            ("relative mean square error", measures and measures.relative_mse, limits.relative_mse),
             ("mean FLIP", found.flip, limits.flip),
-            ("largest difference", measures.max_error, limits.max_error),
+            ("largest difference", measures and measures.max_error, limits.max_error),
+            ("share of ids that differ", found.ids_share, limits.ids),
         ):
             # Not `>`: an error that is no number is too large as well.
             if limit is not None and not (value is not None and value <= limit):

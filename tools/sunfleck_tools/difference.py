@@ -1,16 +1,20 @@
 """How far one frame is from another, as `sunfleck diff` defines it.
 
-Invariant: values that are not finite count as such and enter no mean.
+Invariant: values that are not finite count as such and enter no mean; ids are equal or not, and enter none.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
 from .exr.header import Header
 from .frame import Frame
+
+ID_CHANNEL = re.compile(r"(^|\.)(leaf_id\.\w+|Crypto\w*\d\d\.[RBrb])$")
+"""Values that are names of things. Of Cryptomatte's channels every other holds ids (as the bits of floats), the rest coverages."""
 
 
 @dataclass(frozen=True)
@@ -34,17 +38,40 @@ class Errors:
 
 
 @dataclass(frozen=True)
+class IdErrors:
+    """Pixels of a channel of ids that name another thing than the reference's do."""
+
+    different: int
+    pixel: tuple[int, int] | None
+    """The first of them, by row, then column; `None` without such."""
+    pixels: int
+    """That were compared."""
+
+
+@dataclass(frozen=True)
 class Difference:
     """Two frames that could be compared."""
 
     color: Errors | None
     """R, G and B together."""
     channels: dict[str, Errors]
-    """Every channel that both have."""
+    """Every channel of amounts that both have."""
+    ids: dict[str, IdErrors]
+    """Every channel of ids that both have."""
     unmatched: list[str]
     """Channels that only one of them has."""
     flip: float | None = None
     """Mean HDR-FLIP of the colour; `None` where it was not asked for, or colours are not finite."""
+
+    @property
+    def measures(self) -> Errors | None:
+        """What limits are for: the colour, else the first channel; `None` if there are ids alone."""
+        return self.color or next(iter(self.channels.values()), None)
+
+    @property
+    def ids_share(self) -> float | None:
+        """The largest share of a channel's ids that differ; `None` without such channels."""
+        return max((found.different / found.pixels for found in self.ids.values()), default=None)
 
 
 class Overlap:
@@ -60,9 +87,16 @@ class Overlap:
     def of(self, which: int, name: str) -> np.ndarray:
         """A channel of the output (0) or the reference (1) as float32, cut to what both have."""
         frame = self._frames[which]
+        return frame.float(name)[self._place_in(frame)]
+
+    def stored(self, which: int, name: str) -> np.ndarray:
+        """The same as it is stored."""
+        frame = self._frames[which]
+        return frame.channels[name][self._place_in(frame)]
+
+    def _place_in(self, frame: Frame) -> tuple[slice, slice]:
         left, top = frame.header.data_window[:2]
-        rows, columns = (slice(self.top - top, self.bottom - top + 1), slice(self.left - left, self.right - left + 1))
-        return frame.float(name)[rows, columns]
+        return slice(self.top - top, self.bottom - top + 1), slice(self.left - left, self.right - left + 1)
 
     def colors(self) -> list[np.ndarray]:
         """Output and reference, colours in the last axis."""
@@ -89,7 +123,8 @@ def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Dif
     finite = color is not None and color.not_finite == 0 and color.rmse is not None
     return Difference(
         color=color,
-        channels={name: errors(overlap, [name]) for name in names},
+        channels={name: errors(overlap, [name]) for name in names if not ID_CHANNEL.search(name)},
+        ids={name: id_errors(overlap, name) for name in names if ID_CHANNEL.search(name)},
         unmatched=sorted(output.channels.keys() ^ reference.channels.keys()),
         flip=mean_flip(*overlap.colors()) if wants_flip and finite else None,
     )
@@ -122,6 +157,17 @@ def errors(overlap: Overlap, names: list[str]) -> Errors:
         pixel=(x + overlap.left, y + overlap.top) if largest > 0 else None,
         not_finite=not_finite,
     )
+
+
+def id_errors(overlap: Overlap, name: str) -> IdErrors:
+    """How many ids differ: as bits, of which some are no numbers, unless the two are stored in different ways."""
+    o, r = (overlap.stored(which, name) for which in (0, 1))
+    if o.dtype == r.dtype:
+        o, r = (np.ascontiguousarray(ids).view(f"u{ids.itemsize}") for ids in (o, r))
+    apart = o != r
+    count = int(np.count_nonzero(apart))
+    y, x = divmod(int(np.argmax(apart)), apart.shape[1])
+    return IdErrors(count, (x + overlap.left, y + overlap.top) if count else None, apart.size)
 
 
 def mean_flip(output: np.ndarray, reference: np.ndarray) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 import OpenEXR
 
 from sunfleck_tools.comparison import compare
+from sunfleck_tools.difference import IdErrors
 
 from .command import NO_PROGRAM, PROGRAM, run
 from .files import frame_path, good_sequence, rewrite
@@ -26,9 +27,10 @@ except ImportError:
     flip_evaluator = None
 
 
-def write(path: Path, rows: list[float], first: int = 0, full: int = 4, names: str = "RGB") -> Path:
-    """A frame one row high, equal in all channels."""
-    values = np.array([rows], np.float32)
+def write(path: Path, rows: list[float], first: int = 0, full: int = 4, names="RGB", values=None) -> Path:
+    """A frame one row high, equal in all channels but those with `values` of their own."""
+    row = np.array([rows], np.float32)
+    pixels = {name: (values or {}).get(name, row).reshape(1, -1).copy() for name in names}
     windows = (np.array([first, 0], np.int32), np.array([first + len(rows) - 1, 0], np.int32))
     header = {
         "type": OpenEXR.scanlineimage,
@@ -36,7 +38,7 @@ def write(path: Path, rows: list[float], first: int = 0, full: int = 4, names: s
         "dataWindow": windows,
         "displayWindow": (np.array([0, 0], np.int32), np.array([full - 1, 0], np.int32)),
     }
-    with OpenEXR.File(header, {name: OpenEXR.Channel(values.copy()) for name in names}) as file:
+    with OpenEXR.File(header, {name: OpenEXR.Channel(own) for name, own in pixels.items()}) as file:
         file.write(str(path))
     return path
 
@@ -83,6 +85,30 @@ class Measures(unittest.TestCase):
         ):
             self.assertIn(why, self.compared(output, reference).fault)
             self.assertEqual(run("compare", output, reference)[0], 1)
+
+    def test_ids_are_equal_or_not(self):
+        """The bits of two of these ids are those of NaN and of a number next to another."""
+        rows = np.array([0, 7, 0x7FC00001, 0x3F800000], np.uint32), np.array([0, 7, 0x7FC00002, 0x3F800001], np.uint32)
+        one, other = (self.folder / name for name in ("one.exr", "other.exr"))
+        for path, ids in zip((one, other), rows):
+            names = ("CryptoObject00.R", "CryptoObject00.G")
+            write(path, [0.5] * 4, names=names, values={"CryptoObject00.R": ids.view(np.float32)})
+        found = self.compared(one, other).difference
+        self.assertEqual(found.ids, {"CryptoObject00.R": IdErrors(2, (2, 0), 4)})
+        # Coverages are amounts.
+        self.assertEqual((list(found.channels), found.channels["CryptoObject00.G"].rmse), (["CryptoObject00.G"], 0.0))
+        self.assertEqual(self.compared(one, one).difference.ids["CryptoObject00.R"].different, 0)
+        for limit, code in (("0.5", 0), ("0.4", 1), ("0", 1)):
+            self.assertEqual(run("compare", one, other, "--max-ids", limit)[0], code)
+        self.assertEqual(run("compare", one, one, "--max-ids", "0")[0], 0)
+        self.assertIn("CryptoObject00.R  2 of 4 ids differ, first at 2, 0", run("compare", one, other)[1])
+
+    def test_ids_alone_can_be_compared(self):
+        one, other = (write(self.folder / f"{n}.exr", [1, 2, n, 4], names=["leaf_id.X"]) for n in (3, 5))
+        code, out, _ = run("compare", one, other, "--max-ids", "0.1", "--json")
+        (frame,) = json.loads(out)["frames"]
+        self.assertEqual((code, frame["ids"][0]["pixel"], frame["channels"]), (1, [2, 0], []))
+        self.assertEqual(frame["exceeded"], ["share of ids that differ 0.25, allowed 0.1"])
 
     @unittest.skipUnless(PROGRAM, NO_PROGRAM)
     def test_figures_are_those_of_the_program(self):
@@ -147,6 +173,7 @@ class Sequences(unittest.TestCase):
             (4, self.ours, self.scratch / "none"),
             (2, one, self.theirs),
             (2, self.ours, self.theirs, "--max-rmse", "0"),
+            (2, self.ours, self.theirs, "--max-ids", "1.5"),
             (2, one, one, "--picture", self.scratch / "x.jpg"),
             (4, one, one, "--picture", self.scratch / "none/x.png"),
             (4, self.ours, self.theirs, "--picture", one),

@@ -38,6 +38,17 @@ def positive(text: str) -> float:
     return number
 
 
+def share(text: str) -> float:
+    """From 0 to 1."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not 0 <= number <= 1:
+        raise ArgumentTypeError(f"`{text}` is no share from 0 to 1")
+    return number
+
+
 def count(text: str) -> int:
     """From 1 to 1024."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 1024:

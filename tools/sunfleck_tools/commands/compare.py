@@ -8,12 +8,12 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..comparison import Compared, Limits, compare
-from ..difference import Errors
+from ..difference import Errors, IdErrors
 from ..display import CURVES, Display
 from ..errors import ToolError
 from ..progress import Bar
 from . import FINDINGS, OK, looks
-from .arguments import count, positive
+from .arguments import count, positive, share
 
 HELP = "says how far frames are from other frames"
 FORMAT_VERSION = 1
@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max-relmse", metavar="X", type=positive, help="largest relative mean square error")
     parser.add_argument("--max-flip", metavar="X", type=positive, help="largest mean FLIP (pip install flip-evaluator)")
     parser.add_argument("--max-error", metavar="X", type=positive, help="largest difference of a value")
+    parser.add_argument("--max-ids", metavar="SHARE", type=share, help="largest share of a channel's ids that differ, 0 to 1")
     parser.add_argument("--flip", action="store_true", help="computes FLIP (pip install flip-evaluator)")
     parser.add_argument("--picture", metavar="FILE|DIR", type=Path, help="writes output, reference and difference as PNG")
     parser.add_argument("--white", metavar="X", type=positive, help="difference that is white there (99.9 %% are below)")
@@ -51,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.processes,
         Bar(),
     )
-    limits = Limits(arguments.max_rmse, arguments.max_relmse, arguments.max_flip, arguments.max_error)
+    limits = Limits(arguments.max_rmse, arguments.max_relmse, arguments.max_flip, arguments.max_error, arguments.max_ids)
     print(json.dumps(as_object(results, limits), indent=1, allow_nan=False) if arguments.json else as_text(results, limits))
     has_limit = any(value is not None for value in vars(limits).values())
     return FINDINGS if any(r.difference is None or has_limit and r.exceeded(limits) for r in results) else OK
@@ -93,8 +94,9 @@ def as_text(results: list[Compared], limits: Limits) -> str:
         if found.color is not None:
             lines.append(f"{name}: RGB  {_line(found.color)}{flip}{white}{over}")
         if found.color is None or len(results) == 1:
-            width = max(map(len, found.channels))
+            width = max(map(len, [*found.channels, *found.ids]))
             lines += [f"{name}: {channel:{width}}  {_line(errors)}" for channel, errors in found.channels.items()]
+            lines += [f"{name}: {channel:{width}}  {_id_line(errors)}" for channel, errors in found.ids.items()]
         if len(results) == 1 and found.unmatched:
             lines.append(f"only in one of the two: {', '.join(found.unmatched)}")
     return "\n".join(lines)
@@ -109,8 +111,13 @@ def _line(errors: Errors) -> str:
     return f"{ratio}RMSE {errors.rmse:.6f}  relMSE {errors.relative_mse:.3e}  max {errors.max_error:.6f}{where}{bad}"
 
 
+def _id_line(errors: IdErrors) -> str:
+    where = "" if errors.pixel is None else f", first at {errors.pixel[0]}, {errors.pixel[1]}"
+    return f"{errors.different} of {errors.pixels} ids differ{where}"
+
+
 def _rank(result: Compared) -> tuple[bool, float]:
-    measures = result.difference and (result.difference.color or next(iter(result.difference.channels.values())))
+    measures = result.difference and result.difference.measures
     return result.difference is None, measures.relative_mse or 0.0 if measures else 0.0
 
 
@@ -129,6 +136,7 @@ def as_object(results: list[Compared], limits: Limits) -> dict:
                 "color": None if found is None or found.color is None else asdict(found.color),
                 "flip": None if found is None else found.flip,
                 "channels": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.channels.items()],
+                "ids": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.ids.items()],
                 "unmatched": [] if found is None else found.unmatched,
                 "picture": result.pair.picture if result.white is not None else None,
                 "white": result.white,
