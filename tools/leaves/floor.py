@@ -15,6 +15,13 @@ def ground_height(x: float, z: float) -> float:
     return away * waves + banks
 
 
+def litter_position(x: float, z: float, tile_m: float) -> tuple[float, float]:
+    """Where a point of the ground lies in the picture that repeats every `tile_m`: turned and swayed, so that no rows of it line up."""
+    swayed_x = x + 1.9 * math.sin(0.21 * z + 0.9) + 1.1 * math.sin(0.13 * x - 0.37 * z)
+    swayed_z = z + 1.7 * math.sin(0.24 * x + 0.4) + 1.2 * math.sin(0.31 * x + 0.17 * z)
+    return ((0.83 * swayed_x + 0.56 * swayed_z) / tile_m, (0.56 * swayed_x - 0.83 * swayed_z) / tile_m)
+
+
 def make_ground(left: float, right: float, near: float, far: float, cell_m: float, tile_m: float) -> Mesh:
     """A grid of quads `cell_m` wide, whole numbers of them; one texture tile is `tile_m` metres."""
     columns, rows = round((right - left) / cell_m), round((near - far) / cell_m)
@@ -24,7 +31,7 @@ def make_ground(left: float, right: float, near: float, far: float, cell_m: floa
             x = left + cell_m * column
             z = near - cell_m * row
             mesh.positions.append((x, ground_height(x, z), z))
-            mesh.uvs.append((x / tile_m, -z / tile_m))
+            mesh.uvs.append(litter_position(x, z, tile_m))
     width = columns + 1
     for row in range(rows):
         for column in range(columns):

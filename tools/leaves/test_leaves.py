@@ -154,10 +154,10 @@ class Plants(unittest.TestCase):
             volume = sum(sum(x * n for x, n in zip(a, cross(b, c))) for a, b, c in triangles(tree.wood))
             self.assertGreater(volume, 0.0, name)
             self.assertTrue(all(math.isfinite(x) for p in tree.wood.positions + tree.twigs.positions for x in p), name)
-            for face in (face for face in tree.twigs.faces if len(face) == 4):
-                # Seen from the middle of its own piece of twig, every face is turned away: three sides, four points a ring.
-                first = min(face) // 4 * 4
-                middle = [sum(p[k] for p in tree.twigs.positions[first : first + 8]) / 8 for k in range(3)]
+            for face in tree.twigs.faces:
+                # Seen from the middle of its own twig, which has six points, every face is turned away.
+                first = min(face) // 6 * 6
+                middle = [sum(p[k] for p in tree.twigs.positions[first : first + 6]) / 6 for k in range(3)]
                 a, b, c, d = (tree.twigs.positions[i] for i in face)
                 normal = cross(subtract(c, a), subtract(d, b))
                 self.assertGreater(sum(n * (a[k] + c[k] - 2 * middle[k]) for k, n in enumerate(normal)), 0.0, name)
@@ -167,7 +167,7 @@ class Plants(unittest.TestCase):
 
     def test_twigs_have_room_for_ten_thousand_leaves(self):
         # Half a metre of twig for a dozen leaves.
-        for name in ("oak", "maple", "birch"):
+        for name in ("oak", "maple", "beech", "birch"):
             habit = HABITS[name]
             length = habit.limbs * habit.branches * habit.twigs * habit.twig_length_m * 0.9
             self.assertGreater(length / 0.5 * 40, 10_000, name)
