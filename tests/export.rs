@@ -72,21 +72,43 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
     render(&exposure, &job, &Watch::NOBODY).frame
 }
 
-/// Root mean square difference over the mean.
-fn relative_rmse(a: &Frame, b: &Frame) -> f64 {
-    let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
-    for name in ["R", "G", "B"] {
-        for (a, b) in a.channel(name).unwrap().pixels.iter().zip(&b.channel(name).unwrap().pixels) {
-            let (a, b) = (f64::from(*a), f64::from(*b));
-            square += (a - b) * (a - b);
-            sum += b;
-            count += 1.0;
-        }
-    }
-    f64::sqrt(square / count) / (sum / count)
+/// How one picture differs from another.
+#[derive(Default)]
+struct Difference {
+    pixels: usize,
+    /// Pixels that differ by more than [`EDGE`]: each with the largest difference of a channel, over the mean.
+    apart: Vec<f64>,
+    /// Of all others: sum of squares over the square of the mean, and the number of values.
+    squares: f64,
+    values: usize,
 }
 
-/// Places and picture of a scene before and after, at some frames.
+impl Difference {
+    fn add(&mut self, a: &Frame, b: &Frame) {
+        let [a, b] = [a, b].map(|frame| ["R", "G", "B"].map(|name| &frame.channel(name).unwrap().pixels));
+        let values = || a.iter().flat_map(|channel| channel.iter()).map(|value| f64::from(*value));
+        let mean = values().sum::<f64>() / values().count() as f64;
+        for pixel in 0..a[0].len() {
+            let differences = [0, 1, 2].map(|c| f64::from(a[c][pixel] - b[c][pixel]).abs() / mean);
+            let largest = differences.into_iter().fold(0.0, f64::max);
+            self.pixels += 1;
+            if largest > EDGE {
+                self.apart.push(largest);
+            } else {
+                self.squares +=
+                    differences.into_iter().map(|difference| difference * difference).sum::<f64>();
+                self.values += 3;
+            }
+        }
+    }
+
+    /// Of the pixels that are not apart.
+    fn relative_rmse(&self) -> f64 {
+        (self.squares / self.values as f64).sqrt()
+    }
+}
+
+/// Places and pictures of a scene before and after, at some frames, with several seeds.
 fn check(input: &str, size_percent: f64, frames: &[i64], bar: f64) {
     let (scene, mut settings) = load(&repository(input));
     let side = |side: usize| (side as f64 * size_percent / 100.0).round() as usize;
@@ -95,6 +117,7 @@ fn check(input: &str, size_percent: f64, frames: &[i64], bar: f64) {
     settings.camera.get_or_insert_with(|| scene.cameras[0].name.clone());
     let (again, settings_again) = through_gltf(&scene, &settings);
     assert_eq!(RenderSettings { name: settings.name.clone(), ..settings_again.clone() }, settings);
+    let mut difference = Difference::default();
     for &frame in frames {
         let time_s = settings.frame_rate.seconds(frame as f64);
         let (before, after) = (scene.placements(time_s), again.placements(time_s));
@@ -109,15 +132,34 @@ fn check(input: &str, size_percent: f64, frames: &[i64], bar: f64) {
             });
             assert!(near, "{input}: `{}` at frame {frame}", node.name);
         }
-        let error =
-            relative_rmse(&picture(&again, &settings_again, frame), &picture(&scene, &settings, frame));
-        println!("{input}: frame {frame}: relative RMSE {error:.1e}");
-        assert!(error < bar, "{input}: frame {frame}: relative RMSE {error}");
+        for seed in SEEDS {
+            let of = |scene: &Scene, settings: &RenderSettings| {
+                picture(scene, &RenderSettings { seed, ..settings.clone() }, frame)
+            };
+            difference.add(&of(&again, &settings_again), &of(&scene, &settings));
+        }
     }
+    let Difference { pixels, apart, .. } = &difference;
+    let error = difference.relative_rmse();
+    println!("{input}: relative RMSE {error:.1e}, {} of {pixels} pixels apart: {apart:.4?}", apart.len());
+    assert!(error < bar, "{input}: relative RMSE {error}");
+    let most = (MOST_APART * *pixels as f64).ceil() as usize;
+    assert!(apart.len() <= most, "{input}: {} of {pixels} pixels apart: {apart:.4?}", apart.len());
 }
 
+const SEEDS: std::ops::Range<u32> = 0..6;
+
 // Keys in single precision move leaves by up to a millionth of a metre.
-const SAME: f64 = 1e-4;
+const SAME: f64 = 3e-5;
+
+/// A pixel that differs by more, over the mean, has a sample on the other side of an edge. With two samples a pixel
+/// such a sample shows whole; where there is none no pixel differs by a third of this.
+const EDGE: f64 = 1e-3;
+
+/// How many pixels may have one. A sample has one if an edge is as near to it as a leaf has moved: in
+/// `falling_leaves` at frame 24, seed 0, the shadow of a leaf ends on the ground 0.15 micrometres from one, which the file
+/// moves by 0.29. With all keys moved by one micrometre there are 60 such pixels, and the others miss [`SAME`].
+const MOST_APART: f64 = 5e-5;
 
 #[test]
 fn falling_leaves_look_the_same() {
