@@ -94,17 +94,18 @@ class Frame:
             return None
         color = [self.channels[letter] for letter in "RGB"]
         plain = [stored.dtype == np.float16 and half.plain(*self.extremes(letter)) for letter, stored in zip("RGB", color)]
-        total = np.zeros(color[0].shape, np.float32)
+        total = np.empty(color[0].shape, np.float32)
         scratch = np.empty_like(total[next(row_blocks(total.shape))])
         for rows in row_blocks(total.shape):
             block = total[rows]
-            part = scratch[: len(block)]
-            for weight, stored, is_plain in zip(LUMINANCE, color, plain):
+            for index, (weight, stored, is_plain) in enumerate(zip(LUMINANCE, color, plain)):
+                part = block if index == 0 else scratch[: len(block)]
                 if is_plain:
                     half.scaled_into(stored[rows], weight, part)
                 else:
                     np.multiply(wide(stored[rows]), weight, out=part)
-                block += part
+                if index > 0:
+                    block += part
         if all(np.isfinite(self.extremes(letter)).all() for letter in "RGB"):
             return total
         return np.nan_to_num(total, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
