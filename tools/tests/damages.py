@@ -261,11 +261,19 @@ def firefly(folder: Path) -> None:
 
 @damage("one black frame", "black")
 def black(folder: Path) -> None:
-    def darken(channels: Channels) -> None:
-        for name in ("R", "G", "B", "shafts.R", "shafts.G", "shafts.B"):
-            channels[name][:] = 0
+    rewrite(frame_path(folder, VICTIM), lambda channels: scaled(channels, 0))
 
-    rewrite(frame_path(folder, VICTIM), darken)
+
+@damage("the last two frames black, without a fade", "black", 11, 12)
+def black_end(folder: Path) -> None:
+    for number in (11, 12):
+        rewrite(frame_path(folder, number), lambda channels: scaled(channels, 0))
+
+
+@damage("every frame black", "all-black", None)
+def all_black(folder: Path) -> None:
+    for number in range(1, 13):
+        rewrite(frame_path(folder, number), lambda channels: scaled(channels, 0))
 
 
 @damage("one frame of a single colour", "constant")

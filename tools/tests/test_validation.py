@@ -18,6 +18,7 @@ from sunfleck_tools.parallel import in_processes
 
 from .command import run
 from .damages import set_value
+from .damages import scaled
 from .files import frame_path, good_sequence, rewrite
 from .json_schema import faults
 
@@ -170,6 +171,22 @@ class Apart(WithSequence):
         for number in range(2, 13):
             frame_path(self.folder, number).write_bytes(frame_path(self.folder, 1).read_bytes())
         self.assertEqual(self.found("stuck"), [2])
+
+    def test_black_frames_that_are_meant_so_are_not_accused(self):
+        """A fade to black and back, a beginning before there is light."""
+
+        def light(number: int, factor: float) -> None:
+            rewrite(frame_path(self.folder, number), lambda channels: scaled(channels, factor))
+
+        for number, factor in {3: 0.6, 4: 0.3, 5: 0.05, 6: 0, 7: 0, 8: 0.05, 9: 0.3, 10: 0.6}.items():
+            light(number, factor)
+        self.assertEqual([f.check for f in validate(self.folder, HERE).findings if f.check != "pop"], [])
+        for number in (1, 2, 3):
+            light(number, 0)
+        self.assertEqual(self.found("black"), [])
+        # Between 0.3 and 1.
+        light(10, 0)
+        self.assertEqual(self.found("black"), [10])
 
     def test_ids_of_cryptomatte_may_be_any_floats(self):
         for path in self.folder.iterdir():

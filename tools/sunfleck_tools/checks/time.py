@@ -17,19 +17,62 @@ POP_RATIO = {"mean": 0.15, "p99": 0.5}
 POP_DEVIATIONS = 6.0
 """And how many times the usual step it has to be."""
 REST_FRAMES = 3
-"""Equal frames at the beginning or end that are a rest; fewer are a frame written twice."""
+"""Equal frames at the beginning or end that are a rest; fewer are a frame written twice, or one that failed."""
+FADED_RATIO = 0.1
+"""Of the usual mean of frames that are not black: as dark is the last frame of a slow fade."""
+FADE_STEPS = 2.0
+"""Steps like the one before that the last frame of a quick fade is from black."""
 FLICKER_FRAMES = 8
 """Steps in turns up and down, without a break, that are no chance: 2^-7."""
 FLICKER_RATIO = 0.02
 """Median relative step of such a run."""
 
 
-@check("black", Severity.ERROR, Scope.SEQUENCE, "a frame is black", rerender=True)
+@check("black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True)
 def black(rendered: Rendered) -> Iterator[Found]:
-    """A light or a camera that was lost."""
-    for frame in rendered.decoded:
-        if frame.largest == 0 and frame.smallest == 0:
-            yield Found("every pixel is black", frame=frame.number, path=frame.path)
+    """A light or a camera that was lost. Not what fades out, leaves the picture, or rests at the beginning or end."""
+    frames = rendered.decoded
+    lit = [frame.mean for frame in frames if frame.mean is not None and not _is_black(frame)]
+    for start, end in _black_runs(frames):
+        # The two frames before and the two behind, the nearer first.
+        sides = [side for side in (frames[max(start - 2, 0) : start][::-1], frames[end : end + 2]) if side]
+        rests = len(sides) == 1 and end - start >= REST_FRAMES
+        steps = [side[0] for side in sides if not _fades(side, median(lit))]
+        if steps and not rests:
+            for frame in frames[start:end]:
+                message = f"every pixel is black, where frame {steps[0].number} has a mean of {steps[0].mean:.4g}"
+                yield Found(message, frame=frame.number, path=frame.path)
+
+
+@check("all-black", Severity.WARNING, Scope.SEQUENCE, "no frame shows anything")
+def all_black(rendered: Rendered) -> Iterator[Found]:
+    """A scene without light, or a camera that looks past it: as it was rendered, most likely, and as nobody means it."""
+    if rendered.decoded and all(map(_is_black, rendered.decoded)):
+        yield Found("every pixel of every frame is black: is there a light, and is the camera right?")
+
+
+def _is_black(frame: FrameSummary) -> bool:
+    return frame.largest == 0 and frame.smallest == 0
+
+
+def _fades(side: list[FrameSummary], usual: float) -> bool:
+    """True if black is no step from a frame and the one beyond it: the frame is dark; or darker than the other by so much that
+    black may be next; or shows something in fewer than a hundredth of its pixels, as small things do on their way out."""
+    near = side[0]
+    if near.mean is None or near.p99 == 0 or near.mean <= FADED_RATIO * usual:
+        return True
+    return len(side) > 1 and side[1].mean is not None and near.mean <= FADE_STEPS * (side[1].mean - near.mean)
+
+
+def _black_runs(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
+    """First index, and the one behind the last."""
+    start = None
+    for index, frame in enumerate([*frames, None]):
+        if frame is not None and _is_black(frame):
+            start = index if start is None else start
+        elif start is not None:
+            yield start, index
+            start = None
 
 
 @check("constant", Severity.WARNING, Scope.SEQUENCE, "a frame has a single colour")
@@ -42,7 +85,7 @@ def constant(rendered: Rendered) -> Iterator[Found]:
 
 @check("stuck", Severity.WARNING, Scope.SEQUENCE, "a frame has the pixels of the one before")
 def stuck(rendered: Rendered) -> Iterator[Found]:
-    """One finding for each run of equal frames. A sequence may rest at its beginning and end."""
+    """One finding for each run of equal frames. A sequence may rest at its beginning and end; black frames are like one another."""
     frames = rendered.decoded
     start = 0
     for end in range(1, len(frames) + 1):
@@ -50,7 +93,7 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
             continue
         run = frames[start:end]
         rests = (start == 0 or end == len(frames)) and REST_FRAMES <= len(run) < len(frames)
-        if len(run) > 1 and not rests:
+        if len(run) > 1 and not rests and not _is_black(run[0]):
             until = f", and so do all until frame {run[-1].number}" if len(run) > 2 else ""
             yield Found(f"it has the pixels of frame {run[0].number}{until}", frame=run[1].number, path=run[1].path)
         start = end
@@ -59,7 +102,8 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
 @check("file-size", Severity.WARNING, Scope.SEQUENCE, "a file is much smaller or larger than its neighbours")
 def file_size(rendered: Rendered) -> Iterator[Found]:
     """Partial and empty pictures compress well."""
-    for frame, around in _surrounded(rendered.frames):
+    # Of black ones `black` speaks.
+    for frame, around in _surrounded([frame for frame in rendered.frames if not _is_black(frame)]):
         usual = median(other.bytes for other in around)
         if frame.bytes * SIZE_RATIO < usual or frame.bytes > usual * SIZE_RATIO:
             message = f"the file has {frame.bytes} bytes where its neighbours have about {usual:.0f}"
