@@ -1,4 +1,4 @@
-"""A sequence as a movie: by ffmpeg into what players and browsers take, by own code into an animated PNG.
+"""A sequence as a movie: by ffmpeg into what players and browsers take, WebP without it by Pillow, an animated PNG by own code.
 
 Invariant: every frame of the sequence has its time in the movie, also one that cannot be shown; and a movie that was begun and
 not finished is not left behind.
@@ -21,12 +21,13 @@ import numpy as np
 from .errors import ToolError
 from .pictures import Shown, fitted
 from .png import AnimatedPng
+from .webp import Webp, has_pillow
 
 BY_FFMPEG = {
     ".mp4": ["-c:v", "libx264", "-crf", "16", "-preset", "medium", "-pix_fmt", "yuv420p", "-movflags", "+faststart"],
     ".mov": ["-c:v", "prores_ks", "-profile:v", "3", "-pix_fmt", "yuv422p10le"],
     ".webm": ["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-pix_fmt", "yuv420p"],
-    ".webp": ["-c:v", "libwebp_anim", "-quality", "85", "-loop", "0"],
+    ".webp": ["-c:v", "libwebp_anim", "-quality", str(Webp.QUALITY), "-loop", "0"],
 }
 """By the ending of the name; qualities at which no eye sees the loss."""
 COLOUR = [
@@ -66,7 +67,13 @@ def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=f".{out.name}.") as folder:
         part = Path(folder) / out.name
         with part.open("wb") as file:
-            writer: Writer = AnimatedPng(file, count, fps) if out.suffix.lower() == ".png" else Ffmpeg(part, width, height, fps)
+            writer: Writer
+            if out.suffix.lower() == ".png":
+                writer = AnimatedPng(file, count, fps)
+            elif shutil.which("ffmpeg") is None:
+                writer = Webp(file, fps)
+            else:
+                writer = Ffmpeg(part, width, height, fps)
             try:
                 for source in (ahead, cells):
                     for picture in source:
@@ -84,8 +91,11 @@ def check_ending(out: Path) -> None:
     ending = out.suffix.lower()
     if ending not in ENDINGS:
         raise ToolError(f"{out} is no name of a movie: expected one that ends in {', '.join(ENDINGS)}")
-    if ending in BY_FFMPEG and shutil.which("ffmpeg") is None:
-        raise ToolError(f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, OUT.png")
+    if ending in BY_FFMPEG and shutil.which("ffmpeg") is None and not (ending == ".webp" and has_pillow()):
+        pillow = "pip install pillow, " if ending == ".webp" else ""
+        raise ToolError(
+            f"{ending} is made by ffmpeg, which is not on the PATH: install it, {pillow}or write an animated PNG, OUT.png"
+        )
 
 
 class Ffmpeg:

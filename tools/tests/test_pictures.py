@@ -14,9 +14,11 @@ from unittest import mock
 
 import numpy as np
 
+from sunfleck_tools import movie
 from sunfleck_tools.display import BAYER, Display
 from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.png import png
+from sunfleck_tools.webp import has_pillow
 
 from .command import NO_PROGRAM, PROGRAM, SEQUENCES, run
 from .files import frame_path, good_sequence, rewrite
@@ -128,6 +130,39 @@ class Movies(WithSequence):
         with mock.patch.object(shutil, "which", return_value=None):
             code, _, err = run("movie", self.folder, self.scratch / "leaf.mp4")
         self.assertEqual((code, "write an animated PNG" in err), (2, True))
+        with mock.patch.object(shutil, "which", return_value=None), mock.patch.object(movie, "has_pillow", return_value=False):
+            code, _, err = run("movie", self.folder, self.scratch / "leaf.webp")
+        self.assertEqual((code, "pip install pillow" in err), (2, True))
+
+    @unittest.skipUnless(has_pillow(), "Pillow is not installed")
+    def test_webp_without_ffmpeg(self):
+        path = self.scratch / "leaf.webp"
+        with mock.patch.object(shutil, "which", return_value=None):
+            self.assertEqual(run("movie", self.folder, path, "--display", "raw", "--fps", "24")[0], 0)
+        from PIL import Image
+
+        with Image.open(path) as found:
+            self.assertEqual((found.info["loop"], found.size), (0, (32, 18)))
+            # Pictures that are the same once they are compressed are one, which lasts longer.
+            begins, light, time_ms = [], [], 0
+            for index in range(found.n_frames):
+                found.seek(index)
+                light.append(np.asarray(found.convert("RGB"), float).mean())
+                begins.append(time_ms)
+                time_ms += found.info["duration"]
+        self.assertEqual(time_ms, 500)
+        for number in range(1, 13):
+            channels = decode(frame_path(self.folder, number))
+            meant = Display("raw").bytes(np.stack([channels[letter] for letter in "RGB"], axis=-1)).mean()
+            middle_ms = (number - 0.5) * 1000 / 24
+            shown = max(index for index, begin in enumerate(begins) if begin <= middle_ms)
+            self.assertAlmostEqual(light[shown], meant, delta=2.0)
+
+    @unittest.skipUnless(has_pillow(), "Pillow is not installed")
+    def test_webp_of_too_many_frames_says_so(self):
+        with mock.patch.object(shutil, "which", return_value=None), mock.patch("sunfleck_tools.webp.MOST_BYTES", 5 * 32 * 18 * 3):
+            code, _, err = run("movie", self.folder, self.scratch / "leaf.webp")
+        self.assertEqual((code, "5 frames of this size are all" in err, list(self.scratch.glob("*.webp"))), (2, True, []))
 
     @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "ffmpeg is not installed")
     def test_ffmpeg_gives_what_players_take(self):

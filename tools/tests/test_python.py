@@ -1,0 +1,29 @@
+"""The package is of the lowest Python that it says, and its extras and lock agree."""
+
+from __future__ import annotations
+
+import ast
+import re
+import unittest
+from pathlib import Path
+
+TOOLS = Path(__file__).parents[1]
+PROJECT = (TOOLS / "pyproject.toml").read_text()
+LOWEST = tuple(map(int, re.search(r'requires-python = ">=(\d+)\.(\d+)"', PROJECT).groups()))
+
+
+class Sources(unittest.TestCase):
+    def test_are_grammar_of_the_lowest_python(self):
+        sources = [*(TOOLS / "sunfleck_tools").rglob("*.py"), *(TOOLS / "tests").glob("*.py")]
+        self.assertGreater(len(sources), 100)
+        for path in sources:
+            # Raises SyntaxError with the place.
+            ast.parse(path.read_text(), str(path), feature_version=LOWEST)
+        with self.assertRaises(SyntaxError):
+            ast.parse("type Pixel = int", feature_version=LOWEST)
+
+    def test_the_lock_has_what_the_package_needs(self):
+        locked = set(re.findall(r"^([\w-]+)==", (TOOLS / "requirements.lock").read_text(), re.MULTILINE))
+        needed = set(re.findall(r'"([\w-]+)>=', PROJECT.split("[project.optional-dependencies]")[0]))
+        self.assertGreaterEqual(len(needed), 3)
+        self.assertLessEqual(needed, locked)
