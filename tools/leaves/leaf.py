@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from mesh import Mesh, Vector
 from outlines import Blade, Point
-from triangulate import contains, distance_to_outline, simplify, triangulate
+from triangulate import contains, distance_to_outline, distance_to_segment, simplify, triangulate
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,8 @@ class Detail:
     spine_points: int
     petiole_sides: int
     smooth: bool
+    vein_spacing: float | None = None
+    """Distance of points along the side veins; None for a blade that is even between its midrib and its edge."""
 
 
 @dataclass(frozen=True)
@@ -40,13 +42,31 @@ class Pose:
     """Amplitude of the waves along the edge."""
 
 
-NEAR = Detail("near", 0.075, 13, 4, True)
+NEAR = Detail("near", 0.075, 13, 4, True, 0.06)
 FAR = Detail("far", 0.24, 4, 0, True)
 CANOPY = Detail("canopy", None, 0, 0, False)
 
 
-def interior_points(outline: list[Point], detail: Detail) -> list[Point]:
-    """The midrib and a hexagonal grid mirrored about it, away from the edge."""
+# How far the blade rises between its veins, in blade lengths, and how far from a vein it has.
+RELIEF, RELIEF_REACH = 0.012, 0.07
+
+
+def distance_to_veins(p: Point, veins: list[list[Point]]) -> float:
+    """Distance of `p` from the nearest of the veins."""
+    return min(distance_to_segment(p, a, b) for vein in veins for a, b in zip(vein, vein[1:]))
+
+
+def points_along(vein: list[Point], spacing: float) -> list[Point]:
+    """Points of a vein about `spacing` apart, without its ends."""
+    points = []
+    for a, b in zip(vein, vein[1:]):
+        steps = max(1, round(math.dist(a, b) / spacing))
+        points += [(a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps) for i in range(1, steps + 1)]
+    return points[:-1]
+
+
+def interior_points(blade: Blade, outline: list[Point], detail: Detail) -> list[Point]:
+    """The midrib, side veins if there are any, and a hexagonal grid mirrored about the midrib, away from them and from the edge."""
     spine = [(0.0, (i + 1) / (detail.spine_points + 1)) for i in range(detail.spine_points)]
     spine = [p for p in spine if contains(outline, p) and distance_to_outline(p, outline) > 0.005]
     if detail.spacing is None:
@@ -58,7 +78,15 @@ def interior_points(outline: list[Point], detail: Detail) -> list[Point]:
             x = detail.spacing * (column + (0.75 if row % 2 else 1.2))
             grid += [(x, row * row_height), (-x, row * row_height)]
     clearance = detail.spacing * 0.45
-    return spine + [p for p in grid if contains(outline, p) and distance_to_outline(p, outline) > clearance]
+    grid = [p for p in grid if contains(outline, p) and distance_to_outline(p, outline) > clearance]
+    if detail.vein_spacing is None:
+        return spine + grid
+    on_veins = list(spine)
+    for p in (p for vein in blade.veins for p in points_along(vein, detail.vein_spacing)):
+        clear = all(math.dist(p, q) > 0.4 * detail.vein_spacing for q in on_veins)
+        if clear and contains(outline, p) and distance_to_outline(p, outline) > 0.4 * detail.vein_spacing:
+            on_veins.append(p)
+    return on_veins + [p for p in grid if distance_to_veins(p, blade.veins) > 0.4 * detail.vein_spacing]
 
 
 def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
@@ -125,8 +153,14 @@ def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose
     right = simplify(blade.outline[: tip + 1], outline_tolerance)
     left = simplify(blade.outline[tip:] + blade.outline[:1], outline_tolerance)
     outline = right + left[1:-1]
-    points, triangles = triangulate(outline, interior_points(outline, detail))
-    flat = [(x, z, 0.0) for x, z in points]
+    points, triangles = triangulate(outline, interior_points(blade, outline, detail))
+
+    def lift(p: Point) -> float:
+        # Where the veins of a maple meet there is no room for ridges between them.
+        spread = min(1.0, math.hypot(*p) / 0.25)
+        return RELIEF * spread * min(1.0, distance_to_veins(p, blade.veins) / RELIEF_REACH) if detail.vein_spacing else 0.0
+
+    flat = [(x, z, lift((x, z))) for x, z in points]
     stem, stem_faces = petiole(blade, detail)
     size = 1.0 / (1.0 + blade.petiole_length)
     # (x, z) as a right-handed plane has its normal towards -y; the upper side shall look towards +y.
@@ -137,7 +171,7 @@ def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose
     origin = bend(0.0, -reach, 0.0, pose) if hangs else (0.0, 0.0, 0.0)
     return Mesh(
         positions=[
-            tuple(size * (c - o) for c, o in zip(bend(x, z, lift, pose), origin)) for x, z, lift in flat + stem
+            tuple(size * (c - o) for c, o in zip(bend(x, z, y, pose), origin)) for x, z, y in flat + stem
         ],
         uvs=[texture_position(blade, x, z) for x, z, _ in flat + stem],
         faces=faces,

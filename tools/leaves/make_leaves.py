@@ -16,7 +16,7 @@ from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
 from maps import blemished, leaf_maps
 from mesh import Mesh, write_obj
 from outlines import SPECIES, maple
-from paint import paint_bark, paint_leaf, paint_light_through, paint_litter
+from paint import EVEN, paint_bark, paint_leaf, paint_light_through, paint_litter
 from palettes import RAMPS
 from png import write_png
 from trees import HABITS, make_tree
@@ -44,7 +44,7 @@ MORE_MAPLES = {
 }
 # Ages of the pictures of each species, on its ramp of colours.
 AGES = {
-    "maple": {"green": 0.12, "lime": 0.28, "yellow": 0.42, "amber": 0.56, "red": 0.78, "brown": 0.96},
+    "maple": {"green": 0.12, "lime": 0.28, "yellow": 0.42, "amber": 0.56, "red": 0.78, "brown": 0.96, "turning": 0.46, "flaming": 0.60},
     "birch": {"lime": 0.28, "yellow": 0.48, "brown": 0.92},
     "oak": {"olive": 0.26, "russet": 0.56, "brown": 0.84},
     "beech": {"yellow": 0.32, "copper": 0.56, "brown": 0.84},
@@ -52,8 +52,10 @@ AGES = {
     "aspen": {"yellow": 0.44, "gold": 0.66},
     "willow": {"lime": 0.30, "yellow": 0.55},
 }
+# Leaves that turn from patch to patch.
+PATCHINESS = {"maple turning": 0.85, "maple flaming": 0.62}
 # What hangs close to the camera against the light has a picture of the light through it, too.
-LIT_THROUGH = {"maple": ["lime", "yellow", "amber", "red"], "oak": ["russet"], "ginkgo": ["yellow"], "beech": ["copper"]}
+LIT_THROUGH = {"maple": ["lime", "yellow", "amber", "red", "turning", "flaming"], "oak": ["russet"], "ginkgo": ["yellow"], "beech": ["copper"]}
 
 
 def leaves() -> dict[str, tuple[Mesh, Detail]]:
@@ -97,9 +99,10 @@ def make_textures(folder: Path, only: str) -> None:
         shared = leaf_maps(blade, 512 if blade.name == "maple" else 384)
         for name, age in AGES[blade.name].items():
             maps = blemished(shared, f"{blade.name} {name}")
-            write_png(folder / f"{blade.name}_{name}.png", paint_leaf(maps, RAMPS[blade.name], age))
+            patchiness = PATCHINESS.get(f"{blade.name} {name}", EVEN)
+            write_png(folder / f"{blade.name}_{name}.png", paint_leaf(maps, RAMPS[blade.name], age, patchiness))
             if name in LIT_THROUGH.get(blade.name, []):
-                write_png(folder / f"{blade.name}_{name}_through.png", paint_light_through(maps, RAMPS[blade.name], age))
+                write_png(folder / f"{blade.name}_{name}_through.png", paint_light_through(maps, RAMPS[blade.name], age, patchiness))
             print(f"{blade.name}_{name}.png", flush=True)
     if "litter".startswith(only):
         write_png(folder / "litter.png", paint_litter(blades, 640))

@@ -13,22 +13,26 @@ from outlines import Blade
 from palettes import RAMPS, Color, Ramp, mix
 
 
-def local_ages(maps: LeafMaps, age: float) -> Map:
-    """How far each point has aged."""
+EVEN = 0.26
+"""Patchiness of most leaves."""
+
+
+def local_ages(maps: LeafMaps, age: float, patchiness: float) -> Map:
+    """How far each point has aged; `patchiness` is how far patches are ahead of one another and of the veins."""
     rows = []
     for edge, glow, mottle in zip(maps.edge_distance, maps.glow, maps.mottle):
         rows.append(
-            [age + 0.26 * m + 0.20 * (1 - d) ** 2 - 0.17 * g + 0.02 for d, g, m in zip(edge, glow, mottle)]
+            [age + patchiness * (m - 0.17 / 0.26 * g) + 0.20 * (1 - d) ** 2 + 0.02 for d, g, m in zip(edge, glow, mottle)]
         )
     return rows
 
 
-def paint_leaf(maps: LeafMaps, ramp: Ramp, age: float) -> list[bytes]:
+def paint_leaf(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
     """What a leaf reflects."""
     rows = []
     elsewhere = packed(ramp.at(age + 0.2))
     for shown, ages, veins, nets, spots, mottle in zip(
-        maps.margin, local_ages(maps, age), maps.vein, maps.net, maps.spots, maps.mottle
+        maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots, maps.mottle
     ):
         row = bytearray()
         for here, local, v, n, s, m in zip(shown, ages, veins, nets, spots, mottle):
@@ -49,11 +53,11 @@ def packed(color: Color) -> bytes:
     return bytes(min(252, max(0, int(c))) & 0xFC for c in color)
 
 
-def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float) -> list[bytes]:
+def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
     """What a leaf lets through: twice through the pigments, so deeper in colour; veins and spots hold light back."""
     rows = []
     elsewhere = packed(ramp.at(age + 0.2))
-    for shown, ages, veins, nets, spots in zip(maps.margin, local_ages(maps, age), maps.vein, maps.net, maps.spots):
+    for shown, ages, veins, nets, spots in zip(maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots):
         row = bytearray()
         for here, local, v, n, s in zip(shown, ages, veins, nets, spots):
             if not here:

@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 from floor import ground_height, make_fern, make_ground
+from leaf import NEAR, RELIEF, Pose, make_leaf
 from make_leaves import AGES, leaves, make_meshes
 from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
@@ -92,6 +93,16 @@ class Leaves(unittest.TestCase):
             )
             self.assertAlmostEqual(far / near, 1.0, delta=0.15, msg=name)
             self.assertAlmostEqual(canopy / near, 1.0, delta=0.35, msg=name)
+
+    def test_a_near_leaf_rises_between_its_veins(self):
+        flat = Pose(fold_rad=0.0, curl_rad=0.0, cup=0.0, ripple=0.0)
+        for blade in (maple(), maple("b")):
+            leaf = make_leaf(blade, NEAR, 0.0015, flat)
+            size = 1.0 / (1.0 + blade.petiole_length)
+            heights = [y / size for x, y, z in leaf.positions if z < 0.5 * size - 0.02]  # Without the petiole.
+            self.assertAlmostEqual(max(heights), RELIEF, places=12)
+            self.assertLess(min(heights), 1e-12)
+            self.assertGreater(sum(y < 0.1 * RELIEF for y in heights), 30)
 
     def test_a_hanging_leaf_hangs_by_its_petiole(self):
         for name, mesh in LEAVES.items():
