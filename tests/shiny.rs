@@ -5,7 +5,7 @@
 mod common;
 
 use common::{EXACT, INSTANT, add_light, camera_at, place};
-use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_1_PI, PI};
 use sunfleck::color::Rgb;
@@ -28,6 +28,7 @@ fn square(material: Material) -> Scene {
     scene.meshes.push(Mesh {
         positions: corners.map(|uv| Vec3::new(uv.x - 0.5, 0.5 - uv.y, 0.0) * 8.0).to_vec(),
         uvs: corners.to_vec(),
+        tangents: vec![Vec4::X + Vec4::W; 4],
         triangles: [[0, 3, 2], [0, 2, 1]].map(|vertices| Triangle { vertices, material: 0 }).to_vec(),
         ..Mesh::default()
     });

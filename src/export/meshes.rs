@@ -70,11 +70,16 @@ impl Writer<'_> {
         }
         by_material
             .into_iter()
-            .map(|(material, corners)| (self.primitive(mesh, &corners), material))
+            .map(|(material, corners)| {
+                // Without normals they would mean nothing.
+                let is_mapped = self.scene.materials[material].normal_map.is_some()
+                    && !(mesh.tangents.is_empty() || mesh.normals.is_empty());
+                (self.primitive(mesh, &corners, is_mapped), material)
+            })
             .collect()
     }
 
-    fn primitive(&mut self, mesh: &Mesh, corners: &[u32]) -> Map<String, Value> {
+    fn primitive(&mut self, mesh: &Mesh, corners: &[u32], is_mapped: bool) -> Map<String, Value> {
         let mut number = vec![u32::MAX; mesh.positions.len()];
         let mut used = Vec::new();
         let indices: Vec<u32> = corners
@@ -96,6 +101,11 @@ impl Writer<'_> {
         if !mesh.normals.is_empty() {
             let normals: Vec<[f32; 3]> = used.iter().map(|&vertex| mesh.normals[vertex].to_array()).collect();
             attribute("NORMAL", self.binary.floats(&normals, vertices, false));
+        }
+        if is_mapped {
+            let tangents: Vec<[f32; 4]> =
+                used.iter().map(|&vertex| mesh.tangents[vertex].to_array()).collect();
+            attribute("TANGENT", self.binary.floats(&tangents, vertices, false));
         }
         if !mesh.uvs.is_empty() {
             let uvs: Vec<[f32; 2]> = used.iter().map(|&vertex| mesh.uvs[vertex].to_array()).collect();

@@ -3,7 +3,7 @@
 //! vertex of the mesh; every joint's node exists.
 
 use super::{Mesh, NodeIndex, Placement, Track};
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
 /// What bends the mesh of one instance.
@@ -37,6 +37,8 @@ pub struct MorphTarget {
     pub positions: Vec<Vec3>,
     /// One a vertex, or none at all.
     pub normals: Vec<Vec3>,
+    /// One a vertex, or none at all.
+    pub tangents: Vec<Vec3>,
 }
 
 /// A skeleton and how the vertices hang on it.
@@ -84,6 +86,8 @@ pub struct Shape {
     pub positions: Vec<Vec3>,
     /// One a vertex, or none at all; unit length.
     pub normals: Vec<Vec3>,
+    /// As the mesh has them, turned along.
+    pub tangents: Vec<Vec4>,
 }
 
 impl Deformation {
@@ -115,17 +119,29 @@ impl Deformation {
     pub fn shape(&self, mesh: &Mesh, pose: &Pose) -> Shape {
         let mut positions: Vec<DVec3> = mesh.positions.iter().map(|position| position.as_dvec3()).collect();
         let mut normals: Vec<DVec3> = mesh.normals.iter().map(|normal| normal.as_dvec3()).collect();
+        let mut tangents: Vec<DVec3> =
+            mesh.tangents.iter().map(|tangent| tangent.truncate().as_dvec3()).collect();
+        let mut sides: Vec<f32> = mesh.tangents.iter().map(|tangent| tangent.w).collect();
         for (target, &weight) in self.targets.iter().zip(&pose.weights).filter(|(_, weight)| **weight != 0.0)
         {
             add(&mut positions, &target.positions, weight);
             add(&mut normals, &target.normals, weight);
+            add(&mut tangents, &target.tangents, weight);
         }
         if let Some(skin) = &self.skin {
             for (vertex, position) in positions.iter_mut().enumerate() {
                 let shape_from_rest = skin.influences.blend(vertex, &pose.shape_from_rest);
                 *position = shape_from_rest.transform_point3(*position);
+                // What is mirrored has its front on the same side, and its bitangents turned over.
+                let mirrored = if shape_from_rest.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
                 if let Some(normal) = normals.get_mut(vertex) {
-                    *normal = cofactor(shape_from_rest.matrix3) * *normal;
+                    *normal = mirrored * (cofactor(shape_from_rest.matrix3) * *normal);
+                }
+                if let Some(side) = sides.get_mut(vertex) {
+                    *side *= mirrored as f32;
+                }
+                if let Some(tangent) = tangents.get_mut(vertex) {
+                    *tangent = shape_from_rest.matrix3 * *tangent;
                 }
             }
         }
@@ -137,13 +153,24 @@ impl Deformation {
             if !normals.is_empty() {
                 normals[*vertex as usize] = between(&normals);
             }
+            if !tangents.is_empty() {
+                tangents[*vertex as usize] = between(&tangents);
+            }
         }
         // Where a normal vanishes, that of the mesh at rest will do.
         let unit =
             |(normal, rest): (&DVec3, &Vec3)| normal.try_normalize().map_or(*rest, |normal| normal.as_vec3());
+        let tangent = |vertex: usize| {
+            let normal = normals.get(vertex).and_then(|normal| normal.try_normalize());
+            let tangent =
+                normal.map_or(tangents[vertex], |normal| tangents[vertex].reject_from_normalized(normal));
+            let rest = mesh.tangents[vertex].truncate();
+            tangent.try_normalize().map_or(rest, |tangent| tangent.as_vec3()).extend(sides[vertex])
+        };
         Shape {
             positions: positions.iter().map(|position| position.as_vec3()).collect(),
             normals: normals.iter().zip(&mesh.normals).map(unit).collect(),
+            tangents: (0..tangents.len()).map(tangent).collect(),
         }
     }
 }
@@ -210,8 +237,9 @@ mod tests {
         let raised = MorphTarget {
             positions: vec![Vec3::Y, Vec3::ZERO, Vec3::ZERO],
             normals: vec![Vec3::X, Vec3::ZERO, Vec3::ZERO],
+            tangents: Vec::new(),
         };
-        let wide = MorphTarget { positions: vec![Vec3::ZERO, Vec3::X, Vec3::ZERO], normals: Vec::new() };
+        let wide = MorphTarget { positions: vec![Vec3::ZERO, Vec3::X, Vec3::ZERO], ..MorphTarget::default() };
         let weights = vec![Track::from(2.0), Track::from(-0.5)];
         let inner = [InnerVertex { vertex: 2, corners: [0, 1, 1], weights: [0.25, 0.5, 0.25] }].into();
         let deformation = Deformation { targets: [raised, wide].into(), weights, skin: None, inner };

@@ -2,7 +2,7 @@
 //! every position finite.
 
 use super::MaterialIndex;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Triangles that share vertices.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +19,9 @@ pub struct Mesh {
     pub more_uvs: Vec<Vec<Vec2>>,
     /// One linear colour a vertex, which multiplies the base colour; empty means white.
     pub colors: Vec<Vec3>,
+    /// One tangent a vertex for normal maps: unit length, and in `w` on which side of it the bitangent
+    /// `w * normal x tangent` lies; empty means that no map bends the normals.
+    pub tangents: Vec<Vec4>,
     /// The triangles.
     pub triangles: Vec<Triangle>,
 }

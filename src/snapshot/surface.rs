@@ -7,7 +7,7 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::Gloss;
 use crate::scene::{AlphaMode, Material, Mesh, Painted, Texture, TextureMap};
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 /// A point of a surface, ready for shading.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +49,8 @@ pub struct Facet<'a> {
     material: &'a Material,
     textures: &'a [Texture],
     texture: Option<&'a Texture>,
-    /// Right and up in the normal map, where there is one.
-    tangents: Option<[DVec3; 2]>,
+    /// Where a normal map bends its normals.
+    bending: Option<Bending<'a>>,
     leaf_id: u32,
     corners: [usize; 3],
     first_corner: DVec3,
@@ -62,6 +62,16 @@ pub struct Facet<'a> {
     corner_normals: Option<[DVec3; 3]>,
 }
 
+/// What a normal map needs of a mesh.
+#[derive(Clone, Copy, Debug)]
+struct Bending<'a> {
+    positions: &'a [Vec3],
+    /// None in flat meshes.
+    normals: &'a [Vec3],
+    tangents: &'a [Vec4],
+    relative_from_mesh_normal: &'a DMat3,
+}
+
 impl Snapshot<'_> {
     /// A triangle of the tree.
     pub fn facet(&self, primitive: PrimitiveId) -> Facet<'_> {
@@ -71,9 +81,9 @@ impl Snapshot<'_> {
         let triangle = mesh.triangles[primitive.triangle as usize];
         let material = &self.materials[instance.material.unwrap_or(triangle.material)];
         let corners = triangle.vertices.map(|vertex| vertex as usize);
-        let (positions, normals) = match &placed.bent {
-            None => (&mesh.positions, &mesh.normals),
-            Some(bent) => (&bent.shape.positions, &bent.shape.normals),
+        let (positions, normals, tangents) = match &placed.bent {
+            None => (&mesh.positions, &mesh.normals, &mesh.tangents),
+            Some(bent) => (&bent.shape.positions, &bent.shape.normals, &bent.shape.tangents),
         };
         let [a, b, c] =
             corners.map(|corner| placed.relative_from_mesh.transform_point3(positions[corner].as_dvec3()));
@@ -86,9 +96,11 @@ impl Snapshot<'_> {
             material,
             textures: &self.scene.textures,
             texture: texture.map(|texture| &self.scene.textures[texture]),
-            tangents: material.normal_map.and_then(|(map, _)| {
-                let uvs = layer(mesh, map.layer)?;
-                tangents([ab, ac], corners.map(|corner| uvs[corner].as_dvec2()))
+            bending: material.normal_map.filter(|_| !tangents.is_empty()).map(|_| Bending {
+                positions,
+                normals,
+                tangents,
+                relative_from_mesh_normal: &placed.relative_from_mesh_normal,
             }),
             leaf_id: instance.leaf_id,
             corners,
@@ -154,10 +166,14 @@ impl Facet<'_> {
                 None => geometric_normal,
             }
         });
-        if let Some((tangents, (map, scale))) = self.tangents.zip(material.normal_map) {
-            let is_turned = self.normal.dot(geometric_normal) < 0.0;
-            let bending = self.texel(map, weights).map(|texel| 2.0 * texel - Rgb::ONE);
-            shading_normal = bent(shading_normal, is_turned, tangents, bending.unwrap_or(Rgb::Z), scale);
+        if let Some((bending, (map, scale))) = self.bending.zip(material.normal_map)
+            && let Some(texel) = self.texel(map, weights)
+        {
+            let [bent, unbent] = bending.bent(self.corners, weights, 2.0 * texel - Rgb::ONE, scale);
+            // Seen from behind, it is bent as seen from the front and then turned over.
+            let is_turned = unbent.dot(shading_normal) < 0.0;
+            let bent = bent.try_normalize().map(|bent| if is_turned { -bent } else { bent });
+            shading_normal = bent.unwrap_or(shading_normal);
         }
         let texture = self.texture.map(|texture| (texture, self.uv(&self.mesh.uvs, weights)));
         let color = texture.map_or(Rgb::ONE, |(texture, uv)| texture.color(uv));
@@ -232,24 +248,26 @@ fn layer(mesh: &Mesh, layer: usize) -> Option<&[Vec2]> {
     uvs.map(Vec::as_slice).filter(|uvs| !uvs.is_empty())
 }
 
-/// How a place in the triangle moves as one goes to the right in the texture, and upwards; `None` if the
-/// triangle has no area there.
-fn tangents([ab, ac]: [DVec3; 2], [a, b, c]: [DVec2; 3]) -> Option<[DVec3; 2]> {
-    let (ab_uv, ac_uv) = (b - a, c - a);
-    let area = ab_uv.perp_dot(ac_uv);
-    let right = (ab * ac_uv.y - ac * ab_uv.y) / area;
-    let down = (ac * ab_uv.x - ab * ac_uv.x) / area;
-    (right.is_finite() && down.is_finite() && area != 0.0).then_some([right, -down])
-}
-
-/// A normal as a normal map bends it; on the side that is turned away it is bent as seen from the other.
-fn bent(normal: DVec3, is_turned: bool, [right, up]: [DVec3; 2], bending: DVec3, scale: f64) -> DVec3 {
-    let front = if is_turned { -normal } else { normal };
-    let across = right.reject_from_normalized(front).normalize_or_zero();
-    let upwards = front.cross(across);
-    let upwards = if upwards.dot(up) < 0.0 { -upwards } else { upwards };
-    // glTF 2.0, 3.9.3: +X is to the right, +Y up, +Z towards the viewer; only x and y are scaled.
-    let bent = scale * (bending.x * across + bending.y * upwards) + bending.z * front;
-    let bent = bent.try_normalize().unwrap_or(front);
-    if is_turned { -bent } else { bent }
+impl Bending<'_> {
+    /// The direction of a normal map's texel at a point of the triangle, in the world's axes, and the normal that it
+    /// would be unbent; neither of unit length.
+    ///
+    /// Like Blender and its bakers this neither normalises nor squares up what it interpolates, and bends in the
+    /// mesh's own space (Mikkelsen 2008, "Simulation of wrinkled surfaces revisited", 2.2; glTF 2.0, 3.9.3: +X is
+    /// to the right in the texture, +Y up, +Z towards the viewer; only x and y are scaled).
+    fn bent(&self, corners: [usize; 3], weights: [f64; 3], texel: DVec3, scale: f64) -> [DVec3; 2] {
+        let between = |value: &dyn Fn(usize) -> Vec3| -> DVec3 {
+            (0..3).map(|corner| weights[corner] * value(corners[corner]).as_dvec3()).sum()
+        };
+        let normal = if self.normals.is_empty() {
+            let [a, b, c] = corners.map(|corner| self.positions[corner].as_dvec3());
+            (b - a).cross(c - a).normalize_or_zero()
+        } else {
+            between(&|corner| self.normals[corner])
+        };
+        let tangent = between(&|corner| self.tangents[corner].truncate());
+        let bitangent = f64::from(self.tangents[corners[0]].w) * normal.cross(tangent);
+        let bent = scale * (texel.x * tangent + texel.y * bitangent) + texel.z * normal;
+        [bent, normal].map(|direction| *self.relative_from_mesh_normal * direction)
+    }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod samples;
+mod tangents;
 mod truth;
 mod vertices;
 

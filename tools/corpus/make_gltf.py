@@ -443,6 +443,55 @@ def alpha_blend_of_one() -> File:
     return file
 
 
+def with_normal_map(normals: bool) -> File:
+    """A normal map that counts nothing; with normals, which are those of the triangles, each has its own vertices."""
+    file = textured(uvs_f32)
+    file.material["normalTexture"] = {"index": 0, "scale": 0}
+    if normals:
+        attributes = file.primitive["attributes"]
+        attributes["POSITION"] = file.accessor([POSITIONS[i] for i in INDICES], F32, "VEC3")
+        attributes["TEXCOORD_0"] = file.accessor([UVS[i] for i in INDICES], F32, "VEC2")
+        half = math.sqrt(0.2)
+        attributes["NORMAL"] = file.accessor([(half, 0, 2 * half)] * 3 + [(-half, 0, 2 * half)] * 3, F32, "VEC3")
+        del file.primitive["indices"]
+    return file
+
+
+@case
+def normal_map_without_tangents() -> File:
+    return with_normal_map(True)
+
+
+@case
+def normal_map_without_normals_or_texture_coordinates() -> File:
+    file = with_normal_map(False)
+    file.material["normalTexture"]["texCoord"] = 1
+    return file
+
+
+@case
+def tangents_without_normals_mean_nothing() -> File:
+    file = with_normal_map(False)
+    file.primitive["attributes"]["TANGENT"] = file.accessor([(0, 0, 1, 1)] * 4, F32, "VEC4")
+    return file
+
+
+@case
+def tangents_i16_normalized() -> File:
+    file = with_normal_map(True)
+    file.use("KHR_mesh_quantization", required=True)
+    file.primitive["attributes"]["TANGENT"] = file.accessor(
+        [(0, 32767, 0, -32767)] * 6, I16, "VEC4", normalized=True)
+    return file
+
+
+@case
+def tangents_without_length() -> File:
+    file = with_normal_map(True)
+    file.primitive["attributes"]["TANGENT"] = file.accessor([(0, 0, 0, 0)] * 6, F32, "VEC4")
+    return file
+
+
 @case
 def material_unused_with_anything_in_it() -> File:
     file = leaf()

@@ -10,7 +10,9 @@ import struct
 import sys
 from pathlib import Path
 
-from make_gltf import F32, INDICES, U8, U16, U32, UVS, File, animated, leaf, textured, uvs_f32
+from make_gltf import (
+    F32, INDICES, U8, U16, U32, UVS, File, animated, leaf, textured, uvs_f32, with_normal_map,
+)
 
 # One triangle as meshoptimizer's vertex codec has it would be longer; a header alone is damaged enough.
 NO_STREAM = b"\xa0\0\0\0"
@@ -59,6 +61,13 @@ def meshopt(**extension: object) -> File:
 def with_uvs(values: list, component: int, shape: str) -> File:
     """A textured leaf with texture coordinates of any kind."""
     return textured(lambda file: file.accessor(values, component, shape))
+
+
+def with_tangents(values: list, component: int = F32, shape: str = "VEC4") -> File:
+    """A leaf with a normal map and tangents of any kind."""
+    file = with_normal_map(True)
+    file.primitive["attributes"]["TANGENT"] = file.accessor(values, component, shape)
+    return file
 
 
 def webp(data: bytes) -> File:
@@ -129,6 +138,10 @@ FILES: dict[str, File] = {
         "count": 5, "indices": {"bufferView": 0, "componentType": U8}, "values": {"bufferView": 0}}),
     "sparse_indices_float": changed(leaf(), "accessors.0.sparse", {
         "count": 1, "indices": {"bufferView": 0, "componentType": F32}, "values": {"bufferView": 0}}),
+    "tangents_fewer": with_tangents([(1, 0, 0, 1)] * 5),
+    "tangents_missing": changed(with_normal_map(True), "meshes.0.primitives.0.attributes.TANGENT", 77),
+    "tangents_of_three": with_tangents([(1, 0, 0)] * 6, shape="VEC3"),
+    "tangents_u8": with_tangents([(1, 0, 0, 1)] * 6, component=U8),
     "texture_coordinates_fewer": with_uvs(UVS[:3], F32, "VEC2"),
     "texture_coordinates_of_three": with_uvs([(0, 0, 0)] * 4, F32, "VEC3"),
     "texture_coordinates_u32": with_uvs([(0, 0)] * 4, U32, "VEC2"),

@@ -4,10 +4,10 @@
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
-use super::texture_maps::{Purpose, layers as layers_of, slots};
-use super::{Mesh, Primitive, morphs, named, skins};
+use super::texture_maps::{Purpose, Slot, layer, layers as layers_of, slots};
+use super::{Mesh, Primitive, morphs, named, skins, tangents};
 use crate::diagnostic::Diagnostic;
-use glam::{DVec2, Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 
 // Integers where KHR_mesh_quantization allows them; floats are what the core specification has.
@@ -16,6 +16,7 @@ const SIGNED_OR_NOT: &[Component] =
 const POSITIONS: Wanted = Wanted { purpose: "positions", width: 3, components: SIGNED_OR_NOT };
 const NORMALS: Wanted =
     Wanted { purpose: "normals", width: 3, components: &[Component::F32, Component::I8, Component::I16] };
+const TANGENTS: Wanted = Wanted { purpose: "tangents", width: 4, ..NORMALS };
 const UVS: Wanted = Wanted { purpose: "texture coordinates", width: 2, components: SIGNED_OR_NOT };
 const COLORS: Wanted = Wanted {
     purpose: "vertex colours",
@@ -146,13 +147,6 @@ fn read_primitive(
     if attribute("COLOR_1").is_some() {
         report.not_honoured("vertex colours after the first are not honoured (COLOR_1)", mesh);
     }
-    let has_normal_map = slots.iter().flatten().any(|slot| slot.purpose == Purpose::Normal);
-    if has_normal_map && attribute("TANGENT").is_some() {
-        report.not_honoured(
-            "tangents of the file are passed over, normal maps take those of their texture coordinates",
-            mesh,
-        );
-    }
     let indices = match primitive.indices {
         Some(index) => indices(accessors, index, positions.len(), &format!("{path}.indices"))?,
         None => (0..positions.len() as u32).collect(),
@@ -165,8 +159,78 @@ fn read_primitive(
     let targets = morphs::targets(primitive, positions.len(), path, mesh, accessors, report)?;
     let influences =
         skins::influences(&primitive.attributes, positions.len(), path, mesh, accessors, report)?;
-    let material = primitive.material;
-    Ok(Primitive { positions, normals, uvs, more_uvs, colors, triangles, material, targets, influences })
+    let mut whole = Primitive {
+        positions,
+        normals,
+        uvs,
+        more_uvs,
+        colors,
+        tangents: Vec::new(),
+        triangles,
+        material: primitive.material,
+        targets,
+        influences,
+    };
+    let normal_map = slots.iter().flatten().find(|slot| slot.purpose == Purpose::Normal);
+    if let Some(Slot { info, .. }) = normal_map {
+        // Those of the coordinates themselves, as Blender has them, whatever is done to these for the image.
+        let (set, _) = layer(info);
+        add_tangents(&mut whole, primitive, set, (path, mesh), accessors, report)?;
+    }
+    Ok(whole)
+}
+
+/// The tangents of the file, or those that it leaves to be computed from texture coordinates (specification, 3.7.2.1).
+fn add_tangents(
+    whole: &mut Primitive,
+    primitive: &json::Primitive,
+    set: usize,
+    (path, mesh): (&str, &str),
+    accessors: &Accessors<'_>,
+    report: &mut Report,
+) -> Result<(), Diagnostic> {
+    let as_many = |values: usize, user: String| {
+        if values == whole.positions.len() {
+            return Ok(());
+        }
+        let found = format!("there are {} positions and {values} of these", whole.positions.len());
+        Err(accessors.invalid(user, found).expected("as many as there are positions"))
+    };
+    if let Some((index, user)) = attribute(&primitive.attributes, "TANGENT", path) {
+        let numbers = accessors.read(index, TANGENTS, &user)?;
+        as_many(numbers.len() / 4, user)?;
+        let tangent = |numbers: &[f64]| {
+            let [x, y, z, side] = [0, 1, 2, 3].map(|at| numbers[at] as f32);
+            let direction = Vec3::new(x, y, z).try_normalize()?;
+            (side != 0.0).then(|| direction.extend(side.signum()))
+        };
+        let given: Option<Vec<Vec4>> = numbers.chunks_exact(4).map(tangent).collect();
+        // Without normals they mean nothing.
+        match given {
+            Some(given) if !whole.normals.is_empty() => {
+                whole.tangents = given;
+                return Ok(());
+            }
+            Some(_) => {}
+            None => report.not_honoured(
+                "some tangents have no length or no side, these meshes get those of their texture coordinates",
+                mesh,
+            ),
+        }
+    }
+    let Some((index, user)) = attribute(&primitive.attributes, &format!("TEXCOORD_{set}"), path) else {
+        return Ok(());
+    };
+    let uvs = accessors.read(index, UVS, &user)?;
+    as_many(uvs.len() / 2, user)?;
+    let uvs: Vec<Vec2> = uvs.chunks_exact(2).map(|uv| DVec2::from_slice(uv).as_vec2()).collect();
+    if !tangents::generate(whole, &uvs) {
+        report.not_honoured(
+            "where thousands of triangles meet in one place, normal maps are not honoured",
+            mesh,
+        );
+    }
+    Ok(())
 }
 
 fn attribute(attributes: &BTreeMap<String, usize>, name: &str, path: &str) -> Option<(usize, String)> {

@@ -22,12 +22,13 @@ mod nodes;
 mod pointers;
 pub(crate) mod report;
 mod skins;
+mod tangents;
 mod texture_maps;
 
 use super::image::DecodedImage;
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
-use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 pub use pointers::Property;
 use report::Report;
 use serde_json::Value;
@@ -140,6 +141,8 @@ pub struct MorphTarget {
     pub positions: Vec<Vec3>,
     /// One a position, or none at all.
     pub normals: Vec<Vec3>,
+    /// One a position, or none at all.
+    pub tangents: Vec<Vec3>,
 }
 
 /// The joints that move each vertex.
@@ -167,6 +170,9 @@ pub struct Primitive {
     pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
     pub colors: Vec<Vec3>,
+    /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on which
+    /// the bitangent `w * normal x tangent` lies, 1 or -1.
+    pub tangents: Vec<Vec4>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`GltfScene::materials`].

@@ -26,9 +26,12 @@ pub(super) fn targets(
 ) -> Result<Vec<MorphTarget>, Diagnostic> {
     let mut targets = Vec::with_capacity(primitive.targets.len());
     for (number, attributes) in primitive.targets.iter().enumerate() {
-        for name in attributes.keys().filter(|name| !["POSITION", "NORMAL"].contains(&name.as_str())) {
+        for name in
+            attributes.keys().filter(|name| !["POSITION", "NORMAL", "TANGENT"].contains(&name.as_str()))
+        {
             let name = format!("{name}` of `{mesh}");
-            report.not_honoured("morph targets change positions and normals alone, not these", &name);
+            report
+                .not_honoured("morph targets change positions, normals and tangents alone, not these", &name);
         }
         let differences = |name: &str| -> Result<Vec<Vec3>, Diagnostic> {
             let Some(&index) = attributes.get(name) else { return Ok(Vec::new()) };
@@ -40,7 +43,11 @@ pub(super) fn targets(
             let found = format!("there are {vertices} positions and {} of these", differences.len());
             Err(accessors.invalid(user, found).expected("as many as there are positions"))
         };
-        targets.push(MorphTarget { positions: differences("POSITION")?, normals: differences("NORMAL")? });
+        targets.push(MorphTarget {
+            positions: differences("POSITION")?,
+            normals: differences("NORMAL")?,
+            tangents: differences("TANGENT")?,
+        });
     }
     Ok(targets)
 }

@@ -48,10 +48,13 @@ fn targets(parts: &[Part<'_>], vertices: usize) -> Arc<[MorphTarget]> {
     let target = |index: usize| {
         let mut target = MorphTarget::default();
         for Part { primitive, first, .. } in parts {
-            let MorphTarget { positions, normals } = &mut target;
+            let MorphTarget { positions, normals, tangents } = &mut target;
             put(positions, &primitive.targets[index].positions, *first, vertices);
             if !primitive.normals.is_empty() {
                 put(normals, &primitive.targets[index].normals, *first, vertices);
+            }
+            if !primitive.tangents.is_empty() {
+                put(tangents, &primitive.targets[index].tangents, *first, vertices);
             }
         }
         target
@@ -117,7 +120,7 @@ impl Builder<'_> {
         let mesh = *baked.entry(key).or_insert_with(|| {
             let mut mesh = self.scene.meshes[part.mesh].clone();
             let shape = deformation.shape(&mesh, &Pose { weights, shape_from_rest: Vec::new() });
-            (mesh.positions, mesh.normals) = (shape.positions, shape.normals);
+            (mesh.positions, mesh.normals, mesh.tangents) = (shape.positions, shape.normals, shape.tangents);
             self.scene.meshes.push(mesh);
             self.scene.meshes.len() - 1
         });

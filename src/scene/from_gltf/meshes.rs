@@ -7,7 +7,7 @@ use crate::description::gltf::{self, Primitive};
 use crate::diagnostic::Diagnostic;
 use crate::scene::outline::Between;
 use crate::scene::{Instance, Mesh, Motion, Node, Track, Triangle};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 impl Builder<'_> {
     /// Adds an instance for every node of the scene that shows a mesh, and those meshes.
@@ -77,6 +77,7 @@ impl Builder<'_> {
         let mut parts = Vec::new();
         let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
         let colored = primitives.iter().any(|primitive| !primitive.colors.is_empty());
+        let mapped = primitives.iter().any(|primitive| !primitive.tangents.is_empty());
         let layers = primitives.iter().map(|primitive| primitive.more_uvs.len()).max().unwrap_or_default();
         mesh.more_uvs.resize(layers, Vec::new());
         for primitive in primitives {
@@ -92,6 +93,10 @@ impl Builder<'_> {
             if colored {
                 mesh.colors.extend(part.colors);
                 mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
+            }
+            if mapped {
+                mesh.tangents.extend(part.tangents);
+                mesh.tangents.resize(mesh.positions.len(), Vec4::X + Vec4::W);
             }
             let mut more_uvs = part.more_uvs.into_iter();
             for uvs in &mut mesh.more_uvs {
@@ -118,6 +123,7 @@ impl Builder<'_> {
             uvs: primitive.uvs.clone(),
             more_uvs: primitive.more_uvs.clone(),
             colors: primitive.colors.clone(),
+            tangents: primitive.tangents.clone(),
             triangles: primitive.triangles.iter().map(triangle).collect(),
         };
         self.cut_out(whole, primitive.material)

@@ -278,6 +278,7 @@ impl<'a> Resolver<'a> {
             normals: model.normals.clone(),
             uvs: model.uvs.clone(),
             more_uvs: Vec::new(),
+            tangents: Vec::new(),
             colors: Vec::new(),
             triangles: model
                 .triangles

@@ -108,6 +108,10 @@ pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Betwe
         let uvs: Vec<Vec3> = uvs.iter().map(|uv| uv.extend(0.0)).collect();
         blended(&uvs).into_iter().map(Vec3::truncate).collect()
     };
+    // Their side is the same all over a triangle.
+    let sides: Vec<Vec3> = mesh.tangents.iter().map(|tangent| Vec3::splat(tangent.w)).collect();
+    let tangents: Vec<Vec3> = mesh.tangents.iter().map(|tangent| tangent.truncate()).collect();
+    let tangents = blended(&tangents).into_iter().zip(blended(&sides));
     let material = mesh.triangles.first().map_or(0, |triangle| triangle.material);
     let cut = Mesh {
         name: mesh.name.clone(),
@@ -117,6 +121,7 @@ pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Betwe
         uvs: blended_uvs(&mesh.uvs),
         more_uvs: mesh.more_uvs.iter().map(blended_uvs).collect(),
         colors: blended(&mesh.colors),
+        tangents: tangents.map(|(tangent, side)| tangent.extend(side.x.signum())).collect(),
         triangles: triangles.into_iter().map(|vertices| Triangle { vertices, material }).collect(),
     };
     Ok((cut, added))
