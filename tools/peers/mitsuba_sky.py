@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reference values for tests/sky.rs: skies in Mitsuba's volpath with two segments.
 
-Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with the packages of requirements.txt. Each scene
+Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with `pip install './tools[mitsuba]'`. Each scene
 is a ground and a square above it, with a box of fog or without; each pixel is the mean over its area, with the standard
 error of that mean. The test has the same scenes.
 """
@@ -12,10 +12,11 @@ import sys
 import mitsuba as mi
 import numpy
 
+from sunfleck_tools.peers.mitsuba import pinhole
+
 PASSES, SAMPLES = 16, 4096
 """A picture a seed; their spread is the standard error."""
 SIZE = (6, 4)
-NEAR_M = 1e-4
 
 
 def image(rows, columns):
@@ -52,22 +53,8 @@ def scene(kind, with_fog):
         "albedo": {"type": "rgb", "value": [0.9, 0.8, 0.7]},
         "phase": {"type": "hg", "g": 0.5},
     }
-    sensor = {
-        "type": "perspective",
-        "fov": 60.0,
-        "fov_axis": "y",
-        "near_clip": NEAR_M,
-        "to_world": mi.ScalarTransform4f().look_at(origin=[0, 1.2, 4], target=[0, 1.2, 0], up=[0, 1, 0]),
-        "film": {
-            "type": "hdrfilm",
-            "width": SIZE[0],
-            "height": SIZE[1],
-            "rfilter": {"type": "box"},
-            "component_format": "float32",
-            "pixel_format": "rgb",
-        },
-        "sampler": {"type": "independent"},
-    }
+    to_world = mi.ScalarTransform4f().look_at(origin=[0, 1.2, 4], target=[0, 1.2, 0], up=[0, 1, 0])
+    sensor = pinhole(to_world, 60.0, SIZE)
     described = {
         "type": "scene",
         "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100},

@@ -1,4 +1,5 @@
-"""What `validate` costs beside decoding alone: processor and wall time over a folder, all in turns.
+"""What `validate` costs beside decoding alone: processor time over a folder, in turns of a few frames, so that a machine that
+others use too is as slow for one as for the other.
 
     python -m tests.cost ../out/many        (in tools/; tests.many_frames makes such a folder)
 """
@@ -7,10 +8,8 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
-import os
-import resource
+import tempfile
 import time
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -18,73 +17,90 @@ import OpenEXR
 
 from sunfleck_tools import Options, validate
 from sunfleck_tools.exr.pixel_hash import pixel_hash
-from sunfleck_tools.parallel import in_processes
+from sunfleck_tools.memory import keep_freed_memory
 from sunfleck_tools.sequence import list_sequence
 
+FRAMES_A_TURN = 50
 
-def decoded(path: str) -> dict:
+
+def decoded(path: Path) -> dict:
     """Pixels by OpenEXR, as its users get them."""
-    part = OpenEXR.File(path, separate_channels=True)
+    part = OpenEXR.File(str(path), separate_channels=True)
     return {name: channel.pixels for name, channel in part.channels().items()}
 
 
-def decode_only(path: str) -> None:
+def decode_only(folder: Path) -> None:
     """The least that there is to do."""
-    decoded(path)
+    for path in sorted(folder.iterdir()):
+        decoded(path)
 
 
-def decode_and_hash(path: str) -> None:
+def decode_and_hash(folder: Path) -> None:
     """The least that finds damage in every compression."""
-    pixel_hash(decoded(path))
+    for path in sorted(folder.iterdir()):
+        pixel_hash(decoded(path))
 
 
-def processor_seconds() -> float:
-    """Of this process and of all that have ended."""
-    for child in multiprocessing.active_children():
-        child.join()
-    usages = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+def validated(folder: Path) -> None:
+    """Everything, from names to the report."""
+    validate(folder, Options(processes=0))
 
 
-def measured(work: Callable[[], object]) -> tuple[float, float]:
-    """Processor and wall seconds."""
-    processor, wall = processor_seconds(), time.monotonic()
-    work()
-    return processor_seconds() - processor, time.monotonic() - wall
+def validated_with_thumbnails(folder: Path) -> None:
+    """What `--html` does."""
+    validate(folder, Options(processes=0, thumbnails=True))
+
+
+WORKS = {
+    "decoding alone": (decode_only, None),
+    "decoding, freed memory kept": (decode_only, keep_freed_memory),
+    "decoding and hash, likewise": (decode_and_hash, keep_freed_memory),
+    "validate": (validated, keep_freed_memory),
+    "validate, with thumbnails": (validated_with_thumbnails, keep_freed_memory),
+}
+"""What is done, and what its process does first: the last three as `validate`'s own processes."""
+
+
+def seconds(work, folder: Path) -> float:
+    """Of a processor, in this process."""
+    began = time.process_time()
+    work(folder)
+    return time.process_time() - began
+
+
+def turns(source: Path, scratch: Path) -> list[Path]:
+    """The frames as folders of a few each."""
+    folders = []
+    for index, file in enumerate(list_sequence(source).frames):
+        if index % FRAMES_A_TURN == 0:
+            folders.append(scratch / f"{len(folders):04d}")
+            folders[-1].mkdir()
+        (folders[-1] / file.path.name).symlink_to(file.path.resolve())
+    return folders
 
 
 def main() -> None:
-    """Prints a line for each: the least of the rounds."""
+    """Prints a line for each."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--rounds", type=int, default=2)
     arguments = parser.parse_args()
-    paths = [str(file.path) for file in list_sequence(arguments.folder).frames]
-    processes = os.cpu_count() or 1
-
-    def over_all(function: Callable[[str], None]) -> Callable[[], object]:
-        return lambda: list(in_processes(function, paths, processes, lambda path: None))
-
-    def as_python_has_it() -> None:
-        with ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn")) as pool:
-            list(pool.map(decode_only, paths))
-
-    works = {
-        "decoding alone": as_python_has_it,
-        "decoding, freed memory kept": over_all(decode_only),
-        "decoding and hash, likewise": over_all(decode_and_hash),
-        "validate": lambda: validate(arguments.folder, Options()),
-        "validate, with thumbnails": lambda: validate(arguments.folder, Options(thumbnails=True)),
-    }
-    least = dict.fromkeys(works, (float("inf"), float("inf")))
-    for _ in range(arguments.rounds):
-        for name, work in works.items():
-            least[name] = tuple(map(min, least[name], measured(work)))
-    alone = least["decoding alone"]
-    print(f"{len(paths)} frames, {processes} processes, the least of {arguments.rounds} rounds")
-    for name, (processor, wall) in least.items():
-        each = 1e3 * processor / len(paths)
-        print(f"{name:28} {processor:7.1f} s of processors ({each:.1f} ms a frame, {processor / alone[0]:.2f}), {wall:6.1f} s by the clock")
+    spent = dict.fromkeys(WORKS, 0.0)
+    with tempfile.TemporaryDirectory() as scratch:
+        folders = turns(arguments.folder, Path(scratch))
+        frames = sum(1 for folder in folders for _ in folder.iterdir())
+        context = multiprocessing.get_context("spawn")
+        pools = {name: ProcessPoolExecutor(1, context, start) for name, (_, start) in WORKS.items()}
+        # The first turn twice: what is done once, such as imports, is no frame's.
+        for warm, folder in [(False, folders[0]), *((True, folder) for folder in folders)]:
+            for name, (work, _) in WORKS.items():
+                took = pools[name].submit(seconds, work, folder).result()
+                spent[name] += took if warm else 0.0
+        for pool in pools.values():
+            pool.shutdown()
+    print(f"{frames} frames, {FRAMES_A_TURN} a turn")
+    alone = spent["decoding alone"]
+    for name, total in spent.items():
+        print(f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, {total / alone:.2f})")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import csv
 import importlib.util
 import json
 import struct
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -13,10 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from sunfleck_tools import SceneError
+from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.peers import Point, write_table
 from sunfleck_tools.peers.scene import read_scene
 
-from .command import run
+from .command import PROGRAM, run
 
 LEAVES500 = Path(__file__).parents[2] / "tests/data/leaves500"
 
@@ -56,7 +58,8 @@ class Scenes(unittest.TestCase):
             return document["extensions"]["KHR_lights_punctual"]["lights"][0]
 
         for change, why in (
-            (lambda d: sun(d).update(type="point"), "get suns only"),
+            (lambda d: sun(d).update(type="line"), "`line` is no type of light"),
+            (lambda d: d["nodes"][0].update(extras={"sunfleck_light": {"type": "line"}}), "no light of its type"),
             (lambda d: sun(d).update(color=[1]), "expected 3 numbers"),
             (lambda d: d["cameras"][0].update(type="orthographic"), "pinhole camera"),
             (lambda d: d["cameras"].clear(), "no camera 0"),
@@ -99,8 +102,39 @@ class Scenes(unittest.TestCase):
         self.assertEqual((row["renderer"], row["spp"], row["cpu_s"], row["rmse"]), ("Cycles", "16", "3.25", "0.0518"))
 
 
+def color(path: Path) -> np.ndarray:
+    channels = decode(path)
+    return np.stack([channels[letter] for letter in "RGB"], axis=-1).astype(float)
+
+
 def _is_there(package: str) -> bool:
     return importlib.util.find_spec(package) is not None
+
+
+LAMPS = {
+    "point": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0))",
+    "sphere": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0), radius_m: 0.05)",
+    "spot": "Spot(position_m: (1.5, 2.5, 0.8), target_m: (0, 0, 0), outer_deg: 25, blend: 0, intensity_w_per_sr: 12)",
+    "rectangle": "Rectangle(position_m: (-1.5, 2.2, 0.5), target_m: (0, 0.3, 0), width_m: 1, height_m: 0.5, power_w: 20)",
+    "disc": "Disc(position_m: (1.5, 2.2, 0.5), target_m: (0, 0.3, 0), diameter_m: 0.6, power_w: 20)",
+    "sun": "Sun(to_sun: (0.4, 1, 0.6), irradiance_w_per_m2: (3, 2.5, 2), angular_diameter_deg: 8)",
+}
+"""None of them in the picture, where others' noise would be without bounds."""
+SCENE = """Scene(
+    version: 1,
+    meshes: {{ "leaf": Leaf(length_m: 0.9, width_m: 0.6, curl_deg: 30), "ground": Quad(size_m: 5) }},
+    materials: {{ "gold": (base_color: (0.8, 0.5, 0.1)), "soil": (base_color: (0.3, 0.4, 0.5)) }},
+    objects: {{
+        "leaf": (mesh: "leaf", material: "gold", translation_m: (0.1, 0.7, 0.1), rotation_deg: (60, 30, 0)),
+        "ground": (mesh: "ground", material: "soil"),
+    }},
+    cameras: {{ "main": (position_m: (0, 1.2, 3.6), look_at_m: (0, 0.6, 0), fov_deg: 40) }},
+    lights: {{ "lamp": {lamp} }},
+    fog: {{ {fog} }},
+)"""
+FOG = '"haze": (min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.12, anisotropy: 0.4)'
+NOISE = 0.01
+"""Of the mean of a picture of 48 x 27 pixels, relative, generously: other renderers' mostly, ours with 64 samples."""
 
 
 class Rendered(unittest.TestCase):
@@ -120,10 +154,46 @@ class Rendered(unittest.TestCase):
             again, out, _ = run("compare", next(Path(folder, "frames").iterdir()), LEAVES500 / "box.exr", "--max-rmse", "0.6")
             self.assertEqual(again, 0, out)
 
+    def check_lamps(self, renderer: str, samples: int) -> None:
+        """Every kind of light, in clear air and in fog whose lower face is the ground, against the program's own picture."""
+        for name, lamp in LAMPS.items():
+            for fog in ("", FOG):
+                with self.subTest(name, fog=bool(fog)), tempfile.TemporaryDirectory() as folder:
+                    scene = Path(folder, "scene.ron")
+                    scene.write_text(SCENE.format(lamp=lamp, fog=fog))
+                    own = ["--samples", "64", "--progress", "none", "--out", f"{folder}/own.####.exr"]
+                    subprocess.run([PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True)
+                    theirs = ["--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]
+                    code, _, err = run("peers", scene, "--size", "48x27", *theirs)
+                    self.assertEqual(code, 0, err)
+                    (ours,) = (color(path) for path in Path(folder).glob("own.*.exr"))
+                    (peers,) = (color(path) for path in Path(folder).glob(f"{renderer}.*.exr"))
+                    self.assertGreater(ours.mean(), 0.005)
+                    self.assertAlmostEqual(peers.mean() / ours.mean(), 1.0, delta=NOISE)
+                    # Where the light falls, in tiles of 9 x 16 pixels.
+                    tiles = [each.reshape(3, 9, 3, 16, 3).mean(axis=(1, 3, 4)) for each in (peers, ours)]
+                    np.testing.assert_allclose(*tiles, atol=0.05 * ours.mean())
+
     @unittest.skipUnless(_is_there("mitsuba"), "mitsuba is not installed")
     def test_mitsuba(self):
         self.check("mitsuba-scalar", 4)
 
+    @unittest.skipUnless(_is_there("mitsuba") and PROGRAM, "mitsuba, or sunfleck, is not installed")
+    def test_lamps_in_mitsuba(self):
+        self.check_lamps("mitsuba-scalar", 1024)
+
+    @unittest.skipUnless(_is_there("mitsuba"), "mitsuba is not installed")
+    def test_a_spot_that_fades_is_not_mitsubas(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder, "scene.ron")
+            scene.write_text(SCENE.format(lamp=LAMPS["spot"].replace("blend: 0", "blend: 0.5"), fog=""))
+            code, _, err = run("peers", scene, "--renderers", "mitsuba-scalar", "--pictures", folder)
+            self.assertEqual((code, "without a blend" in err), (3, True), err)
+
     @unittest.skipUnless(_is_there("bpy"), "bpy is not installed")
     def test_cycles(self):
         self.check("cycles", 4)
+
+    @unittest.skipUnless(_is_there("bpy") and PROGRAM, "bpy, or sunfleck, is not installed")
+    def test_lamps_in_cycles(self):
+        self.check_lamps("cycles", 128)

@@ -10,7 +10,8 @@ import bpy
 import mathutils
 import numpy
 
-from .scene import PeerScene, Sun
+from .lamps import Lamp, Sun
+from .scene import PeerScene
 
 # Cuts so little fog off in front of the camera that no figure shows it.
 NEAR_M = 1e-4
@@ -38,6 +39,8 @@ def prepare(scene: PeerScene):
         add_fog(made, scene.fog)
     for sun in scene.suns:
         add_sun(made, sun)
+    for lamp in scene.lamps:
+        add_lamp(made, lamp)
     add_camera(made, scene)
     settings(made, scene.size)
     target = Path(tempfile.mkdtemp()) / "picture.exr"
@@ -119,14 +122,38 @@ def add_fog(made, fog):
 
 def add_sun(made, described: Sun):
     light = bpy.data.lights.new("sun", "SUN")
-    strength = float(described.irradiance.max()) or 1.0
-    light.energy, light.angle = strength, 0.0
-    light.color = (described.irradiance / strength).tolist()
-    sun = bpy.data.objects.new("sun", light)
+    light.angle = described.angle_rad
+    colour(light, described.irradiance)
     towards = mathutils.Vector((BLENDER_FROM_GLTF[:3, :3] @ described.to_sun).tolist())
-    sun.rotation_mode = "QUATERNION"
-    sun.rotation_quaternion = towards.to_track_quat("Z", "Y")
-    made.collection.objects.link(sun)
+    add_light(made, light).matrix_world = towards.to_track_quat("Z", "Y").to_matrix().to_4x4()
+
+
+def add_lamp(made, described: Lamp):
+    light = bpy.data.lights.new(described.kind, {"point": "POINT", "spot": "SPOT"}.get(described.kind, "AREA"))
+    if light.type == "AREA":
+        light.shape = "RECTANGLE" if described.kind == "rectangle" else "ELLIPSE"
+        light.size, light.size_y = described.size_m
+        colour(light, described.power)
+    else:
+        light.shadow_soft_size = described.radius_m
+        # Off: close to a lamp it would shine less than its distance says.
+        light.use_soft_falloff = False
+        colour(light, described.power * 4 * numpy.pi)
+    if light.type == "SPOT":
+        light.spot_size, light.spot_blend = 2 * described.outer_rad, described.blend
+    add_light(made, light).matrix_world = mathutils.Matrix((BLENDER_FROM_GLTF @ described.world_from_lamp).tolist())
+
+
+def colour(light, power):
+    light.energy = float(power.max()) or 1.0
+    light.color = (power / light.energy).tolist()
+
+
+def add_light(made, light):
+    thing = bpy.data.objects.new(light.name, light)
+    thing.visible_camera = False
+    made.collection.objects.link(thing)
+    return thing
 
 
 def add_camera(made, scene):

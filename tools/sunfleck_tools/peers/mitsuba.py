@@ -7,6 +7,7 @@ import time
 import mitsuba as mi
 import numpy
 
+from .mitsuba_lights import lamp_emitter, sun_emitter
 from .scene import Fog, PeerScene, Surface
 
 # Cuts so little fog off in front of the camera that no figure shows it.
@@ -26,36 +27,17 @@ def select(variant: str) -> None:
 def prepare(scene: PeerScene, variant: str):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
     select(variant)
-    width, height = scene.size
     # Mitsuba's cameras look along +Z with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
-    sensor = {
-        "type": "perspective",
-        "fov": float(numpy.degrees(scene.fov_y_rad)),
-        "fov_axis": "y",
-        "near_clip": NEAR_M,
-        "to_world": mi.ScalarTransform4f(turned),
-        "film": {
-            "type": "hdrfilm",
-            "width": width,
-            "height": height,
-            "rfilter": {"type": "box"},
-            "component_format": "float32",
-            "pixel_format": "rgb",
-        },
-        "sampler": {"type": "independent"},
-    }
+    sensor = pinhole(mi.ScalarTransform4f(turned), float(numpy.degrees(scene.fov_y_rad)), scene.size)
     described = {
         "type": "scene",
-        "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100},
+        "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100, "hide_emitters": True},
         "sensor": sensor,
     }
-    for index, sun in enumerate(scene.suns):
-        described[f"sun_{index}"] = {
-            "type": "directional",
-            "direction": (-sun.to_sun).tolist(),
-            "irradiance": {"type": "rgb", "value": sun.irradiance.tolist()},
-        }
+    middle, radius = bounds(scene)
+    emitters = [sun_emitter(sun, middle, radius) for sun in scene.suns] + [lamp_emitter(lamp) for lamp in scene.lamps]
+    described.update({f"light_{index}": emitter for index, emitter in enumerate(emitters)})
     if scene.fog is not None:
         fog = medium(scene.fog)
         described["fog_box"] = {
@@ -79,6 +61,36 @@ def prepare(scene: PeerScene, variant: str):
     # Compiles the kernels.
     render(1, 99)
     return render
+
+
+def pinhole(to_world, fov_y_deg: float, size: tuple[int, int]) -> dict:
+    """A sensor whose pixels are means over their area, in linear RGB."""
+    return {
+        "type": "perspective",
+        "fov": fov_y_deg,
+        "fov_axis": "y",
+        "near_clip": NEAR_M,
+        "to_world": to_world,
+        "film": {
+            "type": "hdrfilm",
+            "width": size[0],
+            "height": size[1],
+            "rfilter": {"type": "box"},
+            "component_format": "float32",
+            "pixel_format": "rgb",
+        },
+        "sampler": {"type": "independent"},
+    }
+
+
+def bounds(scene: PeerScene) -> tuple[numpy.ndarray, float]:
+    """Middle and radius of a sphere around surfaces, fog and camera."""
+    points = [surface.positions for surface in scene.surfaces] + [scene.world_from_camera[None, :3, 3]]
+    if scene.fog is not None:
+        corners = numpy.array([[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+        points.append((corners @ scene.fog.world_from_cube.T)[:, :3])
+    low, high = (function([function(each, axis=0) for each in points], axis=0) for function in (numpy.min, numpy.max))
+    return 0.5 * (low + high), 0.5 * float(numpy.linalg.norm(high - low))
 
 
 def medium(fog: Fog) -> dict:

@@ -1,4 +1,4 @@
-"""A moment of a scene as the renderers beside us take it: triangles in the world, suns, a camera, a box of fog.
+"""A moment of a scene as the renderers beside us take it: triangles in the world, lights, a camera, a box of fog.
 
 Invariant: what a scene has beyond that is refused where it would change the light, and told where it changes surfaces.
 """
@@ -12,14 +12,17 @@ import numpy as np
 
 from ..errors import SceneError
 from ..gltf.deformation import Bending
+from ..gltf.lights import LightSource
 from ..gltf.load import load
 from ..gltf.meshes import Meshes
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
 from ..gltf.values import Value
+from .lamps import Lamp, Sun, read_light
 
-LUMENS_PER_WATT = 683.0
 DEFAULT_SIZE = (960, 540)
+FOG_GROWTH = np.diag([1 + 3e-5] * 3 + [1.0])
+"""So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on below the ground."""
 SURFACE_BEYOND = ("normalTexture", "emissiveTexture", "emissiveFactor")
 
 
@@ -30,14 +33,6 @@ class Surface:
     positions: np.ndarray
     triangles: np.ndarray
     reflectance: list[float]
-
-
-@dataclass
-class Sun:
-    """Irradiance in W/m^2 on a plane that faces it."""
-
-    to_sun: np.ndarray
-    irradiance: np.ndarray
 
 
 @dataclass
@@ -56,6 +51,7 @@ class PeerScene:
 
     surfaces: list[Surface]
     suns: list[Sun]
+    lamps: list[Lamp]
     world_from_camera: np.ndarray
     fov_y_rad: float
     fog: Fog | None
@@ -78,7 +74,7 @@ class _Reader:
     def scene(self) -> PeerScene:
         meshes = Meshes(self.gltf, self.notes)
         parts: dict[int | None, list[tuple[np.ndarray, np.ndarray]]] = {}
-        suns, cameras, fogs = [], [], []
+        lights, cameras, fogs = [], [], []
         for node in self.gltf.nodes:
             world_from_node = node.world_from_node(self.time_s)[0]
             if (found := meshes.of(node)) is not None and self._is_visible(node):
@@ -87,18 +83,22 @@ class _Reader:
                 for primitive in found[1].primitives:
                     points = bending.positions(primitive, self.time_s)[0] @ place[:3, :3].T + place[:3, 3]
                     parts.setdefault(primitive.material, []).append((points, primitive.triangles))
-            if node.source.extension("KHR_lights_punctual") is not None or node.extras.member("sunfleck_light") is not None:
-                suns.append(self._sun(node, world_from_node))
+            source = LightSource(node, self.gltf)
+            if source.kind is not None:
+                lights.append(read_light(source, world_from_node, self.time_s))
+            elif source.ours.raw:
+                source.ours.fail("other renderers get no light of its type: expected `area`, or a light of glTF beside it")
             if node.source.member("camera") is not None:
                 cameras.append((node, world_from_node))
             if (fog := node.extras.member("sunfleck_fog_volume")) is not None:
                 fogs.append(self._fog(fog, world_from_node))
-        if not suns or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
-            raise SceneError(f"{self.gltf.document.file}: other renderers get one or more suns and at most one box of fog")
+        if not lights or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
+            raise SceneError(f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of fog")
         world_from_camera, fov_y_rad = self._camera(cameras)
         return PeerScene(
             surfaces=[self._surface(material, pieces) for material, pieces in parts.items()],
-            suns=suns,
+            suns=[light for light in lights if isinstance(light, Sun)],
+            lamps=[light for light in lights if isinstance(light, Lamp)],
             world_from_camera=world_from_camera,
             fov_y_rad=fov_y_rad,
             fog=fogs[0] if fogs else None,
@@ -115,31 +115,12 @@ class _Reader:
             above = above.parent
         return True
 
-    def _sun(self, node: Node, world_from_node: np.ndarray) -> Sun:
-        ours = node.extras.group("sunfleck_light")
-        reference = node.source.extension("KHR_lights_punctual")
-        if reference is None:
-            ours.fail("other renderers get suns only, no area lights")
-        lights = self.gltf.document.group("extensions").group("KHR_lights_punctual").items("lights")
-        light = lights[reference.need("light").index(lights, "light")]
-        if light.text_at("type") != "directional":
-            light.fail("other renderers get suns only: lights of the type directional")
-        if ours.number_at("angle", 0.0) > 0:
-            ours.fail("other renderers get suns without a disc: the angle 0")
-        color = np.array(light.need("color").numbers(3) if light.member("color") else [1.0] * 3)
-        said = ours.member("strength_w_m2")
-        if said is None and self.gltf.settings.light_units != "spec":
-            light.fail(f"its unit is `{self.gltf.settings.light_units}`: other renderers get lux only")
-        strength = light.number_at("intensity", 1.0, 0.0) / LUMENS_PER_WATT if said is None else said.number(0.0)
-        axis = world_from_node[:3, 2]
-        return Sun(axis / np.linalg.norm(axis), color * strength)
-
     def _fog(self, fog: Value, world_from_cube: np.ndarray) -> Fog:
         if fog.text_at("shape", "box") != "box" or fog.number_at("falloff", 0.0) > 0:
             fog.fail("other renderers get fog that fills a box evenly")
         albedo = fog.member("albedo")
         return Fog(
-            world_from_cube,
+            world_from_cube @ FOG_GROWTH,
             fog.need("density").channels(),
             [1.0] * 3 if albedo is None else albedo.channels(),
             fog.number_at("anisotropy", 0.0, -1.0, 1.0),

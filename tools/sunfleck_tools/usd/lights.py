@@ -13,28 +13,23 @@ import math
 import numpy as np
 from pxr import Gf, Vt
 
+from ..gltf.lights import LightSource
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
-from ..gltf.values import Value
 from .prims import Prim, Types, vectors
 from .samples import Sampler, thinned
 
-LUMENS_PER_WATT = 683.0
+PRIMS = {
+    "directional": "DistantLight", "point": "SphereLight", "spot": "SphereLight", "disc": "DiskLight", "rectangle": "RectLight",
+}  # fmt: skip
 POINT_RADIUS = 1e-3
 BLENDER_SUN, BLENDER_ANGLE = 0.25, 0.5
 
 
 def kind_of(node: Node, gltf: Gltf) -> str | None:
     """The type of prim that a node's light is."""
-    found = _source(node, gltf)
-    if found is not None:
-        kinds = {"directional": "DistantLight", "point": "SphereLight", "spot": "SphereLight"}
-        kind = found.text_at("type")
-        return kinds.get(kind) or found.fail(f"`{kind}` is no type of light")
-    ours = node.extras.member("sunfleck_light")
-    if ours is None or ours.text_at("type") != "area":
-        return None
-    return "DiskLight" if ours.text_at("shape", "rectangle") in ("disk", "disc", "ellipse") else "RectLight"
+    kind = LightSource(node, gltf).kind
+    return None if kind is None else PRIMS[kind]
 
 
 def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
@@ -42,19 +37,11 @@ def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler,
     _Light(prim, node, gltf, sampler, for_blender).write(kind)
 
 
-def _source(node: Node, gltf: Gltf) -> Value | None:
-    reference = node.source.extension("KHR_lights_punctual")
-    if reference is None:
-        return None
-    lights = gltf.document.group("extensions").group("KHR_lights_punctual").items("lights")
-    return lights[reference.need("light").index(lights, "light")]
-
-
 class _Light:
     def __init__(self, prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool):
         self.prim, self.node, self.gltf, self.sampler, self.for_blender = prim, node, gltf, sampler, for_blender
-        self.source = _source(node, gltf)
-        self.ours = node.extras.group("sunfleck_light")
+        self.source = LightSource(node, gltf)
+        self.ours = self.source.ours
 
     def write(self, kind: str) -> None:
         self.prim.set("inputs:normalize", Types.Bool, True)
@@ -68,7 +55,7 @@ class _Light:
             self.prim.remember({"sunfleck_light": self.ours.raw})
 
     def _sun(self) -> None:
-        irradiance = self._still_power("directional")
+        irradiance = self.source.power()
         scale = BLENDER_SUN if self.for_blender else 1.0
         first = self._power("strength_w_m2", irradiance, 1.0, scale)
         angle = self.ours.number_at("angle", 0.0, 0.0, math.pi)
@@ -77,8 +64,7 @@ class _Light:
         self.prim.remember({"irradiance_w_per_m2": first.tolist(), "angular_diameter_rad": angle})
 
     def _sphere(self) -> None:
-        kind = self.source.text_at("type")
-        intensity = self._still_power(kind)
+        intensity = self.source.power()
         first = self._power("power_w", intensity, 4 * math.pi, 4.0)
         radius = self.ours.number_at("radius", 0.0, 0.0)
         if radius == 0 and self.gltf.control(self.node.name, "sunfleck_light.radius") is None:
@@ -86,20 +72,16 @@ class _Light:
             self.prim.set("inputs:radius", Types.Float, POINT_RADIUS)
         else:
             self._number("inputs:radius", "radius", radius)
-        if kind == "spot":
-            spot = self.source.group("spot")
-            outer = spot.number_at("outerConeAngle", math.pi / 4, 1e-9, math.pi / 2 + 1e-6)
-            inner = spot.number_at("innerConeAngle", 0.0, 0.0, outer)
+        if self.source.kind == "spot":
+            outer, blend = self.source.cone()
             self.prim.apply("ShapingAPI")
             self._number("inputs:shaping:cone:angle", "outer_angle", outer, np.degrees)
-            self._number("inputs:shaping:cone:softness", "blend", 1.0 - inner / outer)
+            self._number("inputs:shaping:cone:softness", "blend", blend)
         self.prim.remember({"intensity_w_per_sr": first.tolist()})
 
     def _area(self, kind: str) -> None:
-        power = self.ours.need("power_w").number(0.0) * self._color()
-        first = self._power("power_w", power, 1.0, 1 / math.pi)
-        size = self.ours.need("size")
-        width, height = size.numbers(2) if isinstance(size.raw, list) else [size.number()] * 2
+        first = self._power("power_w", self.source.power(), 1.0, 1 / math.pi)
+        width, height = self.source.size()
         if kind == "RectLight":
             self._number("inputs:width", "width", width)
             self._number("inputs:height", "height", height)
@@ -117,18 +99,6 @@ class _Light:
     def _has_place(self) -> bool:
         return "xformOpOrder" in self.prim.spec.attributes
 
-    def _still_power(self, kind: str) -> np.ndarray:
-        """W/m2 of a sun, W/sr of others (the units of Blender's exporter)."""
-        units = self.gltf.settings.light_units
-        watts = {"spec": 1 / LUMENS_PER_WATT, "compat": 1.0, "raw": 1.0 if kind == "directional" else 1 / (4 * math.pi)}
-        if units not in watts:
-            self.gltf.extras.group("sunfleck").fail(f"`{units}` are no light units: spec, compat or raw")
-        return self._color() * (self.source.number_at("intensity", 1.0, 0.0) * watts[units])
-
-    def _color(self) -> np.ndarray:
-        color = (self.source or self.ours).member("color")
-        return np.array([1.0] * 3 if color is None else color.channels())
-
     def _power(self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float) -> np.ndarray:
         """Writes intensity and colour; what it is at first."""
         control = self.gltf.control(self.node.name, f"sunfleck_light.{field}")
@@ -137,7 +107,7 @@ class _Light:
             codes = self.sampler.codes(control.curve)
             carried = control.at(self.sampler.seconds(codes)) / carried_per_unit
             # One number multiplies the colour that the light has.
-            rows = carried * self._color() if carried.shape[1] == 1 else carried
+            rows = carried * self.source.color() if carried.shape[1] == 1 else carried
             codes, rows = thinned(codes, rows)
         brightest = rows.max(axis=1)
         colors = np.where(brightest[:, None] > 0, rows / np.where(brightest > 0, brightest, 1.0)[:, None], 1.0)

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from ..lights import BLENDER_ANGLE, BLENDER_SUN, LUMENS_PER_WATT
+from ...gltf.lights import LUMENS_PER_WATT
+from ..lights import BLENDER_ANGLE, BLENDER_SUN
 from .places import codes_of
 from .source import Source
 

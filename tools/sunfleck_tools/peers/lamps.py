@@ -1,0 +1,76 @@
+"""Lights at a moment, as the renderers beside us take them.
+
+Invariant: a lamp's place is a turn and a position; what the node's scale does to its size is in its size.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..gltf.lights import LightSource
+
+
+@dataclass
+class Sun:
+    """Irradiance in W/m^2 on a plane that faces it, from a disc seen under an angle (0: parallel light)."""
+
+    to_sun: np.ndarray
+    irradiance: np.ndarray
+    angle_rad: float
+
+
+@dataclass
+class Lamp:
+    """A `point` or `spot` of `power` in W/sr, with a radius or none, or a `rectangle` or `disc` of `power` in W; it shines
+    along its -z."""
+
+    kind: str
+    world_from_lamp: np.ndarray
+    power: np.ndarray
+    radius_m: float = 0.0
+    size_m: tuple[float, float] = (0.0, 0.0)
+    outer_rad: float = 0.0
+    blend: float = 0.0
+
+
+def read_light(source: LightSource, world_from_node: np.ndarray, time_s: np.ndarray) -> Sun | Lamp:
+    """The light of a node that has one."""
+    node, gltf, ours = source.node, source.gltf, source.ours
+
+    def changed(field: str) -> np.ndarray | None:
+        control = gltf.control(node.name, f"sunfleck_light.{field}")
+        return None if control is None else control.at(time_s)[0]
+
+    def number(field: str, still: float) -> float:
+        found = changed(field)
+        return still if found is None else float(found[0])
+
+    def power(field: str, carried_per_unit: float) -> np.ndarray:
+        found = changed(field)
+        if found is None:
+            return source.power()
+        # One number multiplies the colour that the light has.
+        return found / carried_per_unit * (source.color() if len(found) == 1 else 1.0)
+
+    scales = np.linalg.norm(world_from_node[:3, :3], axis=0)
+    place = world_from_node.copy()
+    place[:3, :3] /= scales
+    kind = source.kind
+    if kind == "directional":
+        said = ours.member("strength_w_m2")
+        irradiance = power("strength_w_m2", 1.0)
+        if said is not None and changed("strength_w_m2") is None:
+            irradiance = source.color() * said.number(0.0)
+        return Sun(place[:3, 2], irradiance, number("angle", ours.number_at("angle", 0.0, 0.0, math.pi)))
+    if kind in ("point", "spot"):
+        lamp = Lamp(kind, place, power("power_w", 4 * math.pi), number("radius", ours.number_at("radius", 0.0, 0.0)))
+        if kind == "spot":
+            outer, blend = source.cone()
+            lamp.outer_rad, lamp.blend = number("outer_angle", outer), number("blend", blend)
+        return lamp
+    width, height = source.size()
+    size = number("width", width) * scales[0], number("height", height) * scales[1]
+    return Lamp(kind, place, power("power_w", 1.0), size_m=size)

@@ -1,0 +1,62 @@
+"""Lights as Mitsuba's emitters. What it has no emitter for is refused.
+
+A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a sphere
+I / (pi r^2), that of a flat lamp P / (pi area).
+"""
+
+from __future__ import annotations
+
+import mitsuba as mi
+import numpy
+
+from ..errors import SceneError
+from .lamps import Lamp, Sun
+
+SUN_DISTANCE = 1e3
+"""In radii of the scene: the disc is seen from everywhere in it within a thousandth of the same direction."""
+HARDEST_BLEND = 1e-5
+"""Of spots that Mitsuba gets: its two angles must differ, and glTF's are in single precision."""
+# Mitsuba's rectangles and discs shine along their +z, its spots too.
+TURNED = numpy.diag([-1.0, 1.0, -1.0, 1.0])
+
+
+def sun_emitter(sun: Sun, middle: numpy.ndarray, radius: float) -> dict:
+    """A sun on a scene within a sphere."""
+    if sun.angle_rad == 0:
+        return {"type": "directional", "direction": (-sun.to_sun).tolist(), "irradiance": _rgb(sun.irradiance)}
+    distance, half = SUN_DISTANCE * radius, 0.5 * sun.angle_rad
+    side = numpy.cross(sun.to_sun, numpy.eye(3)[numpy.abs(sun.to_sun).argmin()])
+    side /= numpy.linalg.norm(side)
+    place = numpy.eye(4)
+    place[:3, :3] = numpy.stack([side, numpy.cross(-sun.to_sun, side), -sun.to_sun], axis=1) * distance * numpy.tan(half)
+    place[:3, 3] = middle + distance * sun.to_sun
+    return _shape("disk", place, sun.irradiance / (numpy.pi * numpy.sin(half) ** 2))
+
+
+def lamp_emitter(lamp: Lamp) -> dict:
+    """A lamp."""
+    place = lamp.world_from_lamp @ TURNED
+    if lamp.kind == "point" and lamp.radius_m == 0:
+        return {"type": "point", "position": place[:3, 3].tolist(), "intensity": _rgb(lamp.power)}
+    if lamp.kind == "point":
+        sphere = place @ numpy.diag([lamp.radius_m] * 3 + [1.0])
+        return _shape("sphere", sphere, lamp.power / (numpy.pi * lamp.radius_m**2))
+    if lamp.kind == "spot":
+        if lamp.radius_m > 0 or lamp.blend > HARDEST_BLEND:
+            raise SceneError("Mitsuba gets spots without a radius and without a blend: its own fade otherwise")
+        degrees = float(numpy.degrees(lamp.outer_rad))
+        angles = {"cutoff_angle": degrees, "beam_width": degrees * (1 - HARDEST_BLEND)}
+        return {"type": "spot", "to_world": mi.ScalarTransform4f(place), "intensity": _rgb(lamp.power), **angles}
+    width, height = lamp.size_m
+    area = width * height * (1.0 if lamp.kind == "rectangle" else 0.25 * numpy.pi)
+    scaled = place @ numpy.diag([0.5 * width, 0.5 * height, 1.0, 1.0])
+    return _shape("rectangle" if lamp.kind == "rectangle" else "disk", scaled, lamp.power / (numpy.pi * area))
+
+
+def _shape(kind: str, place: numpy.ndarray, radiance: numpy.ndarray) -> dict:
+    emitter = {"type": "area", "radiance": _rgb(radiance)}
+    return {"type": kind, "to_world": mi.ScalarTransform4f(place), "emitter": emitter}
+
+
+def _rgb(values: numpy.ndarray) -> dict:
+    return {"type": "rgb", "value": numpy.asarray(values, float).tolist()}
