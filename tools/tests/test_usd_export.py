@@ -14,10 +14,12 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdValidation
 
 from sunfleck_tools import SceneError
+from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.gltf.container import Container
+from sunfleck_tools.gltf.load import load
 from sunfleck_tools.gltf.meshes import Meshes
 from sunfleck_tools.gltf.scene import Gltf
-from sunfleck_tools.usd import ExportOptions, export_usd
+from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
 
 from .glb import glb
 from .test_validation import run
@@ -69,6 +71,42 @@ class Stages(Case):
         export_usd(SAMPLES / "b_leafcards.glb", path)
         self.assertEqual(validation_errors(path), [])
         self.assertEqual([file.name for file in self.folder.iterdir()], ["cards.usdz"])
+
+    def test_a_sky_is_a_dome_that_lights_as_much(self):
+        """An open plane that faces up receives pi (horizon + 2 zenith) / 3 from a gradient, and pi L from an even sky."""
+        for sky, expected in (
+            ({"zenith": [0.2, 0.35, 0.8], "horizon": [0.8, 0.85, 0.9], "strength": 2.0}, [0.8, 3.1 / 3, 5 / 3]),
+            ({"color": [0.4, 0.2, 0.1]}, [0.4, 0.2, 0.1]),
+        ):
+            stage = self.export(self.under({**sky, "lights": "surfaces_and_fog"}))
+            path = Path(stage.GetRootLayer().realPath)
+            self.assertEqual(validation_errors(path), [])
+            (dome,) = [UsdLux.DomeLight(prim) for prim in stage.Traverse() if prim.IsA(UsdLux.DomeLight)]
+            light = np.array(dome.GetColorAttr().Get()) * dome.GetIntensityAttr().Get()
+            if file := dome.GetTextureFileAttr().Get():
+                channels = decode(Path(file.resolvedPath))
+                light = light * np.stack([channels[letter] for letter in "RGB"], axis=-1).mean(axis=1, dtype=float)
+                self.assertTrue((light[512:] == 0).all())
+            down = np.pi * (np.arange(1024) + 0.5) / 1024
+            weights = np.where(down < np.pi / 2, np.cos(down) * np.sin(down), 0) * 2 * np.pi / 1024
+            received = (np.broadcast_to(light, (1024, 3)) * weights[:, None]).sum(axis=0)
+            np.testing.assert_allclose(received, expected, rtol=1e-5)
+            export_back = self.folder / "back.glb"
+            import_usd(path, export_back)
+            back = load(export_back).extras.group("sunfleck_env")
+            self.assertEqual(back.text_at("lights"), "surfaces_and_fog")
+            for name, value in sky.items():
+                np.testing.assert_allclose(back.raw[name], value)
+
+    def test_a_background_that_lights_nothing_is_no_dome(self):
+        stage = self.export(self.under({"color": [0.4, 0.2, 0.1]}))
+        self.assertEqual([prim for prim in stage.Traverse() if prim.IsA(UsdLux.DomeLight)], [])
+
+    def under(self, sky: dict) -> Path:
+        path = self.folder / "sky.glb"
+        scene = {"nodes": [0], "extras": {"sunfleck_env": sky}}
+        path.write_bytes(glb({"scene": 0, "scenes": [scene], "nodes": [{"name": "nothing"}]}))
+        return path
 
     def test_metadata_is_whole(self):
         stage = self.export(SAMPLES / "a_leaves40_sampled.glb")

@@ -210,7 +210,14 @@ class OtherPrograms(ImportCase):
         sun = UsdLux.DistantLight.Define(stage, "/sun")
         sun.CreateAngleAttr(1.0)
         sun.CreateIntensityAttr(1000.0)
+        dome = UsdLux.DomeLight.Define(stage, "/dome")
+        dome.CreateIntensityAttr(0.5)
+        dome.CreateExposureAttr(1.0)
+        dome.CreateColorAttr((0.2, 0.4, 0.6))
         gltf = self.load(stage)
+        sky = gltf.extras.group("sunfleck_env")
+        self.assertEqual(sky.text_at("lights"), "surfaces_and_fog")
+        np.testing.assert_allclose(sky.need("color").channels(), [0.2, 0.4, 0.6], rtol=1e-6)
         lights = {light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]}
         # Radiance 2 of a disc of radius 0.5.
         self.assertAlmostEqual(lights["sphere"]["intensity"] / 683, 2.0 * np.pi * 0.25, 5)

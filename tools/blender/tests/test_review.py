@@ -59,10 +59,12 @@ class Review(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
-    def open(self, source, *options):
+    def open(self, source, *options, has_world=False):
         stage = self.folder / "stage.usdc"
         run(TOOLS, "export-usd", source, stage, "--for", "blender", "--sunfleck", PROGRAM, *options)
         bpy.ops.wm.read_factory_settings(use_empty=True)
+        if has_world:
+            bpy.context.scene.world = bpy.data.worlds.new("world")
         self.assertEqual(bpy.ops.wm.usd_import(filepath=str(stage)), {"FINISHED"})
 
     def review(self, *options):
@@ -97,6 +99,30 @@ class Review(unittest.TestCase):
             for leaf in (thing for thing in bpy.data.objects if thing.instance_collection):
                 world = world_of(leaf.evaluated_get(graph).matrix_world)
                 self.assertNear(world.ravel(), expected["nodes"][leaf["sunfleck_name"]]["world"], TRANSFORMS, leaf.name)
+
+    def test_the_sky_is_the_world(self):
+        """Blender makes a world of a dome where the scene has one, as its own new scenes do."""
+        scene = '{ "leaf": Leaf(length_m: 0.1, width_m: 0.06) }, objects: { "leaf": (mesh: "leaf") }, cameras: { "main": (position_m: (0, 1, 4)) }'
+        source = self.folder / "sky.ron"
+        for sky in (
+            "Constant(radiance_w_per_m2_sr: (0.4, 0.2, 0.1))",
+            "Gradient(zenith_w_per_m2_sr: (0.2, 0.3, 0.8), horizon_w_per_m2_sr: (0.8, 0.7, 0.9), ground_w_per_m2_sr: 0.1)",
+        ):
+            source.write_text(f"Scene(version: 1, meshes: {scene}, sky: {sky})")
+            self.open(source, has_world=True)
+            nodes = {node.bl_idname: node for node in bpy.context.scene.world.node_tree.nodes}
+            background = nodes["ShaderNodeBackground"]
+            strength = background.inputs["Strength"].default_value
+            if "ShaderNodeTexEnvironment" not in nodes:
+                self.assertNear(np.array(background.inputs["Color"].default_value[:3]) * strength, [0.4, 0.2, 0.1], 1e-6, sky)
+                continue
+            image = nodes["ShaderNodeTexEnvironment"].image
+            # From straight down to straight up.
+            rows = np.array(image.pixels[:]).reshape(image.size[1], image.size[0], 4)[:, 0, :3] * strength
+            half = len(rows) // 2
+            for row, expected in ((0, [0.1] * 3), (half - 1, [0.1] * 3), (half, [0.8, 0.7, 0.9]), (-1, [0.2, 0.3, 0.8])):
+                self.assertNear(rows[row], expected, 2e-3, f"row {row}")
+            self.assertNear(rows[half + half // 3], [0.5, 0.5, 0.85], 2e-3, "at 30 degrees")
 
     def test_a_crowd_is_where_its_leaves_are(self):
         truth = self.review("--point-instancer")

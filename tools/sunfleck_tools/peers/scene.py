@@ -94,6 +94,9 @@ class _Reader:
                 fogs.append(self._fog(fog, world_from_node))
         if not lights or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
             raise SceneError(f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of fog")
+        sky = self.gltf.extras.group("sunfleck_env")
+        if sky.text_at("lights", "nothing") != "nothing":
+            sky.fail("other renderers get no sky that lights the scene")
         world_from_camera, fov_y_rad = self._camera(cameras)
         return PeerScene(
             surfaces=[self._surface(material, pieces) for material, pieces in parts.items()],

@@ -24,6 +24,7 @@ from .materials import Materials
 from .places import write_place
 from .prims import Names, Prim, Types
 from .samples import Sampler
+from .sky import write_sky
 from .surroundings import write_fog, write_metadata, write_scene
 from .textures import Textures
 
@@ -112,6 +113,8 @@ class _Export:
             write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
             self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
             write_scene(world, self.gltf, self.sampler)
+            if write_sky(world, self.gltf, self.textures, self.names):
+                self.prims["DomeLight"] += 1
             self._write_nodes()
         self.lost += [f"what changes `{target}` is not carried" for target in self.gltf.unused]
         if not self.layer.Export(str(path)):

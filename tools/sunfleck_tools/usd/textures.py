@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+import OpenEXR
+
 from ..gltf.container import Container
 from ..gltf.values import Value
 from .prims import Names
@@ -38,6 +41,16 @@ class Textures:
             (self.folder / name).write_bytes(data)
             self._files[number] = f"./{self.name}/{name}"
         return self._files[number]
+
+    def picture_file(self, stem: str, pixels: np.ndarray) -> str:
+        """The path, likewise, of linear light that is written as OpenEXR."""
+        name = self.names.new(stem) + ".exr"
+        self.folder.mkdir(exist_ok=True)
+        header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
+        channels = {letter: np.ascontiguousarray(pixels[..., index]) for index, letter in enumerate("RGB")}
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(self.folder / name))
+        return f"./{self.name}/{name}"
 
     def _bytes(self, image: Value) -> bytes:
         if (view := image.member("bufferView")) is not None:

@@ -240,12 +240,15 @@ class _Import:
             self.nodes.carry(node, f"sunfleck_light.{name}", codes, rows)
 
     def _background(self, light: UsdLux.DomeLight) -> None:
+        if "sunfleck_env" in self.scene:
+            # The renderer's own words, which say more.
+            return
         if light.GetTextureFileAttr().Get():
             self.lost.append(f"{light.GetPath()}: the picture of a DomeLight is not carried")
             return
-        color = np.array(light.GetColorAttr().Get(), float) * float(light.GetIntensityAttr().Get() or 0.0)
-        self.scene.setdefault("sunfleck_env", {"color": np.maximum(color, 0).tolist(), "strength": 1.0})
-        self.lost.append(f"{light.GetPath()}: a DomeLight is seen and lights nothing")
+        strength = float(light.GetIntensityAttr().Get() or 0.0) * 2.0 ** float(light.GetExposureAttr().Get() or 0.0)
+        color = np.maximum(np.array(light.GetColorAttr().Get(), float) * strength, 0)
+        self.scene["sunfleck_env"] = {"color": color.tolist(), "strength": 1.0, "lights": "surfaces_and_fog"}
 
     def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
         """A prototype below a node, or in it if it is nothing but a mesh."""
