@@ -50,17 +50,17 @@ def tube(path: list[Vector], radii: list[float], sides: int, uv_scale: tuple[flo
     return mesh
 
 
-def thin_tube(start: Vector, end: Vector, radii: tuple[float, float]) -> Mesh:
-    """A straight pipe of three sides, open at its ends: a twig is a pixel wide at best, but there are many."""
+def thin_tube(start: Vector, end: Vector, radii: tuple[float, float], sides: int) -> Mesh:
+    """A straight pipe of three sides, open at its ends, or a strip of two: a twig is a pixel wide at best, but there are many."""
     axis = unit(subtract(end, start))
     right = unit(cross(axis, (1.0, 0.0, 0.0) if abs(axis[0]) < 0.9 else (0.0, 1.0, 0.0)))
     side = cross(axis, right)
     mesh = Mesh()
     for center, radius in zip((start, end), radii):
-        for k in range(3):
-            angle = math.tau * k / 3
+        for k in range(sides):
+            angle = math.tau * k / sides
             mesh.positions.append(along(along(center, right, radius * math.cos(angle)), side, radius * math.sin(angle)))
-    mesh.faces = [(k, (k + 1) % 3, (k + 1) % 3 + 3, k + 3) for k in range(3)]
+    mesh.faces = [(k, (k + 1) % sides, (k + 1) % sides + sides, k + sides) for k in range(sides if sides > 2 else 1)]
     return mesh
 
 
@@ -105,6 +105,7 @@ class Habit:
     """Of the trunk."""
     branch_steps: int = 3
     branch_sides: int = 4
+    twig_sides: int = 3
 
 
 HABITS = {
@@ -112,7 +113,7 @@ HABITS = {
     "oak": Habit(15.0, 0.36, 0.22, 13, 5.4, 0.40, 0.30, 6, 4, 0.85, 0.0, 14),
     "maple": Habit(17.0, 0.24, 0.24, 16, 4.4, 0.50, 0.20, 6, 4, 0.80, 0.08, 12),
     # Its crown takes more than 12,000 leaves; what carries them is hardly seen.
-    "beech": Habit(19.0, 0.40, 0.17, 24, 5.6, 0.42, 0.22, 8, 5, 0.95, 0.05, 14, 2, 3),
+    "beech": Habit(19.0, 0.40, 0.17, 24, 5.6, 0.42, 0.22, 8, 5, 0.95, 0.05, 14, 2, 3, 2),
     "birch": Habit(13.0, 0.13, 0.26, 16, 2.8, 0.72, 0.16, 5, 4, 0.85, 0.45, 10),
     "sapling": Habit(3.6, 0.035, 0.22, 9, 1.1, 0.75, 0.24, 3, 3, 0.36, 0.05, 6),
 }
@@ -209,4 +210,4 @@ def add_limb(tree: Tree, habit: Habit, start: Vector, outward: Vector, length: f
             heading = direction if k == habit.twigs - 1 else sideways(direction, side, 0.8)
             heading = unit((heading[0], heading[1] - habit.droop, heading[2]))
             twig = wander(point, heading, habit.twig_length_m * rng.uniform(0.6, 1.2), 1, 0.2, -0.10 - 0.3 * habit.droop, rng)
-            tree.twigs.add(thin_tube(twig[0], twig[-1], (0.006, 0.003)))
+            tree.twigs.add(thin_tube(twig[0], twig[-1], (0.006, 0.003), habit.twig_sides))
