@@ -72,6 +72,9 @@ struct Bending<'a> {
     relative_from_mesh_normal: &'a DMat3,
 }
 
+/// A place that is seen so near to a plane, in radians, lies within it.
+const IN_PLANE: f64 = 1e-12;
+
 impl Snapshot<'_> {
     /// A triangle of the tree.
     pub fn facet(&self, primitive: PrimitiveId) -> Facet<'_> {
@@ -128,9 +131,15 @@ impl Snapshot<'_> {
 }
 
 impl Facet<'_> {
-    /// How far along a ray its plane lies; not finite if the ray runs within that plane.
+    /// How far along a ray its plane lies; not a number if the ray starts in that plane, to rounding: it meets it
+    /// nowhere else, or runs within it.
     pub fn distance_along(&self, ray: &Ray) -> f64 {
-        (self.first_corner - ray.origin).dot(self.normal) / ray.direction.dot(self.normal)
+        let way = self.first_corner - ray.origin;
+        let height = way.dot(self.normal);
+        if height * height <= IN_PLANE * IN_PLANE * way.length_squared() {
+            return f64::NAN;
+        }
+        height / ray.direction.dot(self.normal)
     }
 
     /// Whether anything of it shows in the dark.

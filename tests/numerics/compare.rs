@@ -22,7 +22,7 @@ pub(crate) struct Errors {
     pub(crate) leaks: usize,
     /// Rays whose surface is lit in one and dark in the other.
     pub(crate) misjudged: usize,
-    /// Surfaces that rounding decides about, in visibility or in light.
+    /// Values that rounding decides about: surfaces, in visibility or in light, and rays in line with it.
     pub(crate) undecided: usize,
     sum: f64,
     squares: f64,
@@ -67,11 +67,16 @@ impl Errors {
         }
         let expected = truth.light(ray, met, t);
         self.brightest = self.brightest.max(sample.shafts.max_element());
-        let error = (sample.shafts - expected.shafts).length();
-        self.sum += expected.shafts.length();
-        self.squares += error * error;
-        if error > self.worst {
-            (self.worst, self.worst_ray) = (error, Some(*ray));
+        match expected.shafts {
+            None => self.undecided += 1,
+            Some(shafts) => {
+                let error = (sample.shafts - shafts).length();
+                self.sum += shafts.length();
+                self.squares += error * error;
+                if error > self.worst {
+                    (self.worst, self.worst_ray) = (error, Some(*ray));
+                }
+            }
         }
         assert!(close(sample.transmittance, expected.transmittance), "{sample:?} {expected:?}");
         let surface = sample.radiance - sample.shafts;

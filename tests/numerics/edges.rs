@@ -110,3 +110,15 @@ fn sun_at_the_horizon() {
         }
     }
 }
+
+/// A triangle whose plane holds both camera and light, and two of whose corners lie in line with them.
+#[test]
+fn triangle_in_line_with_camera_and_light() {
+    let frame = Frame { scale: 5_269.240_485_388_929, offset: DVec3::ZERO };
+    let mut scene = empty(&frame);
+    let [a, b, c] = [Vec3::new(-1.0, -1.0, -1.0), Vec3::new(-1.0, -1.0, -0.5), Vec3::new(0.0, 0.0, -0.5)];
+    let [d, e, f] = [Vec3::new(-1.0, -1.0, -3.0), Vec3::new(-1.0, 1.0, -0.5), Vec3::new(0.5, -1.0, -0.5)];
+    add_triangles(&mut scene, &frame, &[[a, b, c], [d, e, f]]);
+    light(&mut scene, &frame, Lamp::Sun { to_sun: DVec3::new(-1.0, -1.0, -1.0) });
+    by_slices(&scene, &SlicePlan::even(Size { width: 8, height: 8 }, 5, 5)).hold("in line", 1e-6);
+}

@@ -169,7 +169,22 @@ pub(crate) fn integral(
     }
     cuts.retain(|cut| *cut >= first && *cut <= last);
     cuts.sort_by(f64::total_cmp);
+    cuts.extend(beside_cuts_in_the_dark(fog, &cuts));
+    cuts.sort_by(f64::total_cmp);
     quadrature(&|t: f64| fog.scattered_at(ray, t, light), &cuts, shadows)
+}
+
+/// Between cuts the light is brightest at one of them; in thick fog the rule's first node would see none of it.
+fn beside_cuts_in_the_dark(fog: &FogTruth, cuts: &[f64]) -> Vec<f64> {
+    let densest: Rgb = fog.boxes.iter().map(|fog| fog.sigma_t).sum();
+    let dark = cuts.windows(2).filter(|pair| densest.max_element() * (pair[1] - pair[0]) > 30.0);
+    let beside = |pair: &[f64]| {
+        [4_f64.powi(-3), 4_f64.powi(-6)].map(|share| {
+            let width = share * (pair[1] - pair[0]);
+            [pair[0] + width, pair[1] - width]
+        })
+    };
+    dark.flat_map(beside).flatten().collect()
 }
 
 /// Over what shadows leave, on pieces between cuts.
@@ -240,7 +255,9 @@ fn refine(
     let (left, right) = (rule(value, start, middle), rule(value, middle, end));
     let error = (left + right - whole).abs().max_element();
     assert!(error.is_finite(), "the truth itself is not a number between {start} and {end}");
-    if depth == 0 || error <= tolerance.max(TOLERANCE * (left + right).max_element()) {
+    // Smaller numbers than the smallest normal one have no digits to agree in.
+    let tolerated = tolerance.max(TOLERANCE * (left + right).max_element()).max(f64::MIN_POSITIVE);
+    if depth == 0 || error <= tolerated {
         return left + right;
     }
     refine(value, (start, middle), left, tolerance, depth - 1)

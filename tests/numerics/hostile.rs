@@ -20,7 +20,7 @@ fn place() -> impl Strategy<Value = Vec3> {
 
 fn lamp() -> impl Strategy<Value = Lamp> {
     let side = || prop::sample::select(vec![-1.0, -0.5, 0.0, 0.5, 1.0]);
-    // Off the grid, so that it lies on no triangle.
+    // Off the grid, but in many of its planes.
     let off_grid = DVec3::new(0.25, 0.25, 0.2);
     let near = place().prop_map(move |place| Lamp::Point { position: place.as_dvec3() + off_grid });
     let far = (side(), side(), side())
@@ -32,9 +32,19 @@ fn lamp() -> impl Strategy<Value = Lamp> {
 
 fn scene() -> impl Strategy<Value = Scene> {
     let triangles = prop::collection::vec([place(), place(), place()], 0..7);
-    let bank = (place(), place(), -6.0..1.5_f64, prop::sample::select(vec![-0.9, 0.0, 0.5, 0.9]));
+    let bank = (
+        place(),
+        place(),
+        -6.0..3.5_f64,
+        prop::sample::select(vec![-0.999, -0.99, -0.9, 0.0, 0.5, 0.9, 0.99, 0.999]),
+    );
     let banks = prop::collection::vec(bank, 0..3);
-    (triangles, banks, lamp(), -4.0..4.0_f64).prop_map(|(triangles, banks, lamp, log_scale)| {
+    let parts = (triangles, banks, lamp(), -4.0..4.0_f64);
+    // Whose shadow falls which way is then a matter of rounding (docs/numerics.md).
+    let parts = parts.prop_filter("a lamp on no triangle", |(triangles, _, lamp, _)| {
+        triangles.iter().all(|triangle| !lies_on(lamp, triangle))
+    });
+    parts.prop_map(|(triangles, banks, lamp, log_scale)| {
         let frame = Frame { scale: 10_f64.powf(log_scale), offset: DVec3::ZERO };
         let mut scene = empty(&frame);
         add_triangles(&mut scene, &frame, &triangles);
@@ -47,13 +57,22 @@ fn scene() -> impl Strategy<Value = Scene> {
     })
 }
 
+/// Whether a lamp is part of a triangle, to rounding: the three about it are then as large as it is together.
+fn lies_on(lamp: &Lamp, triangle: &[Vec3; 3]) -> bool {
+    let Lamp::Point { position } = *lamp else { return false };
+    let [a, b, c] = triangle.map(|corner| corner.as_dvec3());
+    let area = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).length();
+    let about = area(position, a, b) + area(position, b, c) + area(position, c, a);
+    about <= area(a, b, c) + 1e-9
+}
+
 /// Behind fog of a thousand depths, or with every ray in shadow but one, relative errors mean nothing.
 const DIM: f64 = 1e-4;
 
 /// The same scenes every time.
 fn config() -> ProptestConfig {
     ProptestConfig {
-        cases: 200,
+        cases: 600,
         failure_persistence: None,
         rng_seed: RngSeed::Fixed(5),
         ..ProptestConfig::default()

@@ -18,6 +18,9 @@ use sunfleck::snapshot::{FrozenLight, Luminaire, Snapshot};
 /// padding (`accel`), 16 roundings.
 const BLUR: f64 = 16.0 * 6e-8;
 
+/// Rays so near to the light's direction, in radians, are within one line with it.
+const IN_LINE: f64 = 1e-9;
+
 /// A scene without any structure.
 pub(crate) struct Truth {
     triangles: Vec<Face>,
@@ -48,7 +51,8 @@ pub(crate) struct Candidate {
 /// The light of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
-    pub(crate) shafts: Rgb,
+    /// `None` where rounding decides what lies in shadow.
+    pub(crate) shafts: Option<Rgb>,
     pub(crate) transmittance: Rgb,
     /// `None` where rounding decides whether the surface is lit.
     pub(crate) surface: Option<Rgb>,
@@ -106,11 +110,13 @@ impl Truth {
 
     /// Everything that reaches the camera along a ray that ends at `met`, at distance `t`.
     pub(crate) fn light(&self, ray: &Ray, met: Option<&Candidate>, t: f64) -> Light {
-        let mut shafts = Rgb::ZERO;
+        let mut shafts = Some(Rgb::ZERO);
         let mut surface = Some(met.map_or(self.background, |met| self.triangles[met.face].emission));
         for light in &self.lights {
-            let shadows = self.shadows(ray, light.source(), t);
-            shafts += integral(&self.fog, ray, light, &shadows, t);
+            let is_decided = !self.grazes_in_line(ray, light.source());
+            shafts = shafts
+                .filter(|_| is_decided)
+                .map(|sum| sum + integral(&self.fog, ray, light, &self.shadows(ray, light.source(), t), t));
             let reflected = met.map_or(Some(Rgb::ZERO), |met| self.reflected(ray, met, t, light));
             surface = surface.zip(reflected).map(|(sum, reflected)| sum + reflected);
         }
@@ -126,6 +132,16 @@ impl Truth {
             }
         }
         shadows
+    }
+
+    /// Whether an edge or a vertex lies on the one line of ray and light: then rounding decides about the shadows.
+    fn grazes_in_line(&self, ray: &Ray, source: Source) -> bool {
+        let axis = match source {
+            Source::Towards(to_light) => to_light,
+            Source::At(position) => (position - ray.origin).normalize_or_zero(),
+        };
+        let grazes = |triangle: &Face| matches!(triangle.meets(ray), Some((_, false)));
+        axis.cross(ray.direction).length() < IN_LINE && self.triangles.iter().any(grazes)
     }
 
     /// Lambert's law; `None` where rounding decides about visibility.
@@ -151,11 +167,12 @@ impl Truth {
                 continue;
             }
             if far < blur || near > distance - blur {
-                // In the same plane, or the light in it, or just touching: nobody's shadow, nearly.
-                if other.sine(to_light) > 1e-6 && other.distance_to_plane(point) > face.blur + other.blur {
-                    return None;
+                // In the same plane, or the light in it: nobody's shadow, nearly.
+                let is_near = other.distance_to_plane(point) <= face.blur + other.blur;
+                if other.sine(to_light) <= 1e-6 || is_near && other.is_parallel_to(face) {
+                    continue;
                 }
-                continue;
+                return None;
             }
             return is_certain.then_some(Rgb::ZERO);
         }
@@ -237,6 +254,14 @@ impl Face {
     fn sine(&self, direction: DVec3) -> f64 {
         let [a, b, c] = self.corners;
         (b - a).cross(c - a).try_normalize().map_or(0.0, |normal| normal.dot(direction).abs())
+    }
+
+    fn is_parallel_to(&self, other: &Self) -> bool {
+        let [a, b] = [self, other].map(|face| {
+            let [a, b, c] = face.corners;
+            (b - a).cross(c - a).normalize_or_zero()
+        });
+        a.cross(b).length() < 1e-3
     }
 
     fn distance_to_plane(&self, point: DVec3) -> f64 {

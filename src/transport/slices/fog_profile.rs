@@ -58,6 +58,10 @@ struct LightWay {
 /// A break too many costs one exponential, a break too few an error: rounding must not lose one.
 const EDGE_SLACK: f64 = 1e-9;
 
+/// A face as near to the light's direction, in radians, runs along it: as a line over the reach it would be so
+/// steep that rounding puts it metres from where it is.
+const ALONG_THE_LIGHT: f64 = 1e-12;
+
 /// `height = at_axis + growth * reach`.
 #[derive(Clone, Copy, Debug)]
 struct Line {
@@ -255,7 +259,7 @@ impl BoxProfile {
         let (c, r, h) = (self.at_eye[axis], self.per_reach[axis], self.per_height[axis]);
         // Where c + r reach + h height = face.
         let line = |face: f64| Line { at_axis: (face - c) / h, growth: -r / h };
-        (h != 0.0).then(|| [line(h.signum()), line(-h.signum())])
+        (h.abs() > ALONG_THE_LIGHT * r.abs()).then(|| [line(h.signum()), line(-h.signum())])
     }
 
     /// Every reach at which the light passes from one face to another, or along a face.
