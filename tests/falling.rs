@@ -132,3 +132,35 @@ fn leaves_that_never_land_are_remarked_upon() {
     let scene = scene_of("", "emitter: Box(min_m: (0.0, 150.0, 0.0), max_m: (0.0, 151.0, 0.0))");
     assert!(scene.remarks.to_string().contains("fall.autumn: warning: "), "{}", scene.remarks);
 }
+
+#[test]
+fn a_folder_of_bakes_changes_no_leaf_even_if_it_is_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, bakes) = (folder.path().join("scene.ron"), folder.path().join("bakes"));
+    let low = "emitter: Box(min_m: (-1.0, 0.2, -1.0), max_m: (1.0, 0.3, 1.0))";
+    std::fs::write(&scene, scene_file("", low).replace("count: 12", "count: 1000")).unwrap();
+    let inspect = |cache: &Path| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_sunfleck"));
+        let command = command.arg("inspect").arg(&scene).args(["--json", "--frames", "12", "--bake-cache"]);
+        let output = command.arg(cache).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+        output.stdout
+    };
+    let without = inspect(Path::new("off"));
+    assert!(!bakes.exists());
+    assert_eq!(inspect(&bakes), without);
+    let files: Vec<_> = std::fs::read_dir(&bakes).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let [file] = &files[..] else { panic!("{files:?}") };
+    assert_eq!(inspect(&bakes), without);
+    let whole = std::fs::read(file).unwrap();
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 16;
+    for rubbish in [&damaged[..], &whole[..100], b"", b"rubbish"] {
+        std::fs::write(file, rubbish).unwrap();
+        assert_eq!(inspect(&bakes), without);
+        // And mended.
+        assert_eq!(std::fs::read(file).unwrap(), whole);
+    }
+    // A folder that cannot be one is done without.
+    assert_eq!(inspect(&scene), without);
+}

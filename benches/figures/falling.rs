@@ -1,8 +1,11 @@
-//! How long 20,000 falling leaves take from the file to their keys, and how many keys they have.
+//! How long 20,000 falling leaves take from the file to their keys, baked and out of a store, and how many
+//! keys they have.
 
+use cpu_time::ProcessTime;
+use std::cell::RefCell;
 use std::time::Instant;
 use sunfleck::description;
-use sunfleck::scene::{self, Motion};
+use sunfleck::scene::{self, Baking, Motion, Rotation};
 
 const SCENE: &str = r#"Scene(version: 1, cameras: { "main": () }, meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.06) },
     fall: { "storm": (
@@ -24,23 +27,37 @@ pub fn run(rounds: usize) {
     for (name, wind) in WINDS {
         std::fs::write(&path, SCENE.replace("WIND", wind)).unwrap();
         for _ in 0..rounds {
-            let started = Instant::now();
-            let (scene, _) = scene::resolve(description::load(&path).unwrap(), None).unwrap();
-            let seconds = started.elapsed().as_secs_f64();
-            let (mut keys, mut in_the_air_s) = (0, 0.0);
+            let kept = RefCell::new(None);
+            let keep = |_: &str, bytes: &[u8]| *kept.borrow_mut() = Some(bytes.to_vec());
+            let recall = |_: &str| kept.borrow().clone();
+            let baking = Baking { recall: &recall, keep: &keep, ..Baking::ALONE };
+            let resolve = || {
+                let (started, processor) = (Instant::now(), ProcessTime::now());
+                let (scene, _) =
+                    scene::resolve_telling(description::load(&path).unwrap(), None, &baking).unwrap();
+                (scene, started.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64())
+            };
+            let (scene, seconds, processor_s) = resolve();
+            let (_, again_s, again_processor_s) = resolve();
+            let (mut places, mut turns, mut in_the_air_s) = (0, 0, 0.0);
             for node in &scene.nodes {
-                if let Motion::Keyed { translation, .. } = &node.motion
+                if let Motion::Keyed { translation, rotation: Rotation::Quaternion(rotation), .. } =
+                    &node.motion
                     && let [first_s, .., last_s] = translation.times_s()
                 {
-                    keys += translation.times_s().len();
+                    places += translation.times_s().len();
+                    turns += rotation.times_s().len();
                     in_the_air_s += last_s - first_s;
                 }
             }
             println!(
-                "{name}: {seconds:.2} s; {in_the_air_s:.0} leaf-seconds, {:.1} keys a leaf-second, {:.0} MB of keys",
-                keys as f64 / in_the_air_s,
-                // Time, value and slope, of place and turn.
-                keys as f64 * (7.0 * 8.0 + 9.0 * 8.0) / 1e6
+                "{name}: {seconds:.2} s ({processor_s:.1} s of processors); {in_the_air_s:.0} leaf-seconds, {:.1} keys of places and {:.1} of turns \
+                 a leaf-second, {:.0} MB; out of a store of {:.0} MB in {again_s:.2} s ({again_processor_s:.1} s)",
+                places as f64 / in_the_air_s,
+                turns as f64 / in_the_air_s,
+                // Of a place and of a turn: time, value and slope.
+                (places as f64 * (8.0 + 6.0 * 4.0) + turns as f64 * (8.0 + 8.0 * 4.0)) / 1e6,
+                kept.borrow().as_ref().map_or(0, Vec::len) as f64 / 1e6
             );
         }
     }

@@ -109,6 +109,16 @@ pub(super) struct RenderArguments {
     /// Say what would be rendered, and render nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
+    #[command(flatten)]
+    pub(super) bakes: BakeArguments,
+}
+
+/// What becomes of falls of many leaves, which take seconds to bake.
+#[derive(Args, Clone, Debug)]
+pub(super) struct BakeArguments {
+    /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the user's folder of caches].
+    #[arg(long, value_name = "FOLDER|off")]
+    pub(super) bake_cache: Option<PathBuf>,
 }
 
 /// How pictures for eyes are made. EXR frames stay as they are.
@@ -150,6 +160,8 @@ pub(super) struct PreviewArguments {
     pub(super) threads: Option<u32>,
     #[command(flatten)]
     pub(super) display: DisplayArguments,
+    #[command(flatten)]
+    pub(super) bakes: BakeArguments,
 }
 
 #[derive(Args, Debug)]
@@ -165,6 +177,8 @@ pub(super) struct InspectArguments {
     /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnitsArgument>,
+    #[command(flatten)]
+    pub(super) bakes: BakeArguments,
 }
 
 #[derive(Args, Debug)]
@@ -225,6 +239,8 @@ pub(super) struct BenchArguments {
     /// Threads for the reference; what is timed has one [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
+    #[command(flatten)]
+    pub(super) bakes: BakeArguments,
 }
 
 #[derive(Args, Debug)]
@@ -243,6 +259,8 @@ pub(super) struct ExportArguments {
     /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnitsArgument>,
+    #[command(flatten)]
+    pub(super) bakes: BakeArguments,
 }
 
 #[derive(Args, Debug)]

@@ -6,7 +6,7 @@ mod skips;
 
 use super::arguments::{BenchArguments, MethodArgument, SizeArgument};
 use super::plan::{find_camera, resized, usage};
-use super::{CliError, answer, tell};
+use super::{CliError, answer, loading, tell};
 use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place};
@@ -35,7 +35,8 @@ impl Subject {
     fn new(arguments: &BenchArguments) -> Result<Self, CliError> {
         let started = Instant::now();
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+        let (scene, mut settings) =
+            loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
         let load_s = started.elapsed().as_secs_f64();
         settings.camera = arguments.camera.clone().or(settings.camera);
         let camera = find_camera(&scene, settings.camera.as_deref())?;
@@ -69,7 +70,7 @@ pub(super) fn fitting(size: Size, most: f64) -> f64 {
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
-    let subject = Subject::new(arguments)?;
+    let subject = pool(arguments.threads.unwrap_or(0) as usize)?.install(|| Subject::new(arguments))?;
     if arguments.skips {
         skips::run(arguments, &subject)
     } else if let Some(quantities) = &arguments.scaling {

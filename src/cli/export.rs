@@ -3,10 +3,9 @@
 
 use super::arguments::ExportArguments;
 use super::plan::usage;
-use super::{CliError, answer, tell};
+use super::{CliError, answer, loading, tell};
 use crate::diagnostic::{Diagnostics, Severity};
 use crate::frame_file;
-use crate::scene;
 use crate::sequence::FrameList;
 use crate::{description, export};
 
@@ -17,7 +16,8 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Err(usage("OUT.glb", found, "a name that ends in .glb"));
     }
     let description = description::load(&arguments.input)?;
-    let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+    let (scene, mut settings) =
+        loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
     settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
     if let Some(list) = &arguments.frames {
         let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;

@@ -7,10 +7,10 @@ mod text;
 mod units;
 
 use super::arguments::InspectArguments;
-use super::{CliError, answer};
+use super::{CliError, answer, loading};
 use crate::description;
 use crate::render::{Choice, choose};
-use crate::scene::{self, RenderSettings, Scene};
+use crate::scene::{RenderSettings, Scene};
 use crate::snapshot::{Exposure, MeshTrees, Shutter};
 
 /// An input, resolved.
@@ -36,7 +36,8 @@ impl Inspected {
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
-    let (scene, settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+    let (scene, settings) =
+        loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
     let input = arguments.input.display().to_string();
     let trees = MeshTrees::new(&scene);
     let inspected = Inspected { input, scene_hash, scene, settings, trees };

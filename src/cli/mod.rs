@@ -8,6 +8,7 @@ mod error;
 mod export;
 mod inspect;
 mod live;
+mod loading;
 mod plan;
 mod preview;
 mod progress;

@@ -1,12 +1,12 @@
 //! What is to be rendered, once and for all: input and flags in, a plan out. Invariant: flags win
 //! over the file, the file over the defaults; a plan that exists can be carried out.
 
-use super::CliError;
-use super::arguments::{Crop, RenderArguments, SizeArgument, Volume, passes};
+use super::arguments::{Crop, ProgressArgument, RenderArguments, SizeArgument, Volume, passes};
+use super::{CliError, loading};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::render::{Job, Placement};
-use crate::scene::{self, RenderSettings, Sampling, Scene, Size, Window};
+use crate::scene::{RenderSettings, Sampling, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::snapshot::{Shutter, View, shows_surfaces};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
@@ -36,7 +36,12 @@ impl Plan {
     pub(super) fn new(arguments: &RenderArguments) -> Result<Self, CliError> {
         let description = description::load(&arguments.input)?;
         let scene_hash = description.content_hash.clone();
-        let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+        let (scene, mut settings) = loading::resolve(
+            description,
+            arguments.light_units.map(Into::into),
+            &arguments.bakes,
+            matches!(arguments.progress, ProgressArgument::Auto),
+        )?;
 
         if let Some(size) = arguments.size {
             settings.size = resized(settings.size, size)?;

@@ -4,13 +4,13 @@
 use super::arguments::{PreviewArguments, SizeArgument};
 use super::bench::{MOST_PIXELS, fitting};
 use super::plan::{find_camera, find_frames, resized, usage};
-use super::{CliError, tell};
+use super::{CliError, loading, tell};
 use crate::description;
 use crate::diagnostic::Severity;
 use crate::film::Frame;
 use crate::frame_file::{self, Animation, FrameFileError, Picture};
 use crate::scanline;
-use crate::scene::{self, FrameRate, RenderSettings, Scene, Size};
+use crate::scene::{FrameRate, RenderSettings, Scene, Size};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::snapshot::{MeshTrees, Shutter, Snapshot};
 use rayon::prelude::*;
@@ -46,15 +46,15 @@ struct Outputs {
 }
 
 pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
-    let (source, settings) = Source::new(arguments)?;
-    let frames = find_frames(arguments.frames.as_deref(), &settings)?;
-    let frames = source.existing(&frames);
-    let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
     let pool =
         rayon::ThreadPoolBuilder::new()
             .num_threads(arguments.threads.unwrap_or(0) as usize)
             .build()
             .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
+    let (source, settings) = pool.install(|| Source::new(arguments))?;
+    let frames = find_frames(arguments.frames.as_deref(), &settings)?;
+    let frames = source.existing(&frames);
+    let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
     let display = arguments.display.display();
     let started = Instant::now();
     let mut kept = Kept::new(&outputs, frames.len(), settings.frame_rate);
@@ -93,7 +93,8 @@ impl Source {
             return Self::files(arguments);
         }
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) = scene::resolve(description, arguments.light_units.map(Into::into))?;
+        let (scene, mut settings) =
+            loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
         for remark in scene.remarks.0.iter().filter(|remark| remark.severity == Severity::Warning) {
             tell(&remark.to_string());
         }

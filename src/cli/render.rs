@@ -20,7 +20,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
-    let plan = Plan::new(arguments)?;
+    let threads = arguments.threads.unwrap_or(0) as usize;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
+    let plan = pool.install(|| Plan::new(arguments))?;
     for warning in plan.warnings() {
         tell(&warning);
     }
@@ -30,11 +35,6 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     let signal = catch_signals()?;
     let live = Live::new(arguments.live.as_deref());
     let stats = Stats::new(arguments.stats.as_deref())?;
-    let threads = arguments.threads.unwrap_or(0) as usize;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
     let progress = Progress::new(match arguments.progress {
         ProgressArgument::Auto => ProgressStyle::auto(),
         ProgressArgument::Plain => ProgressStyle::Plain,

@@ -2,6 +2,7 @@
 //! [`crate::description`], out comes a [`Scene`]. Invariant: a `Scene` that exists is valid;
 //! every index points somewhere, every number is finite and in range, parents come before children.
 
+mod baking;
 mod camera;
 mod deformation;
 mod disc_picture;
@@ -28,6 +29,7 @@ use glam::{DAffine3, Vec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
+pub use baking::Baking;
 pub use camera::{Aperture, Camera, Lens};
 pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, Pose, Shape, Skin};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
@@ -39,7 +41,7 @@ pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
-pub use resolve::{LightUnits, resolve};
+pub use resolve::{LightUnits, resolve, resolve_telling};
 pub use settings::{FrameRate, Pass, RenderSettings, Sampling, Size, Window};
 pub use sky::{Sky, SkyLight, SkyPicture};
 pub use texture::{Texture, Wrap};

@@ -1,7 +1,7 @@
 //! A [`Description`] in, a [`Scene`] and its [`RenderSettings`] out. Invariant: what cannot be
 //! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
 
-use super::{MOST_FOGS, RenderSettings, Scene, from_gltf, from_ron};
+use super::{Baking, MOST_FOGS, RenderSettings, Scene, from_gltf, from_ron};
 use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 
@@ -24,9 +24,21 @@ pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
+    resolve_telling(description, light_units, &Baking::ALONE)
+}
+
+/// The same, on the threads that it is called on; falls that take their time are told of and kept.
+///
+/// # Errors
+/// Every problem that was found, if any of them is an error.
+pub fn resolve_telling(
+    description: Description,
+    light_units: Option<LightUnits>,
+    baking: &Baking,
+) -> Result<(Scene, RenderSettings), Diagnostics> {
     let file = Place::File(description.path);
     let (scene, settings) = match description.scene {
-        SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence)?,
+        SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence, baking)?,
         SceneSource::Gltf(scene) => {
             let (scene, settings) = from_gltf::resolve(scene, light_units)?;
             match description.sequence {

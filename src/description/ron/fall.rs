@@ -175,7 +175,7 @@ fn one_share() -> Number<Positive> {
 
 /// Autumn leaves of broadleaved trees, half dry.
 fn of_a_leaf() -> Span<ArealMass> {
-    Span::new(0.06, 0.1)
+    Span::new(0.08, 0.14)
 }
 
 fn flat() -> Span<Degrees> {

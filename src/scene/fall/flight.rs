@@ -13,10 +13,9 @@ use super::plate::{GRAVITY, Plate, Scales, State};
 use super::wind::Wind;
 use glam::{DQuat, DVec3};
 
-/// Longest time between two poses, seconds, and in units of the leaf's own time: a leaf turns less than
-/// half a radian in it.
-const LONGEST_INTERVAL_S: f64 = 1.0 / 60.0;
-const LONGEST_INTERVAL: f64 = 1.0 / 3.0;
+/// Longest time between two poses, seconds, and in units of the leaf's own time: four steps.
+const LONGEST_INTERVAL_S: f64 = 1.0 / 40.0;
+const LONGEST_INTERVAL: f64 = 0.4;
 /// Longest step of the integration in units of the leaf's own time: with it, a flutter of 20 units ends
 /// a ten-thousandth of a chord from where it should.
 const LONGEST_STEP: f64 = 0.1;
@@ -45,6 +44,8 @@ pub(crate) struct Leaf<'a> {
     pub(crate) twist: DQuat,
     /// Points of its outline relative to its middle, metres.
     pub(crate) outline: &'a [DVec3],
+    /// What points up when it lies, on the one side and on the other.
+    pub(crate) rests: [DVec3; 2],
     /// How far the outline reaches.
     pub(crate) reach_m: f64,
     /// Free height below it once it lies.
@@ -97,19 +98,18 @@ impl Leaf<'_> {
         let mut poses = vec![flier.pose(self, 0.0)];
         let first = poses[0];
         if first.middle.y < landing::lowest_height_m(self, ground, &first) {
-            poses.extend(landing::settle(self, ground, first, DVec3::ZERO, interval_s));
+            poses.extend(landing::settle(self, ground, first, DVec3::ZERO, 0.5 * interval_s));
             return Flight { poses, landed_at: Some(0) };
         }
         for number in 1..=(LONGEST_FLIGHT_S / interval_s) as usize {
             flier.advance(self, wind, interval_s, steps as usize);
             let before = poses[poses.len() - 1];
             let after = flier.pose(self, interval_s * number as f64);
-            if after.middle.y < landing::lowest_height_m(self, ground, &after) {
-                let touching = landing::first_touch(self, ground, before, after);
+            if let Some(touching) = landing::first_touch(self, ground, before, after) {
                 let velocity = (after.middle - before.middle) / interval_s;
                 landing::push_apart(&mut poses, touching);
                 let landed_at = poses.len() - 1;
-                poses.extend(landing::settle(self, ground, touching, velocity, interval_s));
+                poses.extend(landing::settle(self, ground, touching, velocity, 0.5 * interval_s));
                 return Flight { poses, landed_at: Some(landed_at) };
             }
             poses.push(after);

@@ -22,7 +22,12 @@ struct Knot {
     turn: DQuat,
     velocity: DVec3,
     turning: DQuat,
+    /// Over the tolerance: curves that part from each other would dip into the ground.
+    care: f64,
 }
+
+/// Once a leaf has touched the ground.
+const CARE_ON_GROUND: f64 = 1.0 / 3.0;
 
 /// Place and turn of a node whose own point `middle` is the leaf's; `None` without a pose.
 pub(crate) fn keyed(
@@ -31,22 +36,37 @@ pub(crate) fn keyed(
     tolerance: Tolerance,
 ) -> Option<(Track<DVec3>, Track<DQuat>)> {
     let knots = knots(flight, middle);
-    let mut kept = vec![0];
-    let mut from = 0;
-    while from + 1 < knots.len() {
-        from = farthest(&knots, from, tolerance);
-        kept.push(from);
-    }
-    let places = smooth(&knots, &kept, |knot| (knot.place, knot.velocity));
-    let turns = smooth(&knots, &kept, |knot| (knot.turn, knot.turning));
+    let near = |knot: &Knot, place: DVec3| place.distance(knot.place) <= knot.care * tolerance.place_m;
+    let places = smooth(&knots, |knot| (knot.place, knot.velocity), near);
+    // The chord between two rotations is half the angle.
+    let near = |knot: &Knot, turn: DQuat| (turn - knot.turn).length() <= knot.care * 0.5 * tolerance.turn_rad;
+    let turns = smooth(&knots, |knot| (knot.turn, knot.turning), near);
     Some((places?, turns?))
 }
 
-/// A track of one slope a key.
-fn smooth<T: Animate>(knots: &[Knot], kept: &[usize], value: impl Fn(&Knot) -> (T, T)) -> Option<Track<T>> {
+/// A track of one slope a key, through as few knots as `near` allows, in numbers of single precision,
+/// which tracks keep in half the memory.
+fn smooth<T: Animate>(
+    knots: &[Knot],
+    value: impl Fn(&Knot) -> (T, T),
+    near: impl Fn(&Knot, T) -> bool,
+) -> Option<Track<T>> {
+    let mut singles = Vec::with_capacity(T::SINGLES);
+    let mut in_single = |value: T| {
+        singles.clear();
+        value.push_singles(&mut singles);
+        T::from_singles(&singles)
+    };
+    let mut kept = vec![0];
+    let mut from = 0;
+    while from + 1 < knots.len() {
+        from = farthest(knots, from, |from, to| fits(&knots[from..=to], &value, &near));
+        kept.push(from);
+    }
     let key = |place: usize| {
         let (here, leave) = value(&knots[kept[place]]);
         let arrive = kept.get(place + 1).map_or(T::ZERO, |&next| value(&knots[next]).1);
+        let (here, leave, arrive) = (in_single(here), in_single(leave), in_single(arrive));
         Key { time_s: knots[kept[place]].time_s, value: here, to_next: Segment::Hermite { leave, arrive } }
     };
     Track::new((0..kept.len()).map(key).collect(), Extend::Hold)
@@ -72,11 +92,22 @@ fn knots(flight: &Flight, middle: DVec3) -> Vec<Knot> {
             let over =
                 if rests || to.time_s == from.time_s { 0.0 } else { (to.time_s - from.time_s).recip() };
             let Pose { time_s, middle: place, turn } = poses[at];
-            let (mut velocity, turning) = ((to.middle - from.middle) * over, (to.turn - from.turn) * over);
+            let (mut velocity, mut turning) =
+                ((to.middle - from.middle) * over, (to.turn - from.turn) * over);
+            // Where poses are evenly spaced to both sides.
+            let end = flight.landed_at.map_or(last, |landed_at| landed_at.saturating_sub(1));
+            if at >= 2 && at + 2 <= end {
+                // Differences of fourth order: with those of second, a curve's slopes would be its largest error.
+                let (far_from, far_to) = (&poses[at - 2], &poses[at + 2]);
+                velocity = (velocity * 8.0 - (far_to.middle - far_from.middle) * over) / 6.0;
+                turning = (turning * 8.0 - (far_to.turn - far_from.turn) * over) / 6.0;
+            }
             if flight.landed_at.is_some_and(|landed_at| at > landed_at) {
                 velocity.y = monotone(from, &poses[at], to);
             }
-            Knot { time_s, place, turn, velocity, turning }
+            let care =
+                if flight.landed_at.is_some_and(|landed_at| at >= landed_at) { CARE_ON_GROUND } else { 1.0 };
+            Knot { time_s, place, turn, velocity, turning, care }
         })
         .collect()
 }
@@ -93,12 +124,12 @@ fn monotone(before: &Pose, here: &Pose, after: &Pose) -> f64 {
 }
 
 /// The knot farthest from `from` that can be the next key.
-fn farthest(knots: &[Knot], from: usize, tolerance: Tolerance) -> usize {
+fn farthest(knots: &[Knot], from: usize, fits: impl Fn(usize, usize) -> bool) -> usize {
     let most = (from + MOST_BETWEEN).min(knots.len() - 1);
     // Twice as far while that goes well, then by halves between what does and what does not.
     let (mut near, mut far, mut reach) = (from + 1, most + 1, 2);
     while near < far && from + reach <= most {
-        if !fits(knots, from, from + reach, tolerance) {
+        if !fits(from, from + reach) {
             far = from + reach;
             break;
         }
@@ -106,26 +137,24 @@ fn farthest(knots: &[Knot], from: usize, tolerance: Tolerance) -> usize {
     }
     while near + 1 < far {
         let middle = usize::midpoint(near, far);
-        if fits(knots, from, middle, tolerance) { near = middle } else { far = middle }
+        if fits(from, middle) { near = middle } else { far = middle }
     }
     near
 }
 
-/// Whether one curve passes all knots between the two.
-fn fits(knots: &[Knot], from: usize, to: usize, tolerance: Tolerance) -> bool {
-    let (a, b) = (&knots[from], &knots[to]);
+/// Whether the curve from the first knot to the last passes all between them.
+fn fits<T: Animate>(
+    knots: &[Knot],
+    value: impl Fn(&Knot) -> (T, T),
+    near: impl Fn(&Knot, T) -> bool,
+) -> bool {
+    let (a, b) = (&knots[0], &knots[knots.len() - 1]);
+    let ((start, leave), (end, arrive)) = (value(a), value(b));
     let duration_s = b.time_s - a.time_s;
-    // From the ends, where curves part first where they do.
-    (from + 1..to).rev().all(|at| {
-        let knot = &knots[at];
+    // From the end, where curves part first where they do.
+    knots[1..knots.len() - 1].iter().rev().all(|knot| {
         let weights = hermite((knot.time_s - a.time_s) / duration_s, duration_s);
-        let place = DVec3::blend([a.place, a.velocity, b.place, b.velocity], weights);
-        if place.distance_squared(knot.place) > tolerance.place_m * tolerance.place_m {
-            return false;
-        }
-        let turn = DQuat::blend([a.turn, a.turning, b.turn, b.turning], weights);
-        // The chord between two rotations is half the angle.
-        (turn - knot.turn).length() <= 0.5 * tolerance.turn_rad
+        near(knot, T::blend([start, leave, end, arrive], weights))
     })
 }
 

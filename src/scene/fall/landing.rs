@@ -1,4 +1,4 @@
-//! A leaf that touches the ground and comes to rest on it, flat, on the side that is nearer. Invariant:
+//! A leaf that touches the ground and comes to rest on it, on three of its points, on the side that is nearer. Invariant:
 //! no point of its outline goes below the ground, and it slides to a halt. How it settles is dressing:
 //! the air between leaf and ground is not modelled.
 
@@ -11,6 +11,9 @@ use glam::{DQuat, DVec3};
 const SETTLING: (f64, f64) = (2.0, 4.0);
 /// Keys closer than this could fall together in the single precision of files, seconds.
 const LEAST_INTERVAL_S: f64 = 1e-3;
+
+/// How often is looked from one pose to the next: corners swing.
+const LOOKS: u32 = 4;
 
 /// How high the middle must be for no point of the outline to be below the ground.
 pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 {
@@ -25,15 +28,20 @@ pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 
     heights.fold(f64::NEG_INFINITY, f64::max) + leaf.clearance_m
 }
 
-/// The pose between two at which the leaf first touches the ground.
-pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, above: Pose, below: Pose) -> Pose {
-    let (mut low, mut high) = (0.0, 1.0);
+/// The pose between two at which the leaf first touches the ground, if it does.
+pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, before: Pose, after: Pose) -> Option<Pose> {
+    let is_below = |fraction: f64| {
+        let pose = between(before, after, fraction);
+        pose.middle.y < lowest_height_m(leaf, ground, &pose)
+    };
+    let mut looks = (1..=LOOKS).map(|look| f64::from(look) / f64::from(LOOKS));
+    let mut high = looks.find(|&fraction| is_below(fraction))?;
+    let mut low = high - 1.0 / f64::from(LOOKS);
     for _ in 0..24 {
         let middle = 0.5 * (low + high);
-        let pose = between(above, below, middle);
-        if pose.middle.y < lowest_height_m(leaf, ground, &pose) { high = middle } else { low = middle }
+        if is_below(middle) { high = middle } else { low = middle }
     }
-    between(above, below, low)
+    Some(between(before, after, low))
 }
 
 fn between(from: Pose, to: Pose, fraction: f64) -> Pose {
@@ -73,10 +81,10 @@ pub(super) fn settle(
         Pose { middle: DVec3::new(middle.x, height_m, middle.z), ..pose }
     };
     let normal = ground.normal(touch.middle.x, touch.middle.z, leaf.reach_m);
-    let own_normal = touch.turn * DVec3::Y;
-    let up = if own_normal.dot(normal) < 0.0 { -normal } else { normal };
-    let flat = DQuat::from_rotation_arc(own_normal, up) * touch.turn;
-    let steepness = 1.0 - own_normal.dot(up);
+    let side = usize::from((touch.turn * DVec3::Y).dot(normal) < 0.0);
+    let own_normal = touch.turn * leaf.rests[side];
+    let flat = DQuat::from_rotation_arc(own_normal, normal) * touch.turn;
+    let steepness = 1.0 - own_normal.dot(normal);
     let duration_s = (SETTLING.0 + SETTLING.1 * steepness) * leaf.own_time_s();
     let count = (duration_s / interval_s).ceil().max(6.0);
     (1..=count as usize)

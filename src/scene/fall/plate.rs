@@ -7,7 +7,7 @@
 //! ellipse in the limit of no thickness. Lengths are in half chords, velocities in
 //! `sqrt(2 areal_mass g / (pi air_density))`, see [`Scales`].
 
-use std::f64::consts::{FRAC_2_PI, PI};
+use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, PI};
 
 /// Translational circulation, of the paper's section 6.
 const C_T: f64 = 1.2;
@@ -116,9 +116,10 @@ impl Plate {
         let k4 = self.rate(state.plus(k3, time), weight);
         let mut next =
             state.plus(k1, time / 6.0).plus(k2, time / 3.0).plus(k3, time / 3.0).plus(k4, time / 6.0);
-        let length = (next.cos * next.cos + next.sin * next.sin).sqrt();
-        next.cos /= length;
-        next.sin /= length;
+        // To unit length by a step of Newton's: what is left of a step's error is its square.
+        let scale = 1.5 - 0.5 * (next.cos * next.cos + next.sin * next.sin);
+        next.cos *= scale;
+        next.sin *= scale;
         next
     }
 
@@ -137,16 +138,18 @@ impl Plate {
         // by a quarter of it, and has no moment about its middle (thin aerofoils, Glauert 1926, ch. 7).
         let circulation = FRAC_2_PI * (C_T * (-u * v * over_speed + 0.25 * self.curl * u) + C_R * w);
         // (4.8): drag over velocity.
-        let drag = (A * speed - B * (u * u - v * v) * over_speed) / PI;
+        let drag = (A * speed - B * (u * u - v * v) * over_speed) * FRAC_1_PI;
         // (4.9)
         let torque = (self.damping + MU_2 * w.abs()) * w;
         let weight_u = weight[0] * cos + weight[1] * sin;
         let weight_v = weight[1] * cos - weight[0] * sin;
+        // The same for all steps: divisions that wait for nothing.
+        let (over_i, over_added, over_turned) = (i.recip(), (i + 1.0).recip(), (0.25 * (i + 0.5)).recip());
         State {
             // (5.1)-(5.3)
-            u: ((i + 1.0) * w * v - circulation * v + weight_u - drag * u) / i,
-            v: (-i * w * u + circulation * u + weight_v - drag * v) / (i + 1.0),
-            w: (-u * v - torque) / (0.25 * (i + 0.5)),
+            u: ((i + 1.0) * w * v - circulation * v + weight_u - drag * u) * over_i,
+            v: (-i * w * u + circulation * u + weight_v - drag * v) * over_added,
+            w: (-u * v - torque) * over_turned,
             cos: -w * sin,
             sin: w * cos,
             x: u * cos - v * sin,

@@ -3,6 +3,7 @@
 use super::*;
 use flight::Flight;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Frames of ten seconds.
 const FRAMES: u32 = 240;
@@ -13,21 +14,21 @@ fn leaf_shape() -> Outline {
     Outline::new(points.into_iter().map(|(x, y, z)| DVec3::new(x, y, z))).unwrap()
 }
 
-fn calm() -> Wind {
+pub(super) fn calm() -> Wind {
     Wind::new(DVec3::ZERO, (DVec3::ZERO, 1.0), (0.0, 1.0), 0)
 }
 
-fn storm() -> Wind {
+pub(super) fn storm() -> Wind {
     Wind::new(DVec3::new(2.0, 0.0, 1.0), (DVec3::new(3.0, 0.3, 0.0), 3.0), (1.0, 2.0), 5)
 }
 
-fn every_way() -> Mix {
+pub(super) fn every_way() -> Mix {
     Mix { steady: 1.0, flutter: 1.0, tumble: 1.0, chaotic: 1.0, helical: 1.0, spiral: 1.0 }
 }
 
 const NO_WAY: Mix = Mix { steady: 0.0, flutter: 0.0, tumble: 0.0, chaotic: 0.0, helical: 0.0, spiral: 0.0 };
 
-fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
+pub(super) fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
     let species = Species {
         share: 1.0,
         outlines: vec![leaf_shape()],
@@ -49,7 +50,7 @@ fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
     }
 }
 
-fn level() -> Ground {
+pub(super) fn level() -> Ground {
     Ground::new(0.25, Vec::new())
 }
 
@@ -73,10 +74,10 @@ fn bake(fall: &Fall) -> Vec<Fallen> {
 
 /// Points of the leaf's outline in the world.
 fn points(leaf: &Fallen, time_s: f64) -> impl Iterator<Item = DVec3> {
-    let shape = leaf_shape();
+    static SHAPE: LazyLock<Outline> = LazyLock::new(leaf_shape);
     let (turn, place) = (leaf.rotation.at(time_s), leaf.translation.at(time_s));
     let scale = leaf.scale;
-    shape.points.into_iter().map(move |point| place + turn * ((point + shape.middle) * scale))
+    SHAPE.points.iter().map(move |&point| place + turn * ((point + SHAPE.middle) * scale))
 }
 
 #[test]
@@ -100,17 +101,31 @@ fn no_leaf_goes_below_the_ground_and_each_comes_to_rest_on_it() {
 }
 
 #[test]
+fn leaves_lie_on_three_of_their_points() {
+    for leaf in bake(&fall(every_way(), storm(), level())) {
+        let heights: Vec<f64> = points(&leaf, 1e4).map(|point| point.y).collect();
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let touching = heights.iter().filter(|&&height| height < lowest + 1e-3 * leaf.scale).count();
+        assert!(touching >= 3, "{heights:?}");
+    }
+}
+
+#[test]
 fn leaves_neither_jump_nor_flip() {
     let rate = 480.0;
-    for leaf in bake(&fall(every_way(), storm(), level())) {
-        for moment in 0..(10.0 * rate) as u32 {
-            let (now_s, next_s) = (f64::from(moment) / rate, f64::from(moment + 1) / rate);
-            let moved = leaf.translation.at(next_s) - leaf.translation.at(now_s);
-            // Gusts, eddies, and the fastest that a plate of these dives edgewise.
-            assert!(moved.length() * rate < 10.0, "{} m/s at {now_s} s", moved.length() * rate);
-            let (a, b) = (leaf.rotation.at(now_s), leaf.rotation.at(next_s));
-            let turned = 2.0 * (a.dot(b).abs().min(1.0)).acos() * rate;
-            assert!(turned < 200.0, "{turned} rad/s at {now_s} s");
+    // The fastest that these plates dive edgewise, and the wind. A leaf let go in a gust is turned by the
+    // air that passes it: 5 m/s over half a chord of 3 cm.
+    for (wind, fastest_m_per_s, fastest_rad_per_s) in [(calm(), 4.0, 90.0), (storm(), 10.0, 150.0)] {
+        for leaf in bake(&fall(every_way(), wind, level())) {
+            for moment in 0..(10.0 * rate) as u32 {
+                let (now_s, next_s) = (f64::from(moment) / rate, f64::from(moment + 1) / rate);
+                let moved = leaf.translation.at(next_s) - leaf.translation.at(now_s);
+                let speed = moved.length() * rate;
+                assert!(speed < fastest_m_per_s, "{speed} m/s at {now_s} s");
+                let (a, b) = (leaf.rotation.at(now_s), leaf.rotation.at(next_s));
+                let turned = 2.0 * (a.dot(b).abs().min(1.0)).acos() * rate;
+                assert!(turned < fastest_rad_per_s, "{turned} rad/s at {now_s} s");
+            }
         }
     }
 }
@@ -151,6 +166,60 @@ fn no_two_leaves_fall_in_step() {
 }
 
 #[test]
+fn threads_do_not_change_the_leaves() {
+    let fall = fall(every_way(), storm(), hills());
+    let on = |threads| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| bake(&fall))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn the_flight_is_the_one_of_this_edition() {
+    // Bits, for chaos makes last ones seen. If these change on purpose, `kept::EDITION` rises with them.
+    let golden = [
+        [0x4026_2f9b_fb80_77dd, 0x4007_8960_8dd9_5d09, 0x3ff8_5b4a_9e61_7e30, 0xbfe8_b903_0cb7_8832_u64],
+        [0x4022_84d4_cece_4cf7, 0x4004_a46d_fa0a_4531, 0x4010_2e72_5d3f_8289, 0xbfe0_21ee_6617_db40],
+        [0x4025_fcc2_3f82_10fe, 0x3ffc_eec1_e81d_27f0, 0x4004_c19e_25a2_e696, 0xbfed_dd18_39e9_7c77],
+    ];
+    let leaves = bake(&Fall { count: 3, ..fall(every_way(), storm(), hills()) });
+    let found: Vec<[u64; 4]> = (leaves.iter())
+        .map(|leaf| {
+            let (place, turn) = (leaf.translation.at(5.0), leaf.rotation.at(5.0));
+            [place.x, place.y, place.z, turn.w].map(f64::to_bits)
+        })
+        .collect();
+    assert_eq!((kept::EDITION, &found[..]), (1, &golden[..]), "{found:#x?}");
+}
+
+#[test]
+fn curves_go_through_all_poses() {
+    // Within the tolerance, and in between no farther: of half as many keys as poses there is a curve left.
+    for (inertia, damping) in [(0.8, 0.2), (1.4, 0.2), (2.0, 0.2), (0.3, 8.0)] {
+        let interval_s = 0.4 * 0.047;
+        let mut flight = lone_flight(inertia, damping, interval_s, &calm());
+        flight.poses.truncate(flight.landed_at.take().unwrap());
+        let fine = lone_flight(inertia, damping, interval_s / 4.0, &calm());
+        let tolerance = keys::Tolerance { place_m: 0.0008, turn_rad: TOLERANCE };
+        let (places, turns) = keys::keyed(&flight, DVec3::ZERO, tolerance).unwrap();
+        let most = |flight: &Flight, until: usize| {
+            let apart = flight.poses[..until].iter().map(|pose| {
+                let turn = turns.at(pose.time_s);
+                let chord = (turn - pose.turn).length().min((turn + pose.turn).length());
+                ((places.at(pose.time_s) - pose.middle).length(), 2.0 * chord)
+            });
+            apart.fold((0.0_f64, 0.0_f64), |most, (place, turn)| (most.0.max(place), most.1.max(turn)))
+        };
+        let (place_m, turn_rad) = most(&flight, flight.poses.len());
+        assert!(place_m < 0.00081 && turn_rad < 1.01 * TOLERANCE, "{place_m} {turn_rad}");
+        // Finer steps are the same flight for the first seconds, by `shorter_intervals_end_in_the_same_place`.
+        let (place_m, turn_rad) = most(&fine, (1.5 / (interval_s / 4.0)) as usize);
+        assert!(place_m < 0.001 && turn_rad < 1.5 * TOLERANCE, "{place_m} {turn_rad}");
+        assert!(places.times_s().len() < flight.poses.len() && turns.times_s().len() < flight.poses.len());
+    }
+}
+
+#[test]
 fn more_leaves_leave_the_others_as_they_are() {
     let few = bake(&Fall { count: 20, ..fall(every_way(), storm(), level()) });
     let many = bake(&fall(every_way(), storm(), level()));
@@ -173,6 +242,7 @@ fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flig
         slope: [0.8, 0.6],
         twist: DQuat::IDENTITY,
         outline: &outline,
+        rests: [DVec3::Y, DVec3::NEG_Y],
         reach_m: 0.0,
         clearance_m: 0.0,
     };
@@ -278,5 +348,7 @@ fn keys_are_few() {
     let keys: usize = leaves.iter().map(|leaf| leaf.translation.times_s().len()).sum();
     let seconds: f64 =
         leaves.iter().map(|leaf| leaf.translation.times_s().last().unwrap() - leaf.release_s).sum();
-    assert!(keys as f64 / seconds < 20.0, "{} keys a second", keys as f64 / seconds);
+    // Seconds that strips take for the same ways.
+    let seconds = seconds / OF_A_STRIP.sqrt();
+    assert!(keys as f64 / seconds < 18.0, "{} keys a second", keys as f64 / seconds);
 }

@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 use crate::scene::fall::{
     Emitter, Fall, Fallen, Ground, LONGEST_FLIGHT_S, Mix, Outline, Species, Surface, Wind,
 };
-use crate::scene::{Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
+use crate::scene::{Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
 use glam::{DAffine3, DVec3};
 
 /// Leaves that start higher would be followed for minutes.
@@ -18,7 +18,7 @@ type Dress = (Vec<MeshIndex>, Vec<MaterialIndex>);
 
 impl Resolver<'_> {
     /// Lets the leaves of `block` fall.
-    pub(super) fn fall(&mut self, name: &str, block: &ron::Fall) {
+    pub(super) fn fall(&mut self, name: &str, block: &ron::Fall, baking: &Baking) {
         let owner = format!("fall.{name}");
         if !self.has_room_for(&owner, block.count.0) {
             return;
@@ -52,7 +52,7 @@ impl Resolver<'_> {
             release_s: (block.release_s.at(0.0), block.release_s.at(1.0)),
             speed_gain: block.speed.si(),
         };
-        let leaves = fall.bake(&|_| {});
+        let leaves = fall.bake_or_recall(baking);
         let in_the_air = leaves.iter().filter(|leaf| !leaf.landed).count();
         if in_the_air > 0 {
             let found = format!(

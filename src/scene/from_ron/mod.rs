@@ -20,8 +20,8 @@ mod tracks;
 
 use super::outline::Tally;
 use super::{
-    AlphaMode, Aperture, Camera, Coat, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex, Motion,
-    Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
+    AlphaMode, Aperture, Baking, Camera, Coat, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex,
+    Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::image::DecodedImage;
@@ -43,6 +43,7 @@ const DEFAULT_FOV_DEG: f64 = 45.0;
 pub(super) fn resolve(
     loaded: LoadedScene,
     sequence: Option<SequenceFile>,
+    baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
     let LoadedScene { path, file, mut models, images, sky_image } = loaded;
@@ -65,7 +66,7 @@ pub(super) fn resolve(
         resolver.leaves(name, block);
     }
     for (name, block) in file.fall.iter() {
-        resolver.fall(name, block);
+        resolver.fall(name, block, baking);
     }
     resolver.cameras();
     resolver.lights();

@@ -7,6 +7,14 @@ use glam::{DQuat, DVec3};
 pub trait Animate: Copy + PartialEq {
     /// The derivative of a value that does not change.
     const ZERO: Self;
+    /// How many numbers in single precision may stand for a value; 0 if that is not provided for.
+    const SINGLES: usize = 0;
+    /// Appends the value in single precision.
+    fn push_singles(self, _out: &mut Vec<f32>) {}
+    /// The value of so many of them.
+    fn from_singles(_singles: &[f32]) -> Self {
+        Self::ZERO
+    }
     /// From `a` at 0 to `b` at 1.
     fn lerp(a: Self, b: Self, fraction: f64) -> Self;
     /// `sum(weights[i] * values[i])`, brought back to where such values live (unit quaternions).
@@ -25,6 +33,13 @@ impl Animate for f64 {
 
 impl Animate for DVec3 {
     const ZERO: Self = Self::ZERO;
+    const SINGLES: usize = 3;
+    fn push_singles(self, out: &mut Vec<f32>) {
+        out.extend(self.as_vec3().to_array());
+    }
+    fn from_singles(singles: &[f32]) -> Self {
+        glam::Vec3::from_slice(singles).as_dvec3()
+    }
     fn lerp(a: Self, b: Self, fraction: f64) -> Self {
         a + (b - a) * fraction
     }
@@ -45,6 +60,13 @@ impl<const N: usize> Animate for [f64; N] {
 
 impl Animate for DQuat {
     const ZERO: Self = Self::from_xyzw(0.0, 0.0, 0.0, 0.0);
+    const SINGLES: usize = 4;
+    fn push_singles(self, out: &mut Vec<f32>) {
+        out.extend(self.as_quat().to_array());
+    }
+    fn from_singles(singles: &[f32]) -> Self {
+        glam::Quat::from_slice(singles).as_dquat()
+    }
 
     /// Shoemake's slerp (SIGGRAPH 1985) along the shorter arc. The angle comes from an arc tangent:
     /// near zero, where keys of a slow turn are, an arc cosine would lose half the digits.

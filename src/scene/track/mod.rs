@@ -14,7 +14,7 @@ pub use segment::{Handle, Segment};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
     times_s: Vec<f64>,
-    /// As many as times.
+    /// As many as times, unless they are among [`Ways::SmoothSingle`].
     values: Vec<T>,
     to_next: Ways<T>,
     extend: Extend,
@@ -28,6 +28,9 @@ enum Ways<T> {
     Alike(Segment<T>),
     /// Splines with one slope at each key, on both its sides.
     Smooth(Vec<T>),
+    /// The same where single precision holds all values and slopes as they are: of each key its value,
+    /// then its slope.
+    SmoothSingle(Vec<f32>),
     /// As many as keys.
     Each(Vec<Segment<T>>),
 }
@@ -61,7 +64,7 @@ impl<T: Copy> From<T> for Track<T> {
     }
 }
 
-impl<T: Copy> Track<T> {
+impl<T: Animate> Track<T> {
     /// The same with a linear function of every value: keys and derivatives alike.
     pub fn map_linear<U>(&self, map: impl Fn(T) -> U) -> Track<U> {
         let handle = |handle: Handle<T>| Handle { time_s: handle.time_s, value: map(handle.value) };
@@ -75,10 +78,14 @@ impl<T: Copy> Track<T> {
         };
         Track {
             times_s: self.times_s.clone(),
-            values: self.values.iter().map(|&value| map(value)).collect(),
+            values: (0..self.times_s.len()).map(|index| map(self.value(index))).collect(),
             to_next: match &self.to_next {
                 Ways::Alike(way) => Ways::Alike(segment(way)),
                 Ways::Smooth(slopes) => Ways::Smooth(slopes.iter().map(|&slope| map(slope)).collect()),
+                Ways::SmoothSingle(singles) => {
+                    let pairs = singles.chunks_exact(2 * T::SINGLES);
+                    Ways::Smooth(pairs.map(|pair| map(T::from_singles(&pair[T::SINGLES..]))).collect())
+                }
                 Ways::Each(ways) => Ways::Each(ways.iter().map(segment).collect()),
             },
             extend: self.extend,
@@ -110,8 +117,14 @@ impl<T: Animate> Track<T> {
         } else {
             smooth(&keys).unwrap_or_else(|| Ways::Each(keys.iter().map(|key| key.to_next).collect()))
         };
-        let values = keys.iter().map(|key| key.value).collect();
-        Some(Self { times_s: keys.iter().map(|key| key.time_s).collect(), values, to_next, extend })
+        let times_s = keys.iter().map(|key| key.time_s).collect();
+        let values: Vec<T> = keys.iter().map(|key| key.value).collect();
+        if let Ways::Smooth(slopes) = &to_next
+            && let Some(singles) = in_singles(&values, slopes)
+        {
+            return Some(Self { times_s, values: Vec::new(), to_next: Ways::SmoothSingle(singles), extend });
+        }
+        Some(Self { times_s, values, to_next, extend })
     }
 
     /// The keys, put together anew.
@@ -126,9 +139,35 @@ impl<T: Animate> Track<T> {
                 let arrive = slopes.get(index + 1).copied().unwrap_or(T::ZERO);
                 Segment::Hermite { leave: slopes[index], arrive }
             }
+            Ways::SmoothSingle(singles) => {
+                let slope = |index: usize| {
+                    let from = (2 * index + 1) * T::SINGLES;
+                    singles.get(from..from + T::SINGLES).map_or(T::ZERO, T::from_singles)
+                };
+                Segment::Hermite { leave: slope(index), arrive: slope(index + 1) }
+            }
             Ways::Each(ways) => ways[index],
         };
-        Key { time_s: self.times_s[index], value: self.values[index], to_next }
+        Key { time_s: self.times_s[index], value: self.value(index), to_next }
+    }
+
+    fn value(&self, index: usize) -> T {
+        match &self.to_next {
+            Ways::SmoothSingle(singles) => {
+                let from = 2 * index * T::SINGLES;
+                T::from_singles(&singles[from..from + T::SINGLES])
+            }
+            _ => self.values[index],
+        }
+    }
+
+    /// The value of a key at rest; of rotations rounded to single precision the one that curves reach there.
+    fn held(&self, index: usize) -> T {
+        let value = self.value(index);
+        match self.to_next {
+            Ways::SmoothSingle(_) => T::blend([value; 4], [1.0, 0.0, 0.0, 0.0]),
+            _ => value,
+        }
     }
 
     /// True if the value is the same at all times.
@@ -140,7 +179,7 @@ impl<T: Animate> Track<T> {
                 Segment::Hermite { leave, arrive } => leave == T::ZERO && arrive == T::ZERO,
                 Segment::Bezier { leave, arrive } => leave.value == value && arrive.value == value,
             };
-            stays && self.values[next] == value
+            stays && self.value(next) == value
         })
     }
 
@@ -151,7 +190,7 @@ impl<T: Animate> Track<T> {
         // 13/24, which must all the same find that key. Only the choice of key is rounded.
         let after = self.times_s.partition_point(|&key_s| key_s as f32 <= time_s as f32);
         if after == 0 || after == self.times_s.len() {
-            return self.values[after.saturating_sub(1)];
+            return self.held(after.saturating_sub(1));
         }
         between(&self.key(after - 1), &self.key(after), time_s)
     }
@@ -165,6 +204,21 @@ impl<T: Animate> Track<T> {
         // Rounding in the line above may leave a full period as well as none.
         if wrapped_s as f32 >= last_s as f32 { first_s } else { wrapped_s }
     }
+}
+
+/// Values and slopes in single precision, if nothing is lost.
+fn in_singles<T: Animate>(values: &[T], slopes: &[T]) -> Option<Vec<f32>> {
+    if T::SINGLES == 0 {
+        return None;
+    }
+    let mut singles = Vec::with_capacity(2 * values.len() * T::SINGLES);
+    for number in values.iter().zip(slopes).flat_map(|(&value, &slope)| [value, slope]) {
+        number.push_singles(&mut singles);
+        if T::from_singles(&singles[singles.len() - T::SINGLES..]) != number {
+            return None;
+        }
+    }
+    Some(singles)
 }
 
 /// Splines whose slopes go on through their keys, the last one towards nowhere; `None` of other keys.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 fn key<T>(time_s: f64, value: T, to_next: Segment<T>) -> Key<T> {
@@ -192,6 +192,29 @@ fn one_slope_a_key_is_kept_once_and_given_back() {
         let doubled = track.map_linear(|value| 2.0 * value);
         assert!((0..50).all(|at| doubled.at(0.05 * f64::from(at)) == 2.0 * track.at(0.05 * f64::from(at))));
     }
+}
+
+#[test]
+fn splines_that_single_precision_holds_are_kept_in_it_and_given_back() {
+    let spline = |leave: DVec3, arrive: DVec3| Segment::Hermite { leave, arrive };
+    let keys = |last: f64| {
+        let (up, down) = (DVec3::new(0.5, 2.0, -0.25), DVec3::new(0.0, -4.0, last));
+        vec![
+            key(0.1, DVec3::X, spline(up, down)),
+            key(1.0, down, spline(down, up)),
+            key(2.5, up, spline(up, DVec3::ZERO)),
+        ]
+    };
+    let (kept, lost) = (track(keys(0.5)), track(keys(0.1)));
+    assert!(matches!(kept.to_next, Ways::SmoothSingle(_)) && kept.values.is_empty());
+    assert!(matches!(lost.to_next, Ways::Smooth(_)));
+    for (track, keys) in [(&kept, keys(0.5)), (&lost, keys(0.1))] {
+        assert_eq!(track.keys(), keys);
+        assert_eq!((track.at(0.0), track.at(9.0)), (keys[0].value, keys[2].value));
+        let doubled = track.map_linear(|value| 2.0 * value);
+        assert!((0..50).all(|at| doubled.at(0.05 * f64::from(at)) == 2.0 * track.at(0.05 * f64::from(at))));
+    }
+    assert!(!kept.is_constant() && !lost.is_constant());
 }
 
 #[test]

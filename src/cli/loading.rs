@@ -1,0 +1,112 @@
+//! An input becomes a scene, with a bar while leaves are let fall and a folder of falls that were baked
+//! before. Invariant: with the folder, without it, or with rubbish in it, the scene is the same; a folder
+//! that cannot be used is done without.
+
+use super::CliError;
+use super::arguments::BakeArguments;
+use crate::description::Description;
+use crate::frame_file;
+use crate::scene::{self, Baking, LightUnits, RenderSettings, Scene};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::env;
+use std::fs::{self, DirEntry};
+use std::io::IsTerminal as _;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::SystemTime;
+
+/// Bytes that the folder may hold before the oldest files go.
+const MOST_BYTES: u64 = 4 << 30;
+/// Fewer leaves are done before a bar is seen.
+const FEWEST: u32 = 1000;
+const EXTENSION: &str = "bake";
+
+/// Resolves an input on the threads that it is called on.
+pub(super) fn resolve(
+    description: Description,
+    light_units: Option<LightUnits>,
+    arguments: &BakeArguments,
+    told: bool,
+) -> Result<(Scene, RenderSettings), CliError> {
+    let folder = match arguments.bake_cache.as_deref() {
+        None => user_folder(),
+        Some(folder) if folder == Path::new("off") => None,
+        Some(folder) => Some(folder.to_owned()),
+    };
+    let path = |name: &str| folder.as_ref().map(|folder| folder.join(name).with_extension(EXTENSION));
+    let bar = OnceLock::new();
+    let shown = told && std::io::stderr().is_terminal();
+    let tell = |done: u32, of: u32| {
+        if shown && of >= FEWEST {
+            let bar: &ProgressBar = bar.get_or_init(new_bar);
+            bar.set_length(u64::from(of));
+            bar.set_position(u64::from(done));
+        }
+    };
+    let recall = |name: &str| {
+        let path = path(name)?;
+        let bytes = fs::read(&path).ok()?;
+        // The oldest go first: this one is in use.
+        let _ = fs::File::options()
+            .append(true)
+            .open(&path)
+            .and_then(|file| file.set_modified(SystemTime::now()));
+        Some(bytes)
+    };
+    let keep = |name: &str, bytes: &[u8]| {
+        let (Some(folder), Some(path)) = (&folder, path(name)) else { return };
+        make_room(folder, bytes.len() as u64);
+        let _ = frame_file::write_whole(&path, &[bytes]);
+    };
+    let scene = scene::resolve_telling(
+        description,
+        light_units,
+        &Baking { tell: &tell, recall: &recall, keep: &keep },
+    );
+    if let Some(bar) = bar.get() {
+        bar.finish_and_clear();
+    }
+    Ok(scene?)
+}
+
+fn new_bar() -> ProgressBar {
+    let bar = ProgressBar::new(0);
+    match ProgressStyle::with_template("[{bar:30}] {percent:>3} %  {pos} of {len} leaves have fallen") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// Where this user's programs keep what they can make again.
+fn user_folder() -> Option<PathBuf> {
+    let variable = |name: &str| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let caches = if cfg!(windows) {
+        variable("LOCALAPPDATA")
+    } else if cfg!(target_os = "macos") {
+        variable("HOME").map(|home| home.join("Library/Caches"))
+    } else {
+        variable("XDG_CACHE_HOME").or_else(|| variable("HOME").map(|home| home.join(".cache")))
+    };
+    caches.map(|caches| caches.join("sunfleck"))
+}
+
+/// Removes the bakes that have not been used for longest until there is room for so many bytes.
+fn make_room(folder: &Path, bytes: u64) {
+    let bake = |entry: &DirEntry| entry.path().extension().is_some_and(|extension| extension == EXTENSION);
+    let age = |entry: DirEntry| {
+        let metadata = entry.metadata().ok()?;
+        Some((metadata.modified().ok()?, metadata.len(), entry.path()))
+    };
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok).filter(bake);
+    let mut bakes: Vec<_> = entries.filter_map(age).collect();
+    bakes.sort();
+    let mut held = bytes + bakes.iter().map(|(_, bytes, _)| bytes).sum::<u64>();
+    for (_, bytes, path) in bakes {
+        if held <= MOST_BYTES {
+            return;
+        }
+        if fs::remove_file(path).is_ok() {
+            held -= bytes;
+        }
+    }
+}

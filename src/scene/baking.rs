@@ -1,0 +1,29 @@
+//! What a scene's falls may ask of the world while they are baked: an ear for progress, and a place where
+//! bakes are kept. Invariant: neither changes what is baked; what comes back from there is not trusted.
+
+use std::fmt;
+
+/// Hears how many leaves of a fall are done, of how many. From any thread.
+type Ear<'a> = &'a (dyn Fn(u32, u32) + Sync);
+
+/// Who hears of bakes, and where they are kept.
+#[derive(Clone, Copy)]
+pub struct Baking<'a> {
+    /// Hears of progress.
+    pub tell: Ear<'a>,
+    /// What was kept under a name, if it is still there.
+    pub recall: &'a dyn Fn(&str) -> Option<Vec<u8>>,
+    /// Keeps bytes under a name, or does not.
+    pub keep: &'a dyn Fn(&str, &[u8]),
+}
+
+impl Baking<'_> {
+    /// Tells nobody and keeps nothing.
+    pub const ALONE: Self = Self { tell: &|_, _| {}, recall: &|_| None, keep: &|_, _| {} };
+}
+
+impl fmt::Debug for Baking<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Baking")
+    }
+}

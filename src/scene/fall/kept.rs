@@ -1,0 +1,268 @@
+//! Bakes as bytes, and back. In goes a fall, out come its leaves, from where bakes are kept if they are
+//! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken: its
+//! name says what was baked and by which edition of this code, its digest that nothing is damaged.
+//!
+//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves; SHA-256 of all that.
+
+use super::{Fall, Fallen};
+use crate::scene::baking::Baking;
+use crate::scene::{Animate, Extend, Key, Segment, Track};
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+use std::fmt::{self, Write};
+
+/// To be raised with every change of what falls give: old bakes have old names then.
+pub(super) const EDITION: u32 = 1;
+const MAGIC: &[u8; 16] = b"sunfleck bake 1\n";
+const DIGEST_BYTES: usize = 32;
+/// Fewer leaves are baked before a file is found.
+const FEWEST: u32 = 1000;
+
+impl Fall {
+    /// All leaves in order, out of the store if they are in it.
+    pub(in crate::scene) fn bake_or_recall(&self, baking: &Baking) -> Vec<Fallen> {
+        let tell = |done| (baking.tell)(done, self.count);
+        if self.count < FEWEST {
+            return self.bake(&tell);
+        }
+        let name = self.name();
+        let recalled = (baking.recall)(&name).and_then(|bytes| decode(&bytes));
+        if let Some(leaves) = recalled.filter(|leaves| self.could_have(leaves)) {
+            return leaves;
+        }
+        let leaves = self.bake(&tell);
+        (baking.keep)(&name, &encode(&leaves));
+        leaves
+    }
+
+    /// Whether others can work with these leaves, whoever made them.
+    fn could_have(&self, leaves: &[Fallen]) -> bool {
+        leaves.len() == self.count as usize
+            && leaves.iter().all(|leaf| {
+                self.species.get(leaf.species).is_some_and(|species| leaf.outline < species.outlines.len())
+                    && (0.0..1.0).contains(&leaf.material)
+                    && leaf.scale.is_finite()
+                    && leaf.release_s.is_finite()
+            })
+    }
+
+    /// Of all that the leaves depend on.
+    pub(super) fn name(&self) -> String {
+        let mut hash = Hashed(Sha256::new());
+        // Shortest decimals give numbers back to the last bit, so that they tell all numbers apart.
+        let written = write!(hash, "{EDITION} {self:?}");
+        debug_assert!(written.is_ok());
+        hash.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+struct Hashed(Sha256);
+
+impl Write for Hashed {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.update(text);
+        Ok(())
+    }
+}
+
+pub(super) fn encode(leaves: &[Fallen]) -> Vec<u8> {
+    let bodies: Vec<Vec<u8>> = leaves.par_iter().map(leaf_bytes).collect();
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend((leaves.len() as u64).to_le_bytes());
+    let mut end = 0;
+    for body in &bodies {
+        end += body.len() as u64;
+        bytes.extend(end.to_le_bytes());
+    }
+    bytes.extend(bodies.into_iter().flatten());
+    let digest = Sha256::digest(&bytes);
+    bytes.extend(digest);
+    bytes
+}
+
+/// `None` of anything that `encode` did not write.
+pub(super) fn decode(bytes: &[u8]) -> Option<Vec<Fallen>> {
+    let (content, digest) = bytes.split_at_checked(bytes.len().checked_sub(DIGEST_BYTES)?)?;
+    if Sha256::digest(content)[..] != *digest {
+        return None;
+    }
+    let mut reader = Reader(content.strip_prefix(MAGIC)?);
+    let count = usize::try_from(reader.integer()?).ok()?;
+    let (ends, bodies) = reader.0.split_at_checked(count.checked_mul(8)?)?;
+    let end = |leaf: usize| Reader(&ends[8 * leaf..]).integer().and_then(|end| usize::try_from(end).ok());
+    (0..count)
+        .into_par_iter()
+        .map(|leaf| {
+            let start = if leaf == 0 { 0 } else { end(leaf - 1)? };
+            leaf_of(bodies.get(start..end(leaf)?)?)
+        })
+        .collect()
+}
+
+fn leaf_bytes(leaf: &Fallen) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for integer in [leaf.species, leaf.outline, usize::from(leaf.landed)] {
+        bytes.extend((integer as u64).to_le_bytes());
+    }
+    for number in [leaf.material, leaf.scale, leaf.release_s] {
+        bytes.extend(number.to_le_bytes());
+    }
+    push_track(&leaf.translation, &mut bytes);
+    push_track(&leaf.rotation, &mut bytes);
+    bytes
+}
+
+fn leaf_of(bytes: &[u8]) -> Option<Fallen> {
+    let mut reader = Reader(bytes);
+    let [species, outline, landed] = [reader.integer()?, reader.integer()?, reader.integer()?];
+    let [material, scale, release_s] = [reader.number()?, reader.number()?, reader.number()?];
+    Some(Fallen {
+        species: usize::try_from(species).ok()?,
+        outline: usize::try_from(outline).ok()?,
+        material,
+        scale,
+        translation: reader.track()?,
+        rotation: reader.track()?,
+        release_s,
+        landed: landed == 1,
+    })
+}
+
+/// Times, values and slopes of a smooth track whose numbers are of single precision.
+fn push_track<T: Animate>(track: &Track<T>, bytes: &mut Vec<u8>) {
+    let keys = track.keys();
+    bytes.extend((keys.len() as u64).to_le_bytes());
+    let mut singles = Vec::with_capacity(2 * T::SINGLES);
+    for key in keys {
+        singles.clear();
+        key.value.push_singles(&mut singles);
+        let leave = if let Segment::Hermite { leave, .. } = key.to_next { leave } else { T::ZERO };
+        leave.push_singles(&mut singles);
+        bytes.extend(key.time_s.to_le_bytes());
+        bytes.extend(singles.iter().flat_map(|single| single.to_le_bytes()));
+    }
+}
+
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn integer(&mut self) -> Option<u64> {
+        self.take().map(u64::from_le_bytes)
+    }
+
+    fn number(&mut self) -> Option<f64> {
+        self.take().map(f64::from_le_bytes)
+    }
+
+    fn value<T: Animate>(&mut self) -> Option<T> {
+        let mut singles = [0.0; 4];
+        for single in &mut singles[..T::SINGLES] {
+            *single = f32::from_le_bytes(self.take()?);
+        }
+        Some(T::from_singles(&singles[..T::SINGLES]))
+    }
+
+    fn track<T: Animate>(&mut self) -> Option<Track<T>> {
+        let count = usize::try_from(self.integer()?).ok()?;
+        let mut keys: Vec<Key<T>> = Vec::new();
+        for _ in 0..count {
+            let (time_s, value, leave) = (self.number()?, self.value()?, self.value()?);
+            if let Some(Key { to_next: Segment::Hermite { arrive, .. }, .. }) = keys.last_mut() {
+                *arrive = leave;
+            }
+            keys.push(Key { time_s, value, to_next: Segment::Hermite { leave, arrive: T::ZERO } });
+        }
+        Track::new(keys, Extend::Hold)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::tests::{calm, every_way, fall, level, storm};
+    use super::*;
+    use std::cell::{Cell, RefCell};
+    use std::collections::BTreeMap;
+
+    fn few() -> Vec<Fallen> {
+        Fall { count: 20, ..fall(every_way(), storm(), level()) }.bake(&|_| {})
+    }
+
+    #[test]
+    fn what_is_kept_comes_back_to_the_last_bit() {
+        let leaves = few();
+        let bytes = encode(&leaves);
+        assert_eq!(decode(&bytes).unwrap(), leaves);
+        assert_eq!(decode(&encode(&[])).unwrap(), []);
+        // Single precision: nothing is kept twice as large as need be.
+        let keys: usize = leaves.iter().map(|leaf| leaf.translation.times_s().len() * 32).sum::<usize>()
+            + leaves.iter().map(|leaf| leaf.rotation.times_s().len() * 40).sum::<usize>();
+        assert!(bytes.len() < keys + 20 * 100 + 100, "{} {keys}", bytes.len());
+    }
+
+    #[test]
+    fn no_damaged_byte_is_trusted() {
+        let bytes = encode(&few()[..2]);
+        for place in (0..bytes.len()).step_by(7) {
+            let mut damaged = bytes.clone();
+            damaged[place] ^= 1;
+            assert!(decode(&damaged).is_none(), "byte {place}");
+        }
+        for length in (0..bytes.len()).step_by(13) {
+            assert!(decode(&bytes[..length]).is_none(), "{length} bytes");
+        }
+        // Nor is what has a digest and does not hold together.
+        for count in [3_u64, u64::MAX] {
+            let mut content = bytes[..bytes.len() - DIGEST_BYTES].to_vec();
+            content[MAGIC.len()..MAGIC.len() + 8].copy_from_slice(&count.to_le_bytes());
+            let digest = Sha256::digest(&content);
+            content.extend(digest);
+            assert!(decode(&content).is_none(), "{count} leaves");
+        }
+    }
+
+    #[test]
+    fn names_tell_falls_apart() {
+        let falls = [
+            fall(every_way(), storm(), level()),
+            fall(every_way(), calm(), level()),
+            Fall { seed: 4, ..fall(every_way(), storm(), level()) },
+            Fall { count: 201, ..fall(every_way(), storm(), level()) },
+            Fall { speed_gain: 1.0 + f64::EPSILON, ..fall(every_way(), storm(), level()) },
+            Fall { mix: None, ..fall(every_way(), storm(), level()) },
+        ];
+        let names: std::collections::BTreeSet<String> = falls.iter().map(Fall::name).collect();
+        assert_eq!(names.len(), falls.len());
+        assert_eq!(falls[0].name(), fall(every_way(), storm(), level()).name());
+    }
+
+    #[test]
+    fn a_bake_is_recalled_and_another_falls_leaves_are_not_taken() {
+        let (many, other) = (
+            Fall { count: FEWEST, release_s: (0.0, 0.0), ..fall(every_way(), calm(), level()) },
+            Fall { count: FEWEST - 1, ..fall(every_way(), calm(), level()) },
+        );
+        let (kept, baked) = (RefCell::new(BTreeMap::new()), Cell::new(0));
+        let recall = |name: &str| kept.borrow().get(name).cloned();
+        let keep = |name: &str, bytes: &[u8]| {
+            baked.set(baked.get() + 1);
+            kept.borrow_mut().insert(name.to_owned(), bytes.to_vec());
+        };
+        let baking = Baking { tell: &|_, _| {}, recall: &recall, keep: &keep };
+        let leaves = many.bake_or_recall(&baking);
+        assert_eq!((many.bake_or_recall(&baking), baked.get()), (leaves.clone(), 1));
+        // Few leaves are not worth a file.
+        other.bake_or_recall(&baking);
+        assert_eq!(baked.get(), 1);
+        // Leaves of a species that there is not, under the right name and digest.
+        let foreign: Vec<Fallen> = leaves.iter().map(|leaf| Fallen { species: 1, ..leaf.clone() }).collect();
+        kept.borrow_mut().insert(many.name(), encode(&foreign));
+        assert_eq!((many.bake_or_recall(&baking), baked.get()), (leaves, 2));
+    }
+}
