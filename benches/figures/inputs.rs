@@ -3,7 +3,9 @@
 use glam::{DAffine3, DQuat, DVec3};
 use std::path::Path;
 use sunfleck::description;
-use sunfleck::scene::{self, LightKind, Motion, Node, Scene, SunDisc, Track};
+use sunfleck::scene::{
+    self, Aperture, Extend, Key, LightKind, Motion, Node, Rotation, Scene, Segment, SunDisc, Track,
+};
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 
 /// A scene and what tables call it.
@@ -41,6 +43,29 @@ pub fn suns() -> [(&'static str, Scene); 3] {
 /// The first light as large as the sun is.
 pub fn with_a_disc(mut scene: Scene) -> Scene {
     scene.lights[0].kind = LightKind::SunDisc(SunDisc::even(Track::from(0.53_f64.to_radians())));
+    scene
+}
+
+/// A lens so wide that of the leaves before and behind the middle nothing is sharp.
+pub fn with_a_lens(mut scene: Scene) -> Scene {
+    let focus_distance_m = Track::from(9.0);
+    scene.cameras[0].aperture =
+        Some(Aperture { f_stop: Track::from(0.3), sensor_width_m: 0.036, focus_distance_m, blades: 0 });
+    scene
+}
+
+/// Every leaf flies by 80 cm a second, the camera keeps still.
+pub fn with_flying_leaves(mut scene: Scene) -> Scene {
+    let nodes: Vec<usize> = scene.instances.iter().map(|leaf| leaf.node).collect();
+    for node in nodes {
+        let Motion::Still(place) = scene.nodes[node].motion else { continue };
+        let (scale, rotation, middle) = place.to_scale_rotation_translation();
+        let metres = DVec3::new(0.8, 0.2, 0.0);
+        let key = |time_s: f64| Key { time_s, value: middle + time_s * metres, to_next: Segment::Linear };
+        let translation = Track::new(vec![key(-1.0), key(1.0)], Extend::Hold).expect("good keys");
+        let rotation = Rotation::Quaternion(rotation.into());
+        scene.nodes[node].motion = Motion::Keyed { translation, rotation, scale: scale.into() };
+    }
     scene
 }
 

@@ -58,9 +58,10 @@ fn correlation(errors: &[f64], epipole: DVec2, distance_px: f64, across: bool) -
     products / squares
 }
 
-fn report(name: &str, scene: &Scene) {
+fn report(name: &str, scene: &Scene, open_for_s: f64) {
     let trees = MeshTrees::new(scene);
-    let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, Shutter { open_s: 0.0, close_s: 0.0 });
+    let shutter = Shutter { open_s: -0.5 * open_for_s, close_s: 0.5 * open_for_s };
+    let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, shutter);
     let epipole = epipole(&exposure);
     let truth = luminances(&exposure, 512, 1000, Placement::Slices);
     let mean = truth.iter().sum::<f64>() / truth.len() as f64;
@@ -85,10 +86,13 @@ pub fn run() {
     );
     println!(
         "{:<16} {:>7} {:>10} {:>23} {:>24}",
-        "sun", "samples", "rel. RMSE", "along the slices", "across them"
+        "seen with", "samples", "rel. RMSE", "along the slices", "across them"
     );
-    report("a direction", &inputs::load("leaves500/leaves500.glb"));
-    report("0.53 degrees", &inputs::with_a_disc(inputs::load("leaves500/leaves500.glb")));
+    let leaves500 = || inputs::load("leaves500/leaves500.glb");
+    report("a direction", &leaves500(), 0.0);
+    report("0.53 degrees", &inputs::with_a_disc(leaves500()), 0.0);
+    report("and a lens", &inputs::with_a_lens(inputs::with_a_disc(leaves500())), 0.0);
+    report("and a shutter", &inputs::with_flying_leaves(inputs::with_a_disc(leaves500())), 0.5);
 }
 
 /// Prints, for pictures of few samples with many seeds, how far their mean is from the truth of the

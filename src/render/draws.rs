@@ -1,8 +1,13 @@
 //! What each slice is seen with: a moment of the shutter, a point of the lens and a point of the
 //! light. In goes a slice's number, out comes its draw. Invariant: draws of neighbouring slices are
 //! spread evenly over all that there is, and what has no extent is not drawn at all.
+//!
+//! A pixel sees as many slices as it has samples, one beside the other, so what counts is how evenly every
+//! short run of draws is spread. A Sobol sequence keeps each aligned run of `2^k` even, in two dimensions as well as in one, and
+//! Owen's scrambling leaves no pattern from one run to the next: additive recurrences, which have one, showed as hatching.
 
-use crate::math::{Sampler, kronecker};
+use super::passes::Pass;
+use crate::math::Sampler;
 use crate::snapshot::{Exposure, FrozenLight, Snapshot};
 use glam::DVec2;
 
@@ -14,7 +19,9 @@ pub(super) struct Draws<'a, 'scene> {
     exposure: &'a Exposure<'scene>,
     /// The light, as its index in the snapshots.
     light: usize,
-    shifts: [f64; 6],
+    seed: u32,
+    /// Tells the pass from all others.
+    pass: u32,
 }
 
 /// A slice's own.
@@ -26,11 +33,15 @@ pub(super) struct Draw<'a, 'scene> {
 }
 
 impl<'a, 'scene> Draws<'a, 'scene> {
-    /// The draws for a light, shifted at random.
-    pub(super) fn new(exposure: &'a Exposure<'scene>, light: usize, sampler: &mut Sampler) -> Self {
-        let pairs = [(); 3].map(|()| sampler.next_2d());
-        let [(a, b), (c, d), (e, f)] = pairs;
-        Self { exposure, light, shifts: [a, b, c, d, e, f] }
+    /// The draws for a light.
+    pub(super) fn new(exposure: &'a Exposure<'scene>, light: usize, seed: u32, pass: &Pass) -> Self {
+        Self { exposure, light, seed, pass: (pass.level << 8) + pass.number }
+    }
+
+    /// Whether there is nothing to draw: all draws are the one in the middle.
+    pub(super) fn is_single(&self) -> bool {
+        let Snapshot { view, lights, .. } = self.exposure.middle();
+        self.exposure.is_instant() && !view.has_lens() && lights[self.light].is_delta()
     }
 
     /// The draw in the middle of everything.
@@ -41,28 +52,21 @@ impl<'a, 'scene> Draws<'a, 'scene> {
 
     /// Slice `number`'s draw.
     pub(super) fn get(&self, number: usize) -> Draw<'a, 'scene> {
-        let middle = self.middle();
-        let has_lens = middle.snapshot.view.has_lens();
-        let [u, v, w, lens_u, lens_v, time] = if has_lens || !self.exposure.is_instant() {
-            kronecker(self.shifts, number)
-        } else if !middle.snapshot.lights[self.light].is_delta() {
-            let [u, v, w, ..] = self.shifts;
-            let [u, v, w] = kronecker([u, v, w], number);
-            [u, v, w, 0.0, 0.0, 0.0]
-        } else {
-            return middle;
-        };
+        if self.is_single() {
+            return self.middle();
+        }
+        // Not the numbers of any pixel.
+        let mut sampler = Sampler::new(self.seed, !(self.light as u32), self.pass, number as u32);
+        let [time, lens_u, lens_v] = sampler.next_3d();
+        let of_light = sampler.next_3d();
         let snapshot = self.exposure.at(time);
         let view = &snapshot.view;
         let lens_point = if view.has_lens() { view.lens_point([lens_u, lens_v]) } else { DVec2::ZERO };
-        Draw { snapshot, lens_point, light: snapshot.lights[self.light].point([u, v, w]) }
+        Draw { snapshot, lens_point, light: snapshot.lights[self.light].point(of_light) }
     }
 
     /// Some draws, to see how far they are spread; none if there is nothing to draw.
     pub(super) fn probes(&self) -> impl Iterator<Item = Draw<'a, 'scene>> {
-        let snapshot = self.exposure.middle();
-        let is_single =
-            self.exposure.is_instant() && !snapshot.view.has_lens() && snapshot.lights[self.light].is_delta();
-        (0..if is_single { 0 } else { PROBES }).map(|number| self.get(number))
+        (0..if self.is_single() { 0 } else { PROBES }).map(|number| self.get(number))
     }
 }

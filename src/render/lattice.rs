@@ -48,15 +48,18 @@ pub(super) struct PlacedSlice {
 }
 
 impl Lattice {
-    /// About `samples` a pixel on slices of `base`, whose axis wanders by up to `deviation_rad`.
+    /// About `samples` a pixel on slices of `base`; if slices are seen each with its own draw, `deviation_rad` is how far
+    /// that makes their axis wander at most.
     /// `shift` gives the random shifts of ring after ring, across the slices and along them.
     pub(super) fn new(
         base: &Fan,
-        deviation_rad: f64,
+        deviation_rad: Option<f64>,
         samples: f64,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let extent = base.extent();
+        let is_drawn = deviation_rad.is_some();
+        let deviation_rad = deviation_rad.unwrap_or(0.0);
         let rings = rings(base, deviation_rad).map(|ring| {
             let (mean_px, greatest_px) = match base.separation_px(ring) {
                 (0.0, _) => base.separation_px(Ring::WHOLE),
@@ -76,7 +79,7 @@ impl Lattice {
             // Nowhere may slices lie much farther apart than samples on them, for those of one slice shun only each
             // other. But where slices have draws of their own, a sample more on the same slice tells less.
             let slices_per_rad =
-                if deviation_rad > 0.0 { samples * mean_px } else { samples.sqrt() * greatest_px / WIDEST };
+                if is_drawn { samples * mean_px } else { samples.sqrt() * greatest_px / WIDEST };
             let count = (width * slices_per_rad).ceil().max(1.0);
             let step_rad = width / count;
             let (across, along) = shift();

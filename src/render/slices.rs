@@ -76,11 +76,11 @@ impl Picture for LightPicture<'_> {
 fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch) {
     let LightPicture { exposure, job, light, tally } = *picture;
     let mut sampler = Sampler::new(job.seed, light as u32, pass.level, pass.number);
-    let draws = Draws::new(exposure, light, &mut sampler);
+    let draws = Draws::new(exposure, light, job.seed, pass);
     let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
     let Some(base) = fan_of(&draws.middle()) else { return };
     let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
-    let deviation_rad = wanders.fold(0.0, f64::max);
+    let deviation_rad = (!draws.is_single()).then(|| wanders.fold(0.0, f64::max));
     let lattice = Lattice::new(&base, deviation_rad, f64::from(pass.samples), || sampler.next_2d());
     let count = lattice.count();
 
