@@ -7,7 +7,8 @@
 //! same for all rays. So the light's way through the fog is linear in the reach between breaks that
 //! are known beforehand, and so is the camera's.
 
-use super::lit_cells::{DepthLine, LitCells};
+use super::depth_line::DepthLine;
+use super::lit_cells::LitCells;
 use super::sweep::PlanarRay;
 use crate::accel::HalfPlane;
 use crate::color::Rgb;
@@ -85,7 +86,7 @@ pub(super) struct Passage {
 }
 
 /// Cells for each optical depth of the way through all fog, to the eye and to the light: where they
-/// are many each is soon done, where they are few many pieces lie in those that rays end in.
+/// are many each is soon done, where they are few many shadows lie in those that rays end in.
 const CELLS_PER_DEPTH: f64 = 3.0;
 
 impl FogProfile {
@@ -120,14 +121,14 @@ impl FogProfile {
     }
 
     /// Follows a ray up to a reach. The `shadows` are those that [`FogProfile::darken`] was told of;
-    /// `more_shadows` are this ray's own.
+    /// `more_shadows` are this ray's own. `None` if the fog changes too fast along it.
     pub(super) fn follow(
         &mut self,
         ray: &PlanarRay,
         end: f64,
         shadows: &IntervalSet,
         more_shadows: &IntervalSet,
-    ) -> Passage {
+    ) -> Option<Passage> {
         let Self { boxes, breaks, ways, is_grey, cuts, lit } = self;
         cuts.clear();
         let (mut first, mut last) = (f64::INFINITY, 0.0_f64);
@@ -145,7 +146,7 @@ impl FogProfile {
         }
         let mut passage = Passage { transmittance: exp_minus(tau), scattered: Rgb::ZERO };
         if first >= last {
-            return passage;
+            return Some(passage);
         }
         let mut row = breaks.partition_point(|reach| *reach <= first);
         for &reach in breaks[row..].iter().take_while(|reach| **reach < last) {
@@ -161,19 +162,17 @@ impl FogProfile {
                 }
                 let ways = &ways[row * boxes.len()..][..boxes.len()];
                 let Some(stretch) = Stretch::new(boxes, ways, ray, (start, end)) else { continue };
-                let through =
-                    |channel: usize| lit.integral(&stretch.depth_line(channel), end, shadows, more_shadows);
-                passage.scattered += stretch.scattering
-                    * if *is_grey {
-                        Rgb::splat(through(0))
-                    } else {
-                        Rgb::new(through(0), through(1), through(2))
-                    };
+                let through = if *is_grey {
+                    stretch.depth_line::<1>().lit_integral(start..end, lit, shadows, more_shadows)
+                } else {
+                    stretch.depth_line::<3>().lit_integral(start..end, lit, shadows, more_shadows)
+                };
+                passage.scattered += stretch.scattering * through?;
             }
         }
         // In full shadow rounding may leave a trace of either sign.
         passage.scattered = (passage.scattered / ray.direction.x).max(Rgb::ZERO);
-        passage
+        Some(passage)
     }
 
     /// The share of the light that gets through to the place on a ray at a reach.
@@ -236,11 +235,12 @@ impl Stretch {
         (scattering != Rgb::ZERO).then_some(Self { start, scattering, tau_at_start, tau_per_reach })
     }
 
-    fn depth_line(&self, channel: usize) -> DepthLine {
+    fn depth_line<const LANES: usize>(&self) -> DepthLine<LANES> {
+        let lanes = |of: Rgb| std::array::from_fn(|lane| of[lane]);
         DepthLine {
             start: self.start,
-            at_start: self.tau_at_start[channel],
-            per_reach: self.tau_per_reach[channel],
+            at_start: lanes(self.tau_at_start),
+            per_reach: lanes(self.tau_per_reach),
         }
     }
 }

@@ -121,18 +121,18 @@ pub fn solve(
         });
         let distance = surface.map_or(f64::INFINITY, |(_, distance, _)| distance);
         let end = distance * planar.direction.x;
-        let (shafts, transmittance) = match *light {
-            FrozenLight::Sun { irradiance, .. } if has_profile => {
-                let passage = fog.follow(&planar, end, shadows, own_shadows);
-                (passage.scattered * irradiance, passage.transmittance)
-            }
-            _ => {
-                let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
-                let all = shadows.as_slice().iter().chain(own_shadows.as_slice());
-                let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
-                by_segments(snapshot, light, &ray, distance, shadows, followed)
-            }
+        let passage = match *light {
+            FrozenLight::Sun { irradiance, .. } if has_profile => fog
+                .follow(&planar, end, shadows, own_shadows)
+                .map(|passage| (passage.scattered * irradiance, passage.transmittance)),
+            _ => None,
         };
+        let (shafts, transmittance) = passage.unwrap_or_else(|| {
+            let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
+            let all = shadows.as_slice().iter().chain(own_shadows.as_slice());
+            let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
+            by_segments(snapshot, light, &ray, distance, shadows, followed)
+        });
         let lights = std::slice::from_ref(light);
         let illumination = Illumination { lights, self_luminous: job.self_luminous, sky: false };
         let shows = |&(facet, _, is_lit): &(&Facet, f64, bool)| {

@@ -1,0 +1,140 @@
+//! Even fog along a part of a ray. In go an optical depth that changes in proportion to the reach and what is lit
+//! there, out comes the integral of what gets through. Invariant: nothing cancels, neither in thin fog nor as
+//! the ray turns towards the sun.
+
+use super::lit_cells::{LitCells, Moments, ORDER, Piece};
+use crate::color::Rgb;
+use crate::math::{IntervalSet, fast_exp};
+use std::ops::Range;
+
+/// The largest change of the optical depth from the middle of a piece to its end. What is left out is its
+/// eighth power over `8!` of the integral at most: 1e-7.
+const LARGEST_HALF_CHANGE: f64 = 0.5;
+
+/// What lies behind so much fog does not show: `exp(-40)` is 4e-18.
+const NOTHING_LEFT: f64 = 40.0;
+
+/// Rays that take more pieces than this on one stretch are left to the per-ray method.
+const MOST_PIECES: f64 = 512.0;
+
+/// The optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Fog that
+/// treats all colours alike has one lane, other fog three.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthLine<const LANES: usize> {
+    pub(super) start: f64,
+    pub(super) at_start: [f64; LANES],
+    pub(super) per_reach: [f64; LANES],
+}
+
+impl<const LANES: usize> DepthLine<LANES> {
+    /// `integral of exp(-tau)` over what is lit of a range: see [`LitCells::for_each_piece`]. `None` if the fog
+    /// changes too fast along it.
+    pub(super) fn lit_integral(
+        &self,
+        range: Range<f64>,
+        lit: &LitCells,
+        shadows: &IntervalSet,
+        more_shadows: &IntervalSet,
+    ) -> Option<Rgb> {
+        let steepest = self.per_reach.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+        let change = |range: &Range<f64>| (0.5 / LARGEST_HALF_CHANGE) * steepest * (range.end - range.start);
+        let range = if change(&range) > NOTHING_LEFT { self.visible(range) } else { range };
+        if change(&range) > MOST_PIECES {
+            return None;
+        }
+        let mut sum = [0.0; LANES];
+        lit.for_each_piece(range, shadows, more_shadows, change, |piece, moments| {
+            for (sum, of_piece) in sum.iter_mut().zip(self.integral(piece, moments)) {
+                *sum += of_piece;
+            }
+        });
+        Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
+    }
+
+    /// The part of a range where some colour gets through.
+    fn visible(&self, range: Range<f64>) -> Range<f64> {
+        let (mut first, mut last) = (range.end, range.start);
+        for (at_start, per_reach) in self.at_start.into_iter().zip(self.per_reach) {
+            let limit = self.start + (NOTHING_LEFT - at_start) / per_reach;
+            first = first.min(if per_reach < 0.0 { limit.max(range.start) } else { range.start });
+            last = last.max(if per_reach > 0.0 { limit.min(range.end) } else { range.end });
+        }
+        first..last
+    }
+
+    /// `integral of exp(-tau)` over what is lit of a piece. The derivatives of the integrand are powers of `k`.
+    #[inline(always)]
+    fn integral(&self, piece: &Piece, m: &Moments) -> [f64; LANES] {
+        const { assert!(ORDER == 8, "one term for each moment") };
+        let offset = piece.middle - self.start;
+        std::array::from_fn(|lane| {
+            let k = -self.per_reach[lane] * piece.half_width;
+            let k2 = k * k;
+            let low = (m[0] + k * m[1]) + k2 * (m[2] + k * m[3]);
+            let high = (m[4] + k * m[5]) + k2 * (m[6] + k * m[7]);
+            fast_exp(-(self.at_start[lane] + self.per_reach[lane] * offset)) * (low + k2 * k2 * high)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Against the sum over all lit pieces one by one, by the textbook's antiderivative.
+        #[test]
+        fn equals_the_sum_over_pieces(
+            inserted in prop::collection::vec((0.0..20.0_f64, 0.0..2.0_f64), 0..40),
+            more in (0.0..20.0_f64, 0.0..3.0_f64),
+            range in (0.0..20.0_f64, 0.0..20.0_f64),
+            per_reach in prop::array::uniform3(-1.5..1.5_f64),
+            steep in prop::bool::weighted(0.2),
+        ) {
+            let mut cells = LitCells::default();
+            cells.start(&[3.0, 11.0, 20.0], 0.8);
+            let (mut shadows, mut more_shadows) = <(IntervalSet, IntervalSet)>::default();
+            for (start, width) in inserted {
+                shadows.for_each_gap(start, start + width, |a, b| cells.darken(a, b));
+                shadows.insert(start, start + width);
+            }
+            more_shadows.insert(more.0, more.0 + more.1);
+            let (start, end) = (range.0.min(range.1), range.0.max(range.1));
+            let per_reach = per_reach.map(|k| if steep { 10.0 * k } else { k });
+            let at_start = per_reach.map(|k| 0.3 + (-k * (end - start)).max(0.0));
+            let line = DepthLine { start, at_start, per_reach };
+            let found = line.lit_integral(start..end, &cells, &shadows, &more_shadows).expect("few pieces");
+
+            let mut all = shadows.clone();
+            all.insert(more.0, more.0 + more.1);
+            for channel in 0..3 {
+                let k = per_reach[channel];
+                let tau = |x: f64| at_start[channel] + k * (x - start);
+                let antiderivative = |x: f64| -(-tau(x)).exp() / k;
+                let mut expected = 0.0;
+                all.for_each_gap(start, end, |a, b| expected += antiderivative(b) - antiderivative(a));
+                let scale = (end - start) * (-tau(start).min(tau(end))).exp();
+                let found = found[channel];
+                prop_assert!((found - expected).abs() <= 1e-7 * scale + 1e-14 / k.abs(), "{found} {expected}");
+            }
+        }
+    }
+
+    /// The visible part decides, however thick the fog; where even that is long there is no answer.
+    #[test]
+    fn thick_fog() {
+        let (mut cells, none) = <(LitCells, IntervalSet)>::default();
+        cells.start(&[1.0], 1e4);
+        let integral = |at_start: [f64; 3], per_reach: [f64; 3]| {
+            DepthLine { start: 0.0, at_start, per_reach }.lit_integral(0.0..1.0, &cells, &none, &none)
+        };
+        let found = integral([0.0; 3], [1e4, 2e4, 3e4]).expect("few pieces");
+        let expected = Rgb::new(1e-4, 0.5e-4, 1e-4 / 3.0);
+        assert!((found / expected - 1.0).abs().max_element() < 1e-7, "{found}");
+        let towards_light = integral([1e4, 2e4, 3e4], [-1e4, -2e4, -3e4]).expect("few pieces");
+        assert!((towards_light / expected - 1.0).abs().max_element() < 1e-7, "{towards_light}");
+        assert!(integral([0.0; 3], [1e4, 1.0, 1.0]).is_none());
+        assert_eq!(integral([60.0; 3], [1e4; 3]), Some(Rgb::ZERO));
+    }
+}
