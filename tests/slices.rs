@@ -100,6 +100,27 @@ fn sun_through_height_fog() {
     assert_equal(&scene);
 }
 
+/// A box of it with its base in the middle, alone and beside a layer without bounds, under suns from all sides: high, level with
+/// the base, low before the camera, and below the base.
+#[test]
+fn suns_all_round_height_fog() {
+    for (towards, layer) in [
+        (DVec3::new(0.3, 1.0, -0.6), false),
+        (DVec3::new(1.0, 0.0, -0.4), false),
+        (DVec3::new(-0.2, 0.05, -1.0), true),
+        (DVec3::new(0.4, -0.3, 1.0), false),
+    ] {
+        let turn = glam::DQuat::from_rotation_arc(DVec3::Z, towards.normalize());
+        let mut scene = with_light(LightKind::Sun, DAffine3::from_quat(turn), 10.0);
+        scene.fogs[0].shape =
+            FogShape::ThinningBox(HeightFalloff { base: -0.2, scale_height_m: Track::from(1.5) });
+        if layer {
+            add_layer(&mut scene, 0.0, 0.8, Rgb::new(0.05, 0.1, 0.2), Rgb::splat(0.9), -0.4);
+        }
+        assert_equal(&scene);
+    }
+}
+
 #[test]
 fn lamp_in_height_fog() {
     let place = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));

@@ -59,6 +59,11 @@ impl Climb {
         self.start + self.per_m * t
     }
 
+    /// How the height grows per metre.
+    pub fn per_m(&self) -> f64 {
+        self.per_m
+    }
+
     /// The density at a distance, as a share of that at the base.
     pub fn density(&self, t: f64) -> f64 {
         (-self.height(t).max(0.0)).exp()

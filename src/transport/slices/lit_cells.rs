@@ -12,14 +12,14 @@ use crate::math::IntervalSet;
 use std::ops::Range;
 
 /// How many moments a piece has.
-pub(super) const ORDER: usize = 8;
+pub(super) const ORDER: usize = 10;
 
 /// However thick the fog, no more cells than this between two breaks.
 const MOST_CELLS: f64 = 64.0;
 
-/// `1 / (j + 1)!`
-const INVERSE_FACTORIALS: [f64; ORDER] =
-    [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0, 1.0 / 40_320.0];
+/// `j!`
+pub(super) const FACTORIALS: [f64; ORDER] =
+    [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0, 40_320.0, 362_880.0];
 
 /// A slice's range of reaches, cut into cells.
 #[derive(Debug, Default)]
@@ -40,13 +40,15 @@ pub(super) struct Piece {
 }
 
 impl LitCells {
-    /// Starts over with everything lit, from 0 to the last of the breaks. Every break is an edge.
-    pub(super) fn start(&mut self, breaks: &[f64], cells_per_reach: f64) {
+    /// Starts over with everything lit. Every break is an edge; beyond `last_reach` there will be no shadows, and
+    /// so no cells.
+    pub(super) fn start(&mut self, breaks: &[f64], last_reach: f64, cells_per_reach: f64) {
         self.edges.clear();
         self.moments.clear();
         self.edges.push(0.0);
         let mut before = 0.0;
-        for &at in breaks {
+        let last_break = breaks.last().copied().unwrap_or(0.0);
+        for at in breaks.iter().copied().chain((last_reach > last_break).then_some(last_reach)) {
             let count = ((at - before) * cells_per_reach).ceil().clamp(1.0, MOST_CELLS);
             let width = (at - before) / count;
             self.edges.extend((1..count as u32).map(|cell| before + width * f64::from(cell)));
@@ -72,16 +74,18 @@ impl LitCells {
         }
     }
 
-    /// Calls back with a range in pieces, on each of which `change` is 1 at most, and with the moments of what is
-    /// lit there: neither in the `shadows` that the cells know of nor in the `more_shadows`. What those take away
-    /// comes as pieces of its own, with negative moments.
+    /// Calls back with a range in pieces and with the moments of what is lit there: neither in the `shadows` that
+    /// the cells know of nor in the `more_shadows`. What those take away comes as pieces of its own, with negative moments.
+    ///
+    /// `changes` says how fast the integrand changes per reach, which between two places is no faster than at one of
+    /// the two; over a piece it changes by 1 at most.
     #[inline(always)]
     pub(super) fn for_each_piece(
         &self,
         range: Range<f64>,
         shadows: &IntervalSet,
         more_shadows: &IntervalSet,
-        change: impl Fn(&Range<f64>) -> f64,
+        changes: impl Fn(f64) -> f64,
         mut each: impl FnMut(&Piece, &Moments),
     ) {
         let mut from = range.start;
@@ -92,15 +96,15 @@ impl LitCells {
                 break;
             }
             from = part.end;
-            if part == (edges[0]..edges[1]) && change(&part) <= 1.0 {
+            if part == (edges[0]..edges[1]) && change_over(&part, &changes) <= 1.0 {
                 each(&Piece::new(part.start, part.end), moments);
             } else {
-                look_at(part, shadows, 1.0, &change, &mut each);
+                look_at(part, shadows, 1.0, &changes, &mut each);
             }
         }
-        look_at(from..range.end, shadows, 1.0, &change, &mut each);
+        look_at(from..range.end, shadows, 1.0, &changes, &mut each);
         for &(start, end) in more_shadows.as_slice() {
-            look_at(start.max(range.start)..end.min(range.end), shadows, -1.0, &change, &mut each);
+            look_at(start.max(range.start)..end.min(range.end), shadows, -1.0, &changes, &mut each);
         }
     }
 }
@@ -110,20 +114,27 @@ fn look_at(
     range: Range<f64>,
     shadows: &IntervalSet,
     sign: f64,
-    change: impl Fn(&Range<f64>) -> f64,
+    changes: &impl Fn(f64) -> f64,
     each: &mut impl FnMut(&Piece, &Moments),
 ) {
-    if range.is_empty() {
-        return;
+    let mut start = range.start;
+    while start < range.end {
+        let mut end = range.end.min(start + changes(start).recip());
+        let change = change_over(&(start..end), changes);
+        if change > 1.0 {
+            end = start + (end - start) / change;
+        }
+        // Rounding must not stop it.
+        let end = if end > start { end } else { range.end };
+        let piece = Piece::new(start, end);
+        each(&piece, &piece.lit_moments(start, end, shadows, sign));
+        start = end;
     }
-    let change = change(&range);
-    let count = if change <= 1.0 { 1.0 } else { change.ceil() };
-    let width = (range.end - range.start) / count;
-    for index in 0..count as u32 {
-        let start = range.start + f64::from(index) * width;
-        let piece = Piece { middle: start + 0.5 * width, half_width: 0.5 * width };
-        each(&piece, &piece.lit_moments(start, (start + width).min(range.end), shadows, sign));
-    }
+}
+
+#[inline(always)]
+fn change_over(range: &Range<f64>, changes: &impl Fn(f64) -> f64) -> f64 {
+    (range.end - range.start) * changes(range.start).max(changes(range.end))
 }
 
 impl Piece {
@@ -151,14 +162,14 @@ impl Piece {
         let per_reach = self.half_width.max(f64::MIN_POSITIVE).recip();
         let (low, high) =
             (powers((start - self.middle) * per_reach), powers((end - self.middle) * per_reach));
-        for j in 0..ORDER {
-            sums[j] += high[j] - low[j];
+        for (sum, (high, low)) in sums.iter_mut().zip(high.into_iter().zip(low)) {
+            *sum += high - low;
         }
     }
 
     fn moments(&self, powers: &[f64; ORDER], factor: f64) -> Moments {
         let factor = factor * self.half_width;
-        std::array::from_fn(|j| powers[j] * (factor * INVERSE_FACTORIALS[j]))
+        std::array::from_fn(|j| powers[j] * factor * (1.0 / (FACTORIALS[j] * (j + 1) as f64)))
     }
 }
 
@@ -167,5 +178,6 @@ impl Piece {
 fn powers(x: f64) -> [f64; ORDER] {
     let x2 = x * x;
     let (x3, x4) = (x * x2, x2 * x2);
-    [x, x2, x3, x4, x * x4, x2 * x4, x3 * x4, x4 * x4]
+    let x8 = x4 * x4;
+    [x, x2, x3, x4, x * x4, x2 * x4, x3 * x4, x8, x * x8, x2 * x8]
 }

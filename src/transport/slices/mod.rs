@@ -5,11 +5,14 @@
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 
 mod depth_line;
+mod depth_series;
 mod fan;
 mod fog_profile;
+mod fog_section;
 mod lit_cells;
 mod solve;
 mod sweep;
+mod thinning_fog;
 
 pub use fan::{Fan, Place, Ring, Slice, pixel};
 pub use solve::{SliceJob, SliceSample, SliceScratch, solve};

@@ -94,10 +94,9 @@ pub fn solve(
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, light_rays, slopes);
-    let has_profile = snapshot.medium.is_even() && matches!(light, FrozenLight::Sun { .. });
-    if has_profile {
-        fog.start(&snapshot.medium, &half_plane);
-    }
+    let middle_slope = slopes[slopes.len() / 2];
+    let has_profile = matches!(light, FrozenLight::Sun { .. })
+        && fog.start(&snapshot.medium, &half_plane, middle_slope, cuts);
 
     let mut met: Option<Facet> = None;
     for &SliceRay { index, place, planar } in rays.iter() {
@@ -123,7 +122,7 @@ pub fn solve(
         let end = distance * planar.direction.x;
         let passage = match *light {
             FrozenLight::Sun { irradiance, .. } if has_profile => fog
-                .follow(&planar, end, shadows, own_shadows)
+                .follow(&planar, &ray, end, shadows, own_shadows)
                 .map(|passage| (passage.scattered * irradiance, passage.transmittance)),
             _ => None,
         };

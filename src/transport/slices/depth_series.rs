@@ -1,0 +1,242 @@
+//! Fog that thins out with height, alone or with even fog, along a part of a ray. In go the ways of eye and light through it
+//! and what is lit, out comes the integral of what is scattered and gets through. Invariant: every piece is so short that
+//! ten terms of its series tell all but 1e-8 of it.
+//!
+//! The optical depth's series is known in the middle of a piece (`thinning_fog.rs`); those of `exp(-tau)` and of its
+//! product with the density follow by the rules for power series (Knuth, "The Art of Computer Programming" 2,
+//! section 4.7).
+
+use super::lit_cells::{FACTORIALS, LitCells, Moments, ORDER, Piece};
+use super::thinning_fog::{Series, ThinningFog};
+use crate::color::Rgb;
+use crate::math::{IntervalSet, fast_exp};
+
+/// How much density and transmittance may change, as the sum of their exponents, from one end of a piece to the other.
+/// What is left out is below 1e-8 of what an unshadowed piece scatters (see the tests).
+const LARGEST_CHANGE: f64 = 1.0;
+
+/// Rays that take more pieces than this on one stretch are left to the per-ray method.
+const MOST_PIECES: f64 = 512.0;
+
+/// Fog on a stretch of a ray, from reach `start` on.
+#[derive(Debug, Default)]
+pub(super) struct DepthSeries {
+    pub(super) start: f64,
+    /// Of the even fog: light scattered per metre and irradiance, 1/(m sr).
+    pub(super) scattering: Rgb,
+    /// The optical depth at the start, but for what thinning fog adds from there on and towards the light; its growth by even fog.
+    pub(super) tau_at_start: Rgb,
+    pub(super) tau_per_reach: Rgb,
+    pub(super) thinning: Vec<ThinningFog>,
+}
+
+impl DepthSeries {
+    /// Starts over without any fog.
+    pub(super) fn clear(&mut self, start: f64) {
+        self.start = start;
+        (self.scattering, self.tau_at_start, self.tau_per_reach) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
+        self.thinning.clear();
+    }
+
+    /// Light scattered on what is lit of a range, per unit of irradiance and, as its integral goes over reaches, per metre
+    /// of reach: see [`LitCells::for_each_piece`]. `None` if the fog changes too fast along it.
+    pub(super) fn lit_integral(
+        &self,
+        end: f64,
+        lit: &LitCells,
+        shadows: &IntervalSet,
+        more_shadows: &IntervalSet,
+    ) -> Option<Rgb> {
+        let range = self.start..end;
+        let width = range.end - range.start;
+        let fastest = |most: f64, fog: &ThinningFog| most.max(fog.exponents_change());
+        let even = self.tau_per_reach.abs().max_element() + self.thinning.iter().fold(0.0, fastest);
+        let log_bound = |reach: f64| {
+            let sum: f64 = self.thinning.iter().map(|fog| fog.depth_change(self.start, reach, &range)).sum();
+            sum.max(f64::MIN_POSITIVE).ln()
+        };
+        // A function with a convex logarithm lies below the exponential through its ends.
+        let (first, last) = (log_bound(range.start), log_bound(range.end));
+        let growth = (last - first) / width;
+        let change = |reach: f64| (even + fast_exp(first + growth * (reach - self.start))) / LARGEST_CHANGE;
+        let pieces = width * (change(range.start) + change(range.end));
+        if pieces > MOST_PIECES {
+            return None;
+        }
+        let mut sum = Rgb::ZERO;
+        lit.for_each_piece(range, shadows, more_shadows, change, |piece, moments| {
+            sum += self.integral(piece, moments);
+        });
+        Some(sum)
+    }
+
+    /// The same of a piece.
+    fn integral(&self, piece: &Piece, moments: &Moments) -> Rgb {
+        let offset = piece.middle - self.start;
+        let mut tau = [Rgb::ZERO; ORDER];
+        tau[0] = self.tau_at_start + self.tau_per_reach * offset;
+        tau[1] = self.tau_per_reach * piece.half_width;
+        for fog in &self.thinning {
+            for (tau, metres) in tau.iter_mut().zip(fog.metres(self.start, piece)) {
+                *tau += fog.sigma_t * metres;
+            }
+        }
+        let through = exp_of_minus(&tau);
+        let powers = std::array::from_fn(|j| FACTORIALS[j] * moments[j]);
+        let mut sum = self.scattering * dot(&through, &powers);
+        for fog in &self.thinning {
+            if let Some(ascent) = fog.along_ray {
+                let density = ascent.density(offset, piece.half_width);
+                sum += fog.scattering * dot(&through, &weighted(&density, &powers));
+            }
+        }
+        sum
+    }
+}
+
+fn dot(coefficients: &[Rgb; ORDER], powers: &[f64; ORDER]) -> Rgb {
+    coefficients.iter().zip(powers).fold(Rgb::ZERO, |sum, (coefficient, power)| sum + coefficient * *power)
+}
+
+/// The coefficients of `exp(-tau)` by powers of the distance from the middle: as `f' = -tau' f`, `n f_n` is the sum of
+/// `-j tau_j f_(n - j)` over j.
+fn exp_of_minus(tau: &[Rgb; ORDER]) -> [Rgb; ORDER] {
+    let slopes: [Rgb; ORDER] = std::array::from_fn(|j| -tau[j] * (j as f64 / FACTORIALS[j]));
+    let mut f = [Rgb::ZERO; ORDER];
+    f[0] = Rgb::new(fast_exp(-tau[0].x), fast_exp(-tau[0].y), fast_exp(-tau[0].z));
+    for n in 1..ORDER {
+        let sum = (1..=n).fold(Rgb::ZERO, |sum, j| sum + slopes[j] * f[n - j]);
+        f[n] = sum * (n as f64).recip();
+    }
+    f
+}
+
+/// The integrals of powers, weighted with a density.
+fn weighted(density: &Series, powers: &[f64; ORDER]) -> [f64; ORDER] {
+    let coefficients: Series = std::array::from_fn(|j| density[j] * (1.0 / FACTORIALS[j]));
+    std::array::from_fn(|k| (0..ORDER - k).map(|j| coefficients[j] * powers[k + j]).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fog_section::{LightWay, Line, Linear};
+    use super::super::sweep::PlanarRay;
+    use super::super::thinning_fog::{Ascent, Column};
+    use super::*;
+    use crate::math::gauss_legendre;
+    use glam::DVec2;
+    use proptest::prelude::*;
+
+    /// A quadrature with the textbook's closed forms for the two ways, over what is lit.
+    struct Truth {
+        start: f64,
+        ray: PlanarRay,
+        way: LightWay,
+        heights: Linear,
+        sigma_t: Rgb,
+    }
+
+    impl Truth {
+        fn integrand(&self, reach: f64) -> Rgb {
+            let mean_of_exp = |x: f64| if x.abs() < 1e-6 { 1.0 - 0.5 * x } else { -(-x).exp_m1() / x };
+            let along = self.heights.along(&Line { at_axis: 0.0, growth: self.ray.slope });
+            let (width, low) = (reach - self.start, along.at(reach));
+            let metres = (-along.at(self.start)).exp() * mean_of_exp(along.growth * width) * width;
+            let length = self.way.upper.at(reach) - self.way.lower.at(reach);
+            let per_height = self.heights.per_height;
+            let column = if length.is_infinite() {
+                (-low).exp() / per_height
+            } else {
+                (-low).exp() * length * mean_of_exp(per_height * length)
+            };
+            let tau =
+                self.sigma_t * (metres / self.ray.direction.x + column) + Rgb::splat(0.1 + 0.03 * width);
+            let through = Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp());
+            (Rgb::splat(0.02) + Rgb::new(0.1, 0.2, 0.3) * (-low).exp()) * through
+        }
+
+        fn integral(&self, from: f64, to: f64) -> Rgb {
+            const PIECES: usize = 60;
+            let half = 0.5 * (to - from) / PIECES as f64;
+            let middles = (0..PIECES).map(|piece| from + (2 * piece + 1) as f64 * half);
+            let nodes = middles.flat_map(|middle| gauss_legendre(6).iter().map(move |node| (middle, node)));
+            nodes.map(|(middle, (x, weight))| half * *weight * self.integrand(middle + x * half)).sum()
+        }
+    }
+
+    /// Ten thousand kilometres below the base, where the light's way through the layer is the same everywhere.
+    #[test]
+    fn far_below_the_base() {
+        let heights = Linear { at_eye: -3.0, per_reach: 0.3, per_height: 0.8 };
+        let base = Line { at_axis: 3.0 / 0.8, growth: -0.3 / 0.8 };
+        let way = LightWay { upper: Line { at_axis: f64::INFINITY, growth: 0.0 }, lower: base };
+        let series = DepthSeries {
+            start: 10.0,
+            scattering: Rgb::splat(1e-6),
+            tau_at_start: Rgb::ZERO,
+            tau_per_reach: Rgb::splat(1e-6),
+            thinning: vec![ThinningFog {
+                sigma_t: Rgb::splat(1e-6),
+                scattering: Rgb::ZERO,
+                along_ray: None,
+                to_light: Column::new(way, heights),
+            }],
+        };
+        let (cells, none) = <(LitCells, IntervalSet)>::default();
+        let found = series.lit_integral(1e7, &cells, &none, &none).expect("few pieces");
+        let expected = -(-1e-6 * (1e7 - 10.0_f64)).exp_m1() * (-1e-6_f64 / 0.8).exp();
+        assert!((found / expected - 1.0).abs().max_element() < 1e-8, "{found} {expected}");
+    }
+
+    proptest! {
+        #[test]
+        fn equals_quadrature(
+            scale_height in 0.5..8.0_f64, tilt in -1.5..1.5_f64, level in prop::bool::weighted(0.1),
+            at_eye in 0.0..2.0_f64, slope in -2.0..2.0_f64, start in 0.0..3.0_f64, width in 0.01..40.0_f64,
+            top in prop::option::of((0.0..20.0_f64, 0.0..1.0_f64)), density in 0.001..0.5_f64,
+            inserted in prop::collection::vec((0.0..1.0_f64, 0.0..1.5_f64), 0..12),
+        ) {
+            let per_height = tilt.cos() / scale_height * if level && top.is_some() { 1e-9 } else { 1.0 };
+            let heights = Linear { at_eye, per_reach: tilt.sin() / scale_height, per_height };
+            let ray = PlanarRay::new(DVec2::new(1.0, slope).normalize());
+            let along = heights.along(&Line { at_axis: 0.0, growth: slope });
+            // Where the ray is above the base, and not too far above it.
+            let limit = if along.growth < 0.0 { 0.0 } else { 30.0 };
+            let end = (start + width).min((limit - along.at_axis) / along.growth);
+            prop_assume!(end > start + 1e-3);
+            let upper = match top {
+                None => Line { at_axis: f64::INFINITY, growth: 0.0 },
+                Some((above, growth)) => Line { at_axis: slope.abs() * end + above, growth },
+            };
+            let way = LightWay { upper, lower: Line { at_axis: 0.0, growth: slope } };
+            let sigma_t = density * Rgb::new(0.5, 1.0, 1.5);
+            let series = DepthSeries {
+                start,
+                scattering: Rgb::splat(0.02),
+                tau_at_start: Rgb::splat(0.1),
+                tau_per_reach: Rgb::splat(0.03),
+                thinning: vec![ThinningFog {
+                    sigma_t,
+                    scattering: Rgb::new(0.1, 0.2, 0.3),
+                    along_ray: Some(Ascent::new(&heights, &ray, start)),
+                    to_light: Column::new(way, heights),
+                }],
+            };
+            let mut cells = LitCells::default();
+            cells.start(&[start, 0.5 * (start + end)], end, 0.3);
+            let mut shadows = IntervalSet::default();
+            for (place, width) in inserted {
+                let from = start + place * (end - start);
+                shadows.for_each_gap(from, from + width, |a, b| cells.darken(a, b));
+                shadows.insert(from, from + width);
+            }
+            let found = series.lit_integral(end, &cells, &shadows, &IntervalSet::default()).expect("few pieces");
+
+            let truth = Truth { start, ray, way, heights, sigma_t };
+            let mut expected = Rgb::ZERO;
+            shadows.for_each_gap(start, end, |a, b| expected += truth.integral(a, b));
+            let error = ((found - expected) / truth.integral(start, end)).abs().max_element();
+            prop_assert!(error <= 1e-8, "{error:.2e}: {found} {expected}");
+        }
+    }
+}
