@@ -156,9 +156,9 @@ const SAME: f64 = 3e-5;
 /// such a sample shows whole; where there is none no pixel differs by a third of this.
 const EDGE: f64 = 1e-3;
 
-/// How many pixels may have one. A sample has one if an edge is as near to it as a leaf has moved: in
-/// `falling_leaves` at frame 24, seed 0, the shadow of a leaf ends on the ground 0.15 micrometres from one, which the file
-/// moves by 0.29. With all keys moved by one micrometre there are 60 such pixels, and the others miss [`SAME`].
+/// How many pixels may have one. A sample has one if an edge is as near to it as a leaf has moved: in an
+/// earlier `falling_leaves` the shadow of a leaf ended on the ground 0.15 micrometres from one, which the file moved by
+/// 0.29. With all keys moved by one micrometre there were 60 such pixels, and the others missed [`SAME`].
 const MOST_APART: f64 = 5e-5;
 
 #[test]

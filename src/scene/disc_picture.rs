@@ -10,11 +10,12 @@ use glam::DVec2;
 /// as high. Larger pictures are averaged.
 pub const DISC_CELLS: usize = 512;
 
-/// Colours over the unit disc, and points of it in proportion to their luminance.
+/// Colours over the unit disc, and points of it in proportion to the mean of their channels. Of luminance red is only
+/// a fifth: points drawn by that would be few where the picture is red alone, and each five times as bright.
 #[derive(Clone, Debug)]
 pub struct DiscPicture {
     colors: Vec<[f32; 3]>,
-    by_luminance: SquareDistribution,
+    by_brightness: SquareDistribution,
 }
 
 impl DiscPicture {
@@ -41,30 +42,35 @@ impl DiscPicture {
         }
         for color in &mut colors {
             // A channel that is black all over has its light where the others have theirs.
-            let brightness = luminance(*color) / grey;
-            let channel = |i: usize| if mean[i] > 0.0 { color[i] / mean[i] } else { brightness };
+            let shade = luminance(*color) / grey;
+            let channel = |i: usize| if mean[i] > 0.0 { color[i] / mean[i] } else { shade };
             *color = Rgb::new(channel(0), channel(1), channel(2));
         }
-        let by_luminance = SquareDistribution::new(DISC_CELLS, colors.iter().map(|color| luminance(*color)))?;
-        Some(Self { colors: colors.iter().map(|color| color.as_vec3().to_array()).collect(), by_luminance })
+        let by_brightness =
+            SquareDistribution::new(DISC_CELLS, colors.iter().map(|color| brightness(*color)))?;
+        Some(Self { colors: colors.iter().map(|color| color.as_vec3().to_array()).collect(), by_brightness })
     }
 
-    /// A point of the disc, and the colour of all light if it came from there: of luminance 1.
+    /// A point of the disc, and the colour of all light if it came from there: its channels are 1 on average, and at most 3.
     pub fn point(&self, u: DVec2) -> (DVec2, Rgb) {
-        let (cell, place) = self.by_luminance.pick(u);
+        let (cell, place) = self.by_brightness.pick(u);
         let color = self.color(cell);
-        (disc_from_square(place), color / luminance(color))
+        (disc_from_square(place), color / brightness(color))
     }
 
     /// The colour at a point of the disc; the mean over the disc is 1.
     pub fn color_at(&self, disc: DVec2) -> Rgb {
-        self.color(self.by_luminance.cell(square_from_disc(disc)))
+        self.color(self.by_brightness.cell(square_from_disc(disc)))
     }
 
     fn color(&self, cell: usize) -> Rgb {
         let [r, g, b] = self.colors[cell];
         Rgb::new(f64::from(r), f64::from(g), f64::from(b))
     }
+}
+
+fn brightness(color: Rgb) -> f64 {
+    color.element_sum() / 3.0
 }
 
 /// How much darker a star's disc is at a distance from its middle, 1 at the edge, than in the middle:
@@ -93,7 +99,7 @@ mod tests {
             for sample in 0..count {
                 let u = DVec2::from(Sampler::new(2, 0, 0, sample).next_2d());
                 let (_, color) = picture.point(u);
-                assert!((luminance(color) - 1.0).abs() < 1e-6);
+                assert!((brightness(color) - 1.0).abs() < 1e-6);
                 by_points += color / f64::from(count);
                 by_area += picture.color_at(disc_from_square(u)) / f64::from(count);
             }
