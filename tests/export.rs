@@ -12,7 +12,7 @@ use sunfleck::export;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    self, AlphaMode, Material, Motion, Node, RenderSettings, Sampling, Scene, Track, Window,
+    self, AlphaMode, Light, LightKind, Material, Motion, Node, RenderSettings, Sampling, Scene, Track, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
@@ -110,7 +110,18 @@ impl Difference {
 
 /// Places and pictures of a scene before and after, at some frames, with several seeds.
 fn check(input: &str, size_percent: f64, frames: &[i64], bar: f64) {
-    let (scene, mut settings) = load(&repository(input));
+    let (scene, settings) = load(&repository(input));
+    check_scene(input, scene, settings, size_percent, frames, bar);
+}
+
+fn check_scene(
+    input: &str,
+    scene: Scene,
+    mut settings: RenderSettings,
+    size_percent: f64,
+    frames: &[i64],
+    bar: f64,
+) {
     let side = |side: usize| (side as f64 * size_percent / 100.0).round() as usize;
     (settings.size.width, settings.size.height) = (side(settings.size.width), side(settings.size.height));
     // Without a choice it is the first; the file names it.
@@ -180,6 +191,58 @@ fn a_scene_from_blender_looks_the_same() {
 #[test]
 fn blenders_materials_look_the_same() {
     check("tests/data/blender/g_pbr.glb", 25.0, &[1], SAME);
+}
+
+#[test]
+fn skins_and_morph_targets_look_the_same() {
+    for input in ["tests/data/blender/d_skin.glb", "tests/data/blender/c_morph.glb"] {
+        let (mut scene, settings) = load(&repository(input));
+        assert!(scene.instances.iter().any(|instance| instance.deformation.is_some()));
+        // These files have no lights.
+        let down = DAffine3::from_rotation_x(-1.0);
+        let visible = Track::from(true);
+        scene.nodes.push(Node { name: "sun".into(), parent: None, motion: Motion::Still(down), visible });
+        let (node, power) = (scene.nodes.len() - 1, Track::from(Rgb::splat(3.0)));
+        scene.lights.push(Light { name: "sun".into(), node, power, kind: LightKind::Sun });
+        let [first, later] = [28, 36].map(|frame| picture(&scene, &settings, frame));
+        let mut moved = Difference::default();
+        moved.add(&first, &later);
+        assert!(moved.apart.len() > 100, "{input}: {} pixels change", moved.apart.len());
+        check_scene(input, scene, settings, 25.0, &[28, 36, 44], SAME);
+    }
+}
+
+/// An image all around that lights, turned and tinted; its texels come back to the last bit.
+#[test]
+fn an_image_sky_looks_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let texel = |x: u32, y: u32| {
+        let glow = 1.0 / (0.1 + (x as f32 - 3.0).abs() + y as f32);
+        image::Rgb([glow, 0.3 + 0.01 * x as f32, 1e-3 + 0.02 * y as f32])
+    };
+    image::Rgb32FImage::from_fn(16, 8, texel).save(folder.path().join("sky.exr")).unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(
+        &path,
+        r#"Scene(version: 1, meshes: { "ground": Quad(size_m: 4.0) }, objects: { "ground": (mesh: "ground") },
+            cameras: { "main": (position_m: (0.0, 1.0, 3.0), look_at_m: (0.0, 0.8, 0.0)) },
+            sky: Image(image: "sky.exr", strength_w_per_m2_sr: (1.0, 0.5, 2.0), rotation_deg: 40.0))"#,
+    )
+    .unwrap();
+    let (scene, mut settings) = load(&path);
+    (settings.size.width, settings.size.height) = (48, 27);
+    let (again, _) = through_gltf(&scene, &settings);
+    let (found, expected) = (again.sky.as_ref().unwrap(), scene.sky.as_ref().unwrap());
+    let (scene::SkyPicture::Image(a), scene::SkyPicture::Image(b)) = (found.picture(), expected.picture())
+    else {
+        panic!("{found:?}");
+    };
+    assert_eq!((a.width, a.height), (b.width, b.height));
+    assert!(a.texels.iter().zip(&b.texels).all(|(a, b)| a[..3] == b[..3]));
+    assert_eq!(found.lights, expected.lights);
+    let mut difference = Difference::default();
+    difference.add(&picture(&scene, &settings, 1), &picture(&again, &settings, 1));
+    assert!(difference.apart.is_empty() && difference.relative_rmse() < 1e-6);
 }
 
 #[test]

@@ -57,6 +57,27 @@ const CASES: &[(&str, &str)] = &[
     ("diffuse_transmission_above_one.gltf", "diffuseTransmissionFactor: error: 1.5 is out of range"),
     ("transmission_text.gltf", "transmissionFactor: error: \"much\" is out of range"),
     ("normal_texture_missing.gltf", "materials[0].normalTexture.index: error: texture 7 does not exist"),
+    ("clearcoat_above_one.gltf", "KHR_materials_clearcoat.clearcoatFactor: error: 1.5 is out of range"),
+    (
+        "clearcoat_normal_texture_missing.gltf",
+        "KHR_materials_clearcoat.clearcoatNormalTexture.index: error: texture 3 does not exist",
+    ),
+    ("sheen_color_of_two.gltf", "KHR_materials_sheen.sheenColorFactor: error: [1,1] is out of range"),
+    (
+        "sheen_roughness_negative.gltf",
+        "KHR_materials_sheen.sheenRoughnessFactor: error: -0.5 is out of range",
+    ),
+    (
+        "sky_image_and_color.gltf",
+        "scenes[0].extras.sunfleck_env.image: error: this is not an image in a format that is read",
+    ),
+    (
+        "sky_image_is_none.gltf",
+        "scenes[0].extras.sunfleck_env.image: error: this is not an image in a format that is read",
+    ),
+    ("sky_image_missing.gltf", "nowhere.hdr: error: cannot be read"),
+    ("sky_image_on_the_web.gltf", "`https://example.org/sky.hdr` is not a file beside this one"),
+    ("sky_rotation_text.gltf", "sunfleck_env"),
     ("tangents_fewer.gltf", "attributes.TANGENT: error: there are 6 positions and 5 of these"),
     ("tangents_missing.gltf", "attributes.TANGENT: error: accessor 77 does not exist"),
     ("tangents_of_three.gltf", "tangents cannot be of type `VEC3`"),

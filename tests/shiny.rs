@@ -11,8 +11,10 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::math::{Ray, Sampler};
+use sunfleck::scattering::Gloss;
 use sunfleck::scene::{
-    self, AlphaMode, Coat, Instance, LightKind, Material, Mesh, Scene, Texture, TextureMap, Triangle, Wrap,
+    self, AlphaMode, Clearcoat, Coat, Instance, LightKind, Material, Mesh, Scene, Sheen, Texture, TextureMap,
+    Triangle, Wrap,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, radiance};
@@ -172,6 +174,81 @@ fn vertex_colours_multiply_and_other_layers_have_their_own_coordinates() {
     }
 }
 
+/// A coat reflects by its own normal, and takes what it reflects from what the surface gives.
+#[test]
+fn a_clear_coat_lies_over_all() {
+    let (to_sun, toward) = (DVec3::new(0.3, 0.2, 1.0), DVec3::new(0.2, -0.1, -1.0));
+    let coat =
+        Clearcoat { share: 0.8, texture: None, roughness: 0.4, roughness_texture: None, normal_map: None };
+    let look = |material: Material, with: &dyn Fn(&mut Scene)| {
+        let mut scene = square(material);
+        with(&mut scene);
+        seen(&lit(scene, to_sun), toward)
+    };
+    let black = Material { base_color: Rgb::ZERO, clearcoat: Some(coat), ..Material::default() };
+    let alone = look(black.clone(), &|_| {});
+    let gloss = Gloss::new(Rgb::splat(0.04 * 0.8), Rgb::splat(0.8), 0.4);
+    let (v, l) = (-toward.normalize(), to_sun.normalize());
+    assert_close(alone, 7.0 * l.z * gloss.brdf(DVec3::Z, v, l));
+    // A map of the surface does not bend the coat, one of its own does.
+    let bump = [0.7, 0.3, 0.9];
+    let below = look(black.clone(), &|scene| {
+        let map = add_texture(scene, bump);
+        scene.materials[0].normal_map = Some((map, 1.0));
+    });
+    assert_close(below, alone);
+    let bent = look(black.clone(), &|scene| {
+        let map = add_texture(scene, bump);
+        scene.materials[0].clearcoat.as_mut().unwrap().normal_map = Some((map, 1.0));
+    });
+    assert!((bent / alone - 1.0).abs().max_element() > 0.05, "{bent} {alone}");
+    // Textures multiply: red the share, green the roughness.
+    let mapped = look(black, &|scene| {
+        let (share, roughness) = (add_texture(scene, [0.5, 0.1, 0.1]), add_texture(scene, [0.1, 0.5, 0.1]));
+        let (texture, roughness_texture) = (Some(share), Some(roughness));
+        let coat = Clearcoat { share: 1.6, roughness: 0.8, texture, roughness_texture, ..coat };
+        scene.materials[0].clearcoat = Some(coat);
+    });
+    assert_close(mapped, alone);
+    // Lambert and emission beneath: E is that of the larger of both angles, or of the eye's.
+    let taken = [v, l].map(|direction| gloss.albedo(direction.z).x);
+    let matte = look(Material { clearcoat: Some(coat), ..Material::default() }, &|_| {});
+    let expected = 7.0 * l.z * FRAC_1_PI * 0.8 * (1.0 - taken[0].max(taken[1]));
+    assert_close(matte - alone, Rgb::splat(expected));
+    let dark = Material { base_color: Rgb::ZERO, clearcoat: Some(coat), ..Material::default() };
+    let shining = look(Material { emission: Rgb::splat(3.0), ..dark }, &|_| {});
+    assert_close(shining - alone, Rgb::splat(3.0 * (1.0 - taken[0])));
+}
+
+#[test]
+fn sheen_shines_in_its_colour_and_takes_what_it_gives() {
+    let (to_sun, toward) = (DVec3::new(1.0, 0.2, 0.5), DVec3::new(0.9, -0.1, -1.0));
+    let sheen = Sheen {
+        color: Rgb::new(0.8, 0.4, 0.0),
+        color_texture: None,
+        roughness: 0.6,
+        roughness_texture: None,
+    };
+    let mut scene = square(Material { base_color: Rgb::ZERO, sheen: Some(sheen), ..Material::default() });
+    let alone = seen(&lit(scene.clone(), to_sun), toward);
+    assert!((alone.x / alone.y - 2.0).abs() < 1e-9 && alone.z == 0.0 && alone.x > 0.0, "{alone}");
+    // Colour by colour, roughness by alpha.
+    let color_texture = Some(add_texture(&mut scene, [1.0, 0.5, 1.0]));
+    let rough = add_texture(&mut scene, [0.2; 3]);
+    scene.textures[rough.texture].texels[0][3] = 0.75;
+    let color = Rgb::new(0.8, 0.8, 0.0);
+    scene.materials[0].sheen =
+        Some(Sheen { color, color_texture, roughness: 0.8, roughness_texture: Some(rough) });
+    assert_close(seen(&lit(scene, to_sun), toward), alone);
+    let white = seen(&lit(square(Material { base_color: Rgb::ONE, ..Material::default() }), to_sun), toward);
+    let over = Material { base_color: Rgb::ONE, sheen: Some(sheen), ..Material::default() };
+    let over = seen(&lit(square(over), to_sun), toward);
+    // What it takes is the same in all channels.
+    let beneath = over - alone;
+    assert!(beneath.cmplt(white).all() && beneath.cmpgt(0.4 * white).all(), "{beneath} {white}");
+    assert_close(beneath, Rgb::splat(beneath.z));
+}
+
 /// The scene of a small glTF file with another material.
 fn with_material(material: Value) -> Scene {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/valid/gltf/leaf.gltf");
@@ -215,6 +292,16 @@ fn extensions_of_gltf_materials() {
     let glass = of("KHR_materials_transmission", json!({ "transmissionFactor": 0.75 }));
     assert!(near(glass.base_color, 0.25 * base) && near(glass.filter_color, 0.75 * base));
     assert_eq!((glass.alpha_mode, glass.opacity), (AlphaMode::Blend, 1.0));
+
+    let coated =
+        of("KHR_materials_clearcoat", json!({ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25 }));
+    let coat = coated.clearcoat.unwrap();
+    assert_eq!((coat.share, coat.roughness, coat.texture, coated.sheen), (0.5, 0.25, None, None));
+    assert_eq!(of("KHR_materials_clearcoat", json!({ "clearcoatRoughnessFactor": 0.25 })).clearcoat, None);
+    let cloth =
+        of("KHR_materials_sheen", json!({ "sheenColorFactor": [0.5, 0, 1], "sheenRoughnessFactor": 0.5 }));
+    let sheen = cloth.sheen.unwrap();
+    assert_eq!((sheen.color, sheen.roughness, cloth.clearcoat), (Rgb::new(0.5, 0.0, 1.0), 0.5, None));
 
     let unlit = of("KHR_materials_unlit", json!({}));
     assert!(near(unlit.emission, base) && unlit.base_color == Rgb::ZERO && unlit.coat.is_none());

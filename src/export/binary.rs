@@ -45,7 +45,7 @@ impl Binary {
         with_bounds: bool,
     ) -> usize {
         let view = self.view(values.iter().flatten().flat_map(|value| value.to_le_bytes()), target);
-        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][WIDTH - 1];
+        let kind = if WIDTH == 16 { "MAT4" } else { ["SCALAR", "VEC2", "VEC3", "VEC4"][WIDTH - 1] };
         let mut accessor =
             json!({ "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": kind });
         if with_bounds {
@@ -78,6 +78,15 @@ impl Binary {
         };
         self.accessor(
             json!({ "bufferView": view, "componentType": kind, "count": indices.len(), "type": "SCALAR" }),
+        )
+    }
+
+    /// An accessor of four joints a vertex.
+    pub(super) fn joints(&mut self, joints: &[[u16; 4]]) -> usize {
+        let bytes = joints.as_flattened().iter().flat_map(|joint| joint.to_le_bytes());
+        let view = self.view(bytes, Some(Target::Vertices));
+        self.accessor(
+            json!({ "bufferView": view, "componentType": UNSIGNED_SHORT, "count": joints.len(), "type": "VEC4" }),
         )
     }
 

@@ -5,6 +5,7 @@
 //! sampled: at every frame, where the shutter opens and closes, and at the scene's own keys.
 
 use super::Writer;
+use super::deformations::is_straight;
 use crate::scene::{Animate, Extend, RenderSettings, Segment, Track};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
@@ -115,6 +116,27 @@ impl Moments {
         let (first, values) = sampled(&times_s, |time_s| track.at(time_s))?;
         let times_s = times_s[first..first + values.len()].iter().map(|&time_s| time_s as f32).collect();
         Some(Keys { times: Times::Own(times_s), values, interpolation: "LINEAR" })
+    }
+
+    /// When to ask several tracks together, so that straight lines in between are what they are: at their keys, and just
+    /// before they jump; at all moments too if one of them is curved or goes on and on.
+    pub(super) fn of_tracks(&self, tracks: &[Track<f64>]) -> Vec<f64> {
+        let all_straight = tracks.iter().all(is_straight);
+        let mut times_s = if all_straight { Vec::new() } else { self.times_s.clone() };
+        for track in tracks {
+            times_s.extend(track.times_s());
+            for pair in track.keys().windows(2) {
+                if matches!(pair[0].to_next, Segment::Step) {
+                    times_s.push(f64::from((pair[1].time_s as f32).next_down()));
+                }
+            }
+        }
+        times_s.retain(|&time_s| time_s >= 0.0);
+        if times_s.is_empty() {
+            times_s.push(0.0);
+        }
+        sort(&mut times_s);
+        times_s
     }
 }
 

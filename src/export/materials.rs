@@ -1,8 +1,8 @@
 //! Materials and their images. Invariant: what Lambert, a metal without roughness, emission and alpha
 //! cannot say stands in the custom property `sunfleck_material`.
 
-use super::Writer;
 use super::material_changes::Written;
+use super::{Writer, layers};
 use crate::color::{Rgb, srgb_from_linear};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, Wrap};
@@ -30,6 +30,7 @@ impl Writer<'_> {
                 let coat = material.coat.and_then(|coat| coat.texture);
                 let maps = [coat, material.normal_map.map(|(map, _)| map)];
                 maps.into_iter().flatten().any(|map| map.texture == number)
+                    || layers::is_data(material, number)
             });
             let png = png(texture, holds_data).map_err(|error| {
                 let found = format!("the texture `{}` cannot be stored as PNG: {error}", texture.name);
@@ -76,6 +77,7 @@ impl Writer<'_> {
             extensions["KHR_materials_specular"] =
                 material.coat.map_or(json!({ "specularFactor": 0.0 }), specular);
         }
+        self.add_layers(material, &mut extensions);
         // The factor itself is at most 1.
         let times_s = material.changes.iter().flat_map(|changes| changes.times_s());
         let brightest = times_s.map(|&time_s| material.at(time_s).emission.max_element());
@@ -138,7 +140,7 @@ fn is_unlit(material: &Material) -> bool {
         && material.emission.max_element() <= 1.0
 }
 
-fn texture_info(map: TextureMap) -> Value {
+pub(super) fn texture_info(map: TextureMap) -> Value {
     json!({ "index": map.texture, "texCoord": map.layer })
 }
 

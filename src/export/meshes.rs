@@ -3,44 +3,56 @@
 
 use super::Writer;
 use super::binary::Target;
-use crate::scene::{MaterialIndex, Mesh, MeshIndex, NodeIndex};
+use crate::scene::{Deformation, MaterialIndex, Mesh, MeshIndex, NodeIndex};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// A glTF mesh: meshes of ours, each perhaps in a material that replaces its own.
-type Shown = Vec<(MeshIndex, Option<MaterialIndex>)>;
+/// A part of a glTF mesh: a mesh of ours, perhaps in a material that replaces its own, perhaps with what bends it.
+type Part = (MeshIndex, Option<MaterialIndex>, Option<Bending>);
+
+/// Where in memory the targets and the influences of a deformation are: what bends instances of one mesh alike.
+type Bending = (usize, Option<usize>);
 
 /// Triangles of a mesh as they are stored, and the material that they are in by themselves.
 type Primitives = Vec<(Map<String, Value>, MaterialIndex)>;
 
-/// Which glTF mesh stands at a node, and its leaf id.
-pub(super) type Placed = BTreeMap<(NodeIndex, u32), usize>;
+/// Which glTF mesh stands at a node, its leaf id, and which instance it is if it is bent.
+pub(super) type Placed = BTreeMap<(NodeIndex, u32, Option<usize>), usize>;
 
 impl Writer<'_> {
     /// Every mesh that is shown, and where.
     pub(super) fn meshes(&mut self) -> (Vec<Value>, Placed) {
-        // What stands at one node under one leaf id is one mesh to glTF.
-        let mut shown: BTreeMap<(NodeIndex, u32), Shown> = BTreeMap::new();
-        let bent = self.scene.instances.iter().filter(|instance| instance.deformation.is_some()).count();
-        if bent > 0 {
+        let scene = self.scene;
+        // What stands at one node under one leaf id is one mesh to glTF; what bends has a node of its own.
+        let mut shown: BTreeMap<(NodeIndex, u32, Option<usize>), Vec<Part>> = BTreeMap::new();
+        for (number, instance) in scene.instances.iter().enumerate() {
+            let bending = instance.deformation.as_deref().map(bending);
+            let own = bending.map(|_| number);
+            let at = shown.entry((instance.node, instance.leaf_id, own)).or_default();
+            at.push((instance.mesh, instance.material, bending));
+        }
+        let is_cut = |deformation: &Deformation| !deformation.inner.is_empty();
+        let cut =
+            scene.instances.iter().filter(|instance| instance.deformation.as_deref().is_some_and(is_cut));
+        if cut.clone().count() > 0 {
             self.lost(format!(
-                "skins and morph targets are not carried: {bent} meshes keep their shape at rest"
+                "{} meshes that bend are cut out along a mask: where they are cut they bend only nearly as here",
+                cut.count()
             ));
         }
-        for instance in &self.scene.instances {
-            let at = shown.entry((instance.node, instance.leaf_id)).or_default();
-            at.push((instance.mesh, instance.material));
-        }
-        let mut numbers: BTreeMap<Shown, usize> = BTreeMap::new();
-        let mut stored: BTreeMap<MeshIndex, Primitives> = BTreeMap::new();
+        let mut numbers: BTreeMap<Vec<Part>, usize> = BTreeMap::new();
+        let mut stored: BTreeMap<(MeshIndex, Option<Bending>), Primitives> = BTreeMap::new();
         let mut meshes = Vec::new();
         let mut placed = Placed::new();
         for (place, shown) in shown {
+            let deformation = place.2.and_then(|instance| scene.instances[instance].deformation.as_deref());
             let number = *numbers.entry(shown).or_insert_with_key(|shown| {
                 let mut primitives = Vec::new();
-                for (mesh, replaced_by) in shown {
-                    let parts =
-                        stored.entry(*mesh).or_insert_with(|| self.primitives(&self.scene.meshes[*mesh]));
+                for &(mesh, replaced_by, bending) in shown {
+                    let parts = stored
+                        .entry((mesh, bending))
+                        .or_insert_with(|| self.primitives(&scene.meshes[mesh], deformation));
                     for (primitive, material) in parts.iter() {
                         let mut primitive = primitive.clone();
                         let material = replaced_by.unwrap_or(*material);
@@ -48,7 +60,7 @@ impl Writer<'_> {
                         primitives.push(Value::Object(primitive));
                     }
                 }
-                let name = &self.scene.meshes[shown[0].0].name;
+                let name = &scene.meshes[shown[0].0].name;
                 meshes.push(json!({ "name": name, "primitives": primitives }));
                 meshes.len() - 1
             });
@@ -58,7 +70,7 @@ impl Writer<'_> {
     }
 
     /// A primitive for each material of a mesh, with those vertices that it uses.
-    fn primitives(&mut self, mesh: &Mesh) -> Primitives {
+    fn primitives(&mut self, mesh: &Mesh, deformation: Option<&Deformation>) -> Primitives {
         let mut by_material: Vec<(MaterialIndex, Vec<u32>)> = Vec::new();
         for triangle in &mesh.triangles {
             let at = by_material.iter().position(|(material, _)| *material == triangle.material);
@@ -72,14 +84,20 @@ impl Writer<'_> {
             .into_iter()
             .map(|(material, corners)| {
                 // Without normals they would mean nothing.
-                let is_mapped = self.scene.materials[material].normal_map.is_some()
+                let is_mapped = self.scene.materials[material].has_normal_map()
                     && !(mesh.tangents.is_empty() || mesh.normals.is_empty());
-                (self.primitive(mesh, &corners, is_mapped), material)
+                (self.primitive(mesh, &corners, is_mapped, deformation), material)
             })
             .collect()
     }
 
-    fn primitive(&mut self, mesh: &Mesh, corners: &[u32], is_mapped: bool) -> Map<String, Value> {
+    fn primitive(
+        &mut self,
+        mesh: &Mesh,
+        corners: &[u32],
+        is_mapped: bool,
+        deformation: Option<&Deformation>,
+    ) -> Map<String, Value> {
         let mut number = vec![u32::MAX; mesh.positions.len()];
         let mut used = Vec::new();
         let indices: Vec<u32> = corners
@@ -122,6 +140,14 @@ impl Writer<'_> {
         let mut primitive = Map::new();
         primitive.insert(String::from("attributes"), Value::Object(attributes));
         primitive.insert(String::from("indices"), json!(self.binary.indices(&indices, used.len())));
+        if let Some(deformation) = deformation {
+            self.add_deformation(&mut primitive, mesh, deformation, &used, is_mapped);
+        }
         primitive
     }
+}
+
+fn bending(deformation: &Deformation) -> Bending {
+    let influences = deformation.skin.as_ref().map(|skin| Arc::as_ptr(&skin.influences).addr());
+    (Arc::as_ptr(&deformation.targets).addr(), influences)
 }

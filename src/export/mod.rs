@@ -4,7 +4,9 @@
 
 mod binary;
 mod controls;
+mod deformations;
 mod keys;
+mod layers;
 mod lights;
 mod material_changes;
 mod materials;
@@ -16,7 +18,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::scene::{RenderSettings, Scene};
 use binary::Binary;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The parts of a `.glb` file, to be written one after another.
 #[derive(Debug)]
@@ -45,6 +47,8 @@ struct Writer<'a> {
     samplers: Vec<Value>,
     lights: Vec<Value>,
     cameras: Vec<Value>,
+    skins: Vec<Value>,
+    skin_numbers: BTreeMap<deformations::JointKey, usize>,
     extensions: BTreeSet<&'static str>,
     remarks: Diagnostics,
 }
@@ -70,6 +74,8 @@ pub fn glb(scene: &Scene, settings: &RenderSettings) -> Result<Exported, Diagnos
         samplers: Vec::new(),
         lights: Vec::new(),
         cameras: Vec::new(),
+        skins: Vec::new(),
+        skin_numbers: BTreeMap::new(),
         extensions: BTreeSet::new(),
         remarks: Diagnostics::default(),
     };
@@ -81,7 +87,7 @@ pub fn glb(scene: &Scene, settings: &RenderSettings) -> Result<Exported, Diagnos
     writer.add_lights();
     writer.add_cameras(settings);
     writer.add_fogs();
-    let extras = writer.scene_extras(settings);
+    let extras = writer.scene_extras(settings)?;
     writer.into_file(settings, extras, meshes, materials, textures)
 }
 
@@ -138,6 +144,7 @@ impl Writer<'_> {
         list("images", textures.images);
         list("samplers", textures.samplers);
         list("cameras", self.cameras);
+        list("skins", self.skins);
         list("accessors", accessors);
         list("bufferViews", views);
         list("buffers", buffer.into_iter().collect());

@@ -130,10 +130,16 @@ impl Writer<'_> {
 
     /// Puts meshes and their leaf ids at their nodes.
     pub(super) fn place_meshes(&mut self, placed: &Placed) {
-        for (&(node, leaf_id), &mesh) in placed {
+        let scene = self.scene;
+        for (&(node, leaf_id, bent), &mesh) in placed {
             let number = self.free_node(self.node_numbers[node], |node| node.contains_key("mesh"));
             self.nodes[number].insert(String::from("mesh"), json!(mesh));
             self.set_extra(number, "leaf_id", json!(leaf_id));
+            if let Some(deformation) =
+                bent.and_then(|instance| scene.instances[instance].deformation.as_ref())
+            {
+                self.bend(number, deformation);
+            }
         }
     }
 

@@ -3,8 +3,13 @@
 
 use super::Writer;
 use crate::color::Rgb;
-use crate::scene::{Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture};
+use crate::diagnostic::{Diagnostic, Place};
+use crate::scene::{Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
+use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
+use image::codecs::openexr::OpenExrEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Map, Value, json};
+use std::io::Cursor;
 
 impl Writer<'_> {
     /// Adds every bank of fog, at its node.
@@ -43,19 +48,19 @@ impl Writer<'_> {
     }
 
     /// The sky as it is at the start, if the file can carry it.
-    fn sky(&mut self) -> Option<Value> {
-        let sky = self.scene.sky.as_ref()?;
-        let strength = sky.strength.at(self.moments.start_s);
+    fn sky(&mut self) -> Result<Option<Value>, Diagnostic> {
+        let Some(sky) = self.scene.sky.as_ref() else { return Ok(None) };
+        let (strength, rotation) =
+            (sky.strength.at(self.moments.start_s), sky.rotation.at(self.moments.start_s));
         let scaled = |color: Rgb| json!((color * strength).to_array());
         let mut written = match sky.picture() {
             SkyPicture::Even(color) => json!({ "color": scaled(*color) }),
             SkyPicture::Gradient { zenith, horizon, ground } => {
                 json!({ "zenith": scaled(*zenith), "horizon": scaled(*horizon), "ground": scaled(*ground) })
             }
-            SkyPicture::Image(_) => {
-                self.lost("the sky's image is not carried: glTF files have skies of one colour or of three");
-                return None;
-            }
+            SkyPicture::Image(image) => json!({
+                "image": exr_uri(image)?, "strength": strength.to_array(), "rotation": rotation,
+            }),
         };
         if !sky.is_constant() {
             self.lost("the sky does not change in glTF: it stays as it is at the start");
@@ -65,11 +70,11 @@ impl Writer<'_> {
             SkyLight::Surfaces => "surfaces",
             SkyLight::SurfacesAndFog => "surfaces_and_fog",
         });
-        Some(written)
+        Ok(Some(written))
     }
 
     /// The custom properties of the scene.
-    pub(super) fn scene_extras(&mut self, settings: &RenderSettings) -> Value {
+    pub(super) fn scene_extras(&mut self, settings: &RenderSettings) -> Result<Value, Diagnostic> {
         let rate = settings.frame_rate;
         let mut sunfleck = json!({
             "version": 1,
@@ -101,11 +106,31 @@ impl Writer<'_> {
         if self.scene.background != Rgb::ZERO {
             extras["sunfleck_env"] = json!({ "color": self.scene.background.to_array(), "strength": 1.0 });
         }
-        if let Some(sky) = self.sky() {
+        if let Some(sky) = self.sky()? {
             extras["sunfleck_env"] = sky;
         }
-        extras
+        Ok(extras)
     }
+}
+
+/// An image of radiances as a data URI: OpenEXR keeps single precision.
+fn exr_uri(image: &Texture) -> Result<String, Diagnostic> {
+    let pixels: Vec<u8> =
+        image.texels.iter().flat_map(|texel| &texel[..3]).flat_map(|value| value.to_ne_bytes()).collect();
+    let mut bytes = Cursor::new(Vec::new());
+    let written = OpenExrEncoder::new(&mut bytes).write_image(
+        &pixels,
+        image.width as u32,
+        image.height as u32,
+        ExtendedColorType::Rgb32F,
+    );
+    written.map_err(|error| {
+        let found = format!("the sky's image `{}` cannot be stored as OpenEXR: {error}", image.name);
+        Diagnostic::error(Place::Nowhere, found)
+            .expected("an image that OpenEXR can hold")
+            .remedy("make the image smaller")
+    })?;
+    Ok(format!("data:image/x-exr;base64,{}", STANDARD.encode(bytes.into_inner())))
 }
 
 /// One number for all channels, or three.

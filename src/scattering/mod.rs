@@ -5,12 +5,16 @@ mod beer_lambert;
 mod falloff;
 mod fog_bank;
 mod gloss;
+mod layers;
 mod medium;
 mod phase;
+mod sheen;
 
 pub use beer_lambert::{exp_minus, mean_transmittance};
 pub use falloff::{Climb, Falloff};
 pub use fog_bank::FogBank;
 pub use gloss::{Gloss, LEAST_ROUGHNESS};
+pub use layers::{Clearcoat, Layers};
 pub use medium::{Course, Medium, Source, Stretch};
 pub use phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
+pub use sheen::Sheen;

@@ -29,6 +29,10 @@ pub struct Material {
     pub emission_texture: Option<TextureMap>,
     /// What makes it shine, or a metal; without one it is matte.
     pub coat: Option<Coat>,
+    /// A clear coat over all.
+    pub clearcoat: Option<Clearcoat>,
+    /// What makes it shine like cloth, beneath the clear coat.
+    pub sheen: Option<Sheen>,
     /// Image of directions that bend the normal, and how much of their bending counts.
     pub normal_map: Option<(TextureMap, f64)>,
     /// What alpha, `opacity` times that of the texture, does.
@@ -81,6 +85,34 @@ pub struct Coat {
     pub f90: f64,
 }
 
+/// glTF's KHR_materials_clearcoat (`scattering::Clearcoat`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearcoat {
+    /// How much of the surface it covers, `0..=1`.
+    pub share: f64,
+    /// Image whose red multiplies `share`.
+    pub texture: Option<TextureMap>,
+    /// `0..=1`.
+    pub roughness: f64,
+    /// Image whose green multiplies `roughness`.
+    pub roughness_texture: Option<TextureMap>,
+    /// What bends its normal, which the material's own normal map does not.
+    pub normal_map: Option<(TextureMap, f64)>,
+}
+
+/// glTF's KHR_materials_sheen (`scattering::Sheen`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheen {
+    /// `0..=1`.
+    pub color: Rgb,
+    /// Image whose colour multiplies it.
+    pub color_texture: Option<TextureMap>,
+    /// `0..=1`.
+    pub roughness: f64,
+    /// Image whose alpha multiplies `roughness`.
+    pub roughness_texture: Option<TextureMap>,
+}
+
 /// glTF's alpha modes; what a mask hides is cut out of the mesh instead (`scene/outline`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
@@ -120,6 +152,11 @@ impl Material {
         now
     }
 
+    /// Whether an image bends a normal of it.
+    pub fn has_normal_map(&self) -> bool {
+        self.normal_map.is_some() || self.clearcoat.is_some_and(|coat| coat.normal_map.is_some())
+    }
+
     /// True if it is the same at all times.
     pub fn is_constant(&self) -> bool {
         self.changes.as_ref().is_none_or(Track::is_constant)
@@ -139,6 +176,8 @@ impl Default for Material {
             emission: Rgb::ZERO,
             emission_texture: None,
             coat: None,
+            clearcoat: None,
+            sheen: None,
             normal_map: None,
             alpha_mode: AlphaMode::Opaque,
             opacity: 1.0,

@@ -36,7 +36,7 @@ pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
 pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
-pub use material::{AlphaMode, Coat, Material, MaterialNumbers, Painted, TextureMap};
+pub use material::{AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painted, Sheen, TextureMap};
 pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};

@@ -1,11 +1,13 @@
 //! What lies at a hit: the accelerator's answer in, the surface's properties out. Invariant: both
 //! normals have unit length and face the ray's origin.
 
+mod layers;
+
 use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scattering::Gloss;
+use crate::scattering::{Gloss, Layers};
 use crate::scene::{AlphaMode, Material, Mesh, Painted, Texture, TextureMap};
 use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
@@ -24,6 +26,8 @@ pub struct SurfacePoint {
     pub transmission: Rgb,
     /// Its coat, if it shines.
     pub gloss: Option<Gloss>,
+    /// What lies over it.
+    pub layers: Option<Layers>,
     /// Unit vector to where it is seen from.
     pub to_eye: DVec3,
     /// Mirror reflectance.
@@ -99,7 +103,7 @@ impl Snapshot<'_> {
             material,
             textures: &self.scene.textures,
             texture: texture.map(|texture| &self.scene.textures[texture]),
-            bending: material.normal_map.filter(|_| !tangents.is_empty()).map(|_| Bending {
+            bending: (material.has_normal_map() && !tangents.is_empty()).then_some(Bending {
                 positions,
                 normals,
                 tangents,
@@ -175,14 +179,9 @@ impl Facet<'_> {
                 None => geometric_normal,
             }
         });
-        if let Some((bending, (map, scale))) = self.bending.zip(material.normal_map)
-            && let Some(texel) = self.texel(map, weights)
-        {
-            let [bent, unbent] = bending.bent(self.corners, weights, 2.0 * texel - Rgb::ONE, scale);
-            // Seen from behind, it is bent as seen from the front and then turned over.
-            let is_turned = unbent.dot(shading_normal) < 0.0;
-            let bent = bent.try_normalize().map(|bent| if is_turned { -bent } else { bent });
-            shading_normal = bent.unwrap_or(shading_normal);
+        let layers = self.layers(weights, shading_normal);
+        if let Some(map) = material.normal_map {
+            shading_normal = self.bent(shading_normal, map, weights);
         }
         let texture = self.texture.map(|texture| (texture, self.uv(&self.mesh.uvs, weights)));
         let color = texture.map_or(Rgb::ONE, |(texture, uv)| texture.color(uv));
@@ -220,6 +219,7 @@ impl Facet<'_> {
                 (alpha, Rgb::splat(1.0 - alpha) + alpha * material.filter_color)
             }
         };
+        let let_out = layers.as_ref().map_or(1.0, |layers| layers.lets_out(-ray.direction));
         SurfacePoint {
             position: ray.at(distance),
             geometric_normal,
@@ -227,17 +227,29 @@ impl Facet<'_> {
             albedo,
             transmission,
             gloss,
+            layers,
             to_eye: -ray.direction,
-            mirror: painted(Painted::Mirror, material.mirror),
+            mirror: let_out * painted(Painted::Mirror, material.mirror),
             emission: match material.emission {
                 Rgb::ZERO => Rgb::ZERO,
-                emission => painted(Painted::Emission, emission * looked_up(material.emission_texture)),
+                emission => {
+                    let_out * painted(Painted::Emission, emission * looked_up(material.emission_texture))
+                }
             },
             alpha,
             see_through,
             primitive: self.primitive,
             leaf_id: self.leaf_id,
         }
+    }
+
+    /// A normal as a map bends it.
+    fn bent(&self, normal: DVec3, (map, scale): (TextureMap, f64), weights: [f64; 3]) -> DVec3 {
+        let Some((bending, texel)) = self.bending.zip(self.texel(map, weights)) else { return normal };
+        let [bent, unbent] = bending.bent(self.corners, weights, 2.0 * texel - Rgb::ONE, scale);
+        // Seen from behind, it is bent as seen from the front and then turned over.
+        let is_turned = unbent.dot(normal) < 0.0;
+        bent.try_normalize().map_or(normal, |bent| if is_turned { -bent } else { bent })
     }
 
     fn uv(&self, uvs: &[Vec2], weights: [f64; 3]) -> Vec2 {
@@ -248,6 +260,12 @@ impl Facet<'_> {
     fn texel(&self, map: TextureMap, weights: [f64; 3]) -> Option<Rgb> {
         let uvs = layer(self.mesh, map.layer)?;
         Some(self.textures[map.texture].color(self.uv(uvs, weights)))
+    }
+
+    /// The same of its alpha.
+    fn texel_alpha(&self, map: TextureMap, weights: [f64; 3]) -> Option<f64> {
+        let uvs = layer(self.mesh, map.layer)?;
+        Some(self.textures[map.texture].alpha(self.uv(uvs, weights)))
     }
 }
 

@@ -56,6 +56,15 @@ impl Unshadowed {
 /// cosine, 1/sr.
 #[inline]
 pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> Rgb {
+    let beneath = beneath_layers(point, to_light);
+    let Some(layers) = &point.layers else { return beneath };
+    let is_before = point.geometric_normal.dot(to_light) > 0.0;
+    layers.over(beneath, point.shading_normal, point.to_eye, to_light, is_before)
+}
+
+/// The same without the layers that lie over it.
+#[inline]
+fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let cos = point.shading_normal.dot(to_light);
     let is_before = point.geometric_normal.dot(to_light) > 0.0;
     let lambert = if is_before { point.albedo } else { point.transmission };

@@ -116,7 +116,10 @@ impl Lobes {
         let cos_eye = point.shading_normal.dot(point.to_eye);
         let coat = point.gloss.as_ref().filter(|_| cos_eye > 0.0);
         let beneath = coat.map_or(Rgb::ONE, |gloss| Rgb::ONE - gloss.albedo(cos_eye));
-        let reflected = luminance(point.albedo * beneath);
+        // What lies over it is picked as if it were matte.
+        let over =
+            point.layers.as_ref().map_or(0.0, |layers| layers.albedo(point.shading_normal, point.to_eye));
+        let reflected = luminance(point.albedo * beneath) + over;
         let transmitted = luminance(point.transmission * beneath);
         let shone = coat.map_or(0.0, |gloss| luminance(gloss.albedo(cos_eye)));
         let all = reflected + transmitted + shone;

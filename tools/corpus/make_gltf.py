@@ -443,6 +443,16 @@ def alpha_blend_of_one() -> File:
     return file
 
 
+@case
+def clearcoat_and_sheen_of_none() -> File:
+    file = textured(uvs_f32)
+    file.use("KHR_materials_clearcoat", required=True)
+    file.use("KHR_materials_sheen")
+    file.material["extensions"]["KHR_materials_clearcoat"] = {"clearcoatTexture": {"index": 0}}
+    file.material["extensions"]["KHR_materials_sheen"] = {"sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": {"index": 0}}
+    return file
+
+
 def with_normal_map(normals: bool) -> File:
     """A normal map that counts nothing; with normals, which are those of the triangles, each has its own vertices."""
     file = textured(uvs_f32)

@@ -138,6 +138,21 @@ FILES: dict[str, File] = {
         "count": 5, "indices": {"bufferView": 0, "componentType": U8}, "values": {"bufferView": 0}}),
     "sparse_indices_float": changed(leaf(), "accessors.0.sparse", {
         "count": 1, "indices": {"bufferView": 0, "componentType": F32}, "values": {"bufferView": 0}}),
+    "clearcoat_above_one": changed(leaf(), "materials.0.extensions.KHR_materials_clearcoat", {"clearcoatFactor": 1.5}),
+    "clearcoat_normal_texture_missing": changed(
+        textured(uvs_f32), "materials.0.extensions.KHR_materials_clearcoat",
+        {"clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 3}}),
+    "sheen_color_of_two": changed(leaf(), "materials.0.extensions.KHR_materials_sheen", {"sheenColorFactor": [1, 1]}),
+    "sheen_roughness_negative": changed(
+        leaf(), "materials.0.extensions.KHR_materials_sheen", {"sheenRoughnessFactor": -0.5}),
+    "sky_image_and_color": changed(
+        leaf(), "scenes.0.extras.sunfleck_env", {"color": [1, 1, 1], "image": "data:image/x-exr;base64,AAAA"}),
+    "sky_image_is_none": changed(
+        leaf(), "scenes.0.extras.sunfleck_env", {"image": "data:image/x-exr;base64,AAAA"}),
+    "sky_image_missing": changed(leaf(), "scenes.0.extras.sunfleck_env", {"image": "nowhere.hdr"}),
+    "sky_image_on_the_web": changed(leaf(), "scenes.0.extras.sunfleck_env", {"image": "https://example.org/sky.hdr"}),
+    "sky_rotation_text": changed(
+        leaf(), "scenes.0.extras.sunfleck_env", {"color": [1, 1, 1], "rotation": "north"}),
     "tangents_fewer": with_tangents([(1, 0, 0, 1)] * 5),
     "tangents_missing": changed(with_normal_map(True), "meshes.0.primitives.0.attributes.TANGENT", 77),
     "tangents_of_three": with_tangents([(1, 0, 0)] * 6, shape="VEC3"),

@@ -23,9 +23,11 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_animation_pointer"
         | "KHR_draco_mesh_compression"
         | "KHR_lights_punctual"
+        | "KHR_materials_clearcoat"
         | "KHR_materials_diffuse_transmission"
         | "KHR_materials_emissive_strength"
         | "KHR_materials_ior"
+        | "KHR_materials_sheen"
         | "KHR_materials_specular"
         | "KHR_materials_unlit"
         | "KHR_mesh_quantization"
@@ -33,10 +35,8 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_node_visibility"
         | "KHR_texture_transform" => Support::Honoured,
         "KHR_materials_anisotropy"
-        | "KHR_materials_clearcoat"
         | "KHR_materials_dispersion"
         | "KHR_materials_iridescence"
-        | "KHR_materials_sheen"
         | "KHR_materials_transmission"
         | "KHR_materials_variants"
         | "KHR_materials_volume" => Support::Reported,
@@ -75,9 +75,11 @@ pub(super) fn check(document: &Document, report: &mut Report) {
 /// What a material's extension asks for that is not honoured, and what is done instead.
 pub(super) fn material_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "KHR_materials_diffuse_transmission"
+        "KHR_materials_clearcoat"
+        | "KHR_materials_diffuse_transmission"
         | "KHR_materials_emissive_strength"
         | "KHR_materials_ior"
+        | "KHR_materials_sheen"
         | "KHR_materials_specular"
         | "KHR_materials_unlit" => return None,
         "KHR_materials_transmission" => {
@@ -87,8 +89,6 @@ pub(super) fn material_extension(extension: &str) -> Option<&'static str> {
             "the inside of transparent materials is not honoured, light goes straight through"
         }
         "KHR_materials_variants" => "material variants are not honoured, the default one is drawn",
-        "KHR_materials_clearcoat" => "clearcoat is not honoured",
-        "KHR_materials_sheen" => "sheen is not honoured",
         "KHR_materials_anisotropy" => "anisotropy of highlights is not honoured",
         "KHR_materials_iridescence" => "iridescence is not honoured",
         _ => "extensions of materials that are not known are passed over",

@@ -5,7 +5,9 @@ use super::extensions::material_extension;
 use super::json::{self, Document};
 use super::report::Report;
 use super::texture_maps::{Purpose, Slot, layer, layers, slots};
-use super::{AlphaMode, Files, LoadError, Material, Texture, TextureMap, Wrap, invalid, named};
+use super::{
+    AlphaMode, Clearcoat, Files, LoadError, Material, Sheen, Texture, TextureMap, Wrap, invalid, named,
+};
 use crate::description::image::{self, Encoding};
 use crate::diagnostic::Diagnostic;
 use glam::DVec3;
@@ -64,6 +66,13 @@ pub(super) fn read(
                 let map = number.map(|texture| TextureMap { texture, layer });
                 match purpose {
                     Purpose::BaseColor => converted.base_color_texture = number,
+                    Purpose::Clearcoat => converted.clearcoat.texture = map,
+                    Purpose::ClearcoatNormal => {
+                        converted.clearcoat.normal_map = map.map(|map| (map, info.scale));
+                    }
+                    Purpose::ClearcoatRoughness => converted.clearcoat.roughness_texture = map,
+                    Purpose::SheenColor => converted.sheen.color_texture = map,
+                    Purpose::SheenRoughness => converted.sheen.roughness_texture = map,
                     Purpose::DiffuseTransmission => converted.diffuse_transmission_texture = map,
                     Purpose::Emission => converted.emission_texture = map,
                     Purpose::MetallicRoughness => converted.metallic_roughness_texture = map,
@@ -90,11 +99,23 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     in_unit_range(report, "emissiveFactor", &material.emissive_factor);
     let extensions = Extensions { material, path: &path };
     let specular = extensions.number("KHR_materials_specular", "specularFactor", 1.0, 1.0, report);
-    let specular_color = extensions.color("KHR_materials_specular", "specularColorFactor", f64::MAX, report);
+    let specular_color =
+        extensions.color("KHR_materials_specular", "specularColorFactor", 1.0, f64::MAX, report);
     let ior = extensions.number("KHR_materials_ior", "ior", 1.5, f64::MAX, report);
     let through = "KHR_materials_diffuse_transmission";
     let share = extensions.number(through, "diffuseTransmissionFactor", 0.0, 1.0, report);
-    let through_color = extensions.color(through, "diffuseTransmissionColorFactor", 1.0, report);
+    let through_color = extensions.color(through, "diffuseTransmissionColorFactor", 1.0, 1.0, report);
+    let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
+    let clearcoat = Clearcoat {
+        factor: extensions.number(clearcoat, "clearcoatFactor", 0.0, 1.0, report),
+        roughness: extensions.number(clearcoat, "clearcoatRoughnessFactor", 0.0, 1.0, report),
+        ..Clearcoat::default()
+    };
+    let sheen = Sheen {
+        color: extensions.color(sheen, "sheenColorFactor", 0.0, 1.0, report),
+        roughness: extensions.number(sheen, "sheenRoughnessFactor", 0.0, 1.0, report),
+        ..Sheen::default()
+    };
     let transmission =
         extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0, report);
     let strength =
@@ -125,6 +146,8 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
             .min(DVec3::ONE)
             * specular,
         specular,
+        clearcoat,
+        sheen,
         normal_map: None,
         emission: DVec3::from(material.emissive_factor),
         emission_strength: strength,
@@ -158,16 +181,17 @@ impl Extensions<'_> {
         })
     }
 
-    /// Three such numbers; white if there are none.
-    fn color(&self, extension: &str, field: &str, most: f64, report: &mut Report) -> DVec3 {
+    /// Three such numbers.
+    fn color(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> DVec3 {
+        let default = DVec3::splat(default);
         let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
-            return DVec3::ONE;
+            return default;
         };
         let color = serde_json::from_value::<[f64; 3]>(value.clone()).ok();
         let color = color.filter(|color| color.iter().all(|number| (0.0..=most).contains(number)));
         color.map(DVec3::from).unwrap_or_else(|| {
             self.report(extension, field, value, most, report);
-            DVec3::ONE
+            default
         })
     }
 

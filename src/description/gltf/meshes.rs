@@ -4,7 +4,7 @@
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
-use super::texture_maps::{Purpose, Slot, layer, layers as layers_of, slots};
+use super::texture_maps::{Slot, layer, layers as layers_of, slots};
 use super::{Mesh, Primitive, morphs, named, skins, tangents};
 use crate::diagnostic::Diagnostic;
 use glam::{DVec2, Vec2, Vec3, Vec4};
@@ -171,7 +171,7 @@ fn read_primitive(
         targets,
         influences,
     };
-    let normal_map = slots.iter().flatten().find(|slot| slot.purpose == Purpose::Normal);
+    let normal_map = slots.iter().flatten().find(|slot| slot.purpose.is_bending());
     if let Some(Slot { info, .. }) = normal_map {
         // Those of the coordinates themselves, as Blender has them, whatever is done to these for the image.
         let (set, _) = layer(info);

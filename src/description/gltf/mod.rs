@@ -22,6 +22,7 @@ mod nodes;
 mod pointers;
 pub(crate) mod report;
 mod skins;
+mod sky;
 mod tangents;
 mod texture_maps;
 
@@ -61,6 +62,8 @@ pub struct GltfScene {
     pub cameras: Vec<Camera>,
     /// All lights (KHR_lights_punctual).
     pub lights: Vec<Light>,
+    /// What the sky of the scene's extras shows, if that is an image.
+    pub sky_image: Option<DecodedImage>,
     /// All channels that move nodes, of all animations, in the file's order.
     pub channels: Vec<Channel>,
     /// All others (KHR_animation_pointer), in the file's order.
@@ -202,6 +205,10 @@ pub struct Material {
     pub f0: DVec3,
     /// Strength of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
     pub specular: f64,
+    /// Clear coat over all (KHR_materials_clearcoat).
+    pub clearcoat: Clearcoat,
+    /// Sheen of cloth (KHR_materials_sheen).
+    pub sheen: Sheen,
     /// Directions that bend the normal, and how much of their bending counts.
     pub normal_map: Option<(TextureMap, f64)>,
     /// Linear.
@@ -225,6 +232,34 @@ pub struct Material {
     pub double_sided: bool,
     /// Whatever the author attached.
     pub extras: Value,
+}
+
+/// A clear coat.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Clearcoat {
+    /// How much there is, in `0..=1`.
+    pub factor: f64,
+    /// Its red multiplies `factor`.
+    pub texture: Option<TextureMap>,
+    /// In `0..=1`.
+    pub roughness: f64,
+    /// Its green multiplies `roughness`.
+    pub roughness_texture: Option<TextureMap>,
+    /// Directions that bend its normal.
+    pub normal_map: Option<(TextureMap, f64)>,
+}
+
+/// Sheen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sheen {
+    /// Linear, in `0..=1`.
+    pub color: DVec3,
+    /// Multiplies it.
+    pub color_texture: Option<TextureMap>,
+    /// In `0..=1`.
+    pub roughness: f64,
+    /// Its alpha multiplies `roughness`.
+    pub roughness_texture: Option<TextureMap>,
 }
 
 /// A texture and the layer of texture coordinates that it is looked up with.
@@ -438,6 +473,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     morphs::check_nodes(&document, &mut scene.nodes, &targets, &mut report);
     skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
+    scene.sky_image = sky::image(&scene, files, &mut report)?;
     (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report)?;
     if report.has_errors() {
         return Err(LoadError::Invalid(report.into_diagnostics()));

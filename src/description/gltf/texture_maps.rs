@@ -18,18 +18,33 @@ pub(super) struct Slot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     BaseColor,
+    Clearcoat,
+    ClearcoatNormal,
+    ClearcoatRoughness,
     DiffuseTransmission,
     Emission,
     MetallicRoughness,
     Normal,
+    SheenColor,
+    SheenRoughness,
 }
 
 impl Purpose {
     pub(super) fn encoding(self) -> Encoding {
         match self {
-            Self::BaseColor | Self::DiffuseTransmission | Self::Emission => Encoding::Srgb,
-            Self::MetallicRoughness | Self::Normal => Encoding::Linear,
+            Self::BaseColor | Self::DiffuseTransmission | Self::Emission | Self::SheenColor => Encoding::Srgb,
+            Self::Clearcoat
+            | Self::ClearcoatNormal
+            | Self::ClearcoatRoughness
+            | Self::MetallicRoughness
+            | Self::Normal
+            | Self::SheenRoughness => Encoding::Linear,
         }
+    }
+
+    /// Whether it bends normals.
+    pub(super) fn is_bending(self) -> bool {
+        matches!(self, Self::Normal | Self::ClearcoatNormal)
     }
 }
 
@@ -39,18 +54,15 @@ pub(super) type Layer = (usize, DAffine2);
 /// The textures of a material that are honoured.
 pub(super) fn slots(material: &Material) -> Vec<Slot> {
     let pbr = &material.pbr_metallic_roughness;
-    // One that is malformed is reported with its extension.
-    let transmission = (material.extensions.get("KHR_materials_diffuse_transmission"))
-        .and_then(|extension| extension.get("diffuseTransmissionColorTexture"))
-        .and_then(|info| serde_json::from_value(info.clone()).ok());
+    let of_extension = |(purpose, path): (Purpose, &'static str)| {
+        let (extension, field) = path.strip_prefix("extensions.")?.split_once('.')?;
+        // One that is malformed is reported with its extension.
+        let info = material.extensions.get(extension)?.get(field)?;
+        Some(Slot { purpose, info: serde_json::from_value(info.clone()).ok()?, path })
+    };
     let unlit = material.extensions.contains_key("KHR_materials_unlit");
     let all = [
         (Purpose::BaseColor, pbr.base_color_texture.clone(), "pbrMetallicRoughness.baseColorTexture"),
-        (
-            Purpose::DiffuseTransmission,
-            transmission,
-            "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorTexture",
-        ),
         (Purpose::Emission, material.emissive_texture.clone(), "emissiveTexture"),
         (
             Purpose::MetallicRoughness,
@@ -59,9 +71,24 @@ pub(super) fn slots(material: &Material) -> Vec<Slot> {
         ),
         (Purpose::Normal, material.normal_texture.clone(), "normalTexture"),
     ];
-    let slots = all.into_iter().filter(|(purpose, ..)| !unlit || *purpose == Purpose::BaseColor);
-    slots.filter_map(|(purpose, info, path)| Some(Slot { purpose, info: info?, path })).collect()
+    let plain = all.into_iter().filter_map(|(purpose, info, path)| Some(Slot { purpose, info: info?, path }));
+    plain
+        .chain(OF_EXTENSIONS.into_iter().filter_map(of_extension))
+        .filter(|slot| !unlit || slot.purpose == Purpose::BaseColor)
+        .collect()
 }
+
+const OF_EXTENSIONS: [(Purpose, &str); 6] = [
+    (
+        Purpose::DiffuseTransmission,
+        "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorTexture",
+    ),
+    (Purpose::Clearcoat, "extensions.KHR_materials_clearcoat.clearcoatTexture"),
+    (Purpose::ClearcoatRoughness, "extensions.KHR_materials_clearcoat.clearcoatRoughnessTexture"),
+    (Purpose::ClearcoatNormal, "extensions.KHR_materials_clearcoat.clearcoatNormalTexture"),
+    (Purpose::SheenColor, "extensions.KHR_materials_sheen.sheenColorTexture"),
+    (Purpose::SheenRoughness, "extensions.KHR_materials_sheen.sheenRoughnessTexture"),
+];
 
 /// The texture coordinates that a material looks up.
 pub(super) fn layers(slots: &[Slot]) -> Vec<Layer> {

@@ -1,9 +1,10 @@
 //! `sunfleck_env` of a scene in, its background or its sky out. Invariant: what lights nothing and is the same
 //! everywhere is a background.
 
-use super::extras::read;
+use super::extras::{Channels, read};
 use crate::color::Rgb;
 use crate::description::gltf::report::Report;
+use crate::description::image::DecodedImage;
 use crate::scene::{Sky, SkyLight, SkyPicture};
 use serde::Deserialize;
 use serde_json::Value;
@@ -16,8 +17,13 @@ struct Environment {
     horizon: Option<[f64; 3]>,
     #[serde(default)]
     ground: [f64; 3],
+    /// Radiance HDR or OpenEXR: a file beside this one, or a data URI.
+    image: Option<String>,
     #[serde(default = "one")]
-    strength: f64,
+    strength: Channels,
+    /// Of an image, about +y, anticlockwise as seen from above, radians.
+    #[serde(default)]
+    rotation: f64,
     #[serde(default)]
     lights: Lights,
 }
@@ -31,32 +37,53 @@ enum Lights {
     SurfacesAndFog,
 }
 
-fn one() -> f64 {
-    1.0
+fn one() -> Channels {
+    Channels::Same(1.0)
 }
 
 /// What lies behind the scene, from the extras that stand at `path`.
-pub(super) fn surroundings(extras: &Value, path: &str, report: &mut Report) -> (Rgb, Option<Sky>) {
+///
+/// Its image, if it has one, has been read already; if that failed, that has been said.
+pub(super) fn surroundings(
+    extras: &Value,
+    image: Option<DecodedImage>,
+    path: &str,
+    report: &mut Report,
+) -> (Rgb, Option<Sky>) {
     let nothing = (Rgb::ZERO, None);
     let Some(found) = read::<Environment>(extras, "sunfleck_env", path, report) else { return nothing };
     let path = format!("{path}.extras.sunfleck_env");
-    let scaled = |color: [f64; 3]| Rgb::from(color) * found.strength;
-    let picture = match (found.color, found.zenith, found.horizon) {
-        (Some(color), None, None) => SkyPicture::Even(scaled(color)),
-        (None, Some(zenith), Some(horizon)) => SkyPicture::Gradient {
+    let strength = Rgb::from(found.strength);
+    let scaled = |color: [f64; 3]| Rgb::from(color) * strength;
+    let picture = match (found.color, found.zenith, found.horizon, &found.image) {
+        (Some(color), None, None, None) => SkyPicture::Even(scaled(color)),
+        (None, None, None, Some(name)) => {
+            let Some(DecodedImage { width, height, texels }) = image else { return nothing };
+            let name = if name.starts_with("data:") { "the sky" } else { name };
+            let (picture, negative) = SkyPicture::of_image(name.to_owned(), [width, height], texels);
+            if negative > 0 {
+                report.not_honoured("radiances below 0 in images of skies count as 0", name);
+            }
+            picture
+        }
+        (None, Some(zenith), Some(horizon), None) => SkyPicture::Gradient {
             zenith: scaled(zenith),
             horizon: scaled(horizon),
             ground: scaled(found.ground),
         },
         _ => {
-            report.error(path, "the sky is not told, or told twice", "either color, or zenith and horizon");
+            report.error(
+                path,
+                "the sky is not told, or told twice",
+                "either color, or zenith and horizon, or image",
+            );
             return nothing;
         }
     };
     let colors = match picture {
         SkyPicture::Gradient { zenith, horizon, ground } => vec![zenith, horizon, ground],
         SkyPicture::Even(color) => vec![color],
-        SkyPicture::Image(_) => vec![],
+        SkyPicture::Image(_) => vec![strength, Rgb::splat(found.rotation.abs())],
     };
     if let Some(bad) = colors.iter().find(|color| color.min_element() < 0.0 || !color.is_finite()) {
         let found = format!("the background's radiance is {bad}");
@@ -71,6 +98,11 @@ pub(super) fn surroundings(extras: &Value, path: &str, report: &mut Report) -> (
     match picture {
         SkyPicture::Even(background) if lights == SkyLight::Nothing => (background, None),
         // A black one is none.
-        picture => (Rgb::ZERO, Sky::new(picture).map(|sky| sky.with(Rgb::ONE.into(), 0.0.into(), lights))),
+        picture => {
+            let is_image = matches!(picture, SkyPicture::Image(_));
+            let strength = if is_image { strength } else { Rgb::ONE };
+            let sky = Sky::new(picture).filter(|_| strength != Rgb::ZERO);
+            (Rgb::ZERO, sky.map(|sky| sky.with(strength.into(), found.rotation.into(), lights)))
+        }
     }
 }

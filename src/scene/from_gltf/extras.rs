@@ -5,6 +5,7 @@ use super::{Builder, environment};
 use crate::color::Rgb;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
+use crate::description::image::DecodedImage;
 use crate::diagnostic::Diagnostic;
 use crate::scene::{Property, Sky};
 use serde::Deserialize;
@@ -121,7 +122,11 @@ pub(super) fn read<T: DeserializeOwned>(
 }
 
 /// Everything that the scene's own extras say.
-pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtras {
+pub(super) fn scene_extras(
+    source: &GltfScene,
+    sky_image: Option<DecodedImage>,
+    report: &mut Report,
+) -> SceneExtras {
     let path = format!("scenes[{}]", source.scene);
     let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
     for name in sunfleck.unknown.keys() {
@@ -140,7 +145,7 @@ pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtr
         );
     }
     let fog: Option<Fog> = read(&source.extras, "sunfleck_fog", &path, report);
-    let (background, sky) = environment::surroundings(&source.extras, &path, report);
+    let (background, sky) = environment::surroundings(&source.extras, sky_image, &path, report);
     report_unknown(&source.extras, &["sunfleck", "sunfleck_fog", "sunfleck_env"], "the scene", report);
     SceneExtras { sunfleck, fog, background, sky }
 }
@@ -191,8 +196,24 @@ impl Builder<'_> {
             self.scene.properties.extend(ours.map(|(name, value)| Property {
                 owner: owner.clone(),
                 name: name.clone(),
-                value: value.clone(),
+                value: shortened(value),
             }));
         }
+    }
+}
+
+/// A value without the bytes of images.
+fn shortened(value: &Value) -> Value {
+    match value {
+        Value::String(text) => match text.split_once(";base64,") {
+            Some((kind, data)) if text.starts_with("data:") => {
+                Value::String(format!("{kind}, {} bytes", data.len() / 4 * 3))
+            }
+            _ => value.clone(),
+        },
+        Value::Object(fields) => {
+            fields.iter().map(|(name, value)| (name.clone(), shortened(value))).collect()
+        }
+        _ => value.clone(),
     }
 }

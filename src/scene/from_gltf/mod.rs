@@ -52,7 +52,8 @@ pub(super) fn resolve(
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let mut report = Report::new(&source.path);
     std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
-    let extras = extras::scene_extras(&source, &mut report);
+    let sky_image = source.sky_image.take();
+    let extras = extras::scene_extras(&source, sky_image, &mut report);
     let (mut settings, clock) = clock::settings(&source, &extras.sunfleck, &mut report);
 
     let textures = std::mem::take(&mut source.textures);

@@ -4,7 +4,9 @@ use super::Builder;
 use super::extras::{self, Leaf};
 use crate::color::Rgb;
 use crate::description::gltf::{self, Property};
-use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Painted, Texture, TextureMap, Track, Wrap};
+use crate::scene::{
+    AlphaMode, Clearcoat, Coat, Material, MaterialIndex, Painted, Sheen, Texture, TextureMap, Track, Wrap,
+};
 
 impl Builder<'_> {
     /// Adds every material, under the file's numbers, and their textures.
@@ -130,6 +132,19 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         emission: material.emission * material.emission_strength,
         emission_texture: material.emission_texture.map(map),
         normal_map: material.normal_map.map(|(texture, scale)| (map(texture), scale)),
+        clearcoat: (material.clearcoat.factor > 0.0).then(|| Clearcoat {
+            share: material.clearcoat.factor,
+            texture: material.clearcoat.texture.map(map),
+            roughness: material.clearcoat.roughness,
+            roughness_texture: material.clearcoat.roughness_texture.map(map),
+            normal_map: material.clearcoat.normal_map.map(|(texture, scale)| (map(texture), scale)),
+        }),
+        sheen: (material.sheen.color != Rgb::ZERO).then(|| Sheen {
+            color: material.sheen.color,
+            color_texture: material.sheen.color_texture.map(map),
+            roughness: material.sheen.roughness,
+            roughness_texture: material.sheen.roughness_texture.map(map),
+        }),
         opacity,
         alpha_mode: match material.alpha_mode {
             // What a mask shows is cut out.
@@ -140,7 +155,15 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     };
     if material.unlit {
         let painted = Painted::Emission;
-        return Material { base_color: Rgb::ZERO, emission: color, emission_texture: None, painted, ..matte };
+        return Material {
+            base_color: Rgb::ZERO,
+            emission: color,
+            emission_texture: None,
+            painted,
+            clearcoat: None,
+            sheen: None,
+            ..matte
+        };
     }
     if is_mirror(material) && !keeps_coat {
         return Material { base_color: Rgb::ZERO, mirror: color, painted: Painted::Mirror, ..matte };

@@ -4,7 +4,7 @@ use super::{Resolver, track};
 use crate::color::Rgb;
 use crate::description::ron;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{Sky, SkyLight, SkyPicture, Texture, Wrap};
+use crate::scene::{Sky, SkyLight, SkyPicture};
 use std::path::Path;
 
 impl Resolver<'_> {
@@ -67,24 +67,14 @@ impl Resolver<'_> {
     /// Radiances below 0, which filters leave behind, count as 0.
     fn image_of_sky(&mut self, path: &Path) -> Option<SkyPicture> {
         let image = self.sky_image.take()?;
-        let mut texels = image.texels;
-        let is_negative = |texel: &&mut [f32; 4]| texel[..3].iter().any(|value| *value < 0.0);
-        let negative = texels.iter_mut().filter(is_negative).map(|texel| {
-            texel.iter_mut().for_each(|value| *value = value.max(0.0));
-        });
-        let negative = negative.count();
+        let name = path.display().to_string();
+        let (picture, negative) = SkyPicture::of_image(name, [image.width, image.height], image.texels);
         if negative > 0 {
             let found =
                 format!("{negative} texels of {} have radiances below 0, which count as 0", path.display());
             let place = self.problems.place("sky.image");
             self.scene.remarks.push(Diagnostic::warning(place, found));
         }
-        Some(SkyPicture::Image(Texture {
-            name: path.display().to_string(),
-            width: image.width,
-            height: image.height,
-            texels,
-            wrap: [Wrap::Repeat, Wrap::Clamp],
-        }))
+        Some(picture)
     }
 }
