@@ -5,6 +5,8 @@ In goes a scene, out come findings; an error stands in the way of export, a warn
 
 from dataclasses import dataclass
 
+from . import world
+
 LOST_SHADERS = {
     "BSDF_TRANSLUCENT": "a translucent BSDF: mark the material as a leaf in the panel instead",
     "SUBSURFACE_SCATTERING": "subsurface scattering",
@@ -49,20 +51,11 @@ def of_scene(scene):
         yield warn("the scene has no active camera: sunfleck takes the first, or makes one up")
     if abs(scene.unit_settings.scale_length - 1.0) > 1e-6:
         yield warn("the unit scale is not exported: one Blender unit is one metre")
-    background = world_background(scene)
-    if background and scene.sunfleck_settings.background_strength == 0.0:
-        yield warn("the world's light is not exported: give the background in the panel, and a sun for its light")
-
-
-def world_background(scene):
-    """Whether the world shines."""
-    tree = scene.world and scene.world.node_tree
-    nodes = [node for node in tree.nodes if node.type == "BACKGROUND"] if tree else []
-    return any(
-        node.inputs["Strength"].default_value > 0.0
-        and (node.inputs["Color"].is_linked or max(node.inputs["Color"].default_value[:3]) > 0.0)
-        for node in nodes
-    )
+    own = scene.sunfleck_settings
+    if own.use_world:
+        yield from map(warn, world.losses(scene))
+    elif own.background_strength == 0.0 and world.shines(scene):
+        yield warn("the world is not exported: tick World as sky in the panel, or give a background and a sun for its light")
 
 
 def of_object(thing):

@@ -20,7 +20,7 @@ def export(scene, path):
     errors = [finding.message for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotExportable("; ".join(errors))
-    extras.store(scene)
+    extras.store(scene, path)
     with controls.empties(scene):
         bpy.ops.export_scene.gltf(filepath=str(path), **options(scene))
     return [finding.message for finding in findings]

@@ -4,12 +4,14 @@ Invariant: every property here is a plain dictionary of numbers, texts and lists
 unless the panel speaks of the same thing.
 """
 
+from . import world
+
 # sunfleck's shape of each of Blender's area lights.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
 
 
-def of_scene(scene):
-    """What the scene's own custom properties are to be."""
+def of_scene(scene, path=None):
+    """What the scene's own custom properties are to be; what images they name lies beside `path`."""
     own, render = scene.sunfleck_settings, scene.render
     percent = render.resolution_percentage / 100.0
     sunfleck = {
@@ -41,8 +43,13 @@ def of_scene(scene):
         written["sunfleck_fog"] = {
             **fog(own), "scale_height": own.scale_height, "base_height": own.base_height
         }
-    if own.background_strength > 0.0:
-        written["sunfleck_env"] = {"color": list(own.background_color), "strength": own.background_strength}
+    sky = None
+    if own.use_world:
+        sky = world.of_world(scene, path)
+    elif own.background_strength > 0.0:
+        sky = {"color": list(own.background_color), "strength": own.background_strength}
+    if sky:
+        written["sunfleck_env"] = {**sky, "lights": own.sky_lights}
     return written
 
 
@@ -146,9 +153,9 @@ def plain(value):
     return value.to_dict() if hasattr(value, "to_dict") else {}
 
 
-def store(scene):
-    """Writes them all."""
-    put(scene, of_scene(scene))
+def store(scene, path=None):
+    """Writes them all, and images beside the file that is to be written."""
+    put(scene, of_scene(scene, path))
     for thing in scene.objects:
         put(thing, of_object(thing))
         if thing.type == "CAMERA":

@@ -42,8 +42,11 @@ class SUNFLECK_PT_world(ScenePanel, bpy.types.Panel):
 
     def draw(self, context):
         own, column = context.scene.sunfleck_settings, self.column()
-        column.prop(own, "background_color")
-        column.prop(own, "background_strength")
+        column.prop(own, "use_world")
+        if not own.use_world:
+            column.prop(own, "background_color")
+            column.prop(own, "background_strength")
+        column.prop(own, "sky_lights")
         column.prop(own, "use_fog")
         if own.use_fog:
             draw_fog(column, own)

@@ -17,6 +17,13 @@ PASSES = [
 ]
 
 
+SKY_LIGHTS = [
+    ("nothing", "Nothing", "It is a background"),
+    ("surfaces", "Surfaces", "It lights surfaces"),
+    ("surfaces_and_fog", "Surfaces and fog", "It lights surfaces and fog"),
+]
+
+
 def colour(name, description, default=(1.0, 1.0, 1.0)):
     return FloatVectorProperty(
         name=name, description=description, subtype="COLOR", default=default, min=0.0, max=1.0
@@ -47,8 +54,12 @@ class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
         name="Scale height", description="Metres over which the density falls to 1/e", default=3.0, min=0.01
     )
     base_height: FloatProperty(name="Base", description="Height above which it thins out, metres", default=0.0)
-    background_color: colour("Background", "What lies beyond the scene; it lights nothing")
+    background_color: colour("Background", "What lies beyond the scene")
     background_strength: FloatProperty(name="Strength", description="W/(m2 sr)", default=0.0, min=0.0)
+    use_world: BoolProperty(
+        name="World as sky", description="The world's colour or environment texture instead of the background"
+    )
+    sky_lights: EnumProperty(name="Lights", description="What the sky lights", items=SKY_LIGHTS, default="nothing")
 
 
 class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):

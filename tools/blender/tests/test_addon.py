@@ -4,6 +4,7 @@
 """
 
 import json
+import math
 import os
 import struct
 import subprocess
@@ -154,6 +155,80 @@ class Export(Case):
             self.assertIn(f"/materials/0/{value}", pointers)
         loud = [remark for remark in inspect(path)["remarks"] if "warning" in remark]
         self.assertEqual(loud, [])
+
+    def environment(self, image):
+        """A world that shows an image, turned by 0.4 about Z."""
+        world = bpy.data.worlds.new("world")
+        world.use_nodes = True
+        self.scene.world = world
+        nodes, links = world.node_tree.nodes, world.node_tree.links
+        texture, mapping = nodes.new("ShaderNodeTexEnvironment"), nodes.new("ShaderNodeMapping")
+        coordinates = nodes.new("ShaderNodeTexCoord")
+        texture.image, texture.interpolation = image, "Linear"
+        mapping.inputs["Rotation"].default_value[2] = 0.4
+        links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+        links.new(mapping.outputs[0], texture.inputs["Vector"])
+        background = next(node for node in nodes if node.type == "BACKGROUND")
+        background.inputs["Strength"].default_value = 2.0
+        links.new(texture.outputs[0], background.inputs["Color"])
+
+    def gradients(self):
+        """An image that differs in every direction, smooth enough for any interpolation."""
+        image = bpy.data.images.new("sky", 64, 32, float_buffer=True)
+        pixels = []
+        for row in range(32):
+            for column in range(64):
+                across, up = math.tau * (column + 0.5) / 64, (row + 0.5) / 32
+                pixels += [0.5 + 0.4 * math.cos(across), 0.5 + 0.4 * math.sin(across), up, 1.0]
+        image.pixels = pixels
+        return image
+
+    def test_the_worlds_image_is_the_sky(self):
+        self.environment(self.gradients())
+        own = self.scene.sunfleck_settings
+        own.use_world, own.sky_lights, own.use_samples, own.samples = True, "surfaces_and_fog", True, 4
+        scenes.camera(self.scene, location=(0.0, 0.0, 0.0), towards=(0.5, 1.0, 0.2), angle_deg=70.0)
+        path = self.folder / "scene.glb"
+        self.assertEqual(export.export(self.scene, path), [])
+        said = document(path)["scenes"][0]["extras"]["sunfleck_env"]
+        self.assertEqual((said["image"], said["lights"], said["strength"]), ("scene_sky.exr", "surfaces_and_fog", 2.0))
+        ours = self.folder / "ours.exr"
+        subprocess.run([PROGRAM, "render", str(path), "--passes", "none", "--out", str(ours)], capture_output=True, check=True)
+        render = self.scene.render
+        render.engine, render.image_settings.file_format, render.filepath = "CYCLES", "OPEN_EXR", str(self.folder / "theirs.exr")
+        self.scene.cycles.samples, self.scene.cycles.use_denoising = 16, False
+        bpy.ops.render.render(write_still=True)
+        theirs = bpy.data.images.load(str(self.folder / "theirs.exr"))
+        pixels = [list(image.pixels) for image in (bpy.data.images.load(str(ours)), theirs)]
+        colours = [index for index in range(len(pixels[0])) if index % 4 != 3]
+        differences = [abs(pixels[0][index] - pixels[1][index]) for index in colours]
+        self.assertLess(sum(differences) / len(differences), 5e-3)
+        self.assertLess(max(differences), 5e-2)
+
+    def test_a_plain_world_is_a_sky_and_others_are_said(self):
+        world = bpy.data.worlds.new("world")
+        world.use_nodes = True
+        self.scene.world = world
+        scenes.camera(self.scene)
+        background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+        background.inputs["Color"].default_value, background.inputs["Strength"].default_value = (0.25, 0.5, 1.0, 1.0), 3.0
+        self.assertIn("tick World as sky", " ".join(finding.message for finding in check.check(self.scene)))
+        self.scene.sunfleck_settings.use_world = True
+        self.assertEqual(check.check(self.scene), [])
+        said = extras.of_scene(self.scene)["sunfleck_env"]
+        self.assertEqual(said, {"color": [0.25, 0.5, 1.0], "strength": 3.0, "lights": "nothing"})
+        sky = world.node_tree.nodes.new("ShaderNodeTexSky")
+        world.node_tree.links.new(sky.outputs[0], background.inputs["Color"])
+        self.assertIn("other than an environment texture", " ".join(finding.message for finding in check.check(self.scene)))
+        self.assertNotIn("sunfleck_env", extras.of_scene(self.scene, self.folder / "scene.glb"))
+
+    def test_a_sky_lights_what_is_chosen(self):
+        scenes.camera(self.scene)
+        own = self.scene.sunfleck_settings
+        own.background_strength, own.sky_lights = 0.5, "surfaces"
+        path = self.folder / "scene.glb"
+        export.export(self.scene, path)
+        self.assertEqual(document(path)["scenes"][0]["extras"]["sunfleck_env"]["lights"], "surfaces")
 
     def test_nothing_hand_written_is_lost(self):
         scenes.camera(self.scene)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import bpy
 import mathutils
+import mathutils.kdtree
 import scenes
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
@@ -37,10 +38,50 @@ def rows(numbers):
     return [numbers[row : row + 4] for row in range(0, 16, 4)]
 
 
+class Curves:
+    """Objects' places from their F-curves and parents alone: what Blender's evaluation gives, without meshes."""
+
+    def __init__(self, scene):
+        self.objects = list(scene.objects)
+        self.curves = {thing: self.of(thing) for thing in self.objects}
+
+    @staticmethod
+    def of(thing):
+        data = thing.animation_data
+        if not data or not data.action:
+            return []
+        bags = [strip.channelbag(data.action_slot) for layer in data.action.layers for strip in layer.strips]
+        return [curve for bag in bags if bag for curve in bag.fcurves]
+
+    def at(self, frame):
+        """Worlds by object."""
+        worlds = {}
+
+        def world(thing):
+            if thing not in worlds:
+                above = world(thing.parent) @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
+                worlds[thing] = above @ self.basis(thing, frame)
+            return worlds[thing]
+
+        for thing in self.objects:
+            world(thing)
+        return worlds
+
+    def basis(self, thing, frame):
+        parts = {"location": thing.location.copy(), "rotation_quaternion": thing.rotation_quaternion.copy(), "scale": thing.scale.copy()}
+        if thing.rotation_mode != "QUATERNION" or not self.curves[thing]:
+            return thing.matrix_basis
+        for curve in self.curves[thing]:
+            if curve.data_path in parts:
+                parts[curve.data_path][curve.array_index] = curve.evaluate(frame)
+        return mathutils.Matrix.LocRotScale(parts["location"], parts["rotation_quaternion"].normalized(), parts["scale"])
+
+
 class Opened(unittest.TestCase):
     """`check` compares one input; what it prints are the largest differences."""
 
-    def check(self, source, frames):
+    def check(self, source, frames, evaluated=1):
+        """Blender evaluates the whole scene at every frame, or at one in `evaluated`; there are curves for the others."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         path = Path(folder.name) / "scene.glb"
@@ -54,10 +95,16 @@ class Opened(unittest.TestCase):
         bpy.ops.import_scene.gltf(filepath=str(path))
         self.worst = {"place": 0.0, "projection": 0.0, "light": 0.0}
         self.compared = dict.fromkeys(self.worst, 0)
-        for frame in truth["frames"]:
-            scene.frame_set(int(frame["frame"]))
+        curves = Curves(scene)
+        for number, frame in enumerate(truth["frames"]):
+            worlds = curves.at(frame["frame"])
+            if number % evaluated == 0:
+                scene.frame_set(int(frame["frame"]))
+                worlds = {thing: thing.matrix_world.copy() for thing in worlds}
             for name, node in frame["nodes"].items():
-                self.compare_place(source, frame["frame"], bpy.data.objects[name], rows(node["world"]))
+                self.compare_place(source, frame["frame"], name, rows(node["world"]), worlds)
+            if number % evaluated:
+                continue
             for name, camera in frame["cameras"].items():
                 self.compare_lens(bpy.data.objects[name], rows(camera["projection"]), truth["size"])
             for name, light in frame["lights"].items():
@@ -71,14 +118,30 @@ class Opened(unittest.TestCase):
         self.worst[what] = max(self.worst[what], difference)
         self.compared[what] += 1
 
-    def compare_place(self, source, frame, thing, world):
+    def compare_place(self, source, frame, name, world, worlds):
+        thing = bpy.data.objects.get(name)
+        if thing is None or thing.type == "ARMATURE":
+            return self.compare_bone(source, frame, name, world)
+        if any(modifier.type == "ARMATURE" for modifier in thing.modifiers):
+            return None  # What follows a skeleton is nowhere else: its vertices are compared below.
         turn_back = TURN.inverted()
         # Cameras and lights look along -Z in both; everything else is turned with its mesh.
         looks = thing.type in {"CAMERA", "LIGHT"}
-        found = turn_back @ thing.matrix_world @ (mathutils.Matrix() if looks else TURN)
+        found = turn_back @ worlds[thing] @ (mathutils.Matrix() if looks else TURN)
         difference = farthest(found, world)
         self.note("place", difference)
         self.assertLessEqual(difference, PLACES, f"{source}, frame {frame}: `{thing.name}`")
+
+    def compare_bone(self, source, frame, name, world):
+        """A joint: Blender turns bones as it likes, and their heads stand where the joints do."""
+        heads = [thing.matrix_world @ thing.pose.bones[name].head for thing in bpy.data.objects
+                 if thing.type == "ARMATURE" and name in thing.pose.bones]
+        for head in heads:
+            difference = (TURN.inverted() @ head - mathutils.Vector([row[3] for row in world[:3]])).length
+            self.note("place", difference)
+            self.assertLessEqual(difference, PLACES, f"{source}, frame {frame}: bone `{name}`")
+        if not heads:
+            self.assertIn(name, bpy.data.objects, source)
 
     def compare_lens(self, thing, projection, size):
         graph = bpy.context.evaluated_depsgraph_get()
@@ -99,14 +162,18 @@ class Opened(unittest.TestCase):
         self.assertLessEqual(difference, 1e-5, thing.name)
 
     def test_falling_leaves(self):
-        self.check("sequences/falling_leaves.ron", range(1, 49, 8))
-        self.assertGreater(self.compared["place"], 1000)
+        self.check("sequences/falling_leaves.ron", range(1, 49), evaluated=8)
+        self.assertGreater(self.compared["place"], 40_000)
 
     def test_one_leaf(self):
         self.check("sequences/one_leaf.ron", range(1, 49))
 
     def test_what_came_from_blender(self):
         self.check("tests/data/blender/a_leaves40_sampled.glb", range(1, 61))
+
+    def test_skeletons_and_morph_targets(self):
+        self.check("tests/data/blender/d_skin.glb", range(1, 25))
+        self.check("tests/data/blender/c_morph.glb", range(1, 25))
 
     def test_cameras_of_every_kind(self):
         self.check("tests/data/blender/h_cameras.glb", [1])
@@ -118,6 +185,51 @@ class Opened(unittest.TestCase):
 
     def test_shear_mirrors_and_scales_to_nothing(self):
         self.check("tests/data/blender/h_transforms_scene.glb", range(1, 25))
+
+
+class Bent(unittest.TestCase):
+    """Skins and morph targets: what Blender makes of the exported file, and what it had itself (tests/data/blender)."""
+
+    def compare(self, name):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        written = Path(folder.name) / "scene.glb"
+        program("export", ROOT / "tests/data/blender" / f"{name}.glb", written)
+        scene = scenes.empty()
+        scene.render.fps = 24
+        bpy.ops.import_scene.gltf(filepath=str(written))
+        truth = json.loads((ROOT / "tests/data/blender" / f"{name}.gt.json").read_text())
+        worst, moved, compared, first = 0.0, 0.0, 0, {}
+        for frame in truth["frames"]:
+            if frame["frame"] % 1.0:
+                continue
+            scene.frame_set(int(frame["frame"]))
+            graph = bpy.context.evaluated_depsgraph_get()
+            for thing, told in frame["objects"].items():
+                vertices = told.get("verts_world", {}).get("pos", {})
+                tree = self.vertices(bpy.data.objects[thing].evaluated_get(graph)) if vertices else None
+                for number, vertex in vertices.items():
+                    worst = max(worst, tree.find(vertex)[2])
+                    before = first.setdefault((thing, number), mathutils.Vector(vertex))
+                    moved = max(moved, (mathutils.Vector(vertex) - before).length)
+                    compared += 1
+        print(f"{name}: {compared} vertices move by {moved:.2f} and are off by {worst:.1e}")
+        self.assertGreater(moved, 0.05)
+        self.assertLessEqual(worst, PLACES)
+
+    def vertices(self, thing):
+        """A mesh's, in glTF's space."""
+        tree = mathutils.kdtree.KDTree(len(thing.data.vertices))
+        for index, vertex in enumerate(thing.data.vertices):
+            tree.insert(TURN.inverted() @ thing.matrix_world @ vertex.co, index)
+        tree.balance()
+        return tree
+
+    def test_skins(self):
+        self.compare("d_skin")
+
+    def test_morph_targets(self):
+        self.compare("c_morph")
 
 
 if __name__ == "__main__":

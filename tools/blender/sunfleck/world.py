@@ -1,0 +1,108 @@
+"""The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose image then
+lies beside the exported file. Invariant: what the world shows and the property cannot say is among the losses.
+"""
+
+import math
+import shutil
+from pathlib import Path
+from urllib.parse import quote
+
+import bpy
+
+# Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
+QUARTER_TURN = -0.5 * math.pi
+READ_AS_IT_IS = {".hdr", ".exr"}
+
+
+def backgrounds(scene):
+    """The world's background shaders."""
+    tree = scene.world and scene.world.node_tree
+    return [node for node in tree.nodes if node.type == "BACKGROUND"] if tree else []
+
+
+def shines(scene):
+    """Whether the world sends any light."""
+    return any(
+        node.inputs["Strength"].default_value > 0.0
+        and (node.inputs["Color"].is_linked or max(node.inputs["Color"].default_value[:3]) > 0.0)
+        for node in backgrounds(scene)
+    )
+
+
+def losses(scene):
+    """Why the world cannot be the sky; nothing if it can."""
+    shaders = backgrounds(scene)
+    if len(shaders) != 1:
+        return ["the world has not one background shader: it is not exported"]
+    color, strength = shaders[0].inputs["Color"], shaders[0].inputs["Strength"]
+    lost = []
+    if strength.is_linked:
+        lost.append("the strength of the world's background comes from nodes: its own value is exported")
+    data = scene.world.node_tree.animation_data
+    if data and (data.action or data.drivers):
+        lost.append("the world changes: it is exported as it is now")
+    texture = environment(shaders[0])
+    if color.is_linked and texture is None:
+        return ["the world's colour comes from nodes other than an environment texture: it is not exported", *lost]
+    if texture is not None:
+        if texture.projection != "EQUIRECTANGULAR":
+            lost.append("the world's environment texture is not equirectangular: it is exported as if it were")
+        if turn(texture) is None:
+            lost.append("of the world's mapping only a turn about Z is exported")
+    return lost
+
+
+def of_world(scene, path):
+    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if the world cannot be exported."""
+    shaders = backgrounds(scene)
+    if len(shaders) != 1:
+        return None
+    color, strength = shaders[0].inputs["Color"], shaders[0].inputs["Strength"].default_value
+    if not color.is_linked:
+        return {"color": list(color.default_value[:3]), "strength": strength}
+    texture = environment(shaders[0])
+    if texture is None or path is None:
+        return None
+    rotation = QUARTER_TURN + (turn(texture) or 0.0)
+    return {"image": quote(written(texture.image, Path(path))), "strength": strength, "rotation": rotation}
+
+
+def environment(background):
+    """The environment texture that a background shows, if that is what it shows."""
+    links = background.inputs["Color"].links
+    node = links[0].from_node if links else None
+    return node if node and node.type == "TEX_ENVIRONMENT" and node.image else None
+
+
+def turn(texture):
+    """How far the picture is turned anticlockwise as seen from above; `None` if otherwise mapped."""
+    links = texture.inputs["Vector"].links
+    node = links[0].from_node if links else None
+    if node is None or node.type == "TEX_COORD":
+        return 0.0
+    if node.type != "MAPPING" or any(node.inputs[name].is_linked for name in ("Rotation", "Scale")):
+        return None
+    x, y, z = node.inputs["Rotation"].default_value
+    if any(abs(angle) > 1e-6 for angle in (x, y)) or any(abs(s - 1.0) > 1e-6 for s in node.inputs["Scale"].default_value):
+        return None
+    # Where a direction is looked up is turned one way, the picture the other.
+    return z if node.vector_type == "TEXTURE" else -z
+
+
+def written(image, path):
+    """The name of a file beside `path` with the image, radiances as they are."""
+    source = Path(bpy.path.abspath(image.filepath, library=image.library)) if image.filepath else None
+    if image.source == "FILE" and not image.packed_file and source and source.suffix.lower() in READ_AS_IT_IS:
+        beside = path.with_name(f"{path.stem}_sky{source.suffix.lower()}")
+        if not (beside.exists() and beside.samefile(source)):
+            shutil.copyfile(source, beside)
+        return beside.name
+    beside = path.with_name(f"{path.stem}_sky.exr")
+    settings_of = bpy.data.scenes.new("sunfleck image")
+    try:
+        settings = settings_of.render.image_settings
+        settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
+        image.save_render(str(beside), scene=settings_of)
+    finally:
+        bpy.data.scenes.remove(settings_of)
+    return beside.name
