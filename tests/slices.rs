@@ -8,7 +8,8 @@ use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
-    Aperture, FogShape, HeightFalloff, Light, LightKind, Motion, Node, Scene, Size, Track,
+    AlphaMode, Aperture, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node, Scene, Size,
+    Track,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, Ring, SliceJob, SliceScratch, solve};
@@ -191,4 +192,19 @@ fn spot() {
     let kind =
         LightKind::Spot { outer_angle: Track::from(0.6), blend: Track::from(0.3), radius: Track::from(0.0) };
     assert_equal(&with_light(kind, place, 200.0));
+}
+
+/// Every seventh leaf lets half of the light through: rays that it touches are followed by themselves, and no other.
+#[test]
+fn some_leaves_blended() {
+    let lamp = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));
+    for mut scene in [leaves500(), with_light(LightKind::Point, lamp, 50.0)] {
+        let veil = Material { alpha_mode: AlphaMode::Blend, opacity: 0.5, ..Material::default() };
+        scene.materials.push(veil);
+        let veil = scene.materials.len() - 1;
+        for instance in scene.instances.iter_mut().step_by(7) {
+            instance.material = Some(veil);
+        }
+        assert_equal(&scene);
+    }
 }

@@ -35,8 +35,6 @@ pub enum Reason {
     LightAtCamera,
     /// Parallel rays have no eye for slices to pass through.
     Orthographic,
-    /// Slices keep shadows that are dark, and something lets part of the light through.
-    Blended,
     /// Both can serve, at this cost a sample, in primary rays.
     Cost {
         /// From slices.
@@ -52,9 +50,15 @@ pub fn choose(exposure: &Exposure) -> Choice {
     let reason = obstacle(exposure).unwrap_or_else(|| {
         let lights = snapshot.lights.len() as f64;
         let shafts = if snapshot.medium.is_empty() { 0.0 } else { cost::SHAFTS };
+        // Rays that blended surfaces touch are followed by themselves: without fog, maybe all of them.
+        let alone =
+            if exposure.moments().iter().any(Snapshot::has_blended) { 1.0 + cost::DIRECT } else { 0.0 };
         // Its rays are traced either way, but for what they see that slices know.
         let sky = if exposure.has_sky_light() { 1.0 } else { 0.0 };
-        Reason::Cost { slices: lights * cost::SLICES + sky, rays: 1.0 + lights * (cost::DIRECT + shafts) }
+        Reason::Cost {
+            slices: lights * (cost::SLICES + alone) + sky,
+            rays: 1.0 + lights * (cost::DIRECT + shafts),
+        }
     });
     let placement = match reason {
         Reason::Cost { slices, rays } if slices <= rays => Placement::Slices,
@@ -64,7 +68,7 @@ pub fn choose(exposure: &Exposure) -> Choice {
 }
 
 /// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture,
-/// none of them at the eye, and no blended surface.
+/// and none of them at the eye.
 pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     let at_camera = |light: &Luminaire| match light.centre() {
         FrozenLight::Sun { .. } => false,
@@ -77,8 +81,6 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
         Some(Reason::NoLight)
     } else if lights.iter().any(at_camera) {
         Some(Reason::LightAtCamera)
-    } else if exposure.moments().iter().any(Snapshot::has_blended) {
-        Some(Reason::Blended)
     } else {
         None
     }
@@ -91,7 +93,6 @@ impl fmt::Display for Choice {
             Reason::NoLight => write!(f, "{way}: there is no light"),
             Reason::LightAtCamera => write!(f, "{way}: a light is at the camera"),
             Reason::Orthographic => write!(f, "{way}: the camera is orthographic"),
-            Reason::Blended => write!(f, "{way}: a surface lets part of the light through"),
             Reason::Cost { slices, rays } => {
                 write!(
                     f,

@@ -161,8 +161,9 @@ impl Leg {
     }
 }
 
+/// To the first surface and, by mirrors, beyond.
 #[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
-fn follow(
+pub(super) fn follow(
     snapshot: &Snapshot,
     transport: &Transport,
     light: Illumination,

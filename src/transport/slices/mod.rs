@@ -13,6 +13,7 @@ mod lit_cells;
 mod solve;
 mod sweep;
 mod thinning_fog;
+mod veiled;
 
 pub use fan::{Fan, Place, Ring, Slice, pixel};
 pub use solve::{SliceJob, SliceSample, SliceScratch, solve};

@@ -5,13 +5,14 @@ use super::Fan;
 use super::fan::{Place, Slice};
 use super::fog_profile::FogProfile;
 use super::sweep::{LightRays, PlanarRay, Sweep};
+use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
-use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, mattes, own_and_mirrored};
+use crate::transport::radiance::{Illumination, Leg, Scratch, Transport, follow, mattes, own_and_mirrored};
 use glam::{DVec2, DVec3};
 
 /// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
@@ -24,6 +25,7 @@ pub struct SliceScratch {
     slopes: Vec<f64>,
     cuts: Vec<Cut>,
     sweep: Sweep,
+    veils: VeilSweep,
     fog: FogProfile,
     followed: Scratch,
 }
@@ -61,7 +63,8 @@ struct SliceRay {
     planar: PlanarRay,
 }
 
-/// Values of samples along a slice, each with its number on it, away from the light. Returns how many segments
+/// Values of samples along a slice, each with its number on it, away from the light. Rays that blended surfaces touch
+/// are followed by themselves. Returns how many segments
 /// the slice gathered; `None` if there is no sample, and so nothing done.
 pub fn solve(
     job: &SliceJob,
@@ -80,7 +83,7 @@ pub fn solve(
     let in_plane = |direction: DVec3| {
         DVec2::new(direction.dot(slice.outward).max(LEAST_SPREAD), direction.dot(job.fan.axis))
     };
-    let SliceScratch { rays, slopes, cuts, sweep, fog, followed } = scratch;
+    let SliceScratch { rays, slopes, cuts, sweep, veils, fog, followed } = scratch;
     rays.clear();
     rays.extend(places.map(|(index, place)| SliceRay {
         index,
@@ -90,8 +93,12 @@ pub fn solve(
     let lowest_slope = rays.last()?.planar.slope;
     slopes.clear();
     slopes.extend(rays.iter().map(|ray| ray.planar.slope));
-    cuts.clear();
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
+    cuts.clear();
+    snapshot.blended.add_cuts(&half_plane, cuts);
+    let blended_cuts = cuts.len();
+    veils.start(cuts, light_rays, slopes);
+    cuts.clear();
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, light_rays, slopes);
     let middle_slope = slopes[slopes.len() / 2];
@@ -119,6 +126,15 @@ pub fn solve(
             (facet, distance, meeting.is_lit)
         });
         let distance = surface.map_or(f64::INFINITY, |(_, distance, _)| distance);
+        let lights = std::slice::from_ref(light);
+        let illumination = Illumination { lights, self_luminous: job.self_luminous, sky: false };
+        if blended_cuts > 0 && veils.touches(&planar, light_rays, distance) {
+            let (transport, mirrors) = (job.transport, job.transport.mirror_depth);
+            let mut sampler = Sampler::new(index as u32, 0, 0, 0);
+            let leg = follow(snapshot, transport, illumination, &ray, None, mirrors, &mut sampler, followed);
+            sample(SliceSample { place, value: leg.sample(snapshot, transport, &ray) });
+            continue;
+        }
         let end = distance * planar.direction.x;
         let passage = match *light {
             FrozenLight::Sun { irradiance, .. } if has_profile => fog
@@ -132,8 +148,6 @@ pub fn solve(
             let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
             by_segments(snapshot, light, &ray, distance, shadows, followed)
         });
-        let lights = std::slice::from_ref(light);
-        let illumination = Illumination { lights, self_luminous: job.self_luminous, sky: false };
         let shows = |&(facet, _, is_lit): &(&Facet, f64, bool)| {
             is_lit || facet.shines_or_mirrors() || job.transport.features
         };
@@ -178,7 +192,7 @@ pub fn solve(
         let leg = Leg { radiance, shafts, transmittance, covered, surface, mattes };
         sample(SliceSample { place, value: leg.sample(snapshot, job.transport, &ray) });
     }
-    Some(cuts.len())
+    Some(blended_cuts + cuts.len())
 }
 
 /// Light scattered on the way, and transmittance, as for any ray whose shadows are known.

@@ -1,0 +1,33 @@
+//! Which rays of a slice have to do with blended surfaces. In go what the half plane cuts of these, out comes, ray
+//! by ray, whether one may lie on it or in the light's way. Invariant: none that has to do with one is missed.
+
+use super::sweep::{LightRays, PlanarRay, Sweep};
+use crate::accel::Cut;
+
+/// A sweep over blended surfaces alone: their shadows only tell where to look.
+#[derive(Default)]
+pub(super) struct VeilSweep {
+    sweep: Sweep,
+}
+
+/// Cuts are known in single precision only.
+const SLACK: f64 = 1.0 + 1e-4;
+
+impl VeilSweep {
+    /// Starts over, as [`Sweep::start`].
+    pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, slopes: &[f64]) {
+        self.sweep.start(cuts, light_rays, slopes);
+    }
+
+    /// Goes on to the next ray, which ends at a distance.
+    pub(super) fn touches(&mut self, ray: &PlanarRay, light_rays: LightRays, distance: f64) -> bool {
+        self.sweep.advance(ray, light_rays, |_, _| {});
+        let end = if distance.is_finite() {
+            light_rays.through(distance * ray.direction) * SLACK
+        } else {
+            f64::INFINITY
+        };
+        let (above, own) = self.sweep.shadows();
+        [above, own].iter().any(|shadows| shadows.as_slice().first().is_some_and(|(start, _)| *start <= end))
+    }
+}
