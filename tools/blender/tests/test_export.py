@@ -184,8 +184,8 @@ class Opened(unittest.TestCase):
         self.note("light", difference)
         self.assertLessEqual(difference, 1e-5, thing.name)
 
-    def test_autumn(self):
-        self.check("sequences/autumn.ron", range(1, 49), evaluated=8)
+    def test_falling_leaves(self):
+        self.check("sequences/falling_leaves.ron", range(1, 49), evaluated=8)
         self.assertGreater(self.compared["place"], 40_000)
 
     def test_one_leaf(self):
