@@ -122,6 +122,13 @@ fn dense(
     sum
 }
 
+/// The quadrature does not know where the light's way kinks, so its pieces are short where that may be: its own error
+/// is some 1e-7.
+fn short_pieces() -> Vec<f64> {
+    let near = (0..200).map(|index| 0.2 * f64::from(index));
+    near.chain((6..14).map(|power| 2_f64.powi(power))).collect()
+}
+
 fn scene_of(banks: &[Bank], eye: DVec3) -> Scene {
     let mut scene = camera_at(eye);
     for bank in banks {
@@ -221,11 +228,7 @@ proptest! {
         let (banks, eye) = ([layer, even, thinning], DVec3::new(0.5, height, 0.3));
         let mut scene = scene_of(&banks, eye);
         under_sun(&mut scene, to_sun);
-        // The quadrature does not know where the light's way kinks, so its pieces are short where that may be:
-        // its own error is some 1e-7.
-        let short = (0..200).map(|index| 0.2 * f64::from(index)).chain((6..14).map(|power| 2_f64.powi(power)));
-        let short: Vec<_> = short.collect();
-        let expected = dense(&banks, eye, direction, &short, 30, |_| (to_sun, f64::INFINITY, 20.0));
+        let expected = dense(&banks, eye, direction, &short_pieces(), 30, |_| (to_sun, f64::INFINITY, 20.0));
         assert_close(follow(&scene, &EXACT, direction).shafts.x, expected, 1e-6)?;
     }
 
@@ -240,7 +243,8 @@ proptest! {
         let gap = (lamp - eye).cross(direction).length();
         prop_assume!(gap > 0.5);
         let nearest = (lamp - eye).dot(direction);
-        let around: Vec<_> = (-8..14).flat_map(|power| [-1.0, 1.0].map(|side| nearest + side * 2_f64.powi(power))).collect();
+        let mut around: Vec<_> = (-8..14).flat_map(|power| [-1.0, 1.0].map(|side| nearest + side * 2_f64.powi(power))).collect();
+        around.extend(short_pieces());
         let expected = dense(&banks, eye, direction, &around, 30, |p| {
             let way = lamp - p;
             (way.normalize(), way.length(), 7.0 / way.length_squared())
