@@ -79,7 +79,7 @@ class ThereAndBack(Case):
     @needs_program
     def test_the_picture_is_the_same(self):
         glb, back = self.folder / "leaves.glb", self.folder / "back.glb"
-        program(f"export {SEQUENCES}/autumn.ron {glb} --frames 24-24")
+        program(f"export {SEQUENCES}/falling_leaves.ron {glb} --frames 24-24")
         expected = self.picture(glb)
         for options in (ExportOptions(), ExportOptions(for_blender=True), ExportOptions(point_instancer=True)):
             stage = self.folder / f"leaves_{options.for_blender}_{options.point_instancer}.usdc"
@@ -88,7 +88,7 @@ class ThereAndBack(Case):
             self.assertLess(np.abs(self.picture(back) - expected).mean(), 1e-3 * expected.mean())
 
     def picture(self, path: Path) -> np.ndarray:
-        """A small frame: leaves with textures and light through them, a sun, a sky."""
+        """A small frame: leaves with textures and light through them, a sun, fog and a sky."""
         out = self.folder / f"{path.stem}.exr"
         program(f"render {path} --frames 24 --size 48x27 --samples 4 --threads 1 --out {out}")
         channels = decode(out)

@@ -69,6 +69,8 @@ class _Import:
         self.lights: list[dict] = []
         self.shutter: tuple[float, float] | None = None
         self.scene: dict = {}
+        # Cameras by the names that the stage has for them: nodes may have to get others.
+        self.cameras: dict[str, int] = {}
 
     def run(self) -> bytes:
         """The file's bytes."""
@@ -156,6 +158,8 @@ class _Import:
             meshes = [child for child in own if child.IsA(UsdGeom.Mesh)]
             things = meshes if meshes else own[:1] if len(own) == 1 else []
             children = [child for child in children if child not in things]
+        if any(thing.IsA(UsdGeom.Camera) for thing in things):
+            self.cameras.setdefault(self._name(prim), below)
         self._things(things, below, depth)
         return below, [] if prim.IsA(UsdGeom.PointInstancer) else children
 
@@ -270,6 +274,8 @@ class _Import:
             version=1, fps=source.fps.numerator, fps_base=source.fps.denominator, frame_start=first, frame_end=last,
             light_units="spec",
         )  # fmt: skip
+        if sunfleck.get("camera") in self.cameras:
+            sunfleck["camera"] = self.nodes.of(self.cameras[sunfleck["camera"]])["name"]
         if self.shutter is not None and "shutter" not in sunfleck:
             opening, closing = self.shutter
             sunfleck.update(shutter=closing - opening, shutter_offset=opening)
