@@ -25,6 +25,7 @@ import bpy
 import mathutils
 import numpy
 
+from compare_cycles import picture
 from sunfleck_tools.gltf.lights import LightSource
 from sunfleck_tools.gltf.load import load
 from sunfleck_tools.gltf.meshes import Meshes
@@ -145,14 +146,6 @@ def add_rest(made, gltf, placed, time_s):
             made.camera = bpy.data.objects.new("camera", data)
             made.camera.matrix_world = mathutils.Matrix((cycles.BLENDER_FROM_GLTF @ world).tolist())
             made.collection.objects.link(made.camera)
-
-
-def picture(path):
-    image = bpy.data.images.load(str(path), check_existing=False)
-    width, height = image.size
-    pixels = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
-    bpy.data.images.remove(image)
-    return pixels
 
 
 def seconds_of(who):
