@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import shutil
@@ -61,10 +62,10 @@ class Stages(Case):
         names = ("a_leaves40_sampled", "b_leafcards", "c_morph", "d_skin", "e_inst_default", "f_plain", "g_pbr", "h_cameras",
                  "h_fog_extras", "h_lights_nopointer", "h_time_23976_s101", "h_transforms", "i_conventions_nopointer")  # fmt: skip
         for name in names:
-            for options in ({}, {"point_instancer": True}, {"for_blender": True}):
+            for for_blender, point_instancer in itertools.product((False, True), repeat=2):
                 path = self.folder / f"{name}.usdc"
-                export_usd(SAMPLES / f"{name}.glb", path, ExportOptions(**options))
-                self.assertEqual(validation_errors(path), [], f"{name} {options}")
+                export_usd(SAMPLES / f"{name}.glb", path, ExportOptions(for_blender, point_instancer))
+                self.assertEqual(validation_errors(path), [], f"{name}, for_blender {for_blender}, {point_instancer}")
 
     def test_a_package_holds_its_textures(self):
         path = self.folder / "cards.usdz"

@@ -16,11 +16,13 @@ from sunfleck_tools.gltf.deformation import Bending
 from sunfleck_tools.gltf.meshes import Meshes
 from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
+from sunfleck_tools.usd.materials import NOT_CARRIED
 from sunfleck_tools.usd.reading.triangles import triangulate
 
 from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, needs_program
 
-SEQUENCES = SAMPLES.parents[2] / "sequences"
+CLEARING = Path(__file__).parent / "data/clearing.ron"
+ROUTES = [ExportOptions(for_blender, point_instancer) for for_blender in (False, True) for point_instancer in (False, True)]
 QUAD = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
 
@@ -64,11 +66,10 @@ class ImportCase(Case):
 class ThereAndBack(Case):
     @needs_program
     def test_everything_is_where_and_as_bright_as_it_was(self):
-        routes = (ExportOptions(), ExportOptions(for_blender=True), ExportOptions(point_instancer=True))
         for name in ("a_leaves40_scene", "d_skin", "h_cameras", "h_lights_nopointer", "h_transforms_scene", "i_conventions_nopointer"):
             source = SAMPLES / f"{name}.glb"
             expected = inspect(source, [1.0, 2.5, 17.0, 24.0])
-            for number, options in enumerate(routes):
+            for number, options in enumerate(ROUTES):
                 stage, back = self.folder / f"{name}_{number}.usdc", self.folder / "back.glb"
                 export_usd(source, stage, options)
                 import_usd(stage, back)
@@ -79,9 +80,9 @@ class ThereAndBack(Case):
     @needs_program
     def test_the_picture_is_the_same(self):
         glb, back = self.folder / "leaves.glb", self.folder / "back.glb"
-        program(f"export {SEQUENCES}/falling_leaves.ron {glb} --frames 24-24")
+        program(f"export {CLEARING} {glb} --frames 24-24 --fps 24")
         expected = self.picture(glb)
-        for options in (ExportOptions(), ExportOptions(for_blender=True), ExportOptions(point_instancer=True)):
+        for options in ROUTES:
             stage = self.folder / f"leaves_{options.for_blender}_{options.point_instancer}.usdc"
             export_usd(glb, stage, options)
             import_usd(stage, back)
@@ -114,14 +115,17 @@ class ThereAndBack(Case):
         found, expected = np.ravel(found), np.ravel(expected)
         self.assertLessEqual(np.abs(found - expected).max(), 1e-5 * max(1.0, np.abs(expected).max()), what)
 
+    @needs_program
     def test_materials_come_back(self):
-        for name in ("b_leafcards", "g_pbr", "f_plain", "i_conventions_nopointer"):
-            stage, back = self.folder / f"{name}.usdz", self.folder / "back.glb"
-            export_usd(SAMPLES / f"{name}.glb", stage)
+        clearing = self.folder / "clearing.glb"
+        program(f"export {CLEARING} {clearing}")
+        for source in (clearing, *(SAMPLES / f"{name}.glb" for name in ("b_leafcards", "g_pbr", "f_plain", "i_conventions_nopointer"))):
+            stage, back = self.folder / f"{source.stem}.usdz", self.folder / "back.glb"
+            export_usd(source, stage)
             import_usd(stage, back)
-            old, new = (self.materials(path) for path in (SAMPLES / f"{name}.glb", back))
+            old, new = (self.materials(path) for path in (source, back))
             for material in new:
-                self.assertIn(material, old, name)
+                self.assertIn(material, old, source.stem)
 
     def materials(self, path: Path) -> list[tuple]:
         """What must be the same of materials, to five digits."""
@@ -138,7 +142,8 @@ class ThereAndBack(Case):
                     round(source.get("alphaCutoff", 0.5), 5) if mode == "MASK" else None,
                     ["baseColorTexture" in pbr, "metallicRoughnessTexture" in pbr, "normalTexture" in source],
                     np.round(source.get("emissiveFactor", [0.0] * 3), 5).tolist(),
-                    str(extras.get("sunfleck_leaf")),
+                    [str(extras.get(name)) for name in ("sunfleck_leaf", "sunfleck_material")],
+                    [str(source.get("extensions", {}).get(name)) for name in NOT_CARRIED],
                 )
             )
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from pxr import Sdf, UsdGeom, UsdShade
+from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade, Vt
 
 from sunfleck_tools import SceneError
 from sunfleck_tools.usd import export_usd, import_usd
@@ -91,6 +91,25 @@ class Refusals(ImportCase):
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
         self.assertIn("/m/t: there is no texture `./no such.png`", self.refused(stage))
+
+    def test_custom_data_of_any_type(self):
+        for data in ("text", 3, {"sunfleck_material": "text", "KHR_materials_transmission": 3, "sunfleck_camera": Vt.DoubleArray([1.0, 2.0])},
+                     {"sunfleck_material": {"transmission": "text", "mirror": Gf.Matrix4d(1)}, "sunfleck_light": "text"},
+                     {"sunfleck_material": {"transmission": Vt.DoubleArray([0.5]), "mirror": Sdf.AssetPath("x")}}):  # fmt: skip
+            stage = self.stage()
+            stage.GetRootLayer().customLayerData = {"sunfleck": data}
+            mesh, material = quad(stage, "/a"), UsdShade.Material.Define(stage, "/m")
+            shader = UsdShade.Shader.Define(stage, "/m/s")
+            shader.CreateIdAttr("UsdPreviewSurface")
+            material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+            UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+            prims = [UsdGeom.Camera.Define(stage, "/camera"), UsdLux.SphereLight.Define(stage, "/lamp"), material]
+            for prim in prims:
+                prim.GetPrim().SetCustomDataByKey("sunfleck", data)
+            try:
+                self.load(stage)
+            except SceneError as error:
+                self.assertIn("does not fit its place", str(error))
 
     def test_flipped_bytes_raise_nothing_else(self):
         for ending in ("usdc", "usda"):

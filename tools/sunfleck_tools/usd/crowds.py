@@ -1,7 +1,7 @@
 """Many places of few meshes as one PointInstancer. Invariant: instances are those nodes' places, in the nodes' order.
 
-Places are those of `orientationsf`; `orientations`, in halves, are there for programs that know no others (Blender 5.0), and are
-off by up to 5e-4.
+Turns are those of `orientationsf`; `orientations`, in halves, are there for programs that know no others, and are off by up to
+5e-4. Blender 5.0 is one of them: in a stage for it prototypes turn in their instances' stead.
 """
 
 from __future__ import annotations
@@ -10,8 +10,20 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from ..gltf.nodes import Node
+from .places import write_turn_and_scale
 from .prims import Names, Prim, Types, vectors
+from .properties import say_leaf_id
 from .samples import Sampler, thinned
+
+
+ATTRIBUTES = {
+    "translation": [("positions", Types.Point3fArray, lambda rows: vectors(Vt.Vec3fArray, rows))],
+    "rotation": [
+        ("orientationsf", Types.QuatfArray, lambda rows: Vt.QuatfArray.FromNumpy(np.ascontiguousarray(rows, np.float32))),
+        ("orientations", Types.QuathArray, lambda rows: Vt.QuathArray.FromNumpy(np.ascontiguousarray(rows, np.float16))),
+    ],
+    "scale": [("scales", Types.Float3Array, lambda rows: vectors(Vt.Vec3fArray, rows))],
+}
 
 
 def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
@@ -28,39 +40,59 @@ def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
     return {parent: sorted(each, key=lambda node: node.index) for parent, each in found.items()}
 
 
-def write_crowd(prim: Prim, nodes: list[Node], prototypes: list[Sdf.Path], sampler: Sampler, names: Names) -> None:
-    """An instancer of nodes with one parent; `prototypes` has one for each of them."""
-    paths = list(dict.fromkeys(prototypes))
+def write_crowd(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names, for_blender: bool) -> None:
+    """An instancer of nodes with one parent; `shapes` has one for each of them."""
+    if for_blender:
+        numbers = _turned_prototypes(prim, nodes, shapes, sampler, names)
+        _write_parts(prim, nodes, sampler, ["translation"])
+    else:
+        numbers = _shared_prototypes(prim, shapes, names)
+        _say_names(prim, nodes)
+        _write_parts(prim, nodes, sampler, ["translation", "scale", "rotation"])
+    prim.set("protoIndices", Types.IntArray, Vt.IntArray(numbers))
+
+
+def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list[int]:
+    """A prototype for each mesh, below the instancer, where nobody draws them but it; which of them each instance is."""
+    paths = list(dict.fromkeys(shapes))
     targets = []
     for path in paths:
-        # Below the instancer, where nobody draws them but it.
         copy = prim.child(names.new(path.name), "Xform")
         copy.refer_to(path)
         targets.append(copy.path)
     prim.relate("prototypes", *targets)
     number = {path: index for index, path in enumerate(paths)}
-    prim.set("protoIndices", Types.IntArray, Vt.IntArray([number[path] for path in prototypes]))
+    return [number[path] for path in shapes]
+
+
+def _turned_prototypes(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names) -> list[int]:
+    """A prototype for each node, which turns and is scaled as it does: an instance of the mesh."""
+    targets = []
+    for node, path in zip(nodes, shapes):
+        turned = prim.child(names.new(node.name), "Xform")
+        write_turn_and_scale(turned, node, sampler)
+        turned.say_name(node.key)
+        say_leaf_id(turned, node)
+        turned.refer_to(path)
+        turned.spec.instanceable = True
+        targets.append(turned.path)
+    prim.relate("prototypes", *targets)
+    return list(range(len(nodes)))
+
+
+def _say_names(prim: Prim, nodes: list[Node]) -> None:
     ids = [node.extras.member("leaf_id") for node in nodes]
     if all(each is not None for each in ids) and len({each.raw for each in ids}) == len(ids):
         prim.set("ids", Types.Int64Array, Vt.Int64Array([each.whole() for each in ids]))
     prim.set("userProperties:sunfleck_names", Types.StringArray, Vt.StringArray([node.key for node in nodes]), custom=True)
-    _write_parts(prim, nodes, sampler)
 
 
-def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler) -> None:
-    def rows(path: str) -> tuple[np.ndarray, np.ndarray]:
+def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler, paths: list[str]) -> None:
+    for path in paths:
         # At whole frames alone: the keys of all would be too many codes for each.
         codes = sampler.frames if any(path in node.curves for node in nodes) else sampler.frames[:1]
         times = sampler.seconds(codes)
         # time, instance
-        return thinned(codes, np.stack([node.parts_at(path, times) for node in nodes], axis=1))
-
-    codes, places = rows("translation")
-    prim.animate("positions", Types.Point3fArray, codes, [vectors(Vt.Vec3fArray, each) for each in places])
-    codes, scales = rows("scale")
-    prim.animate("scales", Types.Float3Array, codes, [vectors(Vt.Vec3fArray, each) for each in scales])
-    codes, turns = rows("rotation")
-    exact = [Vt.QuatfArray.FromNumpy(np.ascontiguousarray(each, np.float32)) for each in turns]
-    prim.animate("orientationsf", Types.QuatfArray, codes, exact)
-    halves = [Vt.QuathArray.FromNumpy(np.ascontiguousarray(each, np.float16)) for each in turns]
-    prim.animate("orientations", Types.QuathArray, codes, halves)
+        codes, rows = thinned(codes, np.stack([node.parts_at(path, times) for node in nodes], axis=1))
+        for name, kind, make in ATTRIBUTES[path]:
+            prim.animate(name, kind, codes, [make(each) for each in rows])

@@ -22,7 +22,8 @@ from .geometry import Geometry
 from .lights import kind_of, write_light
 from .materials import Materials
 from .places import write_place
-from .prims import Names, Prim, Types
+from .prims import Names, Prim
+from .properties import say_leaf_id
 from .samples import Sampler
 from .sky import write_sky
 from .surroundings import write_fog, write_metadata, write_scene
@@ -135,7 +136,8 @@ class _Export:
         for parent, nodes in grouped.items():
             holder = written[parent]
             prim = self._child(holder, "leaves" if parent < 0 else f"{holder.path.name}_leaves", "PointInstancer")
-            write_crowd(prim, nodes, [self.geometry.prototype(node) for node in nodes], self.sampler, self.names)
+            shapes = [self.geometry.prototype(node) for node in nodes]
+            write_crowd(prim, nodes, shapes, self.sampler, self.names, self.options.for_blender)
 
     def _is_plain(self, node: Node) -> bool:
         """True if there is nothing at the node but a mesh that keeps its shape."""
@@ -155,9 +157,7 @@ class _Export:
         kind = light if alone and light else "Camera" if alone and has_camera else "Xform"
         prim = self._child(parent, node.name, kind)
         prim.say_name(node.key)
-        leaf_id = node.extras.member("leaf_id")
-        if leaf_id is not None:
-            prim.set("userProperties:leaf_id", Types.Int, leaf_id.whole(0, 2**31 - 1), custom=True)
+        say_leaf_id(prim, node)
         write_place(prim, node, self.gltf, self.sampler, self.options.for_blender)
         if light:
             target = prim if alone else self._child(prim, f"{node.name}_light", light)

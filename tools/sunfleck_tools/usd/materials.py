@@ -49,6 +49,9 @@ class Materials:
             if (extension := source.extension(name)) is not None:
                 ours[name] = extension.raw
                 self.lost.append(f"what {name} says is kept as custom data alone: UsdPreviewSurface has no word for it")
+        if source.text_at("alphaMode", "OPAQUE") == "BLEND":
+            # An opacity of 1, as of filters, does not tell.
+            ours["alpha_mode"] = "BLEND"
         normal = source.member("normalTexture")
         if normal is not None and normal.number_at("scale", 1.0) != 1.0:
             ours["normal_scale"] = normal.number_at("scale", 1.0)

@@ -28,22 +28,35 @@ def write_place(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blende
         prim.set("xformOp:transform", Types.Matrix4d, Gf.Matrix4d(*node.matrix.T.ravel().tolist()))
         order.append("xformOp:transform")
     elif node.matrix is None:
-        for path, (name, kind, make) in OPERATIONS.items():
-            codes = sampler.codes(node.curves.get(path))
-            codes, rows = thinned(codes, node.parts_at(path, sampler.seconds(codes)))
-            rest = None
-            if path == "rotation":
-                rows, rest = steadied(rows)
-            if len(codes) > 1 or not np.allclose(rows[0], RESTS[path], rtol=0, atol=1e-12):
-                prim.animate(name, kind, codes, make(rows))
-                order.append(name)
-            if rest is not None:
-                prim.set("xformOp:orient:rest", Types.Quatd, quaternions(rest[None])[0])
-                order.append("xformOp:orient:rest")
+        for path in OPERATIONS:
+            order += _write_part(prim, node, path, sampler)
     if _write_visibility(prim, node, gltf, sampler, for_blender):
         order.append("xformOp:scale:shown")
     if order:
         prim.set("xformOpOrder", Types.TokenArray, Vt.TokenArray(order), uniform=True)
+
+
+def write_turn_and_scale(prim: Prim, node: Node, sampler: Sampler) -> None:
+    """What is left of a node's place without its translation."""
+    order = [name for path in ("rotation", "scale") for name in _write_part(prim, node, path, sampler)]
+    if order:
+        prim.set("xformOpOrder", Types.TokenArray, Vt.TokenArray(order), uniform=True)
+
+
+def _write_part(prim: Prim, node: Node, path: str, sampler: Sampler) -> list[str]:
+    name, kind, make = OPERATIONS[path]
+    codes = sampler.codes(node.curves.get(path))
+    codes, rows = thinned(codes, node.parts_at(path, sampler.seconds(codes)))
+    order, rest = [], None
+    if path == "rotation":
+        rows, rest = steadied(rows)
+    if len(codes) > 1 or not np.allclose(rows[0], RESTS[path], rtol=0, atol=1e-12):
+        prim.animate(name, kind, codes, make(rows))
+        order.append(name)
+    if rest is not None:
+        prim.set("xformOp:orient:rest", Types.Quatd, quaternions(rest[None])[0])
+        order.append("xformOp:orient:rest")
+    return order
 
 
 def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> bool:

@@ -10,6 +10,7 @@ import json
 import numpy as np
 from pxr import Gf
 
+from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
 from .prims import Prim, Types
 from .samples import Sampler, thinned
@@ -26,6 +27,13 @@ def write_properties(prim: Prim, name: str, fields: dict, owner: str, gltf: Gltf
             _write(prim, attribute, value)
         else:
             _animate(prim, attribute, control, gltf, sampler)
+
+
+def say_leaf_id(prim: Prim, node: Node) -> None:
+    """Which leaf a node is, if it says so."""
+    leaf_id = node.extras.member("leaf_id")
+    if leaf_id is not None:
+        prim.set(f"{SPACE}leaf_id", Types.Int, leaf_id.whole(0, 2**31 - 1), custom=True)
 
 
 def _write(prim: Prim, attribute: str, value: object) -> None:

@@ -19,7 +19,7 @@ from .lenses import read_camera
 from .meshes import Meshes
 from .nodes import Nodes
 from .places import local_matrices
-from .properties import number_of, read_properties, text_of
+from .properties import custom_data, number_of, read_properties, text_of
 from .source import Source, open_stage, usd_said
 
 STILL = np.eye(4)[None]
@@ -235,8 +235,8 @@ class _Import:
             self.lights.append({"name": self.nodes.of(node)["name"], **lamp.light})
             extension = {"light": len(self.lights) - 1}
             self.nodes.of(node).setdefault("extensions", {})["KHR_lights_punctual"] = extension
-        kept = (prim.GetCustomDataByKey("sunfleck") or {}).get("sunfleck_light", {})
-        if kept.get("visible_to_camera") is True:
+        kept = custom_data(prim).get("sunfleck_light")
+        if isinstance(kept, dict) and kept.get("visible_to_camera") is True:
             lamp.extras["visible_to_camera"] = True
         if lamp.extras:
             self.nodes.extra(node, "sunfleck_light", lamp.extras)

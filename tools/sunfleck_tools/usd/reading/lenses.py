@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
 from .places import codes_of
+from .properties import custom_data
 from .source import Source
 
 TENTHS = 0.1
@@ -57,9 +58,9 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
     shift = [float(each.Get(source.first) or 0.0) * TENTHS * source.metres / max(wide[0], high[0]) for each in offsets]
     if any(shift):
         extras["shift"] = shift
-    kept = prim.GetCustomDataByKey("sunfleck") or {}
-    if "blades" in kept.get("sunfleck_camera", {}):
-        extras["blades"] = int(kept["sunfleck_camera"]["blades"])
+    kept = custom_data(prim).get("sunfleck_camera")
+    if isinstance(kept, dict) and "blades" in kept:
+        extras["blades"] = int(kept["blades"])
     # Time codes from the frame.
     frames = float(source.fps) / source.stage.GetTimeCodesPerSecond()
     shutter = (camera.GetShutterOpenAttr(), camera.GetShutterCloseAttr())

@@ -46,6 +46,18 @@ def _plain(value: object) -> object:
     return array.tolist() if array.dtype.kind in "fiu" and np.isfinite(array).all() else None
 
 
+def custom_data(prim: Usd.Prim) -> dict:
+    """What a prim has below `sunfleck` in its custom data, whatever type that is, in the types of JSON."""
+    found = prim.GetCustomDataByKey("sunfleck")
+    return _unpacked(found) if isinstance(found, dict) else {}
+
+
+def _unpacked(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _unpacked(each) for key, each in value.items()}
+    return value if isinstance(value, (bool, int, float, str)) else list(map(float, value))
+
+
 def number_of(prim: Usd.Prim, name: str, source: Source) -> int | None:
     """A property that is a whole number."""
     attribute = prim.GetAttribute(f"{SPACE}{name}")

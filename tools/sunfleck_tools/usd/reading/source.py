@@ -85,8 +85,9 @@ def open_stage(path: Path) -> Source:
         raise SceneError(f"{path}: a unit of {metres} metres is no unit")
     fps, codes = _clock(path, stage)
     said = stage.GetRootLayer().documentation
-    ours = stage.GetRootLayer().customLayerData.get("sunfleck", {})
-    return Source(path, stage, fps, codes, said.startswith("Blender v"), bool(ours), ours.get("for") == "blender")
+    ours = stage.GetRootLayer().customLayerData.get("sunfleck")
+    is_for = ours.get("for") if isinstance(ours, dict) else None
+    return Source(path, stage, fps, codes, said.startswith("Blender v"), bool(ours), is_for == "blender")
 
 
 def _said(error: Exception) -> str:

@@ -10,13 +10,18 @@ from pxr import Ar, Usd, UsdShade
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
+from ..materials import NOT_CARRIED, OURS
+from .properties import custom_data
 from .source import Source
 
 WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 MOST_BYTES = 2**29
 """Of one image's file."""
-OURS = ("sunfleck_leaf", "sunfleck_material")
+OTHER_SHARES = ("transmission", "mirror", "filter_color")
+"""Of `sunfleck_material`, beside the base colour's."""
+SINGLE_PRECISION = 1e-6
+"""By which a sum of rounded shares may be off."""
 
 
 class Surfaces:
@@ -46,10 +51,16 @@ class Surfaces:
     def _material(self, prim: Usd.Prim, layers: list[str]) -> dict:
         name = prim.GetAttribute("userProperties:blender:data_name").Get() if self.source.by_blender else None
         material = {"name": name or prim.GetName(), "doubleSided": True}
-        extras = {key: _unpacked(value) for key, value in (prim.GetCustomDataByKey("sunfleck") or {}).items()}
+        extras = custom_data(prim)
         kept = {key: extras[key] for key in OURS if key in extras}
         if kept:
             material["extras"] = kept
+        for name in NOT_CARRIED:
+            # Textures of them have numbers of another file.
+            said = extras.get(name)
+            numbers = {key: value for key, value in said.items() if not isinstance(value, dict)} if isinstance(said, dict) else {}
+            if numbers:
+                self.extend(material, name, numbers)
         surface = UsdShade.Material(prim).ComputeSurfaceSource()[0]
         if not surface or surface.GetIdAttr().Get() != "UsdPreviewSurface":
             self.lost.append(f"{prim.GetPath()}: is no UsdPreviewSurface, and grey here")
@@ -57,6 +68,7 @@ class Surfaces:
             return material
         reader = _Reader(self, surface, layers)
         reader.read(material, extras)
+        _keep_shares(material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material"))
         return material
 
     def image(self, asset, place: str) -> int:
@@ -82,10 +94,18 @@ class Surfaces:
         material.setdefault("extensions", {})[extension] = value
 
 
-def _unpacked(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _unpacked(each) for key, each in value.items()}
-    return value if isinstance(value, (bool, int, float, str)) else list(value)
+def _keep_shares(base: list[float], ours: object) -> None:
+    """Rounds a base colour down so far that it does not add up to more than 1 with the other shares of the light.
+
+    A stage has colours in single precision, and custom data in double: what added up to 1 may have come to lie above it.
+    """
+    others = [ours[name] for name in OTHER_SHARES if name in ours] if isinstance(ours, dict) else []
+    for channel in range(3):
+        # What is no number is for the renderer to refuse.
+        shares = [each[channel % len(each)] if isinstance(each, list) and each else each for each in others]
+        if all(isinstance(each, (int, float)) for each in shares):
+            room = 1.0 - math.fsum(shares)
+            base[channel] = room if room < base[channel] < room + SINGLE_PRECISION else base[channel]
 
 
 class _Reader:
@@ -114,7 +134,7 @@ class _Reader:
         threshold = self._input("opacityThreshold", [0.0])[0][0]
         if threshold > 0:
             material.update(alphaMode="MASK", alphaCutoff=threshold)
-        elif opacity_map is not None or opacity[0] < 1:
+        elif opacity_map is not None or opacity[0] < 1 or extras.get("alpha_mode") == "BLEND":
             material["alphaMode"] = "BLEND"
         if opacity_map is not None and opacity_map != color_map:
             self._lost("opacity from another texture than the colour's")
@@ -226,7 +246,7 @@ class _Reader:
 
 
 def _shortest(numbers) -> list[float]:
-    """What was written, not what single precision made of it: shares that add up to 1 shall not add up to more."""
+    """What was written, not what single precision made of it."""
     return [float(str(np.float32(each))) for each in numbers]
 
 
