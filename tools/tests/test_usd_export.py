@@ -12,6 +12,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdValidation
 
 from sunfleck_tools import SceneError
@@ -42,6 +43,13 @@ def inspect(path: Path, frames: list[float]) -> dict[float, dict]:
     listed = ",".join(f"{frame:g}" for frame in frames)
     text = subprocess.run([PROGRAM, "inspect", path, "--json", "--frames", listed], capture_output=True, check=True, text=True)
     return {frame["frame"]: frame for frame in json.loads(text.stdout)["frames"]}
+
+
+def marked_sky(path: Path) -> None:
+    """An image of the sky that tells in red how far to the right, in green how far down one looks."""
+    right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
+    with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": np.ones_like(right)}) as file:
+        file.write(str(path))
 
 
 class Case(unittest.TestCase):
@@ -98,6 +106,28 @@ class Stages(Case):
             self.assertEqual(back.text_at("lights"), "surfaces_and_fog")
             for name, value in sky.items():
                 np.testing.assert_allclose(back.raw[name], value)
+
+    def test_an_image_of_the_sky_is_the_domes(self):
+        marked_sky(self.folder / "marked.exr")
+        sky = {"image": "marked.exr", "rotation": 0.5, "strength": [2.0, 1.0, 0.5]}
+        for lights, ending in (("surfaces", "usdc"), ("surfaces", "usdz"), ("nothing", "usdc")):
+            stage = self.export(self.under({**sky, "lights": lights}), ending)
+            path = Path(stage.GetRootLayer().realPath)
+            self.assertEqual(validation_errors(path), [])
+            domes = [UsdLux.DomeLight(prim) for prim in stage.Traverse() if prim.IsA(UsdLux.DomeLight)]
+            self.assertEqual(len(domes), lights != "nothing")
+            for dome in domes:
+                self.assertTrue(dome.GetTextureFileAttr().Get().resolvedPath)
+                np.testing.assert_allclose(np.array(dome.GetColorAttr().Get()) * dome.GetIntensityAttr().Get(), sky["strength"])
+                # USD has +z in the middle of the picture, the renderer -z, both turned anticlockwise as seen from above.
+                middle = np.array(dome.GetLocalTransformation(Usd.TimeCode.Default())).T[:3, 2]
+                np.testing.assert_allclose(middle, [-np.sin(0.5), 0, -np.cos(0.5)], atol=1e-6)
+            back = self.folder / "back.glb"
+            import_usd(path, back)
+            gltf = load(back)
+            found = gltf.extras.group("sunfleck_env")
+            self.assertEqual((found.text_at("lights"), found.raw["rotation"]), (lights, 0.5))
+            self.assertEqual(gltf.container.linked(found.need("image")), (self.folder / "marked.exr").read_bytes())
 
     def test_a_background_that_lights_nothing_is_no_dome(self):
         stage = self.export(self.under({"color": [0.4, 0.2, 0.1]}))

@@ -19,7 +19,7 @@ from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
 from sunfleck_tools.usd.materials import NOT_CARRIED
 from sunfleck_tools.usd.reading.triangles import triangulate
 
-from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, needs_program
+from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, marked_sky, needs_program
 
 CLEARING = Path(__file__).parent / "data/clearing.ron"
 ROUTES = [ExportOptions(for_blender, point_instancer) for for_blender in (False, True) for point_instancer in (False, True)]
@@ -87,6 +87,28 @@ class ThereAndBack(Case):
             export_usd(glb, stage, options)
             import_usd(stage, back)
             self.assertLess(np.abs(self.picture(back) - expected).mean(), 1e-3 * expected.mean())
+
+    @needs_program
+    def test_the_picture_of_a_dome_is_the_sky(self):
+        """As the dome alone has it: without what the renderer's own words say of the sky."""
+        marked_sky(self.folder / "marked.exr")
+        source, glb, back = (self.folder / name for name in ("sky.ron", "sky.glb", "back.glb"))
+        camera = '"main": (position_m: (0, 0.5, 0), look_at_m: (1, 0.6, 0.3), fov_deg: 60)'
+        sky = 'image: "marked.exr", rotation_deg: 20, strength_w_per_m2_sr: (2, 1, 0.5), lights: Surfaces'
+        ground = 'meshes: { "ground": Quad(size_m: 4) }, objects: { "ground": (mesh: "ground") }'
+        source.write_text(f"Scene(version: 1, {ground}, cameras: {{ {camera} }}, sky: Image({sky}))")
+        program(f"export {source} {glb} --frames 24-24")
+        stage = self.export(glb)
+        world = stage.GetPrimAtPath("/World")
+        for name in [name for name in world.GetPropertyNames() if "sunfleck_env" in name]:
+            world.RemoveProperty(name)
+        stage.GetRootLayer().Save()
+        import_usd(stage.GetRootLayer().realPath, back)
+        expected, found = self.picture(glb), self.picture(back)
+        self.assertGreater(np.ptp(expected[0]), 0.3)
+        # Seen exactly; what falls from it on the ground is sampled.
+        self.assertLess(np.abs(found - expected)[:, :10].max(), 1e-3)
+        np.testing.assert_allclose(found.mean(axis=(1, 2)), expected.mean(axis=(1, 2)), rtol=0.02)
 
     def picture(self, path: Path) -> np.ndarray:
         """A small frame: leaves with textures and light through them, a sun, fog and a sky."""
@@ -230,6 +252,38 @@ class OtherPrograms(ImportCase):
         extras = next(node.extras.raw for node in gltf.nodes if node.name == "rect")
         # Radiance 2 over 12 square metres.
         self.assertAlmostEqual(extras["sunfleck_light"]["power_w"], np.pi * 24, 4)
+
+    def test_domes_with_pictures_stand_upright(self):
+        for axis, turns, expected in (
+            ("Y", [("Y", 30)], np.radians(30 - 180)),
+            # As Blender writes them: a dome's pole is its y, whatever is up in the stage.
+            ("Z", [("Z", 40), ("X", 90)], np.radians(40 - 180)),
+            ("Y", [("X", 10)], None),
+            ("Z", [], None),
+        ):
+            stage = self.stage()
+            UsdGeom.SetStageUpAxis(stage, axis)
+            quad(stage, "/a")
+            marked_sky(self.folder / "marked.exr")
+            dome = UsdLux.DomeLight.Define(stage, "/dome")
+            dome.CreateTextureFileAttr("./marked.exr")
+            for about, degrees in turns:
+                getattr(dome, f"AddRotate{about}Op")().Set(degrees)
+            sky = self.load(stage).extras.member("sunfleck_env")
+            if expected is None:
+                self.assertIsNone(sky)
+                self.assertIn("not upright", " ".join(self.imported.lost))
+            else:
+                self.assertAlmostEqual(np.angle(np.exp(1j * (sky.need("rotation").number() - expected))), 0.0, 6)
+        (self.folder / "marked.exr").write_bytes(b"no picture")
+        self.assertIn("neither OpenEXR nor", self.refused(self.stage_with_a_picture()))
+        (self.folder / "marked.exr").unlink()
+        self.assertIn("cannot be read", self.refused(self.stage_with_a_picture()))
+
+    def stage_with_a_picture(self) -> Usd.Stage:
+        stage = self.stage()
+        UsdLux.DomeLight.Define(stage, "/dome").CreateTextureFileAttr("./marked.exr")
+        return stage
 
     def test_what_changes_is_carried(self):
         stage = self.stage()

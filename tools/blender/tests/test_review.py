@@ -14,6 +14,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import OpenEXR
+from mathutils import Vector
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 TOOLS = os.environ.get("SUNFLECK_TOOLS", "sunfleck-tools")
@@ -121,6 +123,35 @@ class Review(unittest.TestCase):
             for row, expected in ((0, [0.1] * 3), (half - 1, [0.1] * 3), (half, [0.8, 0.7, 0.9]), (-1, [0.2, 0.3, 0.8])):
                 self.assertNear(rows[row], expected, 2e-3, f"row {row}")
             self.assertNear(rows[half + half // 3], [0.5, 0.5, 0.85], 2e-3, "at 30 degrees")
+
+    def test_an_image_of_the_sky_is_seen_where_the_renderer_has_it(self):
+        """What Blender sees, rendered, in directions of the renderer's: red is how far to the right in the picture."""
+        right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
+        with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": right}) as file:
+            file.write(str(self.folder / "marked.exr"))
+        sky = 'Image(image: "marked.exr", rotation_deg: 20, lights: Surfaces)'
+        source = self.folder / "sky.ron"
+        mesh = 'meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.06) }, objects: { "leaf": (mesh: "leaf", translation_m: (0, -9, 0)) }'
+        source.write_text(f'Scene(version: 1, {mesh}, cameras: {{ "main": (position_m: (0, 1, 4)) }}, sky: {sky})')
+        self.open(source, has_world=True)
+        scene = bpy.context.scene
+        scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
+        scene.render.resolution_x = scene.render.resolution_y = 4
+        scene.render.image_settings.file_format = "OPEN_EXR"
+        scene.render.filepath = str(self.folder / "seen.exr")
+        camera = bpy.data.objects.new("looking", bpy.data.cameras.new("looking"))
+        camera.data.angle = math.radians(1)
+        scene.collection.objects.link(camera)
+        scene.camera = camera
+        # The renderer has -z in the middle, +x to the right of it; 20 degrees anticlockwise move a direction to the right.
+        for direction, u, v in (((1, 0, 0), 0.75, 0.5), ((-1, 0, 0), 0.25, 0.5), ((0, 0, -1), 0.5, 0.5), ((0, 1, -1), 0.5, 0.25)):
+            x, y, z = direction
+            camera.matrix_world = Vector((x, -z, y)).to_track_quat("-Z", "Y").to_matrix().to_4x4()
+            bpy.ops.render.render(write_still=True)
+            seen = bpy.data.images.load(scene.render.filepath, check_existing=False)
+            red, green = np.array(seen.pixels[:]).reshape(-1, 4).mean(axis=0)[:2]
+            bpy.data.images.remove(seen)
+            self.assertNear([red, green], [u + 20 / 360, v], 0.01, f"{direction}")
 
     def test_a_crowd_is_where_its_leaves_are(self):
         truth = self.review("--point-instancer")

@@ -25,7 +25,7 @@ from .places import write_place
 from .prims import Names, Prim
 from .properties import say_leaf_id
 from .samples import Sampler
-from .sky import write_sky
+from .sky import sky_picture, write_sky
 from .surroundings import write_fog, write_metadata, write_scene
 from .textures import Textures
 
@@ -113,8 +113,9 @@ class _Export:
             self.world = world
             write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
             self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
-            write_scene(world, self.gltf, self.sampler)
-            if write_sky(world, self.gltf, self.textures, self.names):
+            picture = sky_picture(self.gltf, self.textures)
+            write_scene(world, self.gltf, self.sampler, picture)
+            if write_sky(world, self.gltf, picture, self.textures, self.names):
                 self.prims["DomeLight"] += 1
             self._write_nodes()
         self.lost += [f"what changes `{target}` is not carried" for target in self.gltf.unused]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
-from pxr import Gf
+from pxr import Gf, Sdf
 
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
@@ -42,6 +42,8 @@ def _write(prim: Prim, attribute: str, value: object) -> None:
         prim.set(attribute, Types.Bool, value, custom=True)
     elif isinstance(value, (int, float)):
         prim.set(attribute, Types.Double, float(value), custom=True)
+    elif isinstance(value, Sdf.AssetPath):
+        prim.set(attribute, Types.Asset, value, custom=True)
     elif isinstance(value, str):
         prim.set(attribute, Types.String, value, custom=True)
     elif isinstance(value, list) and len(value) in kinds and all(_is_number(each) for each in value):

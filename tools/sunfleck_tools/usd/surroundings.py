@@ -10,14 +10,16 @@ from .prims import Names, Prim, Types
 from .properties import write_properties
 from .samples import Sampler
 
-OF_SCENE = ("sunfleck", "sunfleck_env", "sunfleck_fog")
+ENVIRONMENT = "sunfleck_env"
+OF_SCENE = ("sunfleck", ENVIRONMENT, "sunfleck_fog")
 
 
-def write_scene(prim: Prim, gltf: Gltf, sampler: Sampler) -> None:
-    """The properties of the scene."""
+def write_scene(prim: Prim, gltf: Gltf, sampler: Sampler, sky_picture: Sdf.AssetPath | None) -> None:
+    """The properties of the scene; the sky's image is a file."""
     for name in OF_SCENE:
         fields = gltf.extras.group(name).raw
         if isinstance(fields, dict):
+            fields = {field: sky_picture if field == "image" and name == ENVIRONMENT else value for field, value in fields.items()}
             write_properties(prim, name, fields, "scene", gltf, sampler)
 
 

@@ -12,6 +12,7 @@ from ..gltf.values import Value
 from .prims import Names
 
 KINDS = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg"}
+SKY_KINDS = {b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
 
 
 class Textures:
@@ -41,6 +42,17 @@ class Textures:
             (self.folder / name).write_bytes(data)
             self._files[number] = f"./{self.name}/{name}"
         return self._files[number]
+
+    def sky_file(self, uri: Value) -> str:
+        """The path, likewise, of a picture of linear light that a file links to."""
+        data = self.container.linked(uri)
+        ending = next((ending for start, ending in SKY_KINDS.items() if data.startswith(start)), None)
+        if ending is None:
+            uri.fail("is neither OpenEXR nor Radiance HDR")
+        name = self.names.new("sky") + ending
+        self.folder.mkdir(exist_ok=True)
+        (self.folder / name).write_bytes(data)
+        return f"./{self.name}/{name}"
 
     def picture_file(self, stem: str, pixels: np.ndarray) -> str:
         """The path, likewise, of linear light that is written as OpenEXR."""

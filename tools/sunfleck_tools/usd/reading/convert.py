@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
-from ..surroundings import OF_SCENE
+from ..properties import SPACE
+from ..surroundings import ENVIRONMENT, OF_SCENE
 from .crowds import place_crowd, read_crowd
+from .domes import picture_uri, read_dome
 from .lamps import read_lamp
 from .lenses import read_camera
 from .meshes import Meshes
@@ -98,13 +100,17 @@ class _Import:
 
     def _root(self) -> int | None:
         """A node that turns the stage's axes and scales its unit."""
+        turn = self._ours_from_stage()
+        if np.array_equal(turn, np.eye(4)):
+            return None
+        return self.nodes.place(self.nodes.add("stage", None), self.source.codes[:1], turn[None])
+
+    def _ours_from_stage(self) -> np.ndarray:
         turn = np.eye(4)
         if UsdGeom.GetStageUpAxis(self.source.stage) == UsdGeom.Tokens.z:
             turn[1:3, 1:3] = [[0, 1], [-1, 0]]
         turn[:3, :3] *= self.source.metres
-        if np.array_equal(turn, np.eye(4)):
-            return None
-        return self.nodes.place(self.nodes.add("stage", None), self.source.codes[:1], turn[None])
+        return turn
 
     def _visit(self, first: Usd.Prim, above: int | None, depth: int) -> None:
         pending = [(first, above)]
@@ -136,6 +142,9 @@ class _Import:
         for name in OF_SCENE:
             if name in found and name not in self.scene:
                 self.scene[name] = found.pop(name)
+                picture = prim.GetAttribute(f"{SPACE}{name}:image")
+                if isinstance(asset := picture.Get() if picture else None, Sdf.AssetPath):
+                    self.scene[name]["image"] = picture_uri(asset, str(picture.GetPath()))
                 for field_name, (codes, rows) in carried.items():
                     if field_name.startswith(f"{name}."):
                         self.nodes.carry(None, field_name, codes, rows)
@@ -244,15 +253,12 @@ class _Import:
             self.nodes.carry(node, f"sunfleck_light.{name}", codes, rows)
 
     def _background(self, light: UsdLux.DomeLight) -> None:
-        if "sunfleck_env" in self.scene:
+        if ENVIRONMENT in self.scene:
             # The renderer's own words, which say more.
             return
-        if light.GetTextureFileAttr().Get():
-            self.lost.append(f"{light.GetPath()}: the picture of a DomeLight is not carried")
-            return
-        strength = float(light.GetIntensityAttr().Get() or 0.0) * 2.0 ** float(light.GetExposureAttr().Get() or 0.0)
-        color = np.maximum(np.array(light.GetColorAttr().Get(), float) * strength, 0)
-        self.scene["sunfleck_env"] = {"color": color.tolist(), "strength": 1.0, "lights": "surfaces_and_fog"}
+        found = read_dome(light, self.source, self._ours_from_stage(), self.lost)
+        if found is not None:
+            self.scene[ENVIRONMENT] = found
 
     def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
         """A prototype below a node, or in it if it is nothing but a mesh."""
