@@ -53,23 +53,23 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
         let places = areas.map(|area| slice.place(area)).enumerate();
-        solve(&job, &slice, places, &mut scratch, |sample| {
-            let film = sample.place.film_px;
+        solve(&job, &slice, places, &mut scratch, |place, value| {
+            let film = place.film_px;
             let (x, y) = (film.x / SIZE.width as f64, film.y / SIZE.height as f64);
             let ray = snapshot.view.ray_from(lens_point, x, y);
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let truth = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut ray_scratch);
             assert!((0.0..=160.0).contains(&film.x) && (0.0..=90.0).contains(&film.y), "{film}");
             count += 1;
-            let same = match (sample.value.surface, truth.surface) {
+            let same = match (value.surface, truth.surface) {
                 (None, None) => true,
                 (Some(a), Some(b)) => (a.depth_m - b.depth_m).abs() < 1e-4 * b.depth_m,
                 _ => false,
             };
             if same {
-                squares += (sample.value.shafts - truth.shafts).length_squared();
+                squares += (value.shafts - truth.shafts).length_squared();
                 sum += truth.shafts.length();
-                differ += usize::from((sample.value.radiance - truth.radiance).length() > 1e-3);
+                differ += usize::from((value.radiance - truth.radiance).length() > 1e-3);
             } else {
                 differ += 1;
             }

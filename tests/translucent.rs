@@ -126,12 +126,12 @@ fn slices_see_the_same_light_as_rays() {
             let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
             let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
             let places = areas.map(|area| slice.place(area)).enumerate();
-            solve(&job, &slice, places, &mut slices, |sample| {
-                let film = sample.place.film_px / DVec2::new(160.0, 90.0);
+            solve(&job, &slice, places, &mut slices, |place, value| {
+                let film = place.film_px / DVec2::new(160.0, 90.0);
                 let ray = snapshot.view.ray(film.x, film.y);
                 let mut sampler = Sampler::new(0, 0, 0, 0);
                 let truth = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut rays).radiance;
-                let error = (sample.value.radiance - truth).length();
+                let error = (value.radiance - truth).length();
                 lit += usize::from(truth != Rgb::ZERO);
                 if error > 1e-3 {
                     differ += 1;

@@ -17,7 +17,7 @@ use crate::transport::Sample;
 use mattes::MatteList;
 use pass_layout::layout;
 use rayon::prelude::*;
-use splats::{BEAUTY, Band, KeptPasses, SplatPlace};
+use splats::{BEAUTY, Band, KeptPasses, MOST_CHANNELS, SplatPlace};
 
 pub use blocks::{BLOCK_SIDE, Blocks};
 pub use estimate::{BlockEstimate, PixelEstimate};
@@ -107,7 +107,11 @@ impl Film {
         let Some(pixel) = self.window.index(x, y) else { return };
         let place =
             SplatPlace { weight, pixel: pixel as u32, from_centre_px: distance_from_centre_px as f32 };
-        let (packed, count) = self.passes.pack(sample);
+        let (mut packed, mut count) = ([0.0; MOST_CHANNELS], 0);
+        self.passes.pack(sample, |channels| {
+            packed[count..][..channels.len()].copy_from_slice(channels);
+            count += channels.len();
+        });
         for mut whole in self.bands(self.weights.len()) {
             whole.add(is_fresh, &place, &packed[..count]);
         }

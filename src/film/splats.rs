@@ -11,7 +11,7 @@ use crate::transport::Sample;
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
 /// The most numbers that a sample can have: the beauty's, at most four for each pass, and its mattes.
-const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + mattes::PACKED;
+pub(super) const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + mattes::PACKED;
 
 /// Which passes a film keeps, by the rule that makes pixels of samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,28 +50,20 @@ impl KeptPasses {
         self.mean_channels() + self.nearest_channels() + mattes
     }
 
-    /// The value of each channel, those of the mean first, those of the mattes last, and how many there are.
-    pub(super) fn pack(&self, sample: &Sample) -> ([f32; MOST_CHANNELS], usize) {
-        let (mut packed, mut count) = ([0.0; MOST_CHANNELS], 0);
-        let mut put = |values: &[f64]| {
-            for value in values {
-                packed[count] = *value as f32;
-                count += 1;
-            }
-        };
-        put(&sample.radiance.to_array());
-        put(&[sample.alpha]);
+    /// Calls back with the values of all channels in order, those of the mean first, those of the mattes last.
+    #[inline(always)]
+    pub(super) fn pack(&self, sample: &Sample, mut put: impl FnMut(&[f32])) {
+        let [red, green, blue] = sample.radiance.to_array();
+        put(&[red, green, blue, sample.alpha].map(|value| value as f32));
         for &pass in &self.mean {
-            put(&value(pass, sample)[..3]);
+            put(&value(pass, sample).map(|value| value as f32)[..3]);
         }
         for &pass in &self.nearest {
-            put(&value(pass, sample)[..layout(pass).channels.len()]);
+            put(&value(pass, sample).map(|value| value as f32)[..layout(pass).channels.len()]);
         }
         if self.mattes {
-            packed[count..][..mattes::PACKED].copy_from_slice(&mattes::packed(&sample.mattes));
-            count += mattes::PACKED;
+            put(&mattes::packed(&sample.mattes));
         }
-        (packed, count)
     }
 }
 
@@ -116,8 +108,8 @@ impl Splats {
             pixel: pixel as u32,
             from_centre_px: distance_from_centre_px as f32,
         });
-        let (packed, count) = self.passes.pack(sample);
-        self.values.extend_from_slice(&packed[..count]);
+        let Self { passes, values, .. } = self;
+        passes.pack(sample, |channels| values.extend_from_slice(channels));
     }
 
     /// Each sample's place and channels.

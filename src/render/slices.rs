@@ -9,8 +9,8 @@ use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Fan, SliceJob, SliceSample, SliceScratch, pixel, solve};
-use crate::transport::{Part, Scratch, radiance_of_part};
+use crate::transport::slices::{Fan, Place, SliceJob, SliceScratch, pixel, solve};
+use crate::transport::{Part, Sample, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -106,10 +106,10 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     self_luminous: light == 0,
                     fan: &own,
                 };
-                let add = |SliceSample { place, value }: SliceSample| {
+                let add = |place: &Place, value: &Sample| {
                     let (x, y) = pixel(place.film_px, job.size);
                     let from_centre = place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    samples.add(x, y, 1.0, from_centre.length(), &value);
+                    samples.add(x, y, 1.0, from_centre.length(), value);
                 };
                 let places = placed.places(job.size, pass.wanted);
                 if let Some(segments) = solve(&slice_job, &placed.slice, places, scratch, add) {

@@ -232,9 +232,9 @@ pub(crate) fn by_slices_through(
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = plan.areas.iter().map(|share| share * slice.area_per_rad);
         let places = areas.map(|area| slice.place(area)).enumerate();
-        solve(&job, &slice, places, &mut scratch, |sample| {
-            let ray = Ray { origin: fan.eye, direction: sample.place.direction };
-            errors.add(&truth, &ray, snapshot.view.depth(ray.direction), &sample.value);
+        solve(&job, &slice, places, &mut scratch, |place, value| {
+            let ray = Ray { origin: fan.eye, direction: place.direction };
+            errors.add(&truth, &ray, snapshot.view.depth(ray.direction), value);
         });
     }
     errors

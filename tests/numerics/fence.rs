@@ -116,11 +116,11 @@ fn in_a_slice() {
         let (mut squares, mut sum, mut rays) = (0.0, 0.0, 0);
         let mut scratch = Scratch::default();
         let places = areas.map(|area| slice.place(area)).enumerate();
-        solve(&job, &slice, places, &mut SliceScratch::default(), |sample| {
-            let ray = Ray { origin: DVec3::ZERO, direction: sample.place.direction };
+        solve(&job, &slice, places, &mut SliceScratch::default(), |place, value| {
+            let ray = Ray { origin: DVec3::ZERO, direction: place.direction };
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let own = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut scratch);
-            squares += (own.shafts - sample.value.shafts).length_squared();
+            squares += (own.shafts - value.shafts).length_squared();
             sum += own.shafts.length();
             rays += 1;
         });

@@ -146,14 +146,11 @@ fn slices() {
                 let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
                 let areas = (0..9).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 9.0);
                 let places = areas.map(|area| slice.place(area)).enumerate();
-                solve(&job, &slice, places, &mut scratch, |sample| {
-                    let direction = sample.place.direction;
-                    let error = error(&sample.value, layer.look(y, direction, to_sun));
+                solve(&job, &slice, places, &mut scratch, |place, value| {
+                    let direction = place.direction;
+                    let error = error(value, layer.look(y, direction, to_sun));
                     if error > worst.0 || error.is_nan() {
-                        worst = (
-                            error,
-                            format!("{layer:?} from {y} m, {direction}, {to_sun}: {:?}", sample.value),
-                        );
+                        worst = (error, format!("{layer:?} from {y} m, {direction}, {to_sun}: {:?}", value));
                     }
                 });
             }

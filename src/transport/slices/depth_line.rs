@@ -2,7 +2,7 @@
 //! there, out comes the integral of what gets through. Invariant: nothing cancels, neither in thin fog nor as
 //! the ray turns towards the sun.
 
-use super::lit_cells::{LitCells, Moments, Piece};
+use super::lit_cells::{LitCells, Piece};
 use crate::color::Rgb;
 use crate::math::{IntervalSet, fast_exp};
 use std::ops::Range;
@@ -29,6 +29,7 @@ pub(super) struct DepthLine<const LANES: usize> {
 impl<const LANES: usize> DepthLine<LANES> {
     /// `integral of exp(-tau)` over what is lit of a range: see [`LitCells::for_each_piece`]. `None` if the fog
     /// changes too fast along it.
+    #[inline(always)]
     pub(super) fn lit_integral(
         &self,
         range: Range<f64>,
@@ -44,17 +45,13 @@ impl<const LANES: usize> DepthLine<LANES> {
         }
         let changes = steepest / LARGEST_CHANGE;
         let mut sum = [0.0; LANES];
-        lit.for_each_piece(
-            range,
-            shadows,
-            more_shadows,
-            |_| changes,
-            |piece, moments| {
-                for (sum, of_piece) in sum.iter_mut().zip(self.integral(piece, moments)) {
-                    *sum += of_piece;
-                }
-            },
-        );
+        let add = |piece: &Piece, moments: &[f64; 8]| {
+            let offset = piece.middle - self.start;
+            for (lane, sum) in sum.iter_mut().enumerate() {
+                *sum += self.integral(lane, offset, piece.half_width, moments);
+            }
+        };
+        lit.for_each_piece(range, shadows, more_shadows, |_| changes, add);
         Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
     }
 
@@ -72,15 +69,12 @@ impl<const LANES: usize> DepthLine<LANES> {
     /// `integral of exp(-tau)` over what is lit of a piece, by eight moments. The derivatives of the integrand are
     /// powers of `k`.
     #[inline(always)]
-    fn integral(&self, piece: &Piece, m: &Moments) -> [f64; LANES] {
-        let offset = piece.middle - self.start;
-        std::array::from_fn(|lane| {
-            let k = -self.per_reach[lane] * piece.half_width;
-            let k2 = k * k;
-            let low = (m[0] + k * m[1]) + k2 * (m[2] + k * m[3]);
-            let high = (m[4] + k * m[5]) + k2 * (m[6] + k * m[7]);
-            fast_exp(-(self.at_start[lane] + self.per_reach[lane] * offset)) * (low + k2 * k2 * high)
-        })
+    fn integral(&self, lane: usize, offset: f64, half_width: f64, m: &[f64; 8]) -> f64 {
+        let k = -self.per_reach[lane] * half_width;
+        let k2 = k * k;
+        let low = (m[0] + k * m[1]) + k2 * (m[2] + k * m[3]);
+        let high = (m[4] + k * m[5]) + k2 * (m[6] + k * m[7]);
+        fast_exp(-(self.at_start[lane] + self.per_reach[lane] * offset)) * (low + k2 * k2 * high)
     }
 }
 

@@ -96,11 +96,6 @@ impl Fan {
         self.picture.angles_from(self.axis)
     }
 
-    /// Pixels per radian in the middle of the picture.
-    pub fn pixels_per_rad(&self) -> f64 {
-        self.picture.pixels_per_unit
-    }
-
     /// How far from this fan's axis another's appears to be in the picture, radians.
     pub fn wander(&self, other: &Self) -> f64 {
         self.picture.reframed(&other.picture, other.axis).angle_between(self.axis)

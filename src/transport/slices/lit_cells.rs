@@ -77,27 +77,27 @@ impl LitCells {
     /// Calls back with a range in pieces and with the moments of what is lit there: neither in the `shadows` that
     /// the cells know of nor in the `more_shadows`. What those take away comes as pieces of its own, with negative moments.
     ///
-    /// `changes` says how fast the integrand changes per reach, which between two places is no faster than at one of
+    /// The integrand takes the first N moments. `changes` says how fast the integrand changes per reach, which between two places is no faster than at one of
     /// the two; over a piece it changes by 1 at most.
     #[inline(always)]
-    pub(super) fn for_each_piece(
+    pub(super) fn for_each_piece<const N: usize>(
         &self,
         range: Range<f64>,
         shadows: &IntervalSet,
         more_shadows: &IntervalSet,
         changes: impl Fn(f64) -> f64,
-        mut each: impl FnMut(&Piece, &Moments),
+        mut each: impl FnMut(&Piece, &[f64; N]),
     ) {
         let mut from = range.start;
-        let first = self.edges.partition_point(|edge| *edge <= from).saturating_sub(1);
-        for (edges, moments) in self.edges[first..].windows(2).zip(&self.moments[first..]) {
+        let first_cell = self.edges.partition_point(|edge| *edge <= from).saturating_sub(1);
+        for (edges, moments) in self.edges[first_cell..].windows(2).zip(&self.moments[first_cell..]) {
             let part = from..edges[1].min(range.end);
             if part.is_empty() {
                 break;
             }
             from = part.end;
             if part == (edges[0]..edges[1]) && change_over(&part, &changes) <= 1.0 {
-                each(&Piece::new(part.start, part.end), moments);
+                each(&Piece::new(part.start, part.end), first(moments));
             } else {
                 look_at(part, shadows, 1.0, &changes, &mut each);
             }
@@ -110,12 +110,12 @@ impl LitCells {
 }
 
 /// Pieces as of [`LitCells::for_each_piece`], from the shadows themselves.
-fn look_at(
+fn look_at<const N: usize>(
     range: Range<f64>,
     shadows: &IntervalSet,
     sign: f64,
     changes: &impl Fn(f64) -> f64,
-    each: &mut impl FnMut(&Piece, &Moments),
+    each: &mut impl FnMut(&Piece, &[f64; N]),
 ) {
     let mut start = range.start;
     while start < range.end {
@@ -130,6 +130,11 @@ fn look_at(
         each(&piece, &piece.lit_moments(start, end, shadows, sign));
         start = end;
     }
+}
+
+fn first<const N: usize>(moments: &Moments) -> &[f64; N] {
+    const { assert!(N <= ORDER) };
+    moments.first_chunk().unwrap_or(&[0.0; N])
 }
 
 #[inline(always)]
@@ -150,24 +155,30 @@ impl Piece {
     }
 
     /// Of what lies between two reaches and in no shadow; `sign` is a factor.
-    fn lit_moments(&self, start: f64, end: f64, shadows: &IntervalSet, sign: f64) -> Moments {
-        let mut powers = [0.0; ORDER];
-        shadows.for_each_gap(start, end, |start, end| self.add_powers(start, end, &mut powers));
-        self.moments(&powers, sign)
+    fn lit_moments<const N: usize>(
+        &self,
+        start: f64,
+        end: f64,
+        shadows: &IntervalSet,
+        sign: f64,
+    ) -> [f64; N] {
+        let mut sums = [0.0; N];
+        shadows.for_each_gap(start, end, |start, end| self.add_powers(start, end, &mut sums));
+        self.moments(&sums, sign)
     }
 
     /// Adds the powers of `x` at the end and takes away those at the start.
     #[inline(always)]
-    fn add_powers(&self, start: f64, end: f64, sums: &mut [f64; ORDER]) {
+    fn add_powers<const N: usize>(&self, start: f64, end: f64, sums: &mut [f64; N]) {
         let per_reach = self.half_width.max(f64::MIN_POSITIVE).recip();
-        let (low, high) =
-            (powers((start - self.middle) * per_reach), powers((end - self.middle) * per_reach));
-        for (sum, (high, low)) in sums.iter_mut().zip(high.into_iter().zip(low)) {
-            *sum += high - low;
+        let low = powers((start - self.middle) * per_reach);
+        let high = powers((end - self.middle) * per_reach);
+        for (j, sum) in sums.iter_mut().enumerate() {
+            *sum += high[j] - low[j];
         }
     }
 
-    fn moments(&self, powers: &[f64; ORDER], factor: f64) -> Moments {
+    fn moments<const N: usize>(&self, powers: &[f64; N], factor: f64) -> [f64; N] {
         let factor = factor * self.half_width;
         std::array::from_fn(|j| powers[j] * factor * (1.0 / (FACTORIALS[j] * (j + 1) as f64)))
     }

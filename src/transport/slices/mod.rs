@@ -11,9 +11,10 @@ mod fog_profile;
 mod fog_section;
 mod lit_cells;
 mod solve;
+mod stretch;
 mod sweep;
 mod thinning_fog;
 mod veiled;
 
 pub use fan::{Fan, Place, Ring, Slice, pixel};
-pub use solve::{SliceJob, SliceSample, SliceScratch, solve};
+pub use solve::{SliceJob, SliceScratch, solve};

@@ -30,15 +30,6 @@ pub struct SliceScratch {
     followed: Scratch,
 }
 
-/// A sample and where it lies.
-#[derive(Clone, Copy, Debug)]
-pub struct SliceSample {
-    /// Where.
-    pub place: Place,
-    /// Its value, of the slice's light alone.
-    pub value: Sample,
-}
-
 /// What is to be solved.
 #[derive(Clone, Copy)]
 pub struct SliceJob<'a> {
@@ -63,7 +54,8 @@ struct SliceRay {
     planar: PlanarRay,
 }
 
-/// Values of samples along a slice, each with its number on it, away from the light. Rays that blended surfaces touch
+/// Calls back with the place and the value, of the slice's light alone, of each sample along a slice, away from the light;
+/// in go their numbers on it and places. Rays that blended surfaces touch
 /// are followed by themselves. Returns how many segments
 /// the slice gathered; `None` if there is no sample, and so nothing done.
 pub fn solve(
@@ -71,7 +63,7 @@ pub fn solve(
     slice: &Slice,
     places: impl Iterator<Item = (usize, Place)>,
     scratch: &mut SliceScratch,
-    mut sample: impl FnMut(SliceSample),
+    mut sample: impl FnMut(&Place, &Sample),
 ) -> Option<usize> {
     let snapshot = job.snapshot;
     let (light, eye) = (job.light, job.fan.eye);
@@ -132,7 +124,7 @@ pub fn solve(
             let (transport, mirrors) = (job.transport, job.transport.mirror_depth);
             let mut sampler = Sampler::new(index as u32, 0, 0, 0);
             let leg = follow(snapshot, transport, illumination, &ray, None, mirrors, &mut sampler, followed);
-            sample(SliceSample { place, value: leg.sample(snapshot, transport, &ray) });
+            sample(&place, &leg.sample(snapshot, transport, &ray));
             continue;
         }
         let end = distance * planar.direction.x;
@@ -190,7 +182,7 @@ pub fn solve(
         let surface = seen.map(|(point, _)| point);
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg { radiance, shafts, transmittance, covered, surface, mattes };
-        sample(SliceSample { place, value: leg.sample(snapshot, job.transport, &ray) });
+        sample(&place, &leg.sample(snapshot, job.transport, &ray));
     }
     Some(blended_cuts + cuts.len())
 }
