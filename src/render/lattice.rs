@@ -5,8 +5,8 @@
 //! Slices lie at equal angles, samples on them at equal steps of picture area, shifted from slice to
 //! slice by the golden ratio (a rank-1 lattice). With a light, a lens or a shutter that has an extent,
 //! each slice has a fan of its own, whose axis is not quite that of the others, and would wander off
-//! its place in the lattice. So the picture is cut in rings about the axis; within a ring each slice
-//! is turned so that it passes through its lattice place in the middle of the ring.
+//! its place in the lattice. So each slice is turned so that it passes through its lattice place in the middle of
+//! the picture's angles from the axis; but about the axis, and about its far side, where they wander too far for that.
 
 use crate::film::Mask;
 use crate::math::kronecker;
@@ -15,9 +15,6 @@ use crate::transport::slices::{Fan, Place, Ring, Slice, pixel};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 use std::iter;
-
-/// Rings finer than this gain nothing that they would not cost: each gathers what its slices cut anew.
-const MOST_RINGS: f64 = 12.0;
 
 /// How far apart slices may lie, by the side of the square that a sample stands for.
 const WIDEST: f64 = 1.8;
@@ -147,25 +144,13 @@ impl PlacedSlice {
     }
 }
 
-/// One ring without deviation; else so many that within each of them slices wander no farther than
-/// they lie apart.
+/// One ring without deviation; else three, of which those about the axis and about its far side hold what wanders too far
+/// to be kept in place.
 fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
     let extent = base.extent();
-    let (low, high) = (extent.0.max(2.0 * deviation_rad), extent.1.min(PI - 2.0 * deviation_rad));
-    let mut borders = vec![0.0];
-    if deviation_rad > 0.0 && low < high {
-        // A slice turned in the middle of a ring is off at its borders by deviation * (half width / angle
-        // from the axis): borders in equal ratios, of the tangents of half the angles on a sphere.
-        let scale = |angle: f64| (0.5 * angle).tan().ln();
-        let width = scale(high) - scale(low);
-        let count = (width * deviation_rad * base.pixels_per_rad()).ceil().clamp(1.0, MOST_RINGS);
-        let border = |k: f64| 2.0 * (scale(low) + width * k / count).exp().atan();
-        let first = if extent.0 < low { 0 } else { 1 };
-        borders.extend((first..count as usize).map(|k| border(k as f64)));
-        if extent.1 > high {
-            borders.push(high);
-        }
-    }
-    borders.push(PI);
-    (1..borders.len()).map(move |index| Ring(borders[index - 1], borders[index]))
+    let (low, high) = (2.0 * deviation_rad, PI - 2.0 * deviation_rad);
+    let within =
+        move |border: &f64| deviation_rad > 0.0 && low < high && extent.0 < *border && *border < extent.1;
+    let borders = [low, high].into_iter().filter(within).chain([PI]);
+    borders.scan(0.0, |before, border| Some(Ring(std::mem::replace(before, border), border)))
 }
