@@ -86,3 +86,10 @@ def flip(path: Path, at: int, bits: int = 0xFF) -> None:
     data = bytearray(path.read_bytes())
     data[at] ^= bits
     path.write_bytes(bytes(data))
+
+
+def marked_sky(path: Path) -> None:
+    """An image of the sky that tells in red how far to the right, in green how far down one looks."""
+    right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
+    with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": np.ones_like(right)}) as file:
+        file.write(str(path))

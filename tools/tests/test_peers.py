@@ -19,8 +19,10 @@ from sunfleck_tools.peers import Point, write_table
 from sunfleck_tools.peers.scene import read_scene
 
 from .command import PROGRAM, run
+from .files import marked_sky
 
 LEAVES500 = Path(__file__).parents[2] / "tests/data/leaves500"
+LEAF = LEAVES500.parent / "blender/b_leafcards_separate/leaf_rgba.png"
 
 
 def changed(source: Path, target: Path, change) -> Path:
@@ -57,7 +59,13 @@ class Scenes(unittest.TestCase):
         def sun(document):
             return document["extensions"]["KHR_lights_punctual"]["lights"][0]
 
+        def fog(document):
+            return next(node["extras"] for node in document["nodes"] if "sunfleck_fog_volume" in node.get("extras", {}))["sunfleck_fog_volume"]
+
         for change, why in (
+            (lambda d: fog(d).update(height_falloff=0.1), "fills a box evenly"),
+            (lambda d: fog(d).update(scale_height=2.0), "fills a box evenly"),
+            (lambda d: d["scenes"][0].setdefault("extras", {}).update(sunfleck_env={"image": "data:,"}), "OpenEXR and Radiance HDR"),
             (lambda d: sun(d).update(type="line"), "`line` is no type of light"),
             (lambda d: d["nodes"][0].update(extras={"sunfleck_light": {"type": "line"}}), "no light of its type"),
             (lambda d: sun(d).update(color=[1]), "expected 3 numbers"),
@@ -132,6 +140,21 @@ SCENE = """Scene(
     lights: {{ "lamp": {lamp} }},
     fog: {{ {fog} }},
 )"""
+TEXTURED = """Scene(
+    version: 1,
+    meshes: {{ "card": Quad(size_m: 2) }},
+    materials: {{ "card": (texture: "{texture}", base_color: (0.9, 0.7, 0.8)) }},
+    objects: {{ "card": (mesh: "card", material: "card", rotation_deg: (90, 0, 0), translation_m: (0.2, 1, 0)) }},
+    cameras: {{ "main": (position_m: (0.5, 1.2, 4), look_at_m: (0, 1, 0), fov_deg: 50) }},
+    {light}
+    fog: {{ {fog} }},
+)"""
+SUN = 'lights: { "sun": Sun(to_sun: (0.3, 0.5, 1), irradiance_w_per_m2: 4) },'
+SKIES = {
+    "constant": "sky: Constant(radiance_w_per_m2_sr: (0.6, 0.8, 1)),",
+    "gradient": "sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.35, 0.8), horizon_w_per_m2_sr: (0.8, 0.85, 0.9), ground_w_per_m2_sr: 0.3),",
+    "image": 'sky: Image(image: "marked.exr", rotation_deg: 50, strength_w_per_m2_sr: (1, 2, 0.5)),',
+}
 FOG = '"haze": (min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.12, anisotropy: 0.4)'
 NOISE = 0.01
 """Of the mean of a picture of 48 x 27 pixels, relative, generously: other renderers' mostly, ours with 64 samples."""
@@ -161,18 +184,45 @@ class Rendered(unittest.TestCase):
                 with self.subTest(name, fog=bool(fog)), tempfile.TemporaryDirectory() as folder:
                     scene = Path(folder, "scene.ron")
                     scene.write_text(SCENE.format(lamp=lamp, fog=fog))
-                    own = ["--samples", "64", "--progress", "none", "--out", f"{folder}/own.####.exr"]
-                    subprocess.run([PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True)
-                    theirs = ["--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]
-                    code, _, err = run("peers", scene, "--size", "48x27", *theirs)
-                    self.assertEqual(code, 0, err)
-                    (ours,) = (color(path) for path in Path(folder).glob("own.*.exr"))
-                    (peers,) = (color(path) for path in Path(folder).glob(f"{renderer}.*.exr"))
+                    ours, peers = self.both(scene, renderer, samples, 64)
                     self.assertGreater(ours.mean(), 0.005)
                     self.assertAlmostEqual(peers.mean() / ours.mean(), 1.0, delta=NOISE)
                     # Where the light falls, in tiles of 9 x 16 pixels.
                     tiles = [each.reshape(3, 9, 3, 16, 3).mean(axis=(1, 3, 4)) for each in (peers, ours)]
                     np.testing.assert_allclose(*tiles, atol=0.05 * ours.mean())
+
+    def check_pictures(self, renderer: str, samples: int) -> None:
+        """A texture in the sun, and before each kind of sky, in clear air and in fog."""
+        for name, light in {"sun": SUN, **SKIES}.items():
+            for fog in ("", FOG):
+                with self.subTest(name, fog=bool(fog)), tempfile.TemporaryDirectory() as folder:
+                    marked_sky(Path(folder, "marked.exr"))
+                    scene = Path(folder, "scene.ron")
+                    scene.write_text(TEXTURED.format(texture=LEAF, light=light, fog=fog))
+                    ours, peers = self.both(scene, renderer, samples, 64)
+                    self.assertAlmostEqual(peers.mean() / ours.mean(), 1.0, delta=NOISE)
+                    tiles = [each.reshape(3, 9, 6, 8, 3).mean(axis=(1, 3)) for each in (peers, ours)]
+                    np.testing.assert_allclose(*tiles, atol=0.03 * ours.mean(), rtol=0.01)
+
+    def both(self, scene: Path, renderer: str, samples: int, own_samples: int) -> tuple[np.ndarray, np.ndarray]:
+        """The program's own picture of a scene, and another renderer's."""
+        folder = scene.parent
+        own = ["--samples", str(own_samples), "--progress", "none", "--out", f"{folder}/own.####.exr"]
+        subprocess.run([PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True)
+        theirs = ["--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]
+        code, _, err = run("peers", scene, "--size", "48x27", *theirs)
+        self.assertEqual(code, 0, err)
+        (ours,) = (color(path) for path in folder.glob("own.*.exr"))
+        (peers,) = (color(path) for path in folder.glob(f"{renderer}.*.exr"))
+        return ours, peers
+
+    @unittest.skipUnless(_is_there("mitsuba") and PROGRAM, "mitsuba, or sunfleck, is not installed")
+    def test_textures_and_skies_in_mitsuba(self):
+        self.check_pictures("mitsuba-scalar", 300)
+
+    @unittest.skipUnless(_is_there("bpy") and PROGRAM, "bpy, or sunfleck, is not installed")
+    def test_textures_and_skies_in_cycles(self):
+        self.check_pictures("cycles", 64)
 
     @unittest.skipUnless(_is_there("mitsuba"), "mitsuba is not installed")
     def test_mitsuba(self):
@@ -180,7 +230,7 @@ class Rendered(unittest.TestCase):
 
     @unittest.skipUnless(_is_there("mitsuba") and PROGRAM, "mitsuba, or sunfleck, is not installed")
     def test_lamps_in_mitsuba(self):
-        self.check_lamps("mitsuba-scalar", 1024)
+        self.check_lamps("mitsuba-scalar", 512)
 
     @unittest.skipUnless(_is_there("mitsuba"), "mitsuba is not installed")
     def test_a_spot_that_fades_is_not_mitsubas(self):
@@ -190,10 +240,19 @@ class Rendered(unittest.TestCase):
             code, _, err = run("peers", scene, "--renderers", "mitsuba-scalar", "--pictures", folder)
             self.assertEqual((code, "without a blend" in err), (3, True), err)
 
+    @unittest.skipUnless(_is_there("mitsuba") and PROGRAM, "mitsuba, or sunfleck, is not installed")
+    def test_a_sky_that_leaves_fog_dark_is_not_mitsubas(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder, "scene.ron")
+            sky = SKIES["constant"].replace("))", "), lights: Surfaces)")
+            scene.write_text(TEXTURED.format(texture=LEAF, light=sky, fog=FOG))
+            code, _, err = run("peers", scene, "--renderers", "mitsuba-scalar", "--pictures", folder, "--sunfleck", PROGRAM)
+            self.assertEqual((code, "leaves fog dark" in err), (3, True), err)
+
     @unittest.skipUnless(_is_there("bpy"), "bpy is not installed")
     def test_cycles(self):
         self.check("cycles", 4)
 
     @unittest.skipUnless(_is_there("bpy") and PROGRAM, "bpy, or sunfleck, is not installed")
     def test_lamps_in_cycles(self):
-        self.check_lamps("cycles", 128)
+        self.check_lamps("cycles", 64)

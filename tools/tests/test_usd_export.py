@@ -12,7 +12,6 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-import OpenEXR
 from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdValidation
 
 from sunfleck_tools import SceneError
@@ -23,6 +22,7 @@ from sunfleck_tools.gltf.meshes import Meshes
 from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
 
+from .files import marked_sky
 from .glb import glb
 from .test_validation import run
 
@@ -43,13 +43,6 @@ def inspect(path: Path, frames: list[float]) -> dict[float, dict]:
     listed = ",".join(f"{frame:g}" for frame in frames)
     text = subprocess.run([PROGRAM, "inspect", path, "--json", "--frames", listed], capture_output=True, check=True, text=True)
     return {frame["frame"]: frame for frame in json.loads(text.stdout)["frames"]}
-
-
-def marked_sky(path: Path) -> None:
-    """An image of the sky that tells in red how far to the right, in green how far down one looks."""
-    right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
-    with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": np.ones_like(right)}) as file:
-        file.write(str(path))
 
 
 class Case(unittest.TestCase):

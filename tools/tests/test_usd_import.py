@@ -19,7 +19,8 @@ from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
 from sunfleck_tools.usd.materials import NOT_CARRIED
 from sunfleck_tools.usd.reading.triangles import triangulate
 
-from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, marked_sky, needs_program
+from .files import marked_sky
+from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, needs_program
 
 CLEARING = Path(__file__).parent / "data/clearing.ron"
 ROUTES = [ExportOptions(for_blender, point_instancer) for for_blender in (False, True) for point_instancer in (False, True)]

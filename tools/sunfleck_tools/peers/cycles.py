@@ -11,6 +11,7 @@ import mathutils
 import numpy
 
 from .lamps import Lamp, Sun
+from .pictures import Picture, PeerSky
 from .scene import PeerScene
 
 # Cuts so little fog off in front of the camera that no figure shows it.
@@ -32,9 +33,13 @@ def prepare(scene: PeerScene):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     made = bpy.context.scene
+    folder = Path(tempfile.mkdtemp())
     for index, surface in enumerate(scene.surfaces):
         points = surface.positions @ BLENDER_FROM_GLTF[:3, :3].T
-        add_mesh(made, f"surface_{index}", points, surface.triangles, matte(surface.reflectance))
+        material = matte(surface.reflectance, surface.texture and image_of(surface.texture.picture, folder), surface.texture)
+        add_mesh(made, f"surface_{index}", points, surface.triangles, material, surface.uvs)
+    if scene.sky is not None:
+        add_sky(made, scene.sky, folder)
     if scene.fog is not None:
         add_fog(made, scene.fog)
     for sun in scene.suns:
@@ -43,7 +48,7 @@ def prepare(scene: PeerScene):
         add_lamp(made, lamp)
     add_camera(made, scene)
     settings(made, scene.size)
-    target = Path(tempfile.mkdtemp()) / "picture.exr"
+    target = folder / "picture.exr"
 
     def render(samples: int, seed: int):
         made.cycles.samples, made.cycles.seed = samples, seed
@@ -80,9 +85,13 @@ def settings(made, size):
     cycles.transparent_max_bounces = 64
 
 
-def add_mesh(made, name, points, triangles, material):
+def add_mesh(made, name, points, triangles, material, uvs=None):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], triangles.tolist())
+    if uvs is not None:
+        # From the lower left corner.
+        corners = numpy.asarray(uvs, numpy.float32)[triangles.ravel()] * [1, -1] + [0, 1]
+        mesh.uv_layers.new(name="uv").data.foreach_set("uv", corners.astype(numpy.float32).ravel())
     mesh.materials.append(material)
     made.collection.objects.link(bpy.data.objects.new(name, mesh))
 
@@ -94,10 +103,31 @@ def nodes_of(name):
     return material, material.node_tree.nodes, material.node_tree.links
 
 
-def matte(reflectance):
+def image_of(picture: Picture, folder: Path):
+    image = bpy.data.images.load(str(picture.file(folder, f"image_{len(bpy.data.images)}")))
+    image.colorspace_settings.name = "Linear Rec.709" if picture.ending in (".exr", ".hdr") else "sRGB"
+    # A texture's alpha says nothing here.
+    image.alpha_mode = "CHANNEL_PACKED"
+    return image
+
+
+def scaled(nodes, links, output, factors):
+    """A colour times three numbers."""
+    times = nodes.new("ShaderNodeVectorMath")
+    times.operation = "MULTIPLY"
+    links.new(output, times.inputs[0])
+    times.inputs[1].default_value = [float(each) for each in factors]
+    return times.outputs[0]
+
+
+def matte(reflectance, image=None, texture=None):
     material, nodes, links = nodes_of("matte")
     surface, out = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
     surface.inputs["Color"].default_value = (*reflectance, 1.0)
+    if image is not None:
+        read = nodes.new("ShaderNodeTexImage")
+        read.image, read.extension = image, {"repeat": "REPEAT", "clamp": "EXTEND", "mirror": "MIRROR"}[texture.wrap]
+        links.new(scaled(nodes, links, read.outputs["Color"], reflectance), surface.inputs["Color"])
     surface.inputs["Roughness"].default_value = 0.0
     links.new(surface.outputs[0], out.inputs["Surface"])
     return material
@@ -118,6 +148,27 @@ def add_fog(made, fog):
     points = (corners @ (BLENDER_FROM_GLTF @ fog.world_from_cube).T)[:, :3]
     quads = numpy.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
     add_mesh(made, "fog", points, quads, material)
+
+
+def add_sky(made, sky: PeerSky, folder: Path):
+    world = made.world = bpy.data.worlds.new("sky")
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    shown, out = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
+    shown.inputs["Color"].default_value = (*sky.radiance.tolist(), 1.0)
+    if sky.picture is not None:
+        read, place, along = (nodes.new(kind) for kind in ("ShaderNodeTexEnvironment", "ShaderNodeMapping", "ShaderNodeTexCoord"))
+        read.image = image_of(sky.picture, folder)
+        # Blender has +x in the middle of its pictures, and turns directions, not pictures.
+        place.inputs["Rotation"].default_value = (0.0, 0.0, -0.5 * numpy.pi - sky.rotation_rad)
+        links.new(along.outputs["Generated"], place.inputs["Vector"])
+        links.new(place.outputs["Vector"], read.inputs["Vector"])
+        links.new(scaled(nodes, links, read.outputs["Color"], sky.radiance), shown.inputs["Color"])
+    links.new(shown.outputs[0], out.inputs["Surface"])
+    lit = world.cycles_visibility
+    lit.diffuse = lit.glossy = lit.transmission = sky.lights != "nothing"
+    lit.scatter = sky.lights == "surfaces_and_fog"
 
 
 def add_sun(made, described: Sun):

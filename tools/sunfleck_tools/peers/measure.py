@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
-import OpenEXR
 
 from ..errors import ToolError
+from ..exr.write import write_colors
 from .scene import PeerScene
 
 Render = Callable[[int, int], tuple[np.ndarray, float]]
@@ -80,11 +80,8 @@ def measure(
 
 def write_frame(path: Path, picture: np.ndarray, said: str) -> None:
     """R, G and B as floats."""
-    header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION, "comments": said}
-    channels = {letter: np.ascontiguousarray(picture[..., i], np.float32) for i, letter in enumerate("RGB")}
     try:
-        with OpenEXR.File(header, channels) as file:
-            file.write(str(path))
+        write_colors(path, picture, said)
     except RuntimeError as error:
         raise ToolError(f"cannot write {path}: {error}", is_usage=False) from error
 

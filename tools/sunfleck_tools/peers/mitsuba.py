@@ -7,7 +7,9 @@ import time
 import mitsuba as mi
 import numpy
 
-from .mitsuba_lights import lamp_emitter, sun_emitter
+from ..errors import SceneError
+from .mitsuba_lights import lamp_emitter, sky_emitter, sun_emitter
+from .mitsuba_pictures import colors
 from .scene import Fog, PeerScene, Surface
 
 # Cuts so little fog off in front of the camera that no figure shows it.
@@ -35,6 +37,8 @@ def prepare(scene: PeerScene, variant: str):
         "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100, "hide_emitters": True},
         "sensor": sensor,
     }
+    if scene.sky is not None and scene.sky.lights == "surfaces" and scene.fog is not None:
+        raise SceneError("Mitsuba gets no sky that lights surfaces and leaves fog dark")
     middle, radius = bounds(scene)
     emitters = [sun_emitter(sun, middle, radius) for sun in scene.suns] + [lamp_emitter(lamp) for lamp in scene.lamps]
     described.update({f"light_{index}": emitter for index, emitter in enumerate(emitters)})
@@ -51,11 +55,17 @@ def prepare(scene: PeerScene, variant: str):
             sensor["medium"] = fog
     for index, surface in enumerate(scene.surfaces):
         described[f"surface_{index}"] = mesh(surface)
-    built = mi.load_dict(described)
+    lit = [] if scene.sky is None or scene.sky.lights == "nothing" else [scene.sky]
+    parts = [mi.load_dict(described | {f"sky_{index}": sky_emitter(sky) for index, sky in enumerate(lit)})]
+    if scene.sky is not None:
+        # Lights are hidden and the sky is not: it is seen in a scene of its own, where nothing is lit.
+        bare = {name: each for name, each in described.items() if not name.startswith("light_")}
+        seen = {"type": "volpath", "max_depth": 1, "rr_depth": 100}
+        parts.append(mi.load_dict(bare | {"integrator": seen, "sky": sky_emitter(scene.sky)}))
 
     def render(samples: int, seed: int):
         started = time.process_time()
-        picture = numpy.array(mi.render(built, spp=samples, seed=seed))
+        picture = sum(numpy.array(mi.render(part, spp=samples, seed=seed)) for part in parts)
         return picture, time.process_time() - started
 
     # Compiles the kernels.
@@ -103,15 +113,26 @@ def medium(fog: Fog) -> dict:
     }
 
 
+def _reflectance(surface: Surface) -> dict:
+    if surface.texture is None:
+        return {"type": "rgb", "value": surface.reflectance}
+    bitmap = mi.Bitmap(colors(surface.texture.picture) * numpy.float32(surface.reflectance))
+    # Linear already.
+    return {"type": "bitmap", "bitmap": bitmap, "raw": True, "wrap_mode": surface.texture.wrap}
+
+
 def mesh(surface: Surface):
     """Triangles with flat normals, seen from both sides."""
-    matte = {"type": "diffuse", "reflectance": {"type": "rgb", "value": surface.reflectance}}
+    matte = {"type": "diffuse", "reflectance": _reflectance(surface)}
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict({"type": "twosided", "bsdf": matte})
     properties["face_normals"] = True
-    built = mi.Mesh("mesh", len(surface.positions), len(surface.triangles), props=properties)
+    counts = len(surface.positions), len(surface.triangles)
+    built = mi.Mesh("mesh", *counts, props=properties, has_vertex_texcoords=surface.texture is not None)
     parameters = mi.traverse(built)
     parameters["vertex_positions"] = surface.positions.astype(numpy.float32).ravel()
     parameters["faces"] = surface.triangles.astype(numpy.uint32).ravel()
+    if surface.texture is not None:
+        parameters["vertex_texcoords"] = surface.uvs.astype(numpy.float32).ravel()
     parameters.update()
     return built

@@ -11,6 +11,8 @@ import numpy
 
 from ..errors import SceneError
 from .lamps import Lamp, Sun
+from .mitsuba_pictures import colors
+from .pictures import PeerSky
 
 SUN_DISTANCE = 1e3
 """In radii of the scene: the disc is seen from everywhere in it within a thousandth of the same direction."""
@@ -51,6 +53,15 @@ def lamp_emitter(lamp: Lamp) -> dict:
     area = width * height * (1.0 if lamp.kind == "rectangle" else 0.25 * numpy.pi)
     scaled = place @ numpy.diag([0.5 * width, 0.5 * height, 1.0, 1.0])
     return _shape("rectangle" if lamp.kind == "rectangle" else "disk", scaled, lamp.power / (numpy.pi * area))
+
+
+def sky_emitter(sky: PeerSky) -> dict:
+    """A sky. Mitsuba has +z in the middle of its pictures and -x to the right of that, half a turn from ours."""
+    if sky.picture is None:
+        return {"type": "constant", "radiance": _rgb(sky.radiance)}
+    bitmap = mi.Bitmap(colors(sky.picture) * numpy.float32(sky.radiance))
+    turn = 180.0 + float(numpy.degrees(sky.rotation_rad))
+    return {"type": "envmap", "bitmap": bitmap, "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], turn)}
 
 
 def _shape(kind: str, place: numpy.ndarray, radiance: numpy.ndarray) -> dict:

@@ -14,25 +14,29 @@ from ..errors import SceneError
 from ..gltf.deformation import Bending
 from ..gltf.lights import LightSource
 from ..gltf.load import load
-from ..gltf.meshes import Meshes
+from ..gltf.meshes import Meshes, Primitive
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
 from ..gltf.values import Value
 from .lamps import Lamp, Sun, read_light
+from .pictures import PeerSky, Texture, read_background, read_texture
 
 DEFAULT_SIZE = (960, 540)
 FOG_GROWTH = np.diag([1 + 3e-5] * 3 + [1.0])
 """So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on below the ground."""
-SURFACE_BEYOND = ("normalTexture", "emissiveTexture", "emissiveFactor")
+THINNING = ("height_falloff", "scale_height")
+SURFACE_BEYOND = ("normalTexture", "emissiveTexture")
 
 
 @dataclass
 class Surface:
-    """Triangles in world space that share a Lambert reflectance."""
+    """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it (`uvs` then are a vertex's)."""
 
     positions: np.ndarray
     triangles: np.ndarray
+    uvs: np.ndarray
     reflectance: list[float]
+    texture: Texture | None
 
 
 @dataclass
@@ -47,7 +51,7 @@ class Fog:
 
 @dataclass
 class PeerScene:
-    """Everything that is rendered."""
+    """Everything that is rendered; without a sky what lies behind is black."""
 
     surfaces: list[Surface]
     suns: list[Sun]
@@ -55,6 +59,7 @@ class PeerScene:
     world_from_camera: np.ndarray
     fov_y_rad: float
     fog: Fog | None
+    sky: PeerSky | None
     size: tuple[int, int]
     notes: list[str]
 
@@ -73,7 +78,7 @@ class _Reader:
 
     def scene(self) -> PeerScene:
         meshes = Meshes(self.gltf, self.notes)
-        parts: dict[int | None, list[tuple[np.ndarray, np.ndarray]]] = {}
+        parts: dict[int | None, list[tuple[np.ndarray, Primitive]]] = {}
         lights, cameras, fogs = [], [], []
         for node in self.gltf.nodes:
             world_from_node = node.world_from_node(self.time_s)[0]
@@ -82,7 +87,7 @@ class _Reader:
                 place = np.eye(4) if bending.is_skinned else world_from_node
                 for primitive in found[1].primitives:
                     points = bending.positions(primitive, self.time_s)[0] @ place[:3, :3].T + place[:3, 3]
-                    parts.setdefault(primitive.material, []).append((points, primitive.triangles))
+                    parts.setdefault(primitive.material, []).append((points, primitive))
             source = LightSource(node, self.gltf)
             if source.kind is not None:
                 lights.append(read_light(source, world_from_node, self.time_s))
@@ -91,12 +96,10 @@ class _Reader:
             if node.source.member("camera") is not None:
                 cameras.append((node, world_from_node))
             if (fog := node.extras.member("sunfleck_fog_volume")) is not None:
-                fogs.append(self._fog(fog, world_from_node))
-        if not lights or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
+                fogs.append(self._fog(node, fog, world_from_node))
+        sky = read_background(self.gltf)
+        if not (lights or sky) or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
             raise SceneError(f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of fog")
-        sky = self.gltf.extras.group("sunfleck_env")
-        if sky.text_at("lights", "nothing") != "nothing":
-            sky.fail("other renderers get no sky that lights the scene")
         world_from_camera, fov_y_rad = self._camera(cameras)
         return PeerScene(
             surfaces=[self._surface(material, pieces) for material, pieces in parts.items()],
@@ -105,6 +108,7 @@ class _Reader:
             world_from_camera=world_from_camera,
             fov_y_rad=fov_y_rad,
             fog=fogs[0] if fogs else None,
+            sky=sky,
             size=self.gltf.settings.size if all(self.gltf.settings.size) else DEFAULT_SIZE,
             notes=list(dict.fromkeys(self.notes)),
         )
@@ -118,15 +122,20 @@ class _Reader:
             above = above.parent
         return True
 
-    def _fog(self, fog: Value, world_from_cube: np.ndarray) -> Fog:
-        if fog.text_at("shape", "box") != "box" or fog.number_at("falloff", 0.0) > 0:
+    def _fog(self, node: Node, fog: Value, world_from_cube: np.ndarray) -> Fog:
+        if fog.text_at("shape", "box") != "box" or any(fog.number_at(name, 0.0) > 0 for name in THINNING):
             fog.fail("other renderers get fog that fills a box evenly")
-        albedo = fog.member("albedo")
+
+        def channels(field: str, still: list[float]) -> list[float]:
+            control = self.gltf.control(node.name, f"sunfleck_fog_volume.{field}")
+            return still if control is None else np.broadcast_to(control.at(self.time_s)[0], 3).tolist()
+
+        albedo, anisotropy = fog.member("albedo"), fog.number_at("anisotropy", 0.0, -1.0, 1.0)
         return Fog(
             world_from_cube @ FOG_GROWTH,
-            fog.need("density").channels(),
-            [1.0] * 3 if albedo is None else albedo.channels(),
-            fog.number_at("anisotropy", 0.0, -1.0, 1.0),
+            channels("density", fog.need("density").channels()),
+            channels("albedo", [1.0] * 3 if albedo is None else albedo.channels()),
+            channels("anisotropy", [anisotropy])[0],
         )
 
     def _camera(self, cameras: list[tuple[Node, np.ndarray]]) -> tuple[np.ndarray, float]:
@@ -140,27 +149,39 @@ class _Reader:
         ours = source.group("extras").group("sunfleck_camera")
         if source.text_at("type") != "perspective" or any(ours.member(name) is not None for name in ("shift", "fstop")):
             source.fail("other renderers get a pinhole camera: perspective, without a shift or an aperture")
-        return world_from_camera, source.need("perspective").need("yfov").number(1e-6, 3.14)
+        yfov = self.gltf.control(node.name, "sunfleck_camera.yfov")
+        still = source.need("perspective").need("yfov").number(1e-6, 3.14)
+        return world_from_camera, still if yfov is None else float(yfov.at(self.time_s)[0, 0])
 
-    def _surface(self, material: int | None, pieces: list[tuple[np.ndarray, np.ndarray]]) -> Surface:
-        first, triangles = 0, []
-        for points, own in pieces:
-            triangles.append(own.astype(np.uint32) + np.uint32(first))
+    def _surface(self, material: int | None, pieces: list[tuple[np.ndarray, Primitive]]) -> Surface:
+        reflectance, texture = self._reflectance(material)
+        first, triangles, uvs = 0, [], []
+        for points, primitive in pieces:
+            triangles.append(primitive.triangles.astype(np.uint32) + np.uint32(first))
             first += len(points)
+            found = None if texture is None else primitive.uvs.get(texture.layer)
+            uvs.append(np.zeros((len(points), 2)) if found is None else texture.placed(found))
         positions = np.concatenate([points for points, _ in pieces])
-        return Surface(positions, np.concatenate(triangles), self._reflectance(material))
+        return Surface(positions, np.concatenate(triangles), np.concatenate(uvs), reflectance, texture)
 
-    def _reflectance(self, material: int | None) -> list[float]:
+    def _reflectance(self, material: int | None) -> tuple[list[float], Texture | None]:
         if material is None:
-            return [1.0] * 3
+            return [1.0] * 3, None
         source = self.materials[material]
         shading = source.group("pbrMetallicRoughness")
         beyond = [name for name in SURFACE_BEYOND if source.member(name) is not None]
-        beyond += sorted(source.group("extensions").raw)
-        beyond += ["baseColorTexture"] if shading.member("baseColorTexture") is not None else []
+        emission = source.member("emissiveFactor")
+        beyond += ["emissiveFactor"] if emission is not None and any(emission.numbers(3)) else []
+        beyond += sorted(name for name in source.group("extensions").raw if not self._is_matte(name, source))
+        beyond += [name for name in ("sunfleck_leaf", "sunfleck_material") if source.group("extras").member(name) is not None]
         beyond += ["metallicFactor"] if shading.number_at("metallicFactor", 1.0) > 0 else []
         beyond += ["alphaMode"] if source.text_at("alphaMode", "OPAQUE") != "OPAQUE" else []
         if beyond:
-            self.notes.append(f"{source.path}: other renderers get a matte surface of its baseColorFactor, without {', '.join(beyond)}")
-        color = shading.member("baseColorFactor")
-        return [1.0] * 3 if color is None else color.numbers(4)[:3]
+            self.notes.append(f"{source.path}: other renderers get a matte surface of its base colour, without {', '.join(beyond)}")
+        color, info = shading.member("baseColorFactor"), shading.member("baseColorTexture")
+        texture = None if info is None else read_texture(self.gltf, info)
+        return [1.0] * 3 if color is None else color.numbers(4)[:3], texture
+
+    def _is_matte(self, extension: str, source: Value) -> bool:
+        """True for what says that there is no shine."""
+        return extension == "KHR_materials_specular" and source.extension(extension).number_at("specularFactor", 1.0) == 0.0

@@ -15,6 +15,7 @@ from pxr import Sdf, UsdUtils
 from ..gltf.load import load
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
+from ..gltf.sky import read_sky
 from ..errors import SceneError
 from .cameras import write_camera
 from .crowds import crowds, write_crowd
@@ -113,9 +114,10 @@ class _Export:
             self.world = world
             write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
             self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
-            picture = sky_picture(self.gltf, self.textures)
+            sky = read_sky(self.gltf)
+            picture = sky_picture(sky, self.textures)
             write_scene(world, self.gltf, self.sampler, picture)
-            if write_sky(world, self.gltf, picture, self.textures, self.names):
+            if write_sky(world, sky, picture, self.textures, self.names):
                 self.prims["DomeLight"] += 1
             self._write_nodes()
         self.lost += [f"what changes `{target}` is not carried" for target in self.gltf.unused]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenEXR
 
+from ..exr.write import write_colors
 from ..gltf.container import Container
 from ..gltf.values import Value
 from .prims import Names
@@ -58,10 +58,7 @@ class Textures:
         """The path, likewise, of linear light that is written as OpenEXR."""
         name = self.names.new(stem) + ".exr"
         self.folder.mkdir(exist_ok=True)
-        header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
-        channels = {letter: np.ascontiguousarray(pixels[..., index]) for index, letter in enumerate("RGB")}
-        with OpenEXR.File(header, channels) as file:
-            file.write(str(self.folder / name))
+        write_colors(self.folder / name, pixels)
         return f"./{self.name}/{name}"
 
     def _bytes(self, image: Value) -> bytes:

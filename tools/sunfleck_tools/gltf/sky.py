@@ -1,0 +1,51 @@
+"""What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a gradient and an image."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .scene import Gltf
+from .values import Value
+
+ROWS, COLUMNS = 1024, 4
+"""Of a gradient's picture: a row for every sixth of a degree, and columns that are all the same."""
+
+
+@dataclass(frozen=True)
+class Sky:
+    """`radiance` in W/(m2 sr), of what is 1 in the image or the gradient (rows from straight up to straight down), if any.
+
+    An image has -z in its middle, and is turned about +y by `rotation_rad`. `lights` is `nothing`, `surfaces` or `surfaces_and_fog`.
+    """
+
+    lights: str
+    radiance: np.ndarray
+    image: Value | None
+    gradient: np.ndarray | None
+    rotation_rad: float
+
+
+def read_sky(gltf: Gltf) -> Sky | None:
+    """The sky, if there is one."""
+    source = gltf.extras.group("sunfleck_env")
+    if not source.raw:
+        return None
+    strength, color, image = (source.member(name) for name in ("strength", "color", "image"))
+    radiance = np.ones(3) if strength is None else np.array(strength.channels())
+    gradient = None
+    if color is not None:
+        radiance = radiance * color.channels()
+    elif image is None:
+        ground = source.member("ground")
+        colors = [source.need("zenith").channels(), source.need("horizon").channels(), [0.0] * 3 if ground is None else ground.channels()]
+        gradient = _gradient(*map(np.array, colors))
+    return Sky(source.text_at("lights", "nothing"), radiance, image, gradient, source.number_at("rotation", 0.0))
+
+
+def _gradient(zenith: np.ndarray, horizon: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """Each row the radiance at its middle: linear in the sine of the elevation."""
+    height = np.cos(np.pi * (np.arange(ROWS) + 0.5) / ROWS)[:, None]
+    rows = np.where(height > 0, horizon + (zenith - horizon) * height, ground)
+    return np.repeat(rows[:, None], COLUMNS, axis=1).astype(np.float32)

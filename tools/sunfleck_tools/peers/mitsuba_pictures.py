@@ -1,0 +1,19 @@
+"""Pictures as Mitsuba decodes them: linear light in single precision."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import mitsuba as mi
+import numpy
+
+from .pictures import Picture
+
+
+def colors(picture: Picture) -> numpy.ndarray:
+    """Rows of red, green and blue; what is in bytes is sRGB."""
+    with tempfile.TemporaryDirectory() as folder:
+        decoded = mi.Bitmap(str(picture.file(Path(folder), "picture")))
+    linear = decoded.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False)
+    return numpy.array(linear)

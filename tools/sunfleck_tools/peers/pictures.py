@@ -1,0 +1,105 @@
+"""Pictures as the renderers beside us take them: base colours' textures, and what lies behind the scene.
+
+Invariant: they are the files' own bytes, which each renderer decodes itself; only gradients are made here.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..exr.write import write_colors
+from ..gltf.scene import Gltf
+from ..gltf.sky import read_sky
+from ..gltf.values import Value
+
+KINDS = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg", b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
+WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A file's bytes, and how such a file's name ends."""
+
+    data: bytes
+    ending: str
+
+    def file(self, folder: Path, stem: str) -> Path:
+        """The file itself."""
+        path = folder / f"{stem}{self.ending}"
+        path.write_bytes(self.data)
+        return path
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A picture in sRGB, what it does beyond its edges, and where it lies: `offset + turn * (scale * uv)` of a set of coordinates."""
+
+    picture: Picture
+    wrap: str
+    layer: int
+    offset: np.ndarray
+    linear: np.ndarray
+
+    def placed(self, uvs: np.ndarray) -> np.ndarray:
+        """A mesh's coordinates as places in the picture, from its upper left corner."""
+        return uvs @ self.linear.T + self.offset
+
+
+@dataclass(frozen=True)
+class PeerSky:
+    """As `gltf.sky.Sky`, with a picture of the gradient."""
+
+    lights: str
+    radiance: np.ndarray
+    picture: Picture | None
+    rotation_rad: float
+
+
+def read_background(gltf: Gltf) -> PeerSky | None:
+    """What lies behind the scene."""
+    sky = read_sky(gltf)
+    if sky is None:
+        return None
+    picture = None
+    if sky.image is not None:
+        picture = _picture(gltf.container.linked(sky.image), sky.image)
+    elif sky.gradient is not None:
+        with tempfile.TemporaryDirectory() as folder:
+            write_colors(Path(folder, "sky.exr"), sky.gradient)
+            picture = Picture(Path(folder, "sky.exr").read_bytes(), ".exr")
+    return PeerSky(sky.lights, sky.radiance, picture, sky.rotation_rad)
+
+
+def read_texture(gltf: Gltf, info: Value) -> Texture:
+    """The texture of a material."""
+    document = gltf.document
+    textures, images, samplers = (document.items(name) for name in ("textures", "images", "samplers"))
+    texture = textures[info.need("index").index(textures, "texture")]
+    image = images[texture.need("source").index(images, "image")]
+    if (view := image.member("bufferView")) is not None:
+        data, start, length, _ = gltf.container.view(view)
+        data = data[start : start + length]
+    else:
+        data = gltf.container.linked(image.need("uri"))
+    sampler = texture.member("sampler")
+    wrap = 10497 if sampler is None else samplers[sampler.index(samplers, "sampler")].number_at("wrapS", 10497)
+    layer, offset, linear = info.number_at("texCoord", 0, 0, 7), np.zeros(2), np.eye(2)
+    if (moved := info.extension("KHR_texture_transform")) is not None:
+        layer = moved.number_at("texCoord", layer, 0, 7)
+        scale = moved.member("scale")
+        angle = moved.number_at("rotation", 0.0)
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        linear = turn @ np.diag([1.0, 1.0] if scale is None else scale.numbers(2))
+        offset = offset if (said := moved.member("offset")) is None else np.array(said.numbers(2))
+    return Texture(_picture(data, image), WRAPS.get(int(wrap), "repeat"), int(layer), offset, linear)
+
+
+def _picture(data: bytes, source: Value) -> Picture:
+    ending = next((ending for start, ending in KINDS.items() if data.startswith(start)), None)
+    if ending is None:
+        source.fail("other renderers get PNG, JPEG, OpenEXR and Radiance HDR")
+    return Picture(data, ending)
