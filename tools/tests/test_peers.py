@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import importlib.util
 import json
@@ -78,6 +79,24 @@ class Scenes(unittest.TestCase):
             with self.assertRaisesRegex(SceneError, r"changed\.glb") as caught:
                 read_scene(path)
             self.assertIn(why, str(caught.exception))
+
+    def test_pictures_that_are_damaged(self):
+        """The readers that there are must refuse them in a sentence, and none may believe what they claim."""
+        whole = LEAF.read_bytes()
+        marked_sky(self.scratch / "sky.exr")
+        sky = (self.scratch / "sky.exr").read_bytes()
+        renderers = [name for name, package in (("mitsuba-scalar", "mitsuba"), ("cycles", "bpy")) if _is_there(package)]
+        for data in (whole[:100], whole[:16] + b"\xff" * 8 + whole[24:], whole[:400] + b"x" * 40 + whole[440:500], sky[:200], sky[:60]):
+            uri = "data:;base64," + base64.b64encode(data).decode()
+
+            def change(document, uri=uri):
+                document["scenes"][0].setdefault("extras", {})["sunfleck_env"] = {"image": uri}
+
+            path = changed(LEAVES500 / "leaves500.glb", self.scratch / "changed.glb", change)
+            for renderer in renderers:
+                code, _, err = run("peers", path, "--renderers", renderer, "--samples", 1, "--size", "4x4", "--pictures", self.scratch)
+                self.assertEqual(code, 3, (data[:8], err))
+                self.assertRegex(err, "picture of the scene|larger than it can be|damaged")
 
     def test_what_cannot_be_used_says_why(self):
         glb = LEAVES500 / "leaves500.glb"

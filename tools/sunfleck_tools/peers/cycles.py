@@ -10,6 +10,7 @@ import bpy
 import mathutils
 import numpy
 
+from ..errors import SceneError
 from .lamps import Lamp, Sun
 from .pictures import Picture, PeerSky
 from .scene import PeerScene
@@ -105,6 +106,8 @@ def nodes_of(name):
 
 def image_of(picture: Picture, folder: Path):
     image = bpy.data.images.load(str(picture.file(folder, f"image_{len(bpy.data.images)}")))
+    if 0 in image.size:
+        raise SceneError("Blender cannot read a picture of the scene")
     image.colorspace_settings.name = "Linear Rec.709" if picture.ending in (".exr", ".hdr") else "sRGB"
     # A texture's alpha says nothing here.
     image.alpha_mode = "CHANNEL_PACKED"

@@ -8,12 +8,16 @@ from pathlib import Path
 import mitsuba as mi
 import numpy
 
+from ..errors import SceneError
 from .pictures import Picture
 
 
 def colors(picture: Picture) -> numpy.ndarray:
     """Rows of red, green and blue; what is in bytes is sRGB."""
     with tempfile.TemporaryDirectory() as folder:
-        decoded = mi.Bitmap(str(picture.file(Path(folder), "picture")))
+        try:
+            decoded = mi.Bitmap(str(picture.file(Path(folder), "picture")))
+        except RuntimeError as error:
+            raise SceneError(f"Mitsuba cannot read a picture of the scene: {str(error).splitlines()[0]}") from None
     linear = decoded.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False)
     return numpy.array(linear)

@@ -11,12 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
+from ..exr.decode import LARGEST_COMPRESSION
+from ..exr.header import HeaderError, parse_header
 from ..exr.write import write_colors
 from ..gltf.scene import Gltf
 from ..gltf.sky import read_sky
 from ..gltf.values import Value
 
 KINDS = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg", b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
+MOST_TEXELS = 1 << 26
+"""As the renderer has it."""
 WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 
 
@@ -102,4 +106,16 @@ def _picture(data: bytes, source: Value) -> Picture:
     ending = next((ending for start, ending in KINDS.items() if data.startswith(start)), None)
     if ending is None:
         source.fail("other renderers get PNG, JPEG, OpenEXR and Radiance HDR")
+    # Of the kinds whose few bytes can claim any size.
+    if ending == ".png" and len(data) >= 24:
+        pixels, most = int.from_bytes(data[16:20], "big") * int.from_bytes(data[20:24], "big"), MOST_TEXELS
+    elif ending == ".exr":
+        try:
+            pixels, most = parse_header(data).pixel_bytes, len(data) * LARGEST_COMPRESSION
+        except HeaderError as error:
+            source.fail(f"is damaged: {error}")
+    else:
+        pixels, most = 0, 0
+    if pixels > most:
+        source.fail("claims to be larger than it can be")
     return Picture(data, ending)

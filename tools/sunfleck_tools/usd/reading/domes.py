@@ -15,7 +15,7 @@ from ...errors import SceneError
 from ..textures import SKY_KINDS
 from .source import Source
 
-MOST_BYTES = 2**29
+MOST_BYTES = 2**28
 """Of a picture's file."""
 UPRIGHT = 1e-4
 """Radians, about."""
