@@ -511,6 +511,15 @@ def material_unused_with_anything_in_it() -> File:
 
 
 @case
+def material_unused_of_shares_in_single_precision() -> File:
+    file = leaf()
+    # Blender holds colours in single precision and properties in double: 0.6 and 0.4 are more than 1.
+    shading, shares = {"baseColorFactor": [0.6000000238418579] * 3 + [1]}, {"transmission": [0.4] * 3}
+    file.json["materials"].append({"pbrMetallicRoughness": shading, "extras": {"sunfleck_material": shares}})
+    return file
+
+
+@case
 def emission_of_strength_zero() -> File:
     file = leaf()
     file.use("KHR_materials_emissive_strength")

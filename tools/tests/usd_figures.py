@@ -30,6 +30,11 @@ SCENE = """Scene(
     lights: { "sun": Sun(to_sun: (0.4, 1.0, -0.6), irradiance_w_per_m2: 8.0) },
 )
 """
+ROUTES = {
+    "instances": ExportOptions(),
+    "PointInstancer": ExportOptions(point_instancer=True),
+    "PointInstancer for Blender": ExportOptions(point_instancer=True, for_blender=True),
+}
 FRAMES = [1.0, 17.0, 100.5, 240.0]
 
 
@@ -43,7 +48,7 @@ def main() -> None:
         scene.write_text(SCENE)
         subprocess.run([PROGRAM, "export", scene, glb, "--frames", "1-240"], check=True, capture_output=True)
         truth = inspect(glb, FRAMES)
-        for route, options in (("instances", ExportOptions()), ("PointInstancer", ExportOptions(point_instancer=True))):
+        for route, options in ROUTES.items():
             stage = folder / f"{route}.usdc"
             exporting = seconds(lambda: export_usd(glb, stage, options))
             importing = seconds(lambda: import_usd(stage, back))

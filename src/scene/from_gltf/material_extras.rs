@@ -10,6 +10,10 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
+/// By which shares that add up to 1 may end above it: Blender and others hold colours in single precision, and properties
+/// in double, so that 0.6 and 0.4 make 1.000000024.
+const SINGLE_PRECISION: f64 = 1e-6;
+
 /// `sunfleck_material` of a material.
 #[derive(Debug, Deserialize)]
 pub(super) struct MaterialExtras {
@@ -61,8 +65,7 @@ impl Builder<'_> {
             let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];
             let sum: Rgb = shares.iter().sum();
             let least = shares.iter().map(|share| share.min_element()).fold(0.0, f64::min);
-            // Sums of rounded shares may end a little above 1.
-            if least < 0.0 || sum.max_element() > 1.0 + 1e-9 {
+            if least < 0.0 || sum.max_element() > 1.0 + SINGLE_PRECISION {
                 let found = format!("base colour, transmission, mirror and filter add up to {sum}");
                 let expected = "shares of at least 0 that add up to 1 at most";
                 self.report.error(format!("materials[{index}].extras.sunfleck_material"), found, expected);
