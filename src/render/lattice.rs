@@ -19,9 +19,20 @@ use std::iter;
 /// How far apart slices may lie, by the side of the square that a sample stands for.
 const WIDEST: f64 = 1.8;
 
+/// What one draw has wrong shows as a line along its slice. So slices with draws of their own take turns: of this many, side by
+/// side, each has samples only in pixels of its own, and neighbouring pixels mostly belong to different ones.
+const TURNS: usize = 2;
+
+/// From so many samples a pixel on such lines are too faint to pay for: slices that take turns gather what they cut twice as often.
+const NO_TURNS_FROM: f64 = 32.0;
+
 /// The slices of one pass over one light's part of the picture.
 pub(super) struct Lattice {
     rings: Vec<RingLattice>,
+    /// Every so many slices are a lattice for their part of the pixels.
+    turns: usize,
+    /// Slices of one turn that a pixel sees, to the next power of two.
+    run: usize,
 }
 
 struct RingLattice {
@@ -32,7 +43,7 @@ struct RingLattice {
     first_rad: f64,
     step_rad: f64,
     count: usize,
-    /// Picture area a sample stands for, per radian of its slice's turn.
+    /// Picture area between samples, per radian of a slice's turn.
     step_area: f64,
     shift_along: f64,
 }
@@ -40,6 +51,8 @@ struct RingLattice {
 /// A slice that is to be solved.
 pub(super) struct PlacedSlice {
     pub(super) slice: Slice,
+    turns: usize,
+    turn: usize,
     shift: f64,
     step_area: f64,
 }
@@ -57,6 +70,8 @@ impl Lattice {
         let extent = base.extent();
         let is_drawn = deviation_rad.is_some();
         let deviation_rad = deviation_rad.unwrap_or(0.0);
+        let turns = if is_drawn && samples < NO_TURNS_FROM { TURNS } else { 1 };
+        let run = (samples.ceil() as usize).next_power_of_two();
         let rings = rings(base, deviation_rad).map(|ring| {
             let (mean_px, greatest_px) = match base.separation_px(ring) {
                 (0.0, _) => base.separation_px(Ring::WHOLE),
@@ -75,8 +90,11 @@ impl Lattice {
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
             // Nowhere may slices lie much farther apart than samples on them, for those of one slice shun only each
             // other. But where slices have draws of their own, a sample more on the same slice tells less.
-            let slices_per_rad =
-                if is_drawn { samples * mean_px } else { samples.sqrt() * greatest_px / WIDEST };
+            let slices_per_rad = if is_drawn {
+                turns as f64 * samples * mean_px
+            } else {
+                samples.sqrt() * greatest_px / WIDEST
+            };
             let count = (width * slices_per_rad).ceil().max(1.0);
             let step_rad = width / count;
             let (across, along) = shift();
@@ -88,11 +106,11 @@ impl Lattice {
                 first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * step_rad,
                 step_rad,
                 count: count as usize + usize::from(!is_circle),
-                step_area: 1.0 / (samples * step_rad),
+                step_area: 1.0 / (samples * turns as f64 * step_rad),
                 shift_along: along,
             }
         });
-        Self { rings: rings.collect() }
+        Self { rings: rings.collect(), turns, run }
     }
 
     /// How many slices there are.
@@ -102,6 +120,7 @@ impl Lattice {
 
     /// Slice `number`, in a fan of its own; `None` if it misses the picture.
     pub(super) fn slice(&self, base: &Fan, own: &Fan, mut number: usize) -> Option<PlacedSlice> {
+        let (turns, turn, row) = (self.turns, number % self.turns, self.row(number));
         let ring = self.rings.iter().find(|ring| {
             let is_here = number < ring.count;
             number -= if is_here { 0 } else { ring.count };
@@ -112,15 +131,27 @@ impl Lattice {
         let (angle, crowding) =
             ring.anchor.map_or((angle, 1.0), |anchor| own.angle_through(base, angle, anchor));
         let slice = own.slice(angle, ring.ring)?;
-        let [shift] = kronecker([ring.shift_along], number);
-        Some(PlacedSlice { slice, shift, step_area: ring.step_area / crowding })
+        let [shift] = kronecker([ring.shift_along], row);
+        Some(PlacedSlice { slice, turns, turn, shift, step_area: ring.step_area / crowding })
+    }
+
+    /// The number of a slice among those of its turn.
+    pub(super) fn row(&self, number: usize) -> usize {
+        number / self.turns
+    }
+
+    /// Which draw is slice `number`'s. Draws are spread evenly in aligned runs of a power of two: each turn gets its own run, and
+    /// all turns together one run too.
+    pub(super) fn draw(&self, number: usize) -> usize {
+        let block = number - number % (self.turns * self.run);
+        block + number % self.turns * self.run + self.row(number - block)
     }
 }
 
 impl PlacedSlice {
     /// Its samples in pixels that are wanted, each with its number along the slice.
     pub(super) fn places(&self, size: Size, wanted: &Mask) -> impl Iterator<Item = (usize, Place)> {
-        let Self { slice, shift, step_area } = self;
+        let Self { slice, shift, step_area, .. } = self;
         let count = (slice.area_per_rad / step_area - shift).ceil().max(0.0) as usize;
         let mut next = 0;
         iter::from_fn(move || {
@@ -130,6 +161,9 @@ impl PlacedSlice {
                 let film_px = slice.film_px(area);
                 let (x, y) = pixel(film_px, size);
                 next += 1;
+                if self.turns > 1 && turn_of(x, y, self.turns) != self.turn {
+                    continue;
+                }
                 let Some(around) = wanted.unwanted_around(x, y) else {
                     return Some((index, slice.place(area)));
                 };
@@ -144,6 +178,13 @@ impl PlacedSlice {
     }
 }
 
+/// Whose turn it is in a pixel: a dither mask by an additive recurrence in two dimensions (Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences").
+fn turn_of(x: usize, y: usize, turns: usize) -> usize {
+    let threshold = (x as f64 * 0.754_877_666_246_692_7 + y as f64 * 0.569_840_290_998_053_2).fract();
+    (threshold * turns as f64) as usize
+}
+
 /// One ring without deviation; else three, of which those about the axis and about its far side hold what wanders too far
 /// to be kept in place.
 fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
@@ -153,4 +194,19 @@ fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
         move |border: &f64| deviation_rad > 0.0 && low < high && extent.0 < *border && *border < extent.1;
     let borders = [low, high].into_iter().filter(within).chain([PI]);
     borders.scan(0.0, |before, border| Some(Ring(std::mem::replace(before, border), border)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The draws are those of all numbers, and those of one turn in one aligned run.
+    #[test]
+    fn turns_get_runs_of_draws() {
+        let lattice = Lattice { rings: Vec::new(), turns: 2, run: 4 };
+        let draws: Vec<usize> = (8..16).map(|number| lattice.draw(number)).collect();
+        assert_eq!(draws, [8, 12, 9, 13, 10, 14, 11, 15]);
+        let single = Lattice { rings: Vec::new(), turns: 1, run: 4 };
+        assert!((0..20).all(|number| single.draw(number) == number));
+    }
 }

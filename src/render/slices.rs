@@ -94,9 +94,9 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
             SliceScratch::default,
             |scratch, (index, samples)| {
                 let number = first + index;
-                // Of a lattice's slices every other one is a lattice too.
-                samples.start(pass.fresh == Fresh::All || number % 2 == 1);
-                let draw = draws.get(number);
+                // Of a lattice's rows every other one is a lattice too.
+                samples.start(pass.fresh == Fresh::All || lattice.row(number) % 2 == 1);
+                let draw = draws.get(lattice.draw(number));
                 let Some(own) = fan_of(&draw) else { return };
                 let Some(placed) = lattice.slice(&base, &own, number) else { return };
                 let slice_job = SliceJob {
