@@ -349,3 +349,32 @@ fn nothing_is_undefined_on_a_light() {
     let (_, _, arriving) = light.point([0.5, 0.5, 0.5]).arriving_at(ray.at(2.0));
     assert_eq!(arriving, Rgb::ZERO);
 }
+
+/// A sphere's surface in even fog, from its radiance over the part of it that is seen.
+#[test]
+fn fog_takes_a_spheres_light_from_its_surface_on() {
+    let (radius, distance) = (0.4, 2.0);
+    // Exact from afar; five radii away its chords fan out, which shows the more the thicker the fog is.
+    for (extinction, tolerance) in [(0.0, 1e-5), (0.05, 1e-4), (0.5, 1e-3), (2.0, 5e-3)] {
+        let sphere = luminaire(LightKind::Sphere { radius: Track::from(radius) });
+        let sphere = sphere.in_fog(Rgb::splat(extinction));
+        let count = 1 << 15;
+        let arriving = |sample| {
+            let light = sphere.point(Sampler::new(5, 0, 0, sample).next_3d());
+            let (_, distance, arriving) = light.arriving_at(DVec3::new(0.0, 0.0, distance));
+            arriving.x * (-extinction * distance).exp()
+        };
+        let found = (0..count).map(arriving).sum::<f64>() / f64::from(count);
+
+        let radiance = 1.0 / (PI * radius * radius);
+        let steps = 20_000;
+        let edge = (radius / distance).asin();
+        let ring = |step: i32| {
+            let angle = edge * (f64::from(step) + 0.5) / f64::from(steps);
+            let beside = distance * angle.sin();
+            let way = distance * angle.cos() - (radius * radius - beside * beside).max(0.0).sqrt();
+            2.0 * PI * angle.sin() * radiance * (-extinction * way).exp() * edge / f64::from(steps)
+        };
+        assert_close(found, (0..steps).map(ring).sum(), tolerance);
+    }
+}

@@ -91,6 +91,17 @@ impl Luminaire {
         self
     }
 
+    /// The same where fog of that extinction, 1/m, surrounds it. A sphere shines at its surface, but its points lie within:
+    /// it gets back what fog would take on the way out.
+    pub fn in_fog(mut self, extinction_per_m: Rgb) -> Self {
+        if let (Extent::Ball { radius }, FrozenLight::Point { intensity, .. }) =
+            (&self.extent, &mut self.centre)
+        {
+            *intensity *= extinction_per_m.map(|extinction| surface_per_ball(extinction * radius));
+        }
+        self
+    }
+
     /// Whether it has no extent: every [`Luminaire::point`] is [`Luminaire::centre`], which is all of it.
     pub fn is_delta(&self) -> bool {
         matches!(self.extent, Extent::None)
@@ -155,6 +166,28 @@ impl Luminaire {
 
 fn span(axes: &[DVec3; 2], along: DVec2) -> DVec3 {
     along.x * axes[0] + along.y * axes[1]
+}
+
+/// How much more of a sphere's light gets through fog if it comes from its surface, not from the points of [`in_ball`]. `depth`
+/// is the optical depth of its radius.
+///
+/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` on the mean of its points, in units of
+/// what comes from its middle. Over all chords seen from afar, `2 ((t - 1) exp(t) + 1) / t^2` and `2 I1(t) / t`, here both by their power series.
+fn surface_per_ball(depth: f64) -> f64 {
+    /// Beyond it, where nothing shines through any more, as at it.
+    const MOST: f64 = 30.0;
+    /// `MOST^k / k!` is below the last bit of the sum from here on.
+    const TERMS: u32 = 120;
+    let t = depth.min(MOST);
+    let (mut surface, mut ball, mut power, mut square) = (0.0, 0.0, 1.0, 1.0);
+    for k in (0..TERMS).map(f64::from) {
+        // t^k / k! and (t^2 / 4)^k / (k! (k + 1)!)
+        surface += power / (k + 2.0);
+        ball += 0.5 * square;
+        power *= t / (k + 1.0);
+        square *= 0.25 * t * t / ((k + 1.0) * (k + 2.0));
+    }
+    surface / ball
 }
 
 /// A point of the unit ball, with a density in proportion to `1 / sqrt(1 - r^2)`.

@@ -171,21 +171,24 @@ impl<'scene> Snapshot<'scene> {
         let first_blended = placed.len();
         placed.extend(placed_blended);
 
+        let fog = scene
+            .fogs
+            .iter()
+            .filter(|fog| placements[fog.node].visible)
+            .filter_map(|fog| frozen_fog(fog, relative_from(fog.node), time_s))
+            .collect();
+        let medium = Medium::new(fog);
         let lights = scene
             .lights
             .iter()
             .zip(shining)
             .filter(|(_, shines)| **shines)
             .map(|(light, _)| {
-                let luminaire = Luminaire::new(light, relative_from(light.node), time_s);
+                let relative_from_light = relative_from(light.node);
+                let extinction_per_m = medium.extinction_at(relative_from_light.translation);
+                let luminaire = Luminaire::new(light, relative_from_light, time_s).in_fog(extinction_per_m);
                 if placements[light.node].visible { luminaire } else { luminaire.switched_off() }
             })
-            .collect();
-        let fog = scene
-            .fogs
-            .iter()
-            .filter(|fog| placements[fog.node].visible)
-            .filter_map(|fog| frozen_fog(fog, relative_from(fog.node), time_s))
             .collect();
 
         let materials = match scene.materials.iter().all(Material::is_constant) {
@@ -202,7 +205,7 @@ impl<'scene> Snapshot<'scene> {
             placed,
             first_blended,
             lights,
-            medium: Medium::new(fog),
+            medium,
             background: scene.background,
             sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
             motion: None,
