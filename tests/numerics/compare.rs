@@ -210,7 +210,6 @@ impl SlicePlan {
 pub(crate) fn by_slices(scene: &Scene, plan: &SlicePlan) -> Errors {
     by_slices_through(scene, plan, Luminaire::centre)
 }
-
 /// Slices of one point of the scene's only light.
 pub(crate) fn by_slices_through(
     scene: &Scene,

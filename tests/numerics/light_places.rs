@@ -104,3 +104,50 @@ fn images_of_lights_on_round_places() {
         }
     }
 }
+
+/// A leaf hides the lamp from all fog before it, but is seen nearly edge on, so that its places are known less well in
+/// single precision than where a ray meets its plane. Rays that end on it are dark to their ends.
+#[test]
+fn behind_a_leaf_seen_edge_on() {
+    let dark = |scale: f64,
+                triangles: &[[[f32; 3]; 3]],
+                bank: [[f64; 3]; 2],
+                fog_and_g: [f64; 2],
+                lamp: [f64; 3]| {
+        let frame = Frame { scale, offset: DVec3::ZERO };
+        let mut scene = empty(&frame);
+        let triangles: Vec<[Vec3; 3]> =
+            triangles.iter().map(|corners| corners.map(Vec3::from_array)).collect();
+        add_triangles(&mut scene, &frame, &triangles);
+        let [low, high] = bank.map(DVec3::from_array);
+        fog(&mut scene, &frame, low, high, fog_and_g[0], fog_and_g[1]);
+        light(&mut scene, &frame, Lamp::Point { position: DVec3::from_array(lamp) });
+        let errors = by_slices(&scene, &SlicePlan::even(Size { width: 8, height: 8 }, 5, 5));
+        println!("behind a leaf seen edge on, slices: {errors}");
+        assert_eq!(errors.verdict_above(1e-4, 1e-6), Ok(()), "{lamp:?}");
+    };
+    dark(
+        1418.0,
+        &[[[0.5, -1.0, -1.5], [1.0, -0.5, -0.5], [0.0, 1.0, -0.5]]],
+        [[-1.0, -1.0, -1.0], [1.0, 0.0, -0.5]],
+        [1.0, 0.5],
+        [1.25, -0.25, -1.3],
+    );
+    dark(
+        1.0,
+        &[[[1.0, 1.0, -0.5], [-0.5, -1.0, -1.5], [-1.0, -0.5, -0.5]]],
+        [[0.0, -1.0, -1.0], [1.0, 1.0, -0.5]],
+        [1.0, 0.9],
+        [0.75, 0.75, -0.8],
+    );
+    dark(
+        1.2e-4,
+        &[
+            [[-1.0, 0.0, -3.0], [-1.0, 1.0, -1.0], [0.0, 0.0, -0.5]],
+            [[-1.0, 0.5, -1.0], [0.5, -1.0, -3.0], [0.0, 0.5, -1.0]],
+        ],
+        [[-1.0, -1.0, -1.5], [-0.5, 0.5, -0.5]],
+        [20.0, -0.9],
+        [-0.25, 0.25, -0.8],
+    );
+}

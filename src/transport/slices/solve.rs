@@ -105,7 +105,6 @@ pub fn solve(
                 fog.darken(start, end);
             }
         });
-        let (shadows, own_shadows) = sweep.shadows();
         if let Some(meeting) =
             meeting.filter(|meeting| met.is_none_or(|met| met.primitive != meeting.primitive))
         {
@@ -128,6 +127,8 @@ pub fn solve(
             continue;
         }
         let end = distance * planar.direction.x;
+        let end_name = surface.map(|_| light_rays.through(distance * planar.direction));
+        let (shadows, own_shadows) = sweep.shadows(end_name);
         let passage = match *light {
             FrozenLight::Sun { irradiance, .. } if has_profile => fog
                 .follow(&planar, &ray, end, shadows, own_shadows)

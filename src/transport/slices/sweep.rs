@@ -123,6 +123,8 @@ pub(super) struct Sweep {
     /// Where each active segment is met and what its upper part shadows, and the union of that.
     own_shadows: Vec<(DVec2, f64, f64)>,
     own_union: IntervalSet,
+    /// Which of the active segments is met first.
+    met: Option<usize>,
 }
 
 /// What a ray meets first.
@@ -187,7 +189,6 @@ impl Sweep {
         self.active.extend_from_slice(self.segments.bucket(current));
 
         self.own_shadows.clear();
-        self.own_union.clear();
         let mut first: Option<(DVec2, usize)> = None;
         for (index, segment) in self.active.iter().enumerate() {
             let point = segment.crossing(ray);
@@ -196,8 +197,8 @@ impl Sweep {
             }
             let (start, end) = ordered(light_rays.through(point), segment.upper.name);
             self.own_shadows.push((point, start, end));
-            self.own_union.insert(start, end);
         }
+        self.met = first.map(|(_, index)| index);
         let (place, met) = first?;
         let name = light_rays.through(place);
         let is_dark = |index: usize| {
@@ -213,8 +214,18 @@ impl Sweep {
     }
 
     /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and
-    /// what it meets.
-    pub(super) fn shadows(&self) -> (&IntervalSet, &IntervalSet) {
+    /// what it meets. `end` names the one through the place where the ray ends, if it meets anything: better known than the
+    /// segment there, whose own shadow must not end before.
+    pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
+        if let (Some(index), Some(name)) = (self.met, end) {
+            let (point, ..) = self.own_shadows[index];
+            let (start, end) = ordered(name, self.active[index].upper.name);
+            self.own_shadows[index] = (point, start, end);
+        }
+        self.own_union.clear();
+        for &(_, start, end) in &self.own_shadows {
+            self.own_union.insert(start, end);
+        }
         (&self.shadows, &self.own_union)
     }
 }

@@ -27,7 +27,7 @@ impl VeilSweep {
         } else {
             f64::INFINITY
         };
-        let (above, own) = self.sweep.shadows();
+        let (above, own) = self.sweep.shadows(None);
         [above, own].iter().any(|shadows| shadows.as_slice().first().is_some_and(|(start, _)| *start <= end))
     }
 }
