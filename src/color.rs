@@ -6,7 +6,7 @@ mod display;
 
 use glam::DVec3;
 
-pub use display::{Curve, Display};
+pub use display::{Curve, Display, dithered};
 
 /// Linear Rec. 709 colour: `x` red, `y` green, `z` blue.
 ///

@@ -7,6 +7,7 @@
 //! compressed one by one; the mix is taken back (the outset). docs/display.md has the constants and how close this is.
 
 use glam::{Mat3, Vec3};
+use std::sync::LazyLock;
 
 /// ITU-R BT.2087-0, table 1.
 const REC_2020_FROM_REC_709: Mat3 = from_rows([
@@ -61,18 +62,31 @@ pub(super) fn agx(light: Vec3) -> Vec3 {
     (REC_709_FROM_REC_2020 * (OUTSET * turned)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// One channel of light to its encoded value in `0..=1`: a sigmoid of its logarithm, through middle grey.
+/// The sigmoid on one side of its pivot: with `x` from the pivot and `d` = 1 - pivot in each direction,
+/// `y = s e / (1 + e^1.5)^(2/3)`, `e = slope x / s`, and `s` such that the curve ends in the corner.
 ///
-/// Jed Smith's sigmoid with both powers 1.5 (`sigmoid.py` there): with `x` from the pivot and `d` = 1 - pivot in each
-/// direction, `y = s e / (1 + e^1.5)^(2/3)`, `e = slope x / s`, and `s` such that the curve ends in the corner.
-fn encoded(channel: f32) -> f32 {
+/// Jed Smith's, with both powers 1.5 (`sigmoid.py` there).
+struct Arm {
+    sign: f32,
+    scale: f32,
+}
+
+/// Where the arms meet, and both: below and above middle grey.
+static SIGMOID: LazyLock<(f32, [Arm; 2])> = LazyLock::new(|| {
     let x_pivot = STOPS_BELOW / (STOPS_BELOW + STOPS_ABOVE);
     let y_pivot = MIDDLE_GREY.powf(1.0 / GAMMA);
+    let arm = |sign: f32, width: f32, height: f32| {
+        let rise = SLOPE * width;
+        Arm { sign, scale: rise / ((rise / height).powf(1.5) - 1.0).cbrt().powi(2) }
+    };
+    (y_pivot, [arm(-1.0, x_pivot, y_pivot), arm(1.0, 1.0 - x_pivot, 1.0 - y_pivot)])
+});
+
+/// One channel of light to its encoded value in `0..=1`: a sigmoid of its logarithm, through middle grey.
+fn encoded(channel: f32) -> f32 {
+    let (y_pivot, arms) = &*SIGMOID;
     let stops = (channel.max(f32::MIN_POSITIVE) / MIDDLE_GREY).log2().clamp(-STOPS_BELOW, STOPS_ABOVE);
-    let (sign, width, height) =
-        if stops < 0.0 { (-1.0, x_pivot, y_pivot) } else { (1.0, 1.0 - x_pivot, 1.0 - y_pivot) };
-    let rise = SLOPE * width;
-    let scale = rise / ((rise / height).powf(1.5) - 1.0).cbrt().powi(2);
+    let Arm { sign, scale } = &arms[usize::from(stops >= 0.0)];
     let e = SLOPE * stops.abs() / (STOPS_BELOW + STOPS_ABOVE) / scale;
     let y = y_pivot + sign * scale * e / (1.0 + e * e.sqrt()).cbrt().powi(2);
     y.clamp(0.0, 1.0)
@@ -88,20 +102,31 @@ fn hue(color: Vec3) -> f32 {
         () if most == g => (b - r) / spread + 2.0,
         () => (r - g) / spread + 4.0,
     };
-    hue.rem_euclid(6.0)
+    around(hue)
+}
+
+/// A hue that has left the circle `0..6` by less than it is round.
+fn around(hue: f32) -> f32 {
+    if hue < 0.0 {
+        hue + 6.0
+    } else if hue >= 6.0 {
+        hue - 6.0
+    } else {
+        hue
+    }
 }
 
 /// The hue at a fraction of the shorter way from one to another.
 fn between_hues(from: f32, to: f32, fraction: f32) -> f32 {
-    let way = (to - from + 3.0).rem_euclid(6.0) - 3.0;
-    (from + fraction * way).rem_euclid(6.0)
+    let way = around(to - from + 3.0) - 3.0;
+    around(from + fraction * way)
 }
 
 /// The colour with the same largest and smallest channel and another hue.
 fn with_hue(color: Vec3, hue: f32) -> Vec3 {
     let (most, least) = (color.max_element(), color.min_element());
     // Each channel is at its largest for a third of the circle, from one sixth before its own hue on.
-    let share = |own: f32| (2.0 - ((hue - own + 3.0).rem_euclid(6.0) - 3.0).abs()).clamp(0.0, 1.0);
+    let share = |own: f32| (2.0 - (around(hue - own + 3.0) - 3.0).abs()).clamp(0.0, 1.0);
     least + (most - least) * Vec3::new(share(0.0), share(2.0), share(4.0))
 }
 

@@ -53,9 +53,14 @@ impl Display {
     /// The same in bytes, at a pixel. Values between two steps become the upper one the more often the nearer
     /// they are to it, by an ordered dither, so that smooth fog shows no bands.
     pub fn bytes(&self, color: Rgb, x: usize, y: usize) -> [u8; 3] {
-        let threshold = (f64::from(BAYER[y % 8][x % 8]) + 0.5) / 64.0;
-        self.encode(color).to_array().map(|value| (value * 255.0 + threshold) as u8)
+        dithered(self.encode(color), x, y)
     }
+}
+
+/// Bytes of values, `0..=1`, at a pixel.
+pub fn dithered(values: Rgb, x: usize, y: usize) -> [u8; 3] {
+    let threshold = (f64::from(BAYER[y % 8][x % 8]) + 0.5) / 64.0;
+    values.to_array().map(|value| (value * 255.0 + threshold) as u8)
 }
 
 #[cfg(test)]

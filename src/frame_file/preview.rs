@@ -2,12 +2,13 @@
 //! rendered or is read from its file; the EXR stays the picture, this is a look at it.
 
 use super::{FrameFileError, atomic};
-use crate::color::{Display, Rgb};
-use crate::film::Frame;
-use crate::scene::Size;
+use crate::color::{Display, Rgb, dithered};
+use crate::film::{Channel, Frame};
+use crate::scene::{Size, Window};
 use image::ExtendedColorType;
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Eight bits of red, green and blue a pixel.
@@ -33,13 +34,22 @@ impl Picture {
         let channel =
             |name: &str| frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"));
         let colors = [channel("R")?, channel("G")?, channel("B")?];
-        let pixels = frame.window.pixels().enumerate();
-        let bytes = pixels.flat_map(|(index, (x, y))| {
-            let color = colors.map(|color| f64::from(color.precision.stored(color.pixels[index])));
-            display.bytes(Rgb::from(color), x, y)
+        let Window { x, y, width, height } = frame.window;
+        let mut bytes = vec![0; 3 * width * height];
+        bytes.par_chunks_mut((3 * width).max(1)).enumerate().for_each(|(row, bytes)| {
+            // Neighbours often have the same colour.
+            let (mut last, mut shown) = (Rgb::ZERO, display.encode(Rgb::ZERO));
+            for (column, pixel) in bytes.chunks_exact_mut(3).enumerate() {
+                let stored =
+                    |channel: &Channel| channel.precision.stored(channel.pixels[row * width + column]);
+                let color = Rgb::from(colors.map(|channel| f64::from(stored(channel))));
+                if color != last {
+                    (last, shown) = (color, display.encode(color));
+                }
+                pixel.copy_from_slice(&dithered(shown, x + column, y + row));
+            }
         });
-        let size = Size { width: frame.window.width, height: frame.window.height };
-        Ok(Self { size, bytes: bytes.collect() })
+        Ok(Self { size: Size { width, height }, bytes })
     }
 
     /// Puts another picture into this one, its upper left corner at a pixel; it has to fit.
@@ -86,8 +96,7 @@ pub fn write_preview(path: &Path, frame: &Frame, display: &Display) -> Result<()
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::film::{Channel, Precision};
-    use crate::scene::Window;
+    use crate::film::Precision;
 
     #[test]
     fn a_picture_is_what_the_display_shows_of_each_pixel() {

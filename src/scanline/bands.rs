@@ -5,8 +5,8 @@ use super::projection::{Projection, Vertex};
 use super::triangle::EdgeForms;
 use crate::accel::PrimitiveId;
 use crate::scene::Size;
-use crate::snapshot::Snapshot;
-use glam::DVec2;
+use crate::snapshot::{DrawnMesh, Snapshot};
+use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -16,27 +16,50 @@ const ROWS: usize = 8;
 /// No triangle.
 pub(super) const NOTHING: u32 = u32::MAX;
 
+/// Boxes are so much wider, in pixels: rounding moves their sides by much less.
+const SLACK: f64 = 0.01;
+
+/// Of so many places in a row each is asked; of more, those between the triangle's edges.
+const FEW: usize = 6;
+
 /// All triangles that may be seen.
-pub(super) struct Bands<'a> {
+pub(super) struct Bands {
     pub(super) size: Size,
-    /// Where a pixel's samples lie, from its upper left corner.
-    pub(super) pattern: &'a [DVec2],
+    /// Of each sample of a pixel, where it lies in all of them.
+    pub(super) lattices: Vec<Lattice>,
     projection: Projection,
-    pub(super) triangles: Vec<Prepared>,
+    meshes: Vec<SeenMesh>,
+    pub(super) triangles: Vec<Member>,
     /// Of each band, the triangles that reach into it.
     members: Vec<Vec<u32>>,
 }
 
-/// A triangle in the picture.
-pub(super) struct Prepared {
-    pub(super) primitive: PrimitiveId,
-    vertices: [Vertex; 3],
-    rows: Range<usize>,
-    columns: Range<usize>,
+/// A placed mesh as the picture sees it.
+struct SeenMesh {
+    vertices: Vec<Vertex>,
     is_blended: bool,
 }
 
+/// One sample of every pixel.
+pub(super) struct Lattice {
+    /// From the pixel's upper left corner.
+    pub(super) offset: DVec2,
+    /// In the picture's plane, column by column and row by row.
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+/// A triangle in the picture.
+pub(super) struct Member {
+    pub(super) primitive: PrimitiveId,
+    /// Which of its mesh's vertices.
+    corners: [u32; 3],
+    /// First row of pixels that it may cover, and the one behind the last.
+    rows: [u32; 2],
+}
+
 /// What a band's samples show: pixel by pixel, all samples of a pixel together.
+#[derive(Default)]
 pub(super) struct Visible {
     /// Rows of pixels.
     pub(super) rows: Range<usize>,
@@ -56,69 +79,109 @@ pub(super) struct Layer {
     pub(super) triangle: u32,
 }
 
-impl<'a> Bands<'a> {
-    pub(super) fn new(snapshot: &Snapshot, size: Size, pattern: &'a [DVec2]) -> Self {
+impl Lattice {
+    fn new(offset: DVec2, projection: &Projection, size: Size) -> Self {
+        let place = |column: usize, row: usize| {
+            projection.place(DVec2::new(column as f64 + offset.x, row as f64 + offset.y))
+        };
+        let x = (0..size.width).map(|column| place(column, 0).x).collect();
+        let y = (0..size.height).map(|row| place(0, row).y).collect();
+        Self { offset, x, y }
+    }
+
+    /// Columns and rows of the places within a box of pixels.
+    #[inline]
+    fn within(&self, low: DVec2, high: DVec2) -> [Range<usize>; 2] {
+        let (low, high) = (low - self.offset - SLACK, high - self.offset + SLACK);
+        [whole_between(low.x, high.x, self.x.len()), whole_between(low.y, high.y, self.y.len())]
+    }
+}
+
+impl Bands {
+    /// `pattern` has the samples of a pixel, from its upper left corner.
+    pub(super) fn new(snapshot: &Snapshot, size: Size, pattern: &[DVec2]) -> Self {
         let projection = Projection::new(&snapshot.view, size);
-        let meshes: Vec<Vec<Prepared>> = (0..snapshot.mesh_count())
+        let lattices: Vec<Lattice> =
+            pattern.iter().map(|&offset| Lattice::new(offset, &projection, size)).collect();
+        let meshes: Vec<SeenMesh> = (0..snapshot.mesh_count())
             .into_par_iter()
-            .map(|number| prepare(snapshot, number, &projection, size))
+            .map(|number| SeenMesh::new(&snapshot.mesh(number), &projection))
             .collect();
-        let triangles: Vec<Prepared> = meshes.into_iter().flatten().collect();
+        let triangles: Vec<Member> = (0..snapshot.mesh_count())
+            .into_par_iter()
+            .flat_map_iter(|number| {
+                let vertices = meshes[number].vertices.as_slice();
+                let (projection, lattices) = (&projection, lattices.as_slice());
+                let triangles = snapshot.mesh(number).triangles();
+                triangles.filter_map(move |(primitive, corners)| {
+                    let rows = rows(corners.map(|corner| &vertices[corner]), projection, lattices)?;
+                    Some(Member { primitive, corners: corners.map(|corner| corner as u32), rows })
+                })
+            })
+            .collect();
         let mut members = vec![Vec::new(); size.height.div_ceil(ROWS)];
         for (number, triangle) in triangles.iter().enumerate() {
-            for band in &mut members[triangle.rows.start / ROWS..triangle.rows.end.div_ceil(ROWS)] {
+            let [first, end] = triangle.rows.map(|row| row as usize);
+            for band in &mut members[first / ROWS..end.div_ceil(ROWS)] {
                 band.push(number as u32);
             }
         }
-        Self { size, pattern, projection, triangles, members }
+        Self { size, lattices, projection, meshes, triangles, members }
+    }
+
+    /// Pixels of a band; the last may have less.
+    pub(super) fn pixels(&self) -> usize {
+        ROWS * self.size.width
     }
 
     pub(super) fn count(&self) -> usize {
         self.members.len()
     }
 
-    /// Draws one band.
-    pub(super) fn visible(&self, band: usize) -> Visible {
-        let rows = band * ROWS..((band + 1) * ROWS).min(self.size.height);
-        let samples = rows.len() * self.size.width * self.pattern.len();
-        let mut visible = Visible {
-            rows,
-            depths: vec![f64::INFINITY; samples],
-            nearest: vec![NOTHING; samples],
-            layers: Vec::new(),
-        };
-        // Opaque ones first: of the blended ones only what lies before them shows.
-        for blended in [false, true] {
-            for &number in &self.members[band] {
-                let triangle = &self.triangles[number as usize];
-                if triangle.is_blended == blended {
-                    self.draw(triangle, number, &mut visible);
-                }
-            }
+    /// Draws one band over what another left.
+    pub(super) fn draw(&self, band: usize, visible: &mut Visible) {
+        visible.rows = band * ROWS..((band + 1) * ROWS).min(self.size.height);
+        let samples = visible.rows.len() * self.size.width * self.lattices.len();
+        visible.depths.clear();
+        visible.depths.resize(samples, f64::INFINITY);
+        visible.nearest.clear();
+        visible.nearest.resize(samples, NOTHING);
+        visible.layers.clear();
+        // Opaque ones come first: of the blended ones only what lies before them shows.
+        for &number in &self.members[band] {
+            self.draw_triangle(number, visible);
         }
         visible.layers.sort_by(|a, b| {
             (a.sample.cmp(&b.sample)).then(b.depth.total_cmp(&a.depth)).then(a.triangle.cmp(&b.triangle))
         });
-        visible
     }
 
-    fn draw(&self, triangle: &Prepared, number: u32, visible: &mut Visible) {
-        let Some(forms) = EdgeForms::new(&triangle.vertices) else { return };
-        let rows = triangle.rows.start.max(visible.rows.start)..triangle.rows.end.min(visible.rows.end);
-        for row in rows {
-            for (place, offset) in self.pattern.iter().enumerate() {
-                let y = self.projection.place(DVec2::new(0.0, row as f64 + offset.y)).y;
-                let Some((low, high)) = forms.span(y) else { continue };
-                let column = |x: f64| self.projection.pixels(DVec2::new(x, y)).x - offset.x;
-                // Rounding moves the ends by much less than a pixel.
-                for column in within(column(low) - 1.0, column(high) + 1.0, &triangle.columns) {
-                    let at =
-                        self.projection.place(DVec2::new(column as f64 + offset.x, row as f64 + offset.y));
-                    let Some(depth) = forms.depth_at(at) else { continue };
-                    let pixel = (row - visible.rows.start) * self.size.width + column;
-                    let sample = pixel * self.pattern.len() + place;
+    fn draw_triangle(&self, number: u32, visible: &mut Visible) {
+        let Member { primitive, corners: [a, b, c], .. } = self.triangles[number as usize];
+        let SeenMesh { vertices, is_blended } = &self.meshes[primitive.instance as usize];
+        let vertices = [&vertices[a as usize], &vertices[b as usize], &vertices[c as usize]];
+        let Some(forms) = EdgeForms::new(vertices) else { return };
+        let Some((low, high)) = self.projection.bounds(vertices) else { return };
+        for (place, lattice) in self.lattices.iter().enumerate() {
+            let [columns, rows] = lattice.within(low, high);
+            for row in rows.start.max(visible.rows.start)..rows.end.min(visible.rows.end) {
+                let y = lattice.y[row];
+                let line = forms.at_height(y);
+                let mut columns = columns.clone();
+                if columns.len() > FEW {
+                    let Some((low, high)) = line.span() else { continue };
+                    let column = |x: f64| self.projection.pixels(DVec2::new(x, y)).x - lattice.offset.x;
+                    // Rounding moves the ends by much less than a pixel.
+                    let between = whole_between(column(low) - 1.0, column(high) + 1.0, columns.end);
+                    columns.start = columns.start.max(between.start);
+                    columns.end = between.end;
+                }
+                let first = (row - visible.rows.start) * self.size.width;
+                for column in columns {
+                    let Some(depth) = line.depth_at(lattice.x[column]) else { continue };
+                    let sample = (first + column) * self.lattices.len() + place;
                     if depth < visible.depths[sample] {
-                        if triangle.is_blended {
+                        if *is_blended {
                             visible.layers.push(Layer { sample, depth, triangle: number });
                         } else {
                             visible.depths[sample] = depth;
@@ -131,37 +194,35 @@ impl<'a> Bands<'a> {
     }
 }
 
-/// The triangles of a mesh that lie in the picture.
-fn prepare(snapshot: &Snapshot, number: usize, projection: &Projection, size: Size) -> Vec<Prepared> {
-    let mesh = snapshot.mesh(number);
-    let camera_from_mesh = projection.camera_from_mesh(mesh.relative_from_mesh);
-    let vertices: Vec<Vertex> = mesh
-        .positions
-        .iter()
-        .map(|position| projection.vertex(camera_from_mesh.transform_point3(position.as_dvec3())))
-        .collect();
-    let in_picture = mesh.triangles().filter_map(|(primitive, corners)| {
-        let vertices = corners.map(|corner| vertices[corner]);
-        let (low, high) = projection.bounds(&vertices)?;
-        // Samples lie up to a pixel from their pixel's corner.
-        let columns = within(low.x - 1.0, high.x + 1.0, &(0..size.width));
-        let rows = within(low.y - 1.0, high.y + 1.0, &(0..size.height));
-        let is_blended = mesh.is_blended;
-        (!columns.is_empty() && !rows.is_empty()).then_some(Prepared {
-            primitive,
-            vertices,
-            rows,
-            columns,
-            is_blended,
-        })
-    });
-    in_picture.collect()
+impl SeenMesh {
+    fn new(mesh: &DrawnMesh, projection: &Projection) -> Self {
+        let camera_from_mesh = projection.camera_from_mesh(mesh.relative_from_mesh);
+        let vertex =
+            |position: &Vec3| projection.vertex(camera_from_mesh.transform_point3(position.as_dvec3()));
+        Self { vertices: mesh.positions.iter().map(vertex).collect(), is_blended: mesh.is_blended }
+    }
 }
 
-/// Whole numbers between two places, of a range.
-fn within(low: f64, high: f64, range: &Range<usize>) -> Range<usize> {
-    // Casts saturate, and NaN becomes 0.
-    let start = (low.floor().max(0.0) as usize).max(range.start);
-    let end = ((high.ceil().max(-1.0) + 1.0) as usize).min(range.end);
+/// The rows in which a triangle may cover samples; `None` if it covers none. Small ones often lie between them.
+fn rows(vertices: [&Vertex; 3], projection: &Projection, lattices: &[Lattice]) -> Option<[u32; 2]> {
+    let (low, high) = projection.bounds(vertices)?;
+    let mut found: Option<[u32; 2]> = None;
+    for lattice in lattices {
+        let [columns, rows] = lattice.within(low, high);
+        if !columns.is_empty() && !rows.is_empty() {
+            let [first, end] = found.unwrap_or([u32::MAX, 0]);
+            found = Some([first.min(rows.start as u32), end.max(rows.end as u32)]);
+        }
+    }
+    found
+}
+
+/// Whole numbers below `count` that are not less than `low` and not more than `high`.
+#[inline]
+fn whole_between(low: f64, high: f64, count: usize) -> Range<usize> {
+    // Casts cut off, saturate, and make 0 of NaN.
+    let below = low as usize;
+    let start = below.saturating_add(usize::from((below as f64) < low)).min(count);
+    let end = if high >= 0.0 { (high as usize).saturating_add(1).min(count) } else { 0 };
     start..end.max(start)
 }

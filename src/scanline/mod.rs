@@ -15,7 +15,7 @@ mod triangle;
 use crate::film::{Channel, Frame, Precision};
 use crate::scene::{Size, Window};
 use crate::snapshot::Snapshot;
-use bands::Bands;
+use bands::{Bands, Visible};
 use glam::DVec2;
 use rayon::prelude::*;
 use shade::Shader;
@@ -31,13 +31,14 @@ const CENTRES: [DVec2; 1] = [DVec2::splat(0.5)];
 /// Draws a whole picture: `R`, `G`, `B` and `A`, linear. Works on the current rayon pool.
 pub fn draw(snapshot: &Snapshot, size: Size) -> Frame {
     let bands = Bands::new(snapshot, size, &ROTATED_GRID);
-    let rows: Vec<[Vec<f32>; 4]> = (0..bands.count())
-        .into_par_iter()
-        .map(|band| Shader::new(snapshot, &bands).colors(&bands.visible(band)))
-        .collect();
+    let mut pixels = vec![[0.0; 4]; size.width * size.height];
+    let numbered = pixels.par_chunks_mut(bands.pixels()).enumerate();
+    numbered.for_each_init(Visible::default, |visible, (band, pixels)| {
+        bands.draw(band, visible);
+        Shader::new(snapshot, &bands).shade(visible, pixels);
+    });
     let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(|(channel, name)| {
-        let pixels = rows.iter().flat_map(|rows| &rows[channel]).copied().collect();
-        Channel::new(name, Precision::Half, pixels)
+        Channel::new(name, Precision::Half, pixels.iter().map(|pixel| pixel[channel]).collect())
     });
     Frame { full: size, window: Window::whole(size), channels: channels.collect() }
 }
@@ -49,7 +50,11 @@ pub fn draw(snapshot: &Snapshot, size: Size) -> Frame {
 /// seen, so nothing shows through between them.
 pub fn depths(snapshot: &Snapshot, size: Size) -> Vec<Option<f64>> {
     let bands = Bands::new(snapshot, size, &CENTRES);
-    let depths: Vec<Vec<f64>> =
-        (0..bands.count()).into_par_iter().map(|band| bands.visible(band).depths).collect();
+    let depths = (0..bands.count()).into_par_iter().map(|band| {
+        let mut visible = Visible::default();
+        bands.draw(band, &mut visible);
+        visible.depths
+    });
+    let depths: Vec<Vec<f64>> = depths.collect();
     depths.into_iter().flatten().map(|depth| depth.is_finite().then_some(depth)).collect()
 }

@@ -14,6 +14,8 @@ pub(super) struct Projection {
     half: DVec2,
     middle: DVec2,
     size: DVec2,
+    /// Planes through the eye and the picture's sides: what is seen has products of 0 and more with all of them.
+    sides: [DVec3; 4],
 }
 
 /// A point as the picture sees it.
@@ -23,17 +25,33 @@ pub(super) struct Vertex {
     pub(super) place: DVec3,
     /// Along the view axis, metres.
     pub(super) depth: f64,
+    /// Where it is seen, or where the picture ends in that direction; of a point before the eye.
+    pixels: DVec2,
+    /// A bit for each of the picture's sides that it lies beyond, and one for behind the eye: what has all its vertices
+    /// beyond the same one is not seen (the outcodes of Cohen and Sutherland).
+    beyond: u8,
 }
+
+/// Lies behind the eye.
+const BEHIND: u8 = 1 << 4;
 
 impl Projection {
     pub(super) fn new(view: &View, size: Size) -> Self {
         let (right, up, forward) = view.axes();
+        let (half, middle) = (view.half_extents(), view.middle());
+        let (low, high) = (middle - half, middle + half);
         Self {
             camera_from_relative: DMat3::from_cols(right, up, forward).transpose(),
             is_orthographic: view.is_orthographic(),
-            half: view.half_extents(),
-            middle: view.middle(),
+            half,
+            middle,
             size: DVec2::new(size.width as f64, size.height as f64),
+            sides: [
+                DVec3::new(1.0, 0.0, -low.x),
+                DVec3::new(-1.0, 0.0, high.x),
+                DVec3::new(0.0, 1.0, -low.y),
+                DVec3::new(0.0, -1.0, high.y),
+            ],
         }
     }
 
@@ -41,10 +59,21 @@ impl Projection {
         DAffine3::from_mat3(self.camera_from_relative) * relative_from_mesh
     }
 
+    #[inline]
     pub(super) fn vertex(&self, in_camera: DVec3) -> Vertex {
         let depth = in_camera.z;
         let place = if self.is_orthographic { in_camera.truncate().extend(1.0) } else { in_camera };
-        Vertex { place, depth }
+        let mut beyond = if depth <= 0.0 { BEHIND } else { 0 };
+        for (bit, side) in self.sides.iter().enumerate() {
+            beyond |= u8::from(side.dot(place) < 0.0) << bit;
+        }
+        Vertex { place, depth, pixels: self.pixels_within(place), beyond }
+    }
+
+    /// Where a point before the eye is seen, within the picture.
+    fn pixels_within(&self, place: DVec3) -> DVec2 {
+        let in_plane = place.truncate() / place.z;
+        self.pixels(in_plane.clamp(self.middle - self.half, self.middle + self.half))
     }
 
     /// The place in the plane at distance 1 of a place in pixels.
@@ -60,38 +89,36 @@ impl Projection {
     }
 
     /// A box in pixels around what is seen of a triangle; `None` if nothing is.
-    pub(super) fn bounds(&self, triangle: &[Vertex; 3]) -> Option<(DVec2, DVec2)> {
-        if triangle.iter().all(|vertex| vertex.depth <= 0.0) {
+    #[inline]
+    pub(super) fn bounds(&self, triangle: [&Vertex; 3]) -> Option<(DVec2, DVec2)> {
+        let [a, b, c] = triangle;
+        if a.beyond & b.beyond & c.beyond != 0 {
             return None;
         }
-        let low = self.middle - self.half;
-        let high = self.middle + self.half;
-        let around = |places: &[DVec3]| {
-            let pixels =
-                places.iter().map(|place| self.pixels((place.truncate() / place.z).clamp(low, high)));
-            pixels.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
-        };
+        if a.place.z > 0.0 && b.place.z > 0.0 && c.place.z > 0.0 {
+            let low = a.pixels.min(b.pixels).min(c.pixels);
+            return Some((low, a.pixels.max(b.pixels).max(c.pixels)));
+        }
+        self.bounds_about_the_eye(triangle)
+    }
+
+    /// The same of a triangle that is partly behind the eye.
+    #[cold]
+    fn bounds_about_the_eye(&self, triangle: [&Vertex; 3]) -> Option<(DVec2, DVec2)> {
+        // Its part between the picture's sides (Sutherland and Hodgman 1974) has a box. The four sides meet in the
+        // eye, so nothing behind it is left, and they take the place of a near plane.
         let places = triangle.map(|vertex| vertex.place);
-        let sides = [
-            DVec3::new(1.0, 0.0, -low.x),
-            DVec3::new(-1.0, 0.0, high.x),
-            DVec3::new(0.0, 1.0, -low.y),
-            DVec3::new(0.0, -1.0, high.y),
-        ];
-        if sides.iter().any(|side| places.iter().all(|place| side.dot(*place) < 0.0)) {
-            return None;
-        }
-        if places.iter().all(|place| place.z > 0.0) {
-            return Some(around(&places));
-        }
-        // Part of it is behind the eye: its part between the picture's sides (Sutherland and Hodgman 1974) has a box. The
-        // four sides meet in the eye, so nothing behind it is left, and they take the place of a near plane.
-        let inside = sides.iter().fold(places.to_vec(), |polygon, side| clipped(&polygon, *side));
+        let inside = self.sides.iter().fold(places.to_vec(), |polygon, side| clipped(&polygon, *side));
         match inside.as_slice() {
             [] => None,
             // The very eye is seen everywhere.
             polygon if polygon.iter().any(|place| place.z <= 0.0) => Some((DVec2::ZERO, self.size)),
-            polygon => Some(around(polygon)),
+            polygon => {
+                let pixels = polygon.iter().map(|place| self.pixels_within(*place));
+                Some(pixels.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), pixels| {
+                    (low.min(pixels), high.max(pixels))
+                }))
+            }
         }
     }
 }

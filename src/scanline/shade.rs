@@ -11,9 +11,10 @@ use glam::DVec2;
 /// Shades the pixels of a band.
 pub(super) struct Shader<'a> {
     snapshot: &'a Snapshot<'a>,
-    bands: &'a Bands<'a>,
+    bands: &'a Bands,
     /// Lights with an extent shine from their middles.
     lights: Vec<FrozenLight>,
+    is_dark_beyond: bool,
     /// The last triangle: neighbours often show the same.
     facet: Option<(u32, Facet<'a>)>,
     /// What the pixel at work shows of its triangles.
@@ -28,27 +29,30 @@ struct Shaded {
 }
 
 impl<'a> Shader<'a> {
-    pub(super) fn new(snapshot: &'a Snapshot<'a>, bands: &'a Bands<'a>) -> Self {
+    pub(super) fn new(snapshot: &'a Snapshot<'a>, bands: &'a Bands) -> Self {
         let lights = snapshot.lights.iter().map(|light| light.centre()).collect();
-        Self { snapshot, bands, lights, facet: None, shaded: Vec::new() }
+        let is_dark_beyond = snapshot.is_dark_beyond();
+        Self { snapshot, bands, lights, is_dark_beyond, facet: None, shaded: Vec::new() }
     }
 
     /// Red, green, blue and alpha of the band's pixels, row by row.
-    pub(super) fn colors(mut self, visible: &Visible) -> [Vec<f32>; 4] {
-        let (width, samples) = (self.bands.size.width, self.bands.pattern.len());
-        let mut channels = [const { Vec::new() }; 4];
+    pub(super) fn shade(mut self, visible: &Visible, pixels: &mut [[f32; 4]]) {
+        let (width, samples) = (self.bands.size.width, self.bands.lattices.len());
         let mut layers = visible.layers.as_slice();
-        for pixel in 0..visible.rows.len() * width {
+        for (pixel, shown) in pixels.iter_mut().enumerate() {
             let corner = DVec2::new((pixel % width) as f64, (visible.rows.start + pixel / width) as f64);
             self.shaded.clear();
             let mut sum = Rgb::ZERO;
             let mut alpha = 0.0;
-            for (place, &offset) in self.bands.pattern.iter().enumerate() {
+            let mut alpha_beyond = None;
+            for (place, lattice) in self.bands.lattices.iter().enumerate() {
                 let sample = pixel * samples + place;
-                let at = corner + offset;
+                let at = corner + lattice.offset;
                 let nearest = visible.nearest[sample];
                 let (mut color, own_alpha) = match nearest {
-                    NOTHING => self.beyond(at),
+                    NOTHING => {
+                        (self.radiance_beyond(at), *alpha_beyond.get_or_insert_with(|| self.alpha_beyond(at)))
+                    }
                     _ => (self.shaded(nearest, at, visible.depths[sample]).radiance, 1.0),
                 };
                 let count = layers.iter().take_while(|layer| layer.sample == sample).count();
@@ -60,14 +64,9 @@ impl<'a> Shader<'a> {
                 sum += color;
                 alpha += own_alpha;
             }
-            let color = (sum / samples as f64).as_vec3().to_array();
-            for (channel, value) in
-                channels.iter_mut().zip(color.into_iter().chain([(alpha / samples as f64) as f32]))
-            {
-                channel.push(value);
-            }
+            let [r, g, b] = (sum / samples as f64).as_vec3().to_array();
+            *shown = [r, g, b, (alpha / samples as f64) as f32];
         }
-        channels
     }
 
     fn ray(&self, at: DVec2) -> Ray {
@@ -75,12 +74,28 @@ impl<'a> Shader<'a> {
         self.snapshot.view.ray(at.x / size.width as f64, at.y / size.height as f64)
     }
 
-    /// Radiance and alpha where nothing is.
-    fn beyond(&self, at: DVec2) -> (Rgb, f64) {
+    /// Radiance where nothing is: of every sample, for suns have edges.
+    fn radiance_beyond(&self, at: DVec2) -> Rgb {
+        if self.is_dark_beyond {
+            return Rgb::ZERO;
+        }
+        let ray = self.ray(at);
+        match self.snapshot.radiance_beyond(ray.direction) {
+            Rgb::ZERO => Rgb::ZERO,
+            radiance => {
+                radiance * self.snapshot.medium.transmittance(ray.origin, ray.direction, f64::INFINITY)
+            }
+        }
+    }
+
+    /// Alpha where nothing is: of a pixel, for fog is smooth.
+    fn alpha_beyond(&self, at: DVec2) -> f64 {
+        if self.snapshot.has_background() {
+            return 1.0;
+        }
         let ray = self.ray(at);
         let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, f64::INFINITY);
-        let alpha = if self.snapshot.has_background() { 1.0 } else { 1.0 - through.element_sum() / 3.0 };
-        (self.snapshot.radiance_beyond(ray.direction) * through, alpha)
+        1.0 - through.element_sum() / 3.0
     }
 
     /// What a triangle shows in the pixel at work, judged where it is first met.

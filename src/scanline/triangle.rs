@@ -3,7 +3,7 @@
 //! lies, so no sample falls between them.
 
 use super::projection::Vertex;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// A triangle, ready to be asked about places of the picture.
 pub(super) struct EdgeForms {
@@ -13,26 +13,41 @@ pub(super) struct EdgeForms {
     depths: [f64; 3],
 }
 
+/// The same on a line of places.
+pub(super) struct Line<'a> {
+    forms: &'a EdgeForms,
+    /// What does not change along it of the three weights.
+    rests: [f64; 3],
+}
+
 impl EdgeForms {
     /// `None` if it is seen edge-on, or has no area.
-    pub(super) fn new([a, b, c]: &[Vertex; 3]) -> Option<Self> {
+    pub(super) fn new([a, b, c]: [&Vertex; 3]) -> Option<Self> {
         // The cross product of b and a is, to the last bit, minus that of a and b.
         let edges = [b.place.cross(c.place), c.place.cross(a.place), a.place.cross(b.place)];
         let volume = a.place.dot(edges[0]);
         let depths = [a.depth, b.depth, c.depth];
         match volume {
             v if v > 0.0 => Some(Self { edges, depths }),
-            v if v < 0.0 => Some(Self { edges: edges.map(|edge| -edge), depths }),
+            v if v < 0.0 => Some(Self { edges: [-edges[0], -edges[1], -edges[2]], depths }),
             _ => None,
         }
     }
 
-    /// The range of x, in the picture's plane, within which a row may be covered, but for rounding. `None` if it is
+    /// On the places of one height in the picture's plane.
+    #[inline]
+    pub(super) fn at_height(&self, y: f64) -> Line<'_> {
+        let [a, b, c] = &self.edges;
+        Line { forms: self, rests: [a.y * y + a.z, b.y * y + b.z, c.y * y + c.z] }
+    }
+}
+
+impl Line<'_> {
+    /// The range of x, in the picture's plane, within which it may be covered, but for rounding. `None` if it is
     /// not.
-    pub(super) fn span(&self, y: f64) -> Option<(f64, f64)> {
+    pub(super) fn span(&self) -> Option<(f64, f64)> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        for edge in &self.edges {
-            let rest = edge.y * y + edge.z;
+        for (edge, rest) in self.forms.edges.iter().zip(self.rests) {
             if edge.x > 0.0 {
                 low = low.max(-rest / edge.x);
             } else if edge.x < 0.0 {
@@ -44,17 +59,18 @@ impl EdgeForms {
         Some((low, high))
     }
 
-    /// Distance along the view axis where it is seen at a place; `None` if it is not.
+    /// Distance along the view axis where the triangle is seen at a place; `None` if it is not.
     #[inline]
-    pub(super) fn depth_at(&self, place: DVec2) -> Option<f64> {
-        let weights = self.edges.map(|edge| edge.x * place.x + (edge.y * place.y + edge.z));
-        let sum = weights[0] + weights[1] + weights[2];
-        if !(weights[0] >= 0.0 && weights[1] >= 0.0 && weights[2] >= 0.0 && sum > 0.0) {
+    pub(super) fn depth_at(&self, x: f64) -> Option<f64> {
+        let (edges, rests) = (&self.forms.edges, &self.rests);
+        let (a, b, c) = (edges[0].x * x + rests[0], edges[1].x * x + rests[1], edges[2].x * x + rests[2]);
+        let sum = a + b + c;
+        if !(a >= 0.0 && b >= 0.0 && c >= 0.0 && sum > 0.0) {
             return None;
         }
         // Weights of a perspective picture are already those of the triangle in space.
-        let depths = self.depths;
-        let depth = (weights[0] * depths[0] + weights[1] * depths[1] + weights[2] * depths[2]) / sum;
+        let depths = &self.forms.depths;
+        let depth = (a * depths[0] + b * depths[1] + c * depths[2]) / sum;
         (depth > 0.0).then_some(depth)
     }
 }

@@ -72,6 +72,9 @@ impl Wrap {
     /// Maps any texel number to one that exists.
     fn index(self, number: i64, count: usize) -> usize {
         let count = count as i64;
+        if (0..count).contains(&number) {
+            return number as usize;
+        }
         let wrapped = match self {
             Self::Repeat => number.rem_euclid(count),
             Self::Clamp => number.clamp(0, count - 1),

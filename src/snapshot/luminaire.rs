@@ -145,6 +145,11 @@ impl Luminaire {
         }
     }
 
+    /// Whether any ray that leaves the scene sees it.
+    pub fn is_visible(&self) -> bool {
+        matches!(self.extent, Extent::Disc { is_visible: true, .. })
+    }
+
     /// Radiance seen by a ray that leaves the scene in that direction.
     pub fn seen_along(&self, direction: DVec3) -> Rgb {
         let (

@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 pub struct MeshTrees {
     trees: Vec<PartTrees>,
     /// Of each material, whether anything shows through it.
-    is_blended: Vec<bool>,
+    pub(super) is_blended: Arc<[bool]>,
     /// Those of meshes that change their shape.
     bent: BentMeshes,
 }
@@ -109,7 +109,7 @@ impl MeshTrees {
 }
 
 /// Whether anything shows through a material anywhere.
-pub(super) fn is_blended(scene: &Scene, material: &Material) -> bool {
+fn is_blended(scene: &Scene, material: &Material) -> bool {
     let texture = material.base_color_texture.map(|texture| &scene.textures[texture]);
     material.alpha_mode == AlphaMode::Blend
         && (material.opacity < 1.0

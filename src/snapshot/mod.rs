@@ -74,6 +74,8 @@ pub struct Snapshot<'scene> {
     pub blended: InstanceTree,
     /// The scene's, as they are at this moment.
     materials: Cow<'scene, [Material]>,
+    /// Of each of them, whether anything shows through it.
+    is_blended: Arc<[bool]>,
     /// What the instances of both trees are, under their numbers.
     placed: Vec<Placed>,
     /// From here on they are those of `blended`.
@@ -199,6 +201,7 @@ impl<'scene> Snapshot<'scene> {
         Self {
             scene,
             materials,
+            is_blended: Arc::clone(&trees.is_blended),
             view,
             tree: InstanceTree::new(opaque),
             blended: InstanceTree::numbered_from(first_blended as u32, blended),
@@ -228,6 +231,11 @@ impl<'scene> Snapshot<'scene> {
     /// Whether rays that leave the scene see something, suns aside.
     pub fn has_background(&self) -> bool {
         self.background != Rgb::ZERO || self.sky.is_some()
+    }
+
+    /// Whether no ray that leaves the scene sees anything, not even a sun.
+    pub fn is_dark_beyond(&self) -> bool {
+        !self.has_background() && !self.lights.iter().any(Luminaire::is_visible)
     }
 
     /// Where a surface's point that a ray met moves, or what lies infinitely far away in its direction; see

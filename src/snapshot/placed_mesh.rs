@@ -1,7 +1,7 @@
 //! Placed meshes as they stand, for who draws them one after another instead of following rays. In goes a snapshot, out
 //! come triangles in relative space. Invariant: the triangles are those of the trees, taken from the same vertices.
 
-use super::{Snapshot, mesh_trees::is_blended};
+use super::Snapshot;
 use crate::accel::PrimitiveId;
 use crate::scene::Triangle;
 use glam::{DAffine3, Vec3};
@@ -45,8 +45,8 @@ impl<'a> DrawnMesh<'a> {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
         let scene = self.snapshot.scene;
         let is_in = move |triangle: &Triangle| {
-            let material = &scene.materials[instance.material.unwrap_or(triangle.material)];
-            is_blended(scene, material) == self.is_blended
+            let material = instance.material.unwrap_or(triangle.material);
+            self.snapshot.is_blended[material] == self.is_blended
         };
         let triangles = scene.meshes[instance.mesh].triangles.iter().zip(0..);
         triangles.filter(move |(triangle, _)| is_in(triangle)).map(move |(triangle, number)| {

@@ -93,3 +93,69 @@ impl Packet {
         self.0
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::film::Precision;
+    use crate::scene::{Size, Window};
+    use std::io::Read;
+    use std::net::{TcpListener, TcpStream};
+    use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
+
+    /// What somebody else's client sends.
+    fn sent(send: impl FnOnce(&mut TevClient)) -> Vec<u8> {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut client = TevClient::wrap(TcpStream::connect(listener.local_addr().unwrap()).unwrap());
+        send(&mut client);
+        drop(client);
+        let mut bytes = Vec::new();
+        listener.accept().unwrap().0.read_to_end(&mut bytes).unwrap();
+        bytes
+    }
+
+    /// A part of a picture, whose passes are not shown.
+    fn frame() -> Frame {
+        let names = ["R", "G", "B", "A", "Z"].into_iter().zip(0_u8..);
+        let channels = names.map(|(name, number)| {
+            let values = (0..12).map(|place| f32::from(number) + 0.25 * place as f32).collect();
+            Channel::new(name, Precision::Float, values)
+        });
+        let window = Window { x: 3, y: 2, width: 4, height: 3 };
+        Frame { full: Size { width: 9, height: 7 }, window, channels: channels.collect() }
+    }
+
+    #[test]
+    fn packets_are_the_bytes_of_another_client() {
+        let (frame, names) = (frame(), ["R", "G", "B", "A"]);
+        let created = sent(|client| {
+            let packet = PacketCreateImage {
+                image_name: "leaves.0001",
+                grab_focus: true,
+                width: 9,
+                height: 7,
+                channel_names: &names,
+            };
+            client.send(packet).unwrap();
+        });
+        assert_eq!(create_image("leaves.0001", &frame), created);
+        let data: Vec<f32> = frame.channels[..4].iter().flat_map(|channel| channel.pixels.clone()).collect();
+        let updated = sent(|client| {
+            let packet = PacketUpdateImage {
+                image_name: "leaves.0001",
+                grab_focus: false,
+                channel_names: &names,
+                channel_offsets: &[0, 12, 24, 36],
+                channel_strides: &[1; 4],
+                x: 3,
+                y: 2,
+                width: 4,
+                height: 3,
+                data: &data,
+            };
+            client.send(packet).unwrap();
+        });
+        assert_eq!(updates("leaves.0001", &frame), [updated]);
+    }
+}
