@@ -118,6 +118,32 @@ impl FogBank {
         }
     }
 
+    /// The same from one point to another.
+    pub fn length_between(&self, from: DVec3, to: DVec3) -> f64 {
+        let way = to - from;
+        let distance = way.length();
+        if !self.is_even() {
+            return if distance > 0.0 { self.length(from, way / distance, distance) } else { 0.0 };
+        }
+        let (from, to) =
+            (self.cube_from_relative.transform_point3(from), self.cube_from_relative.transform_point3(to));
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for axis in 0..3 {
+            let (from, to) = (from[axis], to[axis]);
+            // Between two points inside a pair of faces the way crosses neither: mostly so, and no division then.
+            if from.abs().max(to.abs()) <= 1.0 {
+                continue;
+            }
+            if from == to {
+                return 0.0;
+            }
+            let (low, high) = ((-1.0 - from) / (to - from), (1.0 - from) / (to - from));
+            enter = enter.max(low.min(high));
+            leave = leave.min(low.max(high));
+        }
+        distance * (leave - enter).max(0.0)
+    }
+
     /// The density at a point, as a share of the densest; 0 outside.
     pub fn density(&self, point: DVec3) -> f64 {
         if self.cube_from_relative.transform_point3(point).abs().max_element() > 1.0 {

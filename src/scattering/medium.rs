@@ -93,9 +93,7 @@ impl Medium {
         match source {
             LightPlace::Towards(to_light) => self.optical_depth(point, to_light, f64::INFINITY),
             LightPlace::At(position) => {
-                let way = position - point;
-                let distance = way.length();
-                if distance > 0.0 { self.optical_depth(point, way / distance, distance) } else { Rgb::ZERO }
+                self.banks.iter().map(|fog| fog.sigma_t * fog.length_between(point, position)).sum()
             }
         }
     }
@@ -283,6 +281,25 @@ mod tests {
         let fog = fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 1.0);
         assert_eq!(fog.length(DVec3::new(-2.0, 1.0, 0.0), DVec3::X, f64::INFINITY), 2.0);
         assert_eq!(fog.length(DVec3::new(-2.0, 1.0 + 1e-12, 0.0), DVec3::X, f64::INFINITY), 0.0);
+    }
+
+    /// Inside and outside, across faces, corners and edges.
+    #[test]
+    fn between_two_points_lies_as_much_as_along_the_ray() {
+        let fog = fog_between(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(3.0, 1.5, 1.0), 0.2);
+        let numbers = [-4.0, -1.0, -0.3, 0.0, 0.4, 1.0, 1.5, 3.0, 5.0];
+        let point = |index: usize| {
+            DVec3::new(numbers[index % 9], numbers[index / 9 % 9] - 0.1, numbers[index / 81] + 0.05)
+        };
+        let mut crossings = 0;
+        for index in 0..729 {
+            let (from, to) = (point(index), point((index * 311 + 17) % 729));
+            let (way, found) = (to - from, fog.length_between(from, to));
+            let expected = fog.length(from, way.normalize_or_zero(), way.length());
+            assert!((found - expected).abs() < 1e-12, "{from} to {to}: {found} {expected}");
+            crossings += usize::from(found > 0.0 && found < way.length());
+        }
+        assert!(crossings > 100, "{crossings}");
     }
 
     /// Within a stretch the optical depth to the sun is linear: the middle is the mean of the ends.
