@@ -3,7 +3,7 @@
 
 use super::Writer;
 use super::binary::Target;
-use crate::scene::{Deformation, Extend, InnerVertex, Joint, Mesh, NodeIndex, Segment, Skin, Track};
+use crate::scene::{Animate, Deformation, Extend, InnerVertex, Joint, Mesh, NodeIndex, Segment, Skin, Track};
 use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -149,7 +149,7 @@ fn joint_key(joint: &Joint) -> (NodeIndex, [u64; 12]) {
 }
 
 /// Whether a track is straight or still between its keys, so that these and the moments before jumps say all.
-pub(super) fn is_straight(track: &Track<f64>) -> bool {
+pub(super) fn is_straight<T: Animate>(track: &Track<T>) -> bool {
     track.extend() == Extend::Hold
         && track.keys().iter().all(|key| matches!(key.to_next, Segment::Linear | Segment::Step))
 }

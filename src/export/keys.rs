@@ -1,12 +1,13 @@
 //! Motion in, keys out. Invariant: at every moment of the file's frames the keys give what the motion
 //! gives, to single precision, here (slerp) and in Blender (components, brought to unit length).
 //!
-//! Keys of the scene itself are kept where glTF's interpolation is the same. Everything else is
-//! sampled: at every frame, where the shutter opens and closes, and at the scene's own keys.
+//! Keys of the scene itself are kept where glTF and Blender interpolate as we do: steps, and straight lines. Everything else,
+//! curves too, of which Blender reads no slopes, is sampled: at every frame, where the shutter opens and closes, and at the
+//! scene's own keys.
 
-use super::Writer;
 use super::deformations::is_straight;
-use crate::scene::{Animate, Extend, RenderSettings, Segment, Track};
+use super::{Writer, key_times};
+use crate::scene::{Animate, Extend, FrameRate, RenderSettings, Segment, Track};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -15,6 +16,7 @@ use std::collections::BTreeMap;
 pub(super) struct Moments {
     /// The first frame, where nodes stand if they stand still.
     pub(super) start_s: f64,
+    rate: FrameRate,
     /// Increasing, none negative.
     times_s: Vec<f64>,
     /// The same as stored.
@@ -27,7 +29,7 @@ pub(super) struct Moments {
 /// A curve as glTF has it.
 pub(super) struct Keys<T> {
     times: Times,
-    /// One a time, or three if cubic.
+    /// One a time.
     values: Vec<T>,
     interpolation: &'static str,
 }
@@ -76,12 +78,12 @@ impl Moments {
             let [open, close] = settings.shutter_around(frame);
             [open, frame, close]
         });
-        let mut times_s: Vec<f64> =
-            moments.map(|frame| settings.frame_rate.seconds(frame)).filter(|&time_s| time_s >= 0.0).collect();
-        sort(&mut times_s);
-        let start_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
+        let rate = settings.frame_rate;
+        let times_s: Vec<f64> = moments.map(|frame| rate.seconds(frame)).collect();
+        let times_s = key_times::apart(rate, &times_s, &[]);
+        let start_s = rate.seconds(*settings.frames.start() as f64);
         let stored_s = times_s.iter().map(|&time_s| time_s as f32).collect();
-        Self { start_s, times_s, stored_s, view: None, parts: BTreeMap::new() }
+        Self { start_s, rate, times_s, stored_s, view: None, parts: BTreeMap::new() }
     }
 
     /// A curve sampled at the common moments; `None` if it stays where it is.
@@ -98,21 +100,13 @@ impl Moments {
         if track.is_constant() {
             return None;
         }
-        if let Some(keys) = own_keys(track) {
+        if let Some(keys) = own_keys(self.rate, track) {
             return Some(keys);
         }
         if track.extend() == Extend::Cycle {
             return self.sampled(|time_s| track.at(time_s));
         }
-        let mut times_s = self.times_s.clone();
-        for pair in track.keys().windows(2) {
-            times_s.extend([pair[0].time_s, pair[1].time_s]);
-            if matches!(pair[0].to_next, Segment::Step) {
-                times_s.push(f64::from((pair[1].time_s as f32).next_down()));
-            }
-        }
-        times_s.retain(|&time_s| time_s >= 0.0);
-        sort(&mut times_s);
+        let times_s = self.with([track], true);
         let (first, values) = sampled(&times_s, |time_s| track.at(time_s))?;
         let times_s = times_s[first..first + values.len()].iter().map(|&time_s| time_s as f32).collect();
         Some(Keys { times: Times::Own(times_s), values, interpolation: "LINEAR" })
@@ -120,30 +114,30 @@ impl Moments {
 
     /// When to ask several tracks together, so that straight lines in between are what they are: at their keys, and just
     /// before they jump; at all moments too if one of them is curved or goes on and on.
-    pub(super) fn of_tracks(&self, tracks: &[Track<f64>]) -> Vec<f64> {
-        let all_straight = tracks.iter().all(is_straight);
-        let mut times_s = if all_straight { Vec::new() } else { self.times_s.clone() };
-        for track in tracks {
-            times_s.extend(track.times_s());
-            for pair in track.keys().windows(2) {
-                if matches!(pair[0].to_next, Segment::Step) {
-                    times_s.push(f64::from((pair[1].time_s as f32).next_down()));
-                }
-            }
-        }
-        times_s.retain(|&time_s| time_s >= 0.0);
-        if times_s.is_empty() {
-            times_s.push(0.0);
-        }
-        sort(&mut times_s);
-        times_s
+    pub(super) fn of_tracks<'a, T: Animate + 'a>(
+        &self,
+        tracks: impl IntoIterator<Item = &'a Track<T>> + Clone,
+    ) -> Vec<f64> {
+        let all_straight = tracks.clone().into_iter().all(is_straight);
+        let times_s = self.with(tracks, !all_straight);
+        if times_s.is_empty() { vec![0.0] } else { times_s }
     }
-}
 
-/// Increasing, each only once in single precision.
-fn sort(times_s: &mut Vec<f64>) {
-    times_s.sort_by(f64::total_cmp);
-    times_s.dedup_by_key(|time_s| *time_s as f32);
+    /// The keys of tracks, and perhaps the common moments.
+    fn with<'a, T: Animate + 'a>(
+        &self,
+        tracks: impl IntoIterator<Item = &'a Track<T>>,
+        common: bool,
+    ) -> Vec<f64> {
+        let mut times_s = if common { self.times_s.clone() } else { Vec::new() };
+        let mut jumps_s = Vec::new();
+        for track in tracks {
+            let (reached_s, jumped_s) = key_times::reached_and_jumped_to(track);
+            times_s.extend(reached_s);
+            jumps_s.extend(jumped_s);
+        }
+        key_times::apart(self.rate, &times_s, &jumps_s)
+    }
 }
 
 /// Values at moments without those before the first and after the last that differs: where the first
@@ -155,49 +149,36 @@ fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usiz
         values.push(values.last().map_or(value, |&previous| value.near(previous)));
     }
     let differs = |pair: &[T]| pair[0].stored() != pair[1].stored();
-    let first = values.windows(2).position(differs)?;
+    let mut first = values.windows(2).position(differs)?;
+    // Of the keys of a jump Blender needs the third.
+    if first > 0 && (times_s[first] as f32).next_up() == times_s[first + 1] as f32 {
+        first -= 1;
+    }
     let last = values.windows(2).rposition(differs)? + 1;
     Some((first, values[first..=last].to_vec()))
 }
 
 /// The track's own keys, if glTF and Blender make of them what we make of them.
-fn own_keys<T: Stored>(track: &Track<T>) -> Option<Keys<T>> {
+fn own_keys<T: Stored>(rate: FrameRate, track: &Track<T>) -> Option<Keys<T>> {
     let keys = track.keys();
     let segments = || keys[..keys.len() - 1].iter().map(|key| key.to_next);
-    let interpolation = if segments().all(|segment| matches!(segment, Segment::Step)) {
-        "STEP"
-    } else if T::IS_LINEAR && segments().all(|segment| matches!(segment, Segment::Linear)) {
-        "LINEAR"
-    } else if segments().all(|segment| matches!(segment, Segment::Hermite { .. })) {
-        "CUBICSPLINE"
-    } else {
-        return None;
-    };
+    let are_steps = segments().all(|segment| matches!(segment, Segment::Step));
+    let are_straight = T::IS_LINEAR && segments().all(|segment| matches!(segment, Segment::Linear));
     // A step that was rounded up would come a frame late in Blender.
     let time = |time_s: f64| {
         let rounded = time_s as f32;
-        if interpolation == "STEP" && rounded > 0.0 { rounded.next_down() } else { rounded }
+        if are_steps && rounded > 0.0 { rounded.next_down() } else { rounded }
     };
-    let times: Vec<f32> = keys.iter().map(|key| time(key.time_s)).collect();
-    let usable = times[0] >= 0.0 && times.windows(2).all(|pair| pair[0] < pair[1]);
-    if track.extend() == Extend::Cycle || !usable {
+    let usable = keys[0].time_s >= 0.0 && key_times::are_apart(rate, track.times_s());
+    if !(are_steps || are_straight) || track.extend() == Extend::Cycle || !usable {
         return None;
     }
-    let mut values = Vec::new();
-    let mut arrive = T::ZERO;
+    let times = keys.iter().map(|key| time(key.time_s)).collect();
+    let mut values: Vec<T> = Vec::with_capacity(keys.len());
     for key in keys {
-        let mut leave = T::ZERO;
-        if interpolation == "CUBICSPLINE" {
-            values.push(arrive);
-            if let Segment::Hermite { leave: here, arrive: there } = key.to_next {
-                (leave, arrive) = (here, there);
-            }
-            values.extend([key.value, leave]);
-        } else {
-            values.push(values.last().map_or(key.value, |&previous| key.value.near(previous)));
-        }
+        values.push(values.last().map_or(key.value, |&previous| key.value.near(previous)));
     }
-    Some(Keys { times: Times::Own(times), values, interpolation })
+    Some(Keys { times: Times::Own(times), values, interpolation: if are_steps { "STEP" } else { "LINEAR" } })
 }
 
 impl Writer<'_> {
@@ -264,7 +245,11 @@ mod tests {
     fn steps_are_not_rounded_to_after_their_frame() {
         let key = |frame: f64, value| Key { time_s: frame / 24.0, value, to_next: Segment::Step };
         let track = Track::new(vec![key(0.0, DVec3::ZERO), key(13.0, DVec3::X)], Extend::Hold).unwrap();
-        let Times::Own(times_s) = own_keys(&track).unwrap().times else { panic!() };
+        let Times::Own(times_s) =
+            own_keys(FrameRate { numerator: 24, denominator: 1 }, &track).unwrap().times
+        else {
+            panic!()
+        };
         assert!(f64::from(times_s[1]) <= 13.0 / 24.0 && f64::from(times_s[1]) > 12.999 / 24.0);
     }
 }

@@ -2,7 +2,7 @@
 //! it, out come channels. Invariant: a number that changes has a channel, or the remarks say that it is lost.
 
 use super::Writer;
-use crate::scene::{Key, Material, MaterialNumbers, Segment};
+use crate::scene::{Material, MaterialNumbers};
 use serde_json::json;
 use std::ops::Range;
 
@@ -26,7 +26,9 @@ impl Writer<'_> {
     /// Lets the numbers of material number `index` change.
     pub(super) fn carry_changes(&mut self, index: usize, material: &Material, written: &Written) {
         let Some(changes) = &material.changes else { return };
-        let keys = straight(&changes.keys());
+        let times_s = self.moments.of_tracks([changes]);
+        let keys: Vec<(f32, MaterialNumbers)> =
+            times_s.iter().map(|&time_s| (time_s as f32, changes.at(time_s))).collect();
         let varies = |at: usize| keys.iter().any(|(_, numbers)| numbers[at] != keys[0].1[at]);
         let color = match written {
             Written { is_unlit: true, .. } => EMISSION,
@@ -79,22 +81,4 @@ impl Writer<'_> {
         let target = json!({ "path": "pointer", "extensions": extensions });
         self.channels.push(json!({ "sampler": self.samplers.len() - 1, "target": target }));
     }
-}
-
-/// Keys with straight lines between them: one that stays until the next has another just before that.
-fn straight(keys: &[Key<MaterialNumbers>]) -> Vec<(f32, MaterialNumbers)> {
-    let mut all: Vec<(f32, MaterialNumbers)> = Vec::with_capacity(keys.len());
-    for (index, key) in keys.iter().enumerate() {
-        all.push((key.time_s as f32, key.value));
-        if let (Segment::Step, Some(next)) = (key.to_next, keys.get(index + 1)) {
-            all.push(((next.time_s as f32).next_down(), key.value));
-        }
-    }
-    // glTF has no times before 0.
-    all.retain(|(time_s, _)| *time_s >= 0.0);
-    all.dedup_by_key(|(time_s, _)| *time_s);
-    if all.is_empty() {
-        all.extend(keys.last().map(|key| (0.0, key.value)));
-    }
-    all
 }

@@ -5,6 +5,7 @@
 mod binary;
 mod controls;
 mod deformations;
+mod key_times;
 mod keys;
 mod layers;
 mod lights;

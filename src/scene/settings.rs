@@ -18,6 +18,11 @@ impl FrameRate {
     pub fn seconds(self, frame: f64) -> f64 {
         frame * f64::from(self.denominator) / f64::from(self.numerator)
     }
+
+    /// Which frame, or what between two, a time in seconds is.
+    pub fn frame(self, time_s: f64) -> f64 {
+        time_s * f64::from(self.numerator) / f64::from(self.denominator)
+    }
 }
 
 /// Picture size in pixels, both at least 1.

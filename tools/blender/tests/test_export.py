@@ -191,6 +191,9 @@ class Opened(unittest.TestCase):
     def test_one_leaf(self):
         self.check("sequences/one_leaf.ron", range(1, 49))
 
+    def test_curves_and_jumps(self):
+        self.check("tests/data/valid/ron/keyed_every_way_moving.ron", range(1, 49))
+
     def test_what_came_from_blender(self):
         self.check("tests/data/blender/a_leaves40_sampled.glb", range(1, 61))
 
