@@ -29,7 +29,7 @@ impl Inspected {
         let wanted = settings.camera.as_deref();
         let camera = scene.cameras.iter().position(|camera| wanted == Some(&camera.name)).unwrap_or(0);
         let aspect = settings.size.width as f64 / settings.size.height as f64;
-        choose(&Exposure::new(scene, &self.trees, camera, aspect, Shutter::of(settings, frame)))
+        choose(&Exposure::middle_of(scene, &self.trees, camera, aspect, Shutter::of(settings, frame)))
     }
 }
 

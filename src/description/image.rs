@@ -3,7 +3,7 @@
 
 use crate::color::linear_from_srgb;
 use crate::diagnostic::{Diagnostic, Place};
-use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use ::image::{DynamicImage, ImageFormat, ImageReader, Limits, Rgba};
 use exr::math::Vec2;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
@@ -16,6 +16,9 @@ const MAX_SIDE: u32 = 16_384;
 const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
+
+/// Rows that are turned into texels at once.
+const ROWS_AT_ONCE: usize = 64;
 
 /// An RGBA image in linear Rec. 709, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,21 +134,24 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
 }
 
 fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
-    let rgba = decoded.into_rgba16();
     let curve = LINEAR_FROM_CODE.as_slice();
-    let texels = rgba
-        .pixels()
-        .map(|pixel| {
-            let [r, g, b, alpha] = pixel.0;
-            let plain = |code: u16| f32::from(code) / f32::from(u16::MAX);
-            let [r, g, b] = match encoding {
-                Encoding::Srgb => [r, g, b].map(|code| curve[usize::from(code)]),
-                Encoding::Linear | Encoding::Radiance => [r, g, b].map(plain),
-            };
-            [r, g, b, plain(alpha)]
-        })
-        .collect();
-    DecodedImage { width: rgba.width() as usize, height: rgba.height() as usize, texels }
+    let texel = |pixel: &Rgba<u16>| {
+        let [r, g, b, alpha] = pixel.0;
+        let plain = |code: u16| f32::from(code) / f32::from(u16::MAX);
+        let [r, g, b] = match encoding {
+            Encoding::Srgb => [r, g, b].map(|code| curve[usize::from(code)]),
+            Encoding::Linear | Encoding::Radiance => [r, g, b].map(plain),
+        };
+        [r, g, b, plain(alpha)]
+    };
+    let (width, height) = (decoded.width(), decoded.height());
+    let mut texels = Vec::with_capacity(width as usize * height as usize);
+    // A band at a time: a small file may be a large image, which there need not be three of.
+    for top in (0..height).step_by(ROWS_AT_ONCE) {
+        let band = decoded.crop_imm(0, top, width, (height - top).min(ROWS_AT_ONCE as u32));
+        texels.extend(band.into_rgba16().pixels().map(texel));
+    }
+    DecodedImage { width: width as usize, height: height as usize, texels }
 }
 
 /// What is wrong is said of the first texel concerned.
@@ -170,7 +176,7 @@ fn radiances(decoded: DynamicImage) -> Result<DecodedImage, String> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use ::image::{ImageBuffer, Luma, Rgb, Rgba};
+    use ::image::{ImageBuffer, Luma, Rgb};
 
     fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());

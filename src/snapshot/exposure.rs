@@ -25,6 +25,30 @@ impl<'scene> Exposure<'scene> {
         aspect: f64,
         shutter: Shutter,
     ) -> Self {
+        Self::of(scene, trees, (camera, aspect), shutter, |times_s| times_s)
+    }
+
+    /// Only the moment in the middle, with the lights of all: enough to choose how to render, in a small part of the memory.
+    pub fn middle_of(
+        scene: &'scene Scene,
+        trees: &MeshTrees,
+        camera: usize,
+        aspect: f64,
+        shutter: Shutter,
+    ) -> Self {
+        Self::of(scene, trees, (camera, aspect), shutter, |times_s| {
+            let middle = times_s.len() / 2;
+            &times_s[middle..=middle]
+        })
+    }
+
+    fn of(
+        scene: &'scene Scene,
+        trees: &MeshTrees,
+        (camera, aspect): (usize, f64),
+        shutter: Shutter,
+        chosen: impl Fn(&[f64]) -> &[f64],
+    ) -> Self {
         let duration_s = shutter.close_s - shutter.open_s;
         let moments = if duration_s > 0.0 && !scene.is_still() { MOMENTS } else { 1 };
         let times_s: Vec<f64> = (0..moments)
@@ -37,7 +61,7 @@ impl<'scene> Exposure<'scene> {
             }
         }
         let freeze = |time_s: &f64| Snapshot::at(scene, trees, camera, aspect, *time_s, &shines);
-        Self { moments: times_s.iter().map(freeze).collect() }
+        Self { moments: chosen(&times_s).iter().map(freeze).collect() }
     }
 
     /// Only an instant.

@@ -8,7 +8,7 @@ use super::number::{
 use glam::DVec3;
 use serde::Deserialize;
 
-/// More leaves than this in one block are refused: each has keys of its own.
+/// More leaves than this in all blocks of a scene are refused: each has keys of its own, some 24 kilobytes.
 pub const MOST_FALLING: u32 = 50_000;
 
 /// Leaves that fall as leaves fall.

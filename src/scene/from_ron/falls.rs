@@ -20,7 +20,7 @@ impl Resolver<'_> {
     /// Lets the leaves of `block` fall.
     pub(super) fn fall(&mut self, name: &str, block: &ron::Fall, baking: &Baking) {
         let owner = format!("fall.{name}");
-        if !self.has_room_for(&owner, block.count.0) {
+        if !self.has_room_for(&owner, block.count.0) || !self.has_room_to_fall(&owner, block.count.0) {
             return;
         }
         let species = self.species(&owner, block);
@@ -64,6 +64,19 @@ impl Resolver<'_> {
         for (number, leaf) in leaves.into_iter().enumerate() {
             self.fallen(format!("{name}.{number}"), leaf, &dresses, block.attached);
         }
+    }
+
+    /// Counts so many leaves more that fall. Whether all may that the file asks for: else none need be followed.
+    fn has_room_to_fall(&mut self, owner: &str, leaves: u32) -> bool {
+        self.fall_count = self.fall_count.saturating_add(leaves);
+        if self.fall_count > ron::MOST_FALLING {
+            let found = format!("with this block {} leaves fall", self.fall_count);
+            let expected = format!("at most {} leaves in all `fall` blocks together", ron::MOST_FALLING);
+            let remedy = "use fewer, or a block of `leaves`, whose motion is simpler";
+            self.problems.error(&format!("{owner}.count"), found, &expected, remedy);
+        }
+        let all = self.file.fall.iter().map(|(_, block)| u64::from(block.count.0)).sum::<u64>();
+        all <= u64::from(ron::MOST_FALLING)
     }
 
     /// Puts one leaf into the scene.

@@ -16,7 +16,8 @@ impl Resolver<'_> {
         if !has_room {
             let found = format!("with this block the scene has {} leaves", self.leaf_count);
             let expected = format!("at most {MAX_LEAVES} leaves in all");
-            self.problems.error(&format!("{owner}.count"), found, &expected, "use fewer leaves");
+            let remedy = "use fewer leaves, or meshes that hold several";
+            self.problems.error(&format!("{owner}.count"), found, &expected, remedy);
         }
         has_room
     }

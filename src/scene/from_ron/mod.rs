@@ -115,6 +115,7 @@ struct Resolver<'a> {
     model_materials: BTreeMap<&'a Path, MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
     leaf_count: u32,
+    fall_count: u32,
     /// Of masked materials.
     cutoffs: BTreeMap<MaterialIndex, f64>,
     /// What masks have left of meshes.
@@ -139,6 +140,7 @@ impl<'a> Resolver<'a> {
             model_materials: BTreeMap::new(),
             textures: BTreeMap::new(),
             leaf_count: 0,
+            fall_count: 0,
             cutoffs: BTreeMap::new(),
             cut_meshes: BTreeMap::new(),
             outlines: Tally::default(),
