@@ -139,6 +139,10 @@ impl WideTree {
 /// slats of a fence took minutes. Distances that differ by a little let a third of them agree.
 const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 
+/// How small a box may be to the builder, as a fraction of the largest coordinate: smaller ones are this large and shifted by
+/// up to as much. Their areas would be rounded to the same or to nothing, and again all pairs would be as good.
+const SMALLEST_BOX: f32 = 1.0 / (1 << 20) as f32;
+
 /// Its multiples modulo 1 are spread evenly, however many there are.
 const GOLDEN_FRACTION: f64 = 0.618_033_988_749_894_8;
 
@@ -151,8 +155,12 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     let scaled = |v: Vec3| Vec3A::from((v.as_dvec3() * scale).as_vec3());
     let moved = |(index, b): (usize, &Bounds)| {
         let (min, max) = (scaled(b.min), scaled(b.max));
-        let share = (index as f64 * GOLDEN_FRACTION).fract() * LARGEST_SHIFT;
-        let shift = share as f32 * (max - min);
+        let fraction = (index as f64 * GOLDEN_FRACTION).fract();
+        if (max - min).max_element() < SMALLEST_BOX {
+            let min = min + fraction as f32 * SMALLEST_BOX;
+            return Aabb::new(min, min + SMALLEST_BOX);
+        }
+        let shift = (fraction * LARGEST_SHIFT) as f32 * (max - min);
         Aabb::new(min + shift, max + shift)
     };
     let moved: Vec<Aabb> = boxes.iter().enumerate().map(moved).collect();
