@@ -19,6 +19,9 @@ use std::path::Path;
 /// Most texels that the textures of one file may have together; 2 GiB once decoded.
 const MAX_TEXELS: usize = 1 << 27;
 
+/// Of smoother sheens the extension's fitted shadowing gives more than there is (`scattering/sheen.rs`).
+const LEAST_HONOURED_SHEEN: f64 = 0.3;
+
 /// All materials, and the textures of those that a mesh uses.
 pub(super) fn read(
     document: &Document,
@@ -116,6 +119,12 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
         roughness: extensions.number(sheen, "sheenRoughnessFactor", 0.0, 1.0, report),
         ..Sheen::default()
     };
+    if sheen.color.max_element() > 0.0 && sheen.roughness < LEAST_HONOURED_SHEEN {
+        report.not_honoured(
+            "sheens smoother than 0.3 give back more than they receive at grazing angles, there they are made weaker",
+            &named(&material.name, "material", index),
+        );
+    }
     let transmission =
         extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0, report);
     let strength =
