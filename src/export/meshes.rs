@@ -4,6 +4,7 @@
 use super::Writer;
 use super::binary::Target;
 use crate::scene::{Deformation, MaterialIndex, Mesh, MeshIndex, NodeIndex};
+use glam::{DVec3, Vec3};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -83,10 +84,25 @@ impl Writer<'_> {
         by_material
             .into_iter()
             .map(|(material, corners)| {
-                // Without normals they would mean nothing.
-                let is_mapped = self.scene.materials[material].has_normal_map()
-                    && !(mesh.tangents.is_empty() || mesh.normals.is_empty());
-                (self.primitive(mesh, &corners, is_mapped, deformation), material)
+                let is_mapped =
+                    self.scene.materials[material].has_normal_map() && !mesh.tangents.is_empty();
+                let is_flat = mesh.normals.is_empty();
+                let primitive = match deformation {
+                    // Tangents mean nothing to glTF without normals.
+                    None if is_mapped && is_flat => {
+                        let faceted = faceted(mesh, &corners);
+                        let corners: Vec<u32> = (0..corners.len() as u32).collect();
+                        self.primitive(&faceted, &corners, true, None)
+                    }
+                    _ => self.primitive(mesh, &corners, is_mapped && !is_flat, deformation),
+                };
+                if deformation.is_some() && is_mapped && is_flat {
+                    self.lost(format!(
+                        "`{}` bends and is flat: its normal map goes by the coordinates that it is looked up with",
+                        mesh.name
+                    ));
+                }
+                (primitive, material)
             })
             .collect()
     }
@@ -144,6 +160,29 @@ impl Writer<'_> {
             self.add_deformation(&mut primitive, mesh, deformation, &used, is_mapped);
         }
         primitive
+    }
+}
+
+/// Triangles with these corners, each with vertices of its own and its own normal.
+fn faceted(mesh: &Mesh, corners: &[u32]) -> Mesh {
+    fn at<T: Copy>(values: &[T], corners: &[u32]) -> Vec<T> {
+        corners.iter().filter_map(|&corner| values.get(corner as usize).copied()).collect()
+    }
+    let positions = at(&mesh.positions, corners);
+    let normal = |[a, b, c]: &[Vec3; 3]| {
+        let [a, b, c] = [a, b, c].map(|position| position.as_dvec3());
+        // One without area is never seen.
+        (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::Y).as_vec3()
+    };
+    Mesh {
+        name: mesh.name.clone(),
+        normals: positions.as_chunks().0.iter().flat_map(|triangle| [normal(triangle); 3]).collect(),
+        positions,
+        uvs: at(&mesh.uvs, corners),
+        more_uvs: mesh.more_uvs.iter().map(|uvs| at(uvs, corners)).collect(),
+        colors: at(&mesh.colors, corners),
+        tangents: at(&mesh.tangents, corners),
+        triangles: Vec::new(),
     }
 }
 
