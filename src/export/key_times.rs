@@ -52,7 +52,7 @@ pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<
             // What has been moved away from a frame may be a rounding nearer.
             if taken.has_room(time_s, 0.999 * apart_s) {
                 taken.insert(time_s);
-            } else {
+            } else if !taken.contains(time_s) {
                 let frame = rate.frame(time_s);
                 taken.insert(rate.seconds(frame.floor()));
                 taken.insert(rate.seconds(frame.ceil()));
