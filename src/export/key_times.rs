@@ -24,8 +24,8 @@ pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<
     for &jump_s in jumps_s {
         let frame_s = nearest_frame(rate, jump_s);
         if jump_s as f32 == frame_s as f32 {
-            pairs.push(frame_s);
-            moments.extend([frame_s, frame_s - apart_s]);
+            pairs.push(jump_s);
+            moments.extend([jump_s, jump_s - apart_s]);
         } else if (jump_s - frame_s).abs() < apart_s {
             moments.push(jump_s);
         } else {
@@ -41,8 +41,10 @@ pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<
             others.push(moment_s);
             continue;
         }
-        taken.insert(frame_s);
-        if moment_s as f32 != frame_s as f32 {
+        // A key that is there keeps its own time, and with it its value.
+        let is_frame = moment_s as f32 == frame_s as f32;
+        taken.insert(if is_frame { moment_s } else { frame_s });
+        if !is_frame {
             others.push(frame_s + apart_s.copysign(after_s));
         }
     }
