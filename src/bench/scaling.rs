@@ -111,6 +111,8 @@ pub fn measure(plan: &ScalingPlan, quantity: Quantity) -> Growth {
         Err(_) => return Growth::new(quantity, Vec::new()),
     };
     let alone = |scene: &Scene, size: Size| one.install(|| picture_s(plan, scene, size));
+    // The first picture of all takes up to twice its time: it finds neither memory nor caches ready.
+    alone(plan.scene, plan.size);
     let points = match quantity {
         Quantity::Leaves => {
             let ladder = [500.0, 2e3, 8e3, 32e3, 125e3, 500e3, 1e6];

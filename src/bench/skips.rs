@@ -13,7 +13,10 @@ use crate::film::Frame;
 use crate::frame_file::{self, Provenance};
 use crate::math::Sampler;
 use crate::render::{Job, Placement, Watch, render};
-use crate::scene::{self, LightKind, Pass, Sampling, Scene, SunDisc, Track};
+use crate::scene::{
+    self, AlphaMode, Clearcoat, Coat, LightKind, Material, Pass, Sampling, Scene, Sheen, Sky, SkyLight,
+    SkyPicture, SunDisc, Track,
+};
 use crate::snapshot::{Exposure, MeshTrees, Shutter, shows_surfaces};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -21,6 +24,28 @@ use std::path::Path;
 
 /// A number that changes no picture: far below what single precision can tell from nothing.
 const NEXT_TO_NOTHING: f64 = 1e-300;
+
+/// What shines so little that nobody sees it.
+const THIN_COAT: Coat = Coat {
+    metallic: 0.0,
+    roughness: 0.5,
+    texture: None,
+    f0: Rgb::splat(NEXT_TO_NOTHING),
+    f90: NEXT_TO_NOTHING,
+};
+const THIN_CLEARCOAT: Clearcoat = Clearcoat {
+    share: NEXT_TO_NOTHING,
+    texture: None,
+    roughness: 0.5,
+    roughness_texture: None,
+    normal_map: None,
+};
+const THIN_SHEEN: Sheen = Sheen {
+    color: Rgb::splat(NEXT_TO_NOTHING),
+    color_texture: None,
+    roughness: 0.5,
+    roughness_texture: None,
+};
 
 /// What could be left out, and is not: docs/decisions/measuring.md has the figures.
 const NOT_SKIPPED: &str = "not skipped: geometry that can neither be seen nor cast a shadow into view; building all of it takes 1 % of a frame\n";
@@ -99,10 +124,31 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
             light.kind = with_extent(&light.kind);
         }
     });
-    let dull = changed(&|scene| scene.materials.iter_mut().for_each(|material| material.mirror = Rgb::ZERO));
-    let glossy = changed(&|scene| {
-        scene.materials.iter_mut().for_each(|material| material.mirror = Rgb::splat(NEXT_TO_NOTHING));
+    let of_material =
+        |change: &dyn Fn(&mut Material)| changed(&|scene| scene.materials.iter_mut().for_each(change));
+    let dull = of_material(&|material| material.mirror = Rgb::ZERO);
+    let glossy = of_material(&|material| material.mirror = Rgb::splat(NEXT_TO_NOTHING));
+    let matte = of_material(&|material| material.coat = None);
+    let coated = of_material(&|material| material.coat = Some(THIN_COAT));
+    let bare = of_material(&|material| (material.clearcoat, material.sheen) = (None, None));
+    let layered = of_material(&|material| {
+        (material.clearcoat, material.sheen) = (Some(THIN_CLEARCOAT), Some(THIN_SHEEN))
     });
+    let opaque = of_material(&|material| material.alpha_mode = AlphaMode::Opaque);
+    let blended = of_material(&|material| {
+        material.alpha_mode = AlphaMode::Blend;
+        // The largest number below 1.
+        material.opacity = 1.0 - 0.5 * f64::EPSILON;
+    });
+    let under_sky = |strength: f64| {
+        changed(&|scene| {
+            let sky = Sky::new(SkyPicture::Even(Rgb::ONE));
+            scene.sky = sky.map(|sky| {
+                sky.with(Track::from(Rgb::splat(strength)), Track::from(0.0), SkyLight::default())
+            });
+        })
+    };
+    let (black_sky, dim_sky) = (under_sky(0.0), under_sky(NEXT_TO_NOTHING));
     let kept = MeshTrees::new(scene);
     let next_frame = |trees: &MeshTrees| {
         let (exposure, seconds) = timed(|| exposure(plan, scene, trees));
@@ -135,6 +181,15 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
     row("no mirrors, no reflected rays", "mirrors of reflectance 1e-300", &|| picture(&dull), &|| {
         picture(&glossy)
     })?;
+    row("no coats", "coats that reflect 1e-300", &|| picture(&matte), &|| picture(&coated))?;
+    row("no clear coats, no sheen", "both of 1e-300", &|| picture(&bare), &|| picture(&layered))?;
+    row(
+        "nothing to see through: no veils",
+        "all surfaces blended, opaque but for the last bit",
+        &|| picture(&opaque),
+        &|| picture(&blended),
+    )?;
+    row("no sky, no rays to it", "a sky of 1e-300", &|| picture(&black_sky), &|| picture(&dim_sky))?;
     // Not that of the error, which is estimated from more and smaller passes over the picture.
     let passes: Vec<Pass> = Pass::ALL.into_iter().filter(|pass| *pass != Pass::Error).collect();
     row("passes not asked for", "all of them", &|| picture(scene), &|| {
