@@ -37,7 +37,9 @@ fn main() {
         Some("slices") => slices::run(count(3) as usize),
         Some("sun") => slices::run_sun(count(3) as usize),
         _ => {
-            println!("bias [seeds]      means of pictures of few samples against the per-ray method");
+            println!(
+                "bias [seeds]      means of pictures of few samples against the per-ray method; seeds of 16 samples"
+            );
             println!("canopy [rounds]   whole pictures of 20,000 leaves by slices: time and error");
             println!("falling [rounds]  20,000 falling leaves from the file to their keys: time");
             println!("import [rounds]   large glTF files: time and memory");
