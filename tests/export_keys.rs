@@ -71,7 +71,10 @@ fn curves(glb: &[u8], frames_per_s: f64) -> BTreeMap<(String, &'static str), Cur
         };
         // Blender reads no slopes.
         let interpolation = channel.sampler().interpolation();
-        assert_ne!(interpolation, Interpolation::CubicSpline);
+        let values: Vec<Vec<f64>> = match interpolation {
+            Interpolation::CubicSpline => values.into_iter().skip(1).step_by(3).collect(),
+            _ => values,
+        };
         assert_eq!(frames.len(), values.len());
         let curve = Curve::new(frames.into_iter().zip(values), interpolation == Interpolation::Step);
         curves.insert((channel.target().node().name().unwrap().to_owned(), name), curve);

@@ -8,7 +8,7 @@ use crate::scene::{Animate, FrameRate, Segment, Track};
 use std::collections::BTreeMap;
 
 /// Twice what Blender needs, for single precision moves keys: up to frame 49,000 by less than 0.003 frames.
-const APART_FRAMES: f64 = 0.02;
+pub(super) const APART_FRAMES: f64 = 0.02;
 /// Blender shows a key instead of the line between two if it is as near to the frame as 0.0001.
 const AT_FRAME: f64 = 1e-3;
 

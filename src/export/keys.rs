@@ -1,16 +1,17 @@
 //! Motion in, keys out. Invariant: at every moment of the file's frames the keys give what the motion
 //! gives, to single precision, here (slerp) and in Blender (components, brought to unit length).
 //!
-//! Keys of the scene itself are kept where glTF and Blender interpolate as we do: steps, and straight lines. Everything else,
-//! curves too, of which Blender reads no slopes, is sampled: at every frame, where the shutter opens and closes, and at the
-//! scene's own keys.
+//! Keys of the scene itself are kept where glTF and Blender interpolate as we do: steps, and straight lines. Everything else
+//! is sampled: at every frame, where the shutter opens and closes, and at the scene's own keys. Curves are sampled with their slopes, as cubic
+//! splines: Blender reads no slopes, but has the value at every frame.
 
 use super::deformations::is_straight;
 use super::{Writer, key_times};
-use crate::scene::{Animate, Extend, FrameRate, RenderSettings, Segment, Track};
+use crate::scene::{Animate, Extend, FrameRate, Key, RenderSettings, Segment, Track};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::ops::{Add, Mul};
 
 /// When motion is sampled.
 pub(super) struct Moments {
@@ -29,7 +30,7 @@ pub(super) struct Moments {
 /// A curve as glTF has it.
 pub(super) struct Keys<T> {
     times: Times,
-    /// One a time.
+    /// One a time; of cubic splines three: the slope of arriving there, the value, the slope of leaving.
     values: Vec<T>,
     interpolation: &'static str,
 }
@@ -42,13 +43,15 @@ enum Times {
 }
 
 /// What glTF stores of a value.
-pub(super) trait Stored: Animate {
+pub(super) trait Stored: Animate + Add<Output = Self> + Mul<f64, Output = Self> {
     type Numbers: Copy + PartialEq;
     fn stored(self) -> Self::Numbers;
     /// The same value on the side of `previous`: quaternions have two forms.
     fn near(self, _previous: Self) -> Self {
         self
     }
+    /// The largest difference of a component.
+    fn distance(self, other: Self) -> f64;
     /// True if straight lines between keys are the same in glTF and in Blender.
     const IS_LINEAR: bool = true;
 }
@@ -58,6 +61,9 @@ impl Stored for DVec3 {
     fn stored(self) -> [f32; 3] {
         self.as_vec3().to_array()
     }
+    fn distance(self, other: Self) -> f64 {
+        (self - other).abs().max_element()
+    }
 }
 
 impl Stored for DQuat {
@@ -65,6 +71,9 @@ impl Stored for DQuat {
     const IS_LINEAR: bool = false;
     fn stored(self) -> [f32; 4] {
         self.as_quat().to_array()
+    }
+    fn distance(self, other: Self) -> f64 {
+        (self - other).to_array().into_iter().fold(0.0, |most, component| most.max(component.abs()))
     }
     fn near(self, previous: Self) -> Self {
         if self.dot(previous) < 0.0 { -self } else { self }
@@ -107,9 +116,18 @@ impl Moments {
             return self.sampled(|time_s| track.at(time_s));
         }
         let times_s = self.with([track], true);
+        let is_curved =
+            |key: &Key<T>| matches!(key.to_next, Segment::Hermite { .. } | Segment::Bezier { .. });
+        let is_curved = track.keys().iter().any(is_curved);
+        let times_s = if is_curved { refined(self.rate, track, &times_s) } else { times_s };
         let (first, values) = sampled(&times_s, |time_s| track.at(time_s))?;
-        let times_s = times_s[first..first + values.len()].iter().map(|&time_s| time_s as f32).collect();
-        Some(Keys { times: Times::Own(times_s), values, interpolation: "LINEAR" })
+        let times_s = &times_s[first..first + values.len()];
+        let (values, interpolation) = match is_curved {
+            true => (with_slopes(track, times_s, &values), "CUBICSPLINE"),
+            false => (values, "LINEAR"),
+        };
+        let times_s = times_s.iter().map(|&time_s| time_s as f32).collect();
+        Some(Keys { times: Times::Own(times_s), values, interpolation })
     }
 
     /// When to ask several tracks together, so that straight lines in between are what they are: at their keys, and just
@@ -129,12 +147,15 @@ impl Moments {
         tracks: impl IntoIterator<Item = &'a Track<T>>,
         common: bool,
     ) -> Vec<f64> {
-        let mut times_s = if common { self.times_s.clone() } else { Vec::new() };
-        let mut jumps_s = Vec::new();
+        let (mut times_s, mut jumps_s) = (Vec::new(), Vec::new());
         for track in tracks {
             let (reached_s, jumped_s) = key_times::reached_and_jumped_to(track);
             times_s.extend(reached_s);
             jumps_s.extend(jumped_s);
+        }
+        // After the keys: at one that is a frame's it is the key that counts, to the last bit.
+        if common {
+            times_s.extend(&self.times_s);
         }
         key_times::apart(self.rate, &times_s, &jumps_s)
     }
@@ -156,6 +177,55 @@ fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usiz
     }
     let last = values.windows(2).rposition(differs)? + 1;
     Some((first, values[first..=last].to_vec()))
+}
+
+/// The same times, and more between them until a cubic spline through values and slopes is what the track is.
+fn refined<T: Stored>(rate: FrameRate, track: &Track<T>, times_s: &[f64]) -> Vec<f64> {
+    /// Of metres, and of the components of a turn.
+    const TOLERANCE: f64 = 1e-6;
+    let shortest_s = rate.seconds(4.0 * key_times::APART_FRAMES);
+    let mut refined_s = Vec::from_iter(times_s.first().copied());
+    // The last is the next.
+    let mut ahead_s: Vec<f64> = times_s.iter().skip(1).rev().copied().collect();
+    while let (Some(&from_s), Some(&to_s)) = (refined_s.last(), ahead_s.last()) {
+        let (way_s, middle_s) = (to_s - from_s, 0.5 * (from_s + to_s));
+        let from = track.at(from_s);
+        let to = track.at(to_s).near(from);
+        let ends = [from, slope(track, from, from_s, to_s), to, slope(track, to, to_s, from_s)];
+        let middle = T::blend(ends, [0.5, 0.125 * way_s, 0.5, -0.125 * way_s]);
+        if way_s < shortest_s || middle.distance(track.at(middle_s).near(middle)) <= TOLERANCE {
+            refined_s.push(to_s);
+            ahead_s.pop();
+        } else {
+            ahead_s.push(middle_s);
+        }
+    }
+    refined_s
+}
+
+/// Values with the slopes before and after each, per second.
+fn with_slopes<T: Stored>(track: &Track<T>, times_s: &[f64], values: &[T]) -> Vec<T> {
+    let slope = |from: usize, to: usize| slope(track, values[from], times_s[from], times_s[to]);
+    let last = values.len() - 1;
+    let with_slopes = |at: usize| {
+        let arrive = if at == 0 { T::ZERO } else { slope(at, at - 1) };
+        [arrive, values[at], if at == last { T::ZERO } else { slope(at, at + 1) }]
+    };
+    (0..values.len()).flat_map(with_slopes).collect()
+}
+
+/// How a track that has a value goes on towards another time, by three values close by (Abramowitz & Stegun 25.3.4).
+fn slope<T: Stored>(track: &Track<T>, value: T, from_s: f64, to_s: f64) -> T {
+    const LONGEST_STEP_S: f64 = 1e-4;
+    // A jump has no slope.
+    const JUMP_S: f64 = 1e-6;
+    let way_s = to_s - from_s;
+    if way_s.abs() < JUMP_S {
+        return T::ZERO;
+    }
+    let step_s = (way_s / 4.0).clamp(-LONGEST_STEP_S, LONGEST_STEP_S);
+    let [near, far] = [1.0, 2.0].map(|steps| track.at(from_s + steps * step_s).near(value));
+    (value * -1.5 + near * 2.0 + far * -0.5) * step_s.recip()
 }
 
 /// The track's own keys, if glTF and Blender make of them what we make of them.
@@ -217,7 +287,6 @@ impl Writer<'_> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::Key;
 
     fn moments() -> Moments {
         Moments::new(&RenderSettings { frames: 1..=4, ..RenderSettings::default() })
