@@ -30,8 +30,8 @@ def select() -> None:
     """There is one kind."""
 
 
-def prepare(scene: PeerScene):
-    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+def build(scene: PeerScene):
+    """The scene as Blender's, with the settings that it is rendered with."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     made = bpy.context.scene
     folder = Path(tempfile.mkdtemp())
@@ -49,13 +49,24 @@ def prepare(scene: PeerScene):
         add_lamp(made, lamp)
     add_camera(made, scene)
     settings(made, scene.size)
-    target = folder / "picture.exr"
+    return made
+
+
+def write(made, samples: int, seed: int, target: Path) -> None:
+    """Renders so many samples a pixel into a file."""
+    made.cycles.samples, made.cycles.seed = samples, seed
+    made.render.filepath = str(target)
+    bpy.ops.render.render(write_still=True)
+
+
+def prepare(scene: PeerScene):
+    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+    made = build(scene)
+    target = Path(tempfile.mkdtemp()) / "picture.exr"
 
     def render(samples: int, seed: int):
-        made.cycles.samples, made.cycles.seed = samples, seed
-        made.render.filepath = str(target)
         started = time.process_time()
-        bpy.ops.render.render(write_still=True)
+        write(made, samples, seed, target)
         seconds = time.process_time() - started
         image = bpy.data.images.load(str(target), check_existing=False)
         width, height = scene.size
