@@ -42,6 +42,26 @@ class Case(unittest.TestCase):
         self.addCleanup(sunfleck.unregister)
 
 
+class Import(Case):
+    def test_rate_frames_size_and_camera_are_the_files(self):
+        path = self.folder / "scene.glb"
+        source = Path(__file__).parents[3] / "tests/data/valid/ron/keyed_every_way_24000_1001.ron"
+        subprocess.run([PROGRAM, "export", str(source), str(path)], capture_output=True, check=True)
+        self.assertEqual(bpy.ops.sunfleck.import_scene(filepath=str(path)), {"FINISHED"})
+        render = self.scene.render
+        self.assertEqual((render.fps, self.scene.frame_start, self.scene.frame_end), (24, 1, 48))
+        self.assertAlmostEqual(render.fps_base, 1.001, places=6)
+        self.assertEqual((render.resolution_x, render.resolution_y), (160, 90))
+        self.assertEqual(self.scene.camera.type, "CAMERA")
+
+    def test_what_is_no_gltf_is_refused(self):
+        for name, data in {"text": b"no scene", "short": b"glTF", "list": b"[]"}.items():
+            path = self.folder / f"{name}.glb"
+            path.write_bytes(data)
+            with self.assertRaisesRegex(RuntimeError, f"{name}.glb is not a glTF file"):
+                bpy.ops.sunfleck.import_scene(filepath=str(path))
+
+
 class Registration(unittest.TestCase):
     def test_registers_and_unregisters_twice(self):
         scenes.empty()
