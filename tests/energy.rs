@@ -12,7 +12,7 @@ use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{
-    Coat, DiscPicture, Julia, Light, LightKind, Material, SunDisc, SunPicture, Track, limb_darkening,
+    Coat, Julia, Light, LightKind, Material, SunDisc, SunPicture, SunShows, Texture, Track, Wrap,
 };
 use sunfleck::snapshot::{Luminaire, MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, radiance};
@@ -20,22 +20,25 @@ use sunfleck::transport::{Scratch, radiance};
 /// c = -0.012375 + 0.56805i, the Julia set on the sun.
 const C: (f64, f64) = (-0.012375, 0.56805);
 
-fn still(color: impl Fn(DVec2) -> Rgb) -> SunPicture {
-    SunPicture::Still(Arc::new(DiscPicture::new(1, color).expect("it is bright somewhere")))
-}
-
-fn suns() -> Vec<(&'static str, SunPicture)> {
-    let julia = Julia { real: C.0.into(), imaginary: C.1.into(), iterations: 100 };
-    let color = julia.color_at(0.0);
-    let checks = |p: DVec2| {
-        if (5.0 * p.x).floor() as i64 % 2 == 0 { Rgb::new(1.0, 0.8, 0.5) } else { Rgb::splat(0.1) }
+fn suns() -> Vec<(&'static str, Option<SunPicture>)> {
+    let julia = || SunShows::Julia(Julia { real: C.0.into(), imaginary: C.1.into(), iterations: 100 });
+    let size = 100;
+    let checks = |texel: usize| {
+        if (texel % size / 10).is_multiple_of(2) { [1.0, 0.8, 0.5, 1.0] } else { [0.1, 0.1, 0.1, 1.0] }
+    };
+    let image = Texture {
+        name: String::new(),
+        width: size,
+        height: size,
+        texels: (0..size * size).map(checks).collect(),
+        wrap: [Wrap::Clamp; 2],
     };
     vec![
-        ("even", SunPicture::Even),
-        ("limb darkening 0.6", still(|p| Rgb::splat(limb_darkening(0.6, p.length())))),
-        ("Julia set of -0.012375 + 0.56805i", still(&color)),
-        ("Julia set, limb darkening 0.6", still(|p| color(p) * limb_darkening(0.6, p.length()))),
-        ("an image", still(checks)),
+        ("even", None),
+        ("limb darkening 0.6", SunPicture::new(SunShows::Even, 0.6)),
+        ("Julia set of -0.012375 + 0.56805i", SunPicture::new(julia(), 0.0)),
+        ("Julia set, limb darkening 0.6", SunPicture::new(julia(), 0.6)),
+        ("an image", SunPicture::new(SunShows::Image(Arc::new(image)), 0.0)),
     ]
 }
 

@@ -12,7 +12,8 @@ use sunfleck::export;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    self, AlphaMode, Light, LightKind, Material, Motion, Node, RenderSettings, Sampling, Scene, Track, Window,
+    self, AlphaMode, Light, LightKind, Material, Motion, Node, RenderSettings, Sampling, Scene, SunShows,
+    Track, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
@@ -243,6 +244,72 @@ fn an_image_sky_looks_the_same() {
     let mut difference = Difference::default();
     difference.add(&picture(&scene, &settings, 1), &picture(&again, &settings, 1));
     assert!(difference.apart.is_empty() && difference.relative_rmse() < 1e-6);
+}
+
+/// An image, a fractal that turns and changes under a disc that grows, and a darker limb, on suns that are seen.
+#[test]
+fn pictures_on_suns_look_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let texel = |x: u32, y: u32| image::Rgb([(x * 999) as u16, (y * 2500) as u16, 65_535 - (x * y) as u16]);
+    image::ImageBuffer::<image::Rgb<u16>, Vec<u16>>::from_fn(40, 24, texel)
+        .save(folder.path().join("sun.png"))
+        .unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(
+        &path,
+        r#"Scene(version: 1, meshes: { "ground": Quad(size_m: 4.0) }, objects: { "ground": (mesh: "ground") },
+            cameras: { "main": (position_m: (0.0, 1.0, 3.0), look_at_m: (0.0, 1.6, 0.0), fov_deg: 60.0) },
+            lights: {
+                "image": Sun(to_sun: (-0.5, 0.3, -1.0), irradiance_w_per_m2: (3.0, 2.0, 1.0),
+                    angular_diameter_deg: 15.0, image: "sun.png", picture_rotation_deg: 40.0, visible_to_camera: true),
+                "fractal": Sun(to_sun: (0.0, 0.4, -1.0), irradiance_w_per_m2: 2.0, visible_to_camera: true,
+                    angular_diameter_deg: Keyed(keys: [(at_s: 0.0, value: 0.0), (at_s: 1.0, value: 20.0)]),
+                    fractal: (real: Keyed(keys: [(at_s: 0.0, value: -0.5), (at_s: 1.0, value: 0.1)]),
+                        imaginary: 0.56805, iterations: 40),
+                    limb_darkening: 0.3,
+                    picture_rotation_deg: Keyed(keys: [(at_s: 0.0, value: 0.0), (at_s: 1.0, value: 90.0)])),
+                "limb": Sun(to_sun: (0.5, 0.3, -1.0), irradiance_w_per_m2: 1.0, angular_diameter_deg: 10.0,
+                    limb_darkening: 0.6, visible_to_camera: true),
+            })"#,
+    )
+    .unwrap();
+    let (scene, mut settings) = load(&path);
+    (settings.size.width, settings.size.height) = (64, 36);
+    settings.frames = 0..=24;
+    let (again, _) = through_gltf(&scene, &settings);
+    for (light, expected) in again.lights.iter().zip(&scene.lights) {
+        let (LightKind::SunDisc(disc), LightKind::SunDisc(expected)) = (&light.kind, &expected.kind) else {
+            panic!("{light:?}");
+        };
+        let (picture, expected_picture) =
+            (disc.picture.as_ref().unwrap(), expected.picture.as_ref().unwrap());
+        assert_eq!(picture.limb_darkening(), expected_picture.limb_darkening());
+        match (picture.shows(), expected_picture.shows()) {
+            (SunShows::Even, SunShows::Even) => {}
+            (SunShows::Image(a), SunShows::Image(b)) => {
+                assert_eq!((a.width, a.height, &a.texels, a.wrap), (b.width, b.height, &b.texels, b.wrap));
+            }
+            (SunShows::Julia(a), SunShows::Julia(b)) => {
+                assert_eq!(a.iterations, b.iterations);
+                assert!((a.real.at(0.7) - b.real.at(0.7)).abs() < 1e-6);
+                assert_eq!(a.imaginary.at(0.7), b.imaginary.at(0.7));
+            }
+            (found, expected) => panic!("{found:?} in place of {expected:?}"),
+        }
+        for time_s in [0.0, 0.4, 1.0] {
+            let turned = disc.picture_rotation.at(time_s) - expected.picture_rotation.at(time_s);
+            let grown = disc.angular_diameter.at(time_s) - expected.angular_diameter.at(time_s);
+            assert!(turned.abs() < 1e-6 && grown.abs() < 1e-6, "{} at {time_s}", light.name);
+        }
+        assert_eq!(disc.visible_to_camera, expected.visible_to_camera);
+    }
+    let mut difference = Difference::default();
+    for frame in [0, 11, 24] {
+        difference.add(&picture(&scene, &settings, frame), &picture(&again, &settings, frame));
+    }
+    let (apart, error) = (difference.apart.len(), difference.relative_rmse());
+    println!("pictures on suns: relative RMSE {error:.1e}, {apart} of {} pixels apart", difference.pixels);
+    assert!(apart == 0 && error < SAME, "{:?}", difference.apart);
 }
 
 #[test]

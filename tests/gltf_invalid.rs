@@ -277,6 +277,28 @@ const CASES: &[(&str, &str)] = &[
     ("json_is_a_number.gltf", "invalid type: floating point `2.0`"),
     ("json_nested_without_end.gltf", "asset[0]: error: invalid type: sequence"),
     ("json_not_utf8.gltf", "30:14: error: the JSON is damaged: invalid unicode code point"),
+    (
+        "sun_fractal_half_an_iteration.gltf",
+        "sunfleck_light.fractal.iterations: error: the number of iterations is 99.5",
+    ),
+    ("sun_fractal_incomplete.gltf", "sunfleck_light.fractal: error: missing field `imaginary`"),
+    ("sun_fractal_of_three.gltf", "sunfleck_light.fractal.imaginary: error: the imaginary is 3"),
+    ("sun_fractal_swings_too_far.gltf", "sunfleck_ctl: error: from 0.0000 s on the value is or comes near 3"),
+    (
+        "sun_image_and_fractal.gltf",
+        "nodes[2].extras.sunfleck_light: error: the sun has an image and a fractal",
+    ),
+    ("sun_image_black.gltf", "sunfleck_light.image: error: the circle in the middle of the image is black"),
+    (
+        "sun_image_elsewhere.gltf",
+        "sunfleck_light.image: error: `https://example.org/sun.png` is not a file beside this one",
+    ),
+    (
+        "sun_image_is_text.gltf",
+        "nodes[2].extras.sunfleck_light.image: error: this is not an image in a format that is read",
+    ),
+    ("sun_limb_above_one.gltf", "sunfleck_light.limb_darkening: error: the limb_darkening is 1.5"),
+    ("suns_with_too_many_pictures.gltf", "sunfleck_light: error: too many suns have pictures"),
     ("light_color_negative.gltf", "lights[0].color: error: the colour is [1.0, -1.0, 1.0]"),
     ("light_type_unknown.gltf", "lights[0].type: error: `candle` is no kind of light"),
     ("meshopt_buffer_missing.gltf", "EXT_meshopt_compression.buffer: error: buffer 3 does not exist"),

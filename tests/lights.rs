@@ -3,12 +3,14 @@
 mod common;
 
 use common::{EXACT, add_fog, add_light, camera_at, look, place};
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
-use sunfleck::scene::{AreaShape, DiscPicture, Julia, Light, LightKind, SunDisc, SunPicture, Track};
+use sunfleck::scene::{
+    AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows, Texture, Track, Wrap,
+};
 use sunfleck::snapshot::Luminaire;
 
 /// A light of power 1 at the origin that shines along -Z.
@@ -98,7 +100,7 @@ fn sun_disc_above_and_on_the_horizon() {
 fn fractal_sun(angular_diameter: f64, picture_rotation: f64) -> LightKind {
     let julia = Julia { real: Track::from(-0.012375), imaginary: Track::from(0.56805), iterations: 100 };
     LightKind::SunDisc(SunDisc {
-        picture: SunPicture::Julia { julia, limb_darkening: 0.5 },
+        picture: SunPicture::new(SunShows::Julia(julia), 0.5),
         picture_rotation: Track::from(picture_rotation),
         visible_to_camera: true,
         ..SunDisc::even(Track::from(angular_diameter))
@@ -136,8 +138,11 @@ fn what_is_seen_of_a_sun_is_what_lights() {
 /// An image on the sun stands upright to someone who faces it, and turns anticlockwise.
 #[test]
 fn pictures_stand_upright() {
-    let bright = |p: DVec2| if p.y > 0.9 { Rgb::ONE } else { Rgb::splat(1e-6) };
-    let picture = SunPicture::Still(Arc::new(DiscPicture::new(1, bright).expect("it is bright at the top")));
+    let size = 200;
+    let bright = |texel: usize| if texel / size < size / 20 { [1.0; 4] } else { [1e-6; 4] };
+    let texels = (0..size * size).map(bright).collect();
+    let image = Texture { name: String::new(), width: size, height: size, texels, wrap: [Wrap::Clamp; 2] };
+    let picture = SunPicture::new(SunShows::Image(Arc::new(image)), 0.0);
     for (rotation, brightest) in [(0.0, DVec3::Y), (PI / 2.0, DVec3::NEG_X)] {
         let disc = SunDisc {
             picture: picture.clone(),

@@ -1,9 +1,12 @@
-//! Lights: those that glTF knows in lux and candela, their sizes and area lights as `sunfleck_light`.
+//! Lights: those that glTF knows in lux and candela; their sizes, pictures on suns and area lights as `sunfleck_light`.
 //! Invariant: a light is as bright when it is read back, to the rounding of one multiplication.
 
 use super::Writer;
+use super::materials::png;
 use crate::color::Rgb;
-use crate::scene::{AreaShape, Light, LightKind, SunPicture, Track};
+use crate::diagnostic::Diagnostic;
+use crate::scene::{AreaShape, Julia, Light, LightKind, SunPicture, SunShows, Track};
+use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
 
@@ -14,13 +17,11 @@ const NARROWEST_EDGE: f64 = 1e-9;
 
 impl Writer<'_> {
     /// Adds every light.
-    pub(super) fn add_lights(&mut self) {
-        for light in &self.scene.lights {
-            self.add_light(light);
-        }
+    pub(super) fn add_lights(&mut self) -> Result<(), Diagnostic> {
+        self.scene.lights.iter().try_for_each(|light| self.add_light(light))
     }
 
-    fn add_light(&mut self, light: &Light) {
+    fn add_light(&mut self, light: &Light) -> Result<(), Diagnostic> {
         let time_s = self.moments.start_s;
         let node = self.node_numbers[light.node];
         let node = self.free_node(node, |node| {
@@ -36,6 +37,12 @@ impl Writer<'_> {
                 say("angle", json!(disc.angular_diameter.at(time_s)));
                 if disc.visible_to_camera {
                     say("visible_to_camera", json!(true));
+                }
+                if let Some(picture) = &disc.picture {
+                    for (name, value) in sun_picture(picture, time_s)? {
+                        say(name, value);
+                    }
+                    say("picture_rotation", json!(disc.picture_rotation.at(time_s)));
                 }
                 ("directional", None)
             }
@@ -60,14 +67,9 @@ impl Writer<'_> {
                 say("power_w", json!(brightest));
                 say("color", json!(color.to_array()));
                 self.set_extra(node, "sunfleck_light", Value::Object(ours));
-                return;
+                return Ok(());
             }
         };
-        if let LightKind::SunDisc(disc) = &light.kind
-            && !matches!(disc.picture, SunPicture::Even)
-        {
-            self.lost(format!("the picture on the sun `{}` is not carried: its disc is even", light.name));
-        }
         if !ours.is_empty() {
             self.set_extra(node, "sunfleck_light", Value::Object(ours));
         }
@@ -81,6 +83,7 @@ impl Writer<'_> {
         self.extensions.insert("KHR_lights_punctual");
         let number = self.lights.len() - 1;
         self.extend_node(node, "KHR_lights_punctual", json!({ "light": number }));
+        Ok(())
     }
 }
 
@@ -94,6 +97,13 @@ impl Writer<'_> {
             LightKind::Sun => ("strength_w_m2", 1.0),
             LightKind::SunDisc(disc) => {
                 number("angle", &disc.angular_diameter);
+                if let Some(picture) = &disc.picture {
+                    number("picture_rotation", &disc.picture_rotation);
+                    if let SunShows::Julia(julia) = picture.shows() {
+                        number("fractal_real", &julia.real);
+                        number("fractal_imaginary", &julia.imaginary);
+                    }
+                }
                 ("strength_w_m2", 1.0)
             }
             LightKind::Point => ("power_w", 4.0 * PI),
@@ -116,6 +126,28 @@ impl Writer<'_> {
         let track = light.power.map_linear(|value| value * watts_per_unit);
         self.carry_color(format!("{owner}.{power}"), &track);
     }
+}
+
+/// What a sun shows, as fields of `sunfleck_light`.
+fn sun_picture(picture: &SunPicture, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {
+    let mut fields = Vec::new();
+    match picture.shows() {
+        SunShows::Even => {}
+        SunShows::Image(image) => {
+            let uri = format!("data:image/png;base64,{}", STANDARD.encode(png(image, false)?));
+            fields.push(("image", json!(uri)));
+        }
+        SunShows::Julia(Julia { real, imaginary, iterations }) => {
+            let fractal = json!({
+                "real": real.at(time_s), "imaginary": imaginary.at(time_s), "iterations": iterations,
+            });
+            fields.push(("fractal", fractal));
+        }
+    }
+    if picture.limb_darkening() > 0.0 {
+        fields.push(("limb_darkening", json!(picture.limb_darkening())));
+    }
+    Ok(fields)
 }
 
 fn has(node: &Map<String, Value>, group: &str, key: &str) -> bool {

@@ -7,7 +7,7 @@ use crate::color::{Rgb, srgb_from_linear};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, Wrap};
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Value, json};
 
 /// Textures with their images and samplers.
@@ -32,13 +32,7 @@ impl Writer<'_> {
                 maps.into_iter().flatten().any(|map| map.texture == number)
                     || layers::is_data(material, number)
             });
-            let png = png(texture, holds_data).map_err(|error| {
-                let found = format!("the texture `{}` cannot be stored as PNG: {error}", texture.name);
-                Diagnostic::error(Place::Nowhere, found)
-                    .expected("an image that PNG can hold")
-                    .remedy("make the image smaller")
-            })?;
-            let view = self.binary.view(png, None);
+            let view = self.binary.view(png(texture, holds_data)?, None);
             images.images.push(json!({ "name": texture.name, "bufferView": view, "mimeType": "image/png" }));
             images.samplers.push(json!({ "wrapS": wrap(texture.wrap[0]), "wrapT": wrap(texture.wrap[1]) }));
             images.textures.push(json!({ "source": number, "sampler": number }));
@@ -162,7 +156,7 @@ fn wrap(wrap: Wrap) -> u32 {
 /// The texture as PNG: with 8 bits where that gives the same texels again, else with 16.
 ///
 /// Images of directions and roughness are linear already.
-fn png(texture: &Texture, holds_data: bool) -> Result<Vec<u8>, ImageError> {
+pub(super) fn png(texture: &Texture, holds_data: bool) -> Result<Vec<u8>, Diagnostic> {
     let code = |value: f32, is_alpha: bool| {
         let value = f64::from(value);
         let encoded = if is_alpha || holds_data { value } else { srgb_from_linear(value) };
@@ -183,6 +177,11 @@ fn png(texture: &Texture, holds_data: bool) -> Result<Vec<u8>, ImageError> {
     };
     let mut png = Vec::new();
     let (width, height) = (texture.width as u32, texture.height as u32);
-    PngEncoder::new(&mut png).write_image(&bytes, width, height, kind)?;
-    Ok(png)
+    let written = PngEncoder::new(&mut png).write_image(&bytes, width, height, kind);
+    written.map(|()| png).map_err(|error| {
+        let found = format!("the texture `{}` cannot be stored as PNG: {error}", texture.name);
+        Diagnostic::error(Place::Nowhere, found)
+            .expected("an image that PNG can hold")
+            .remedy("make the image smaller")
+    })
 }

@@ -85,7 +85,7 @@ pub fn glb(scene: &Scene, settings: &RenderSettings) -> Result<Exported, Diagnos
     let (meshes, mesh_numbers) = writer.meshes();
     writer.place_meshes(&mesh_numbers);
     let (materials, textures) = writer.materials()?;
-    writer.add_lights();
+    writer.add_lights()?;
     writer.add_cameras(settings);
     writer.add_fogs();
     let extras = writer.scene_extras(settings)?;

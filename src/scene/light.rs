@@ -4,9 +4,8 @@
 //! To add a light: a variant here, its reading in `from_ron` and `from_gltf`, and its frozen form in
 //! `snapshot`: a distribution over the two kinds of light without extent that `transport` knows.
 
-use super::{DiscPicture, Julia, NodeIndex, Track, limb_darkening};
+use super::{NodeIndex, SunPicture, SunShows, Track};
 use crate::color::Rgb;
-use std::sync::Arc;
 
 /// A light at a node.
 #[derive(Clone, Debug)]
@@ -70,51 +69,18 @@ pub enum AreaShape {
 pub struct SunDisc {
     /// The whole angle under which it is seen, radians, in `[0, pi)`.
     pub angular_diameter: Track<f64>,
-    /// What is on it.
-    pub picture: SunPicture,
+    /// What is on it; without one its radiance is the same everywhere.
+    pub picture: Option<SunPicture>,
     /// How far the picture is turned anticlockwise, radians.
     pub picture_rotation: Track<f64>,
     /// Whether rays that leave the scene within the disc see it.
     pub visible_to_camera: bool,
 }
 
-/// What a sun's disc shows.
-#[derive(Clone, Debug)]
-pub enum SunPicture {
-    /// The same radiance everywhere.
-    Even,
-    /// The same picture at all times.
-    Still(Arc<DiscPicture>),
-    /// A Julia set that changes.
-    Julia {
-        /// The set.
-        julia: Julia,
-        /// Coefficient of [`limb_darkening`](super::limb_darkening).
-        limb_darkening: f64,
-    },
-}
-
 impl SunDisc {
     /// A disc of the same radiance everywhere that only lights.
     pub fn even(angular_diameter: Track<f64>) -> Self {
-        Self {
-            angular_diameter,
-            picture: SunPicture::Even,
-            picture_rotation: Track::from(0.0),
-            visible_to_camera: false,
-        }
-    }
-
-    /// The picture at a time; `None` if there is none.
-    pub fn picture_at(&self, time_s: f64) -> Option<Arc<DiscPicture>> {
-        match &self.picture {
-            SunPicture::Even => None,
-            SunPicture::Still(picture) => Some(Arc::clone(picture)),
-            SunPicture::Julia { julia, limb_darkening: u } => {
-                let color = julia.color_at(time_s);
-                DiscPicture::new(1, |p| color(p) * limb_darkening(*u, p.length())).map(Arc::new)
-            }
-        }
+        Self { angular_diameter, picture: None, picture_rotation: Track::from(0.0), visible_to_camera: false }
     }
 }
 
@@ -125,7 +91,7 @@ impl LightKind {
             Self::Sun | Self::Point => vec![],
             Self::SunDisc(disc) => {
                 let mut numbers = vec![&disc.angular_diameter, &disc.picture_rotation];
-                if let SunPicture::Julia { julia, .. } = &disc.picture {
+                if let Some(SunShows::Julia(julia)) = disc.picture.as_ref().map(SunPicture::shows) {
                     numbers.extend([&julia.real, &julia.imaginary]);
                 }
                 numbers

@@ -20,6 +20,7 @@ mod outline;
 mod resolve;
 mod settings;
 mod sky;
+mod sun_picture;
 mod texture;
 mod track;
 
@@ -35,7 +36,7 @@ pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, 
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
-pub use light::{AreaShape, Light, LightKind, SunDisc, SunPicture};
+pub use light::{AreaShape, Light, LightKind, SunDisc};
 pub use material::{AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painted, Sheen, TextureMap};
 pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
@@ -44,6 +45,7 @@ pub use outline::OUTLINE_TOLERANCE_TEXELS;
 pub use resolve::{LightUnits, resolve, resolve_telling};
 pub use settings::{FrameRate, Pass, RenderSettings, Sampling, Size, Window};
 pub use sky::{Sky, SkyLight, SkyPicture};
+pub use sun_picture::{MOST_SUN_PICTURES, SunPicture, SunShows};
 pub use texture::{Texture, Wrap};
 pub use track::{Animate, Extend, Handle, Key, Segment, Track};
 

@@ -53,7 +53,7 @@ impl Luminaire {
                 let unturned = [up.cross(beam) * sin_radius, up * sin_radius];
                 let half_axes = [span(&unturned, turn), span(&unturned, turn.perp())];
                 let extent = if sin_radius > 0.0 {
-                    let picture = disc.picture_at(time_s);
+                    let picture = disc.picture.as_ref().and_then(|picture| picture.at(time_s));
                     Extent::Disc { half_axes, picture, is_visible: disc.visible_to_camera }
                 } else {
                     Extent::None

@@ -747,6 +747,14 @@ def light_of_no_intensity_beside() -> File:
 
 
 @case
+def light_with_a_picture_and_no_disc() -> File:
+    file = leaf()
+    picture = {"limb_darkening": 0.5, "picture_rotation": 1, "fractal": {"real": 0, "imaginary": 0.5}}
+    file.json["nodes"][2]["extras"] = {"sunfleck_light": {"visible_to_camera": True, **picture}}
+    return file
+
+
+@case
 def asset_says_everything() -> File:
     file = leaf()
     file.json["asset"] |= {"minVersion": "2.0", "generator": "by hand", "copyright": "none", "extras": {"a": [1]}}

@@ -6,6 +6,7 @@
 Each is the leaf of make_gltf.py with one thing wrong; tests/gltf_invalid.rs tells what must be said of it.
 """
 
+import base64
 import struct
 import sys
 from pathlib import Path
@@ -14,6 +15,8 @@ from make_gltf import (
     F32, INDICES, U8, U16, U32, UVS, File, animated, leaf, textured, uvs_f32, with_normal_map,
 )
 
+# One black texel.
+BLACK = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC")
 # One triangle as meshoptimizer's vertex codec has it would be longer; a header alone is damaged enough.
 NO_STREAM = b"\xa0\0\0\0"
 
@@ -86,6 +89,35 @@ def indexed(values: list, component: int = U16) -> File:
     return file
 
 
+def on_the_sun(**fields: object) -> File:
+    """The leaf under a sun with a disc and this on it."""
+    file = leaf()
+    file.json["nodes"][2]["extras"] = {"sunfleck_light": {"angle": 0.1} | fields}
+    return file
+
+
+def pictured_suns(count: int) -> File:
+    """The leaf under so many suns with darker limbs."""
+    file = on_the_sun(limb_darkening=0.5)
+    nodes = file.json["nodes"]
+    nodes += [nodes[2] | {"name": f"sun {number}"} for number in range(1, count)]
+    file.json["scenes"][0]["nodes"] = list(range(len(nodes)))
+    return file
+
+
+def swinging_fractal(field: str) -> File:
+    """The leaf under a fractal whose constant an empty carries to 3."""
+    file = on_the_sun(fractal={"real": 0.1, "imaginary": 0.2})
+    control = {"sunfleck_ctl": {"target": f"sun.sunfleck_light.{field}", "channel": "translation.x"}}
+    file.json["nodes"].append({"name": "ctl", "translation": [3, 0, 0], "extras": control})
+    file.json["scenes"][0]["nodes"].append(3)
+    return file
+
+
+def data_uri(data: bytes) -> str:
+    return "data:image/png;base64," + base64.b64encode(data).decode()
+
+
 def chunk(kind: int, data: bytes) -> bytes:
     return struct.pack("<II", len(data), kind) + data
 
@@ -120,6 +152,16 @@ FILES: dict[str, File] = {
     "indices_of_vectors": changed(leaf(), "accessors.1.type", "VEC3"),
     "indices_restart": indexed([0, 1, 2, 65535, 1, 3]),
     "light_color_negative": changed(leaf(), "extensions.KHR_lights_punctual.lights.0.color", [1, -1, 1]),
+    "sun_fractal_half_an_iteration": on_the_sun(fractal={"real": 0, "imaginary": 0, "iterations": 99.5}),
+    "sun_fractal_incomplete": on_the_sun(fractal={"real": 0}),
+    "sun_fractal_of_three": on_the_sun(fractal={"real": 0, "imaginary": 3}),
+    "sun_fractal_swings_too_far": swinging_fractal("fractal_real"),
+    "sun_image_and_fractal": on_the_sun(image=data_uri(BLACK), fractal={"real": 0, "imaginary": 0}),
+    "sun_image_black": on_the_sun(image=data_uri(BLACK)),
+    "sun_image_elsewhere": on_the_sun(image="https://example.org/sun.png"),
+    "sun_image_is_text": on_the_sun(image=data_uri(b"no image")),
+    "sun_limb_above_one": on_the_sun(limb_darkening=1.5),
+    "suns_with_too_many_pictures": pictured_suns(17),
     "light_type_unknown": changed(leaf(), "extensions.KHR_lights_punctual.lights.0.type", "candle"),
     "meshopt_buffer_missing": meshopt(buffer=3),
     "meshopt_count_huge": meshopt(count=1 << 40),

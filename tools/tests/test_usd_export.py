@@ -242,6 +242,15 @@ class Stages(Case):
         exported = export_usd(path, self.folder / "again.usda")
         self.assertEqual(exported.lost, ["what changes `nobody.sunfleck_light.power_w` is not carried"])
 
+    def test_a_picture_on_the_sun_is_said_to_be_lost(self):
+        source = json.loads((SAMPLES.parent / "valid/gltf/same/plain.gltf").read_text())
+        path = self.folder / "picture.gltf"
+        for shows, lost in (({}, 0), ({"fractal": {"real": 0, "imaginary": 0.5}}, 1), ({"limb_darkening": 0.5}, 1)):
+            source["nodes"][2]["extras"] = {"sunfleck_light": {"angle": 0.1, **shows}}
+            path.write_text(json.dumps(source))
+            said = [line for line in export_usd(path, self.folder / "picture.usda").lost if "pictures on suns" in line]
+            self.assertEqual(len(said), lost, shows)
+
     def test_what_is_unlit_shines_in_its_colour(self):
         material = {"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1]}, "extensions": {"KHR_materials_unlit": {}}}
         source = json.loads((SAMPLES.parent / "valid/gltf/same/plain.gltf").read_text())

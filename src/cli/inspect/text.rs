@@ -5,6 +5,7 @@ use super::super::pass_names;
 use super::Inspected;
 use crate::scene::{
     AreaShape, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture, SunPicture,
+    SunShows,
 };
 use glam::DVec3;
 use std::collections::HashSet;
@@ -248,7 +249,12 @@ fn brightness(light: &Light, time_s: f64) -> String {
     match &light.kind {
         LightKind::Sun => of_sun,
         LightKind::SunDisc(disc) => {
-            let picture = if matches!(disc.picture, SunPicture::Even) { "" } else { " with a picture" };
+            let picture = match disc.picture.as_ref().map(SunPicture::shows) {
+                None => "",
+                Some(SunShows::Even) => " with a darker limb",
+                Some(SunShows::Image(_)) => " with an image",
+                Some(SunShows::Julia(_)) => " with a fractal",
+            };
             let seen = if disc.visible_to_camera { ", seen by the camera" } else { "" };
             let diameter = disc.angular_diameter.at(time_s).to_degrees();
             format!("{of_sun}, a disc of {diameter:.4} deg{picture}{seen}")

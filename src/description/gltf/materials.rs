@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Most texels that the textures of one file may have together; 2 GiB once decoded.
-const MAX_TEXELS: usize = 1 << 27;
+pub(super) const MAX_TEXELS: usize = 1 << 27;
 
 /// Of smoother sheens the extension's fitted shadowing gives more than there is (`scattering/sheen.rs`).
 const LEAST_HONOURED_SHEEN: f64 = 0.3;

@@ -19,10 +19,10 @@ mod meshes;
 mod meshopt;
 mod morphs;
 mod nodes;
+mod pictures;
 mod pointers;
 pub(crate) mod report;
 mod skins;
-mod sky;
 mod tangents;
 mod texture_maps;
 
@@ -33,6 +33,7 @@ use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 pub use pointers::Property;
 use report::Report;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A glTF file, checked, in its own units and terms.
@@ -64,6 +65,8 @@ pub struct GltfScene {
     pub lights: Vec<Light>,
     /// What the sky of the scene's extras shows, if that is an image.
     pub sky_image: Option<DecodedImage>,
+    /// Images that the extras of suns name, by those names.
+    pub sun_images: BTreeMap<String, DecodedImage>,
     /// All channels that move nodes, of all animations, in the file's order.
     pub channels: Vec<Channel>,
     /// All others (KHR_animation_pointer), in the file's order.
@@ -473,7 +476,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     morphs::check_nodes(&document, &mut scene.nodes, &targets, &mut report);
     skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
-    scene.sky_image = sky::image(&scene, files, &mut report)?;
+    pictures::read(&mut scene, files, &mut report)?;
     (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report)?;
     if report.has_errors() {
         return Err(LoadError::Invalid(report.into_diagnostics()));

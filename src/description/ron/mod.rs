@@ -61,6 +61,8 @@ pub struct LoadedScene {
     pub models: BTreeMap<PathBuf, ObjModel>,
     /// Images by their path: as the scene writes it, or joined to the OBJ file's folder.
     pub images: BTreeMap<PathBuf, DecodedImage>,
+    /// Images that suns show, by their path as the scene writes it.
+    pub sun_images: BTreeMap<PathBuf, DecodedImage>,
     /// The image that the sky shows.
     pub sky_image: Option<DecodedImage>,
 }

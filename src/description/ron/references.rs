@@ -34,9 +34,10 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
             loader.image(texture.clone(), &format!("materials.{name}.{field}"), &mut images)?;
         }
     }
+    let mut sun_images = BTreeMap::new();
     for (name, light) in file.lights.iter() {
         if let Light::Sun { image: Some(image), .. } = light {
-            loader.image(image.clone(), &format!("lights.{name}.image"), &mut images)?;
+            loader.image(image.clone(), &format!("lights.{name}.image"), &mut sun_images)?;
         }
     }
     let sky_image = match &file.sky {
@@ -46,7 +47,7 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
-    Ok(LoadedScene { path: path.to_owned(), file, models, images, sky_image })
+    Ok(LoadedScene { path: path.to_owned(), file, models, images, sun_images, sky_image })
 }
 
 /// Names of what takes part in the picture.

@@ -8,7 +8,8 @@ use crate::color::Rgb;
 use crate::description::gltf::Property;
 use crate::diagnostic::Diagnostic;
 use crate::scene::{
-    Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, Track,
+    Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, SunPicture, SunShows,
+    Track,
 };
 use glam::DVec3;
 use serde::Deserialize;
@@ -53,6 +54,8 @@ const CONE: Range = Range {
     admits: |value| value > 0.0 && value <= FRAC_PI_2,
     expected: "radians, above 0 and at most pi / 2",
 };
+const FRACTAL: Range =
+    Range { admits: |value| (-2.0..=2.0).contains(&value), expected: "numbers from -2 to 2" };
 const ANY: Range = Range { admits: f64::is_finite, expected: "numbers" };
 
 impl Builder<'_> {
@@ -202,6 +205,8 @@ impl Builder<'_> {
             "radius" => &NOT_NEGATIVE,
             "outer_angle" => &CONE,
             "blend" => &SHARE,
+            "picture_rotation" => &ANY,
+            "fractal_real" | "fractal_imaginary" => &FRACTAL,
             _ => &POSITIVE,
         };
         let number = self.number(carried, range, path)?;
@@ -209,6 +214,13 @@ impl Builder<'_> {
             (LightKind::Sun, "angle") => LightKind::SunDisc(SunDisc::even(number)),
             (LightKind::SunDisc(disc), "angle") => {
                 LightKind::SunDisc(SunDisc { angular_diameter: number, ..disc })
+            }
+            (LightKind::SunDisc(disc), "picture_rotation") => {
+                LightKind::SunDisc(SunDisc { picture_rotation: number, ..disc })
+            }
+            (LightKind::SunDisc(disc), "fractal_real" | "fractal_imaginary") => {
+                let picture = Some(changed_fractal(disc.picture.as_ref()?, field, number)?);
+                LightKind::SunDisc(SunDisc { picture, ..disc })
             }
             (LightKind::Point | LightKind::Sphere { .. }, "radius") => LightKind::Sphere { radius: number },
             (LightKind::Spot { outer_angle, blend, .. }, "radius") => {
@@ -294,6 +306,18 @@ impl Builder<'_> {
             self.report.error(path, found, range.expected);
         }
     }
+}
+
+/// A picture whose fractal's constant changes; `None` if it has none.
+fn changed_fractal(picture: &SunPicture, field: &str, number: Track<f64>) -> Option<SunPicture> {
+    let SunShows::Julia(julia) = picture.shows() else { return None };
+    let mut julia = julia.clone();
+    if field == "fractal_real" {
+        julia.real = number
+    } else {
+        julia.imaginary = number
+    }
+    SunPicture::new(SunShows::Julia(julia), picture.limb_darkening())
 }
 
 /// A cubic stays within the hull of its ends and of these.

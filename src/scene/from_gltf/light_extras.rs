@@ -4,6 +4,7 @@
 
 use super::Builder;
 use super::extras::{self, Channels};
+use super::sun_pictures::Fractal;
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::scene::{AreaShape, Light, LightKind, NodeIndex, SunDisc, Track};
@@ -11,6 +12,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::ops::RangeBounds;
 
 /// `sunfleck_light` of a node. Angles in radians, as Blender's Python has them.
 #[derive(Debug, Default, Deserialize)]
@@ -33,8 +35,13 @@ pub(super) struct LightExtras {
     spread: Option<f64>,
     casts_shafts: Option<bool>,
     /// Whether camera and mirrors see the disc of a sun.
-    #[serde(default)]
     visible_to_camera: bool,
+    /// What that disc shows: a file beside this one or a data URI, or a Julia set, and how much darker its edge is.
+    pub(super) image: Option<String>,
+    pub(super) fractal: Option<Fractal>,
+    pub(super) limb_darkening: Option<f64>,
+    /// Of the picture, anticlockwise.
+    pub(super) picture_rotation: Option<f64>,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,
 }
@@ -85,10 +92,14 @@ impl Builder<'_> {
                 "`angle` is a size of suns and `radius` one of points and spots, others are passed over";
             self.report.not_honoured(message, path);
         }
-        match (kind, angle, radius) {
-            (LightKind::Sun, Some(angle), _) if angle > 0.0 => {
-                let visible_to_camera = extras.visible_to_camera;
-                LightKind::SunDisc(SunDisc { visible_to_camera, ..SunDisc::even(Track::from(angle)) })
+        let picture = self.sun_picture(is_sun, extras, path);
+        let picture_rotation = Track::from(extras.picture_rotation.unwrap_or(0.0));
+        let visible_to_camera = extras.visible_to_camera;
+        match (kind, angle.unwrap_or(0.0), radius) {
+            // One without a size may yet be given one that changes.
+            (LightKind::Sun, angle, _) if angle > 0.0 || picture.is_some() || visible_to_camera => {
+                let angular_diameter = Track::from(angle);
+                LightKind::SunDisc(SunDisc { angular_diameter, picture, picture_rotation, visible_to_camera })
             }
             (LightKind::Point, _, Some(radius)) if radius > 0.0 => {
                 LightKind::Sphere { radius: Track::from(radius) }
@@ -148,12 +159,12 @@ impl Builder<'_> {
         self.scene.lights.push(Light { name: name.to_owned(), node, power: Track::from(power), kind });
     }
 
-    fn is_in_range(
+    pub(super) fn is_in_range(
         &mut self,
         path: &str,
         field: &str,
         value: f64,
-        range: std::ops::Range<f64>,
+        range: impl RangeBounds<f64>,
         expected: &str,
     ) -> bool {
         let is_in_range = range.contains(&value);

@@ -16,15 +16,17 @@ mod material_extras;
 mod meshes;
 mod nodes;
 mod properties;
+mod sun_pictures;
 mod surfaces;
 
 use super::outline::Tally;
-use super::{LightUnits, RenderSettings, Scene};
+use super::{LightUnits, RenderSettings, Scene, Texture};
 use crate::description::gltf::report::Report;
 use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
 use crate::diagnostic::Diagnostics;
 use clock::Clock;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A scene under construction.
 struct Builder<'a> {
@@ -38,6 +40,10 @@ struct Builder<'a> {
     weight_channels: Vec<Option<&'a Channel>>,
     /// What is animated beside nodes.
     properties: BTreeMap<(Property, usize), &'a PropertyChannel>,
+    /// Images on suns, by the names that the file has for them.
+    sun_images: BTreeMap<String, Arc<Texture>>,
+    /// How many suns show a picture.
+    pictures_on_suns: usize,
     /// Meshes that a mask has cut.
     outlines: Tally,
 }
@@ -53,6 +59,7 @@ pub(super) fn resolve(
     let mut report = Report::new(&source.path);
     std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
     let sky_image = source.sky_image.take();
+    let sun_images = sun_pictures::images(std::mem::take(&mut source.sun_images));
     let extras = extras::scene_extras(&source, sky_image, &mut report);
     let (mut settings, clock) = clock::settings(&source, &extras.sunfleck, &mut report);
 
@@ -67,6 +74,8 @@ pub(super) fn resolve(
         node_numbers,
         weight_channels,
         properties: BTreeMap::new(),
+        sun_images,
+        pictures_on_suns: 0,
         outlines: Tally::default(),
     };
     builder.collect_properties();
@@ -78,6 +87,7 @@ pub(super) fn resolve(
     (builder.scene.background, builder.scene.sky) = (extras.background, extras.sky);
     builder.add_cameras(&extras.sunfleck, &mut settings);
     builder.apply_controls();
+    builder.settle_suns();
     builder.report_other_extras();
     builder.keep_properties();
 

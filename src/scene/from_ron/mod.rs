@@ -19,6 +19,7 @@ mod tests;
 mod tracks;
 
 use super::outline::Tally;
+use super::sun_picture::image_for_suns;
 use super::{
     AlphaMode, Aperture, Baking, Camera, Coat, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex,
     Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
@@ -32,6 +33,7 @@ use glam::DVec2;
 use problems::Problems;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tracks::{rotation, track};
 
 pub(super) use sequence::apply_sequence;
@@ -46,10 +48,14 @@ pub(super) fn resolve(
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
-    let LoadedScene { path, file, mut models, images, sky_image } = loaded;
+    let LoadedScene { path, file, mut models, images, sun_images, sky_image } = loaded;
     let mut resolver = Resolver::new(&path, &file, &models);
     resolver.scene.background = file.background_w_per_m2_sr.si();
     resolver.sky_image = sky_image;
+    for (image_path, image) in sun_images {
+        let image = image_for_suns(&image_path.display().to_string(), image);
+        resolver.sun_images.insert(image_path, image);
+    }
     for (texture_path, image) in images {
         resolver.textures.insert(texture_path.clone(), resolver.scene.textures.len());
         resolver.scene.textures.push(Texture {
@@ -70,6 +76,7 @@ pub(super) fn resolve(
     }
     resolver.cameras();
     resolver.lights();
+    resolver.check_number_of_sun_pictures();
     resolver.fogs();
     resolver.sky();
     let (mut scene, problems) = resolver.finish();
@@ -121,6 +128,8 @@ struct Resolver<'a> {
     /// What masks have left of meshes.
     cut_meshes: BTreeMap<(MeshIndex, MaterialIndex), Option<MeshIndex>>,
     outlines: Tally,
+    /// Images that suns show, by their paths.
+    sun_images: BTreeMap<PathBuf, Arc<Texture>>,
     /// Until the sky takes it.
     sky_image: Option<DecodedImage>,
 }
@@ -144,6 +153,7 @@ impl<'a> Resolver<'a> {
             cutoffs: BTreeMap::new(),
             cut_meshes: BTreeMap::new(),
             outlines: Tally::default(),
+            sun_images: BTreeMap::new(),
             sky_image: None,
         }
     }

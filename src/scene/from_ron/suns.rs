@@ -1,12 +1,10 @@
 //! What is on a sun's disc: limb darkening, an image or a fractal. Invariant: a picture has a disc to
-//! be on, and is not black; one that stays the same is made once.
+//! be on, and is not black.
 
 use super::Resolver;
 use super::lights::is_always_zero;
-use crate::color::Rgb;
 use crate::description::ron;
-use crate::scene::{DISC_CELLS, DiscPicture, Julia, LightKind, SunDisc, SunPicture, Texture, limb_darkening};
-use glam::{DVec2, Vec2};
+use crate::scene::{Julia, Light, LightKind, MOST_SUN_PICTURES, SunDisc, SunPicture, SunShows};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -38,10 +36,10 @@ impl Resolver<'_> {
                 );
                 None
             }
-            (Some(image), None) => self.image_of_sun(owner, image, darkening),
-            (None, Some(julia)) => self.fractal_of_sun(owner, julia, darkening),
-            (None, None) if darkening > 0.0 => still(1, |p| Rgb::splat(limb(darkening, p))),
-            (None, None) => Some(SunPicture::Even),
+            (Some(image), None) => self.image_of_sun(owner, image, darkening).map(Some),
+            (None, Some(julia)) => self.fractal_of_sun(owner, julia, darkening).map(Some),
+            (None, None) if darkening > 0.0 => SunPicture::new(SunShows::Even, darkening).map(Some),
+            (None, None) => Some(None),
         };
         let (angular_diameter, picture_rotation) = (diameter?, rotation?);
         if is_always_zero(&angular_diameter) {
@@ -67,10 +65,8 @@ impl Resolver<'_> {
 
     fn image_of_sun(&mut self, owner: &str, path: &Path, darkening: f64) -> Option<SunPicture> {
         // Images that could not be read were reported when the file was.
-        let texture = &self.scene.textures[*self.textures.get(path)?];
-        let side = texture.width.min(texture.height);
-        let per_cell = side.div_ceil(DISC_CELLS).min(MOST_PER_CELL);
-        let picture = still(per_cell, |p| inscribed(texture, p) * limb(darkening, p));
+        let image = self.sun_images.get(path)?;
+        let picture = SunPicture::new(SunShows::Image(Arc::clone(image)), darkening);
         if picture.is_none() {
             self.problems.error(
                 &format!("{owner}.image"),
@@ -86,29 +82,21 @@ impl Resolver<'_> {
         let real = self.keyed(owner, "fractal.real", &julia.real);
         let imaginary = self.keyed(owner, "fractal.imaginary", &julia.imaginary);
         let julia = Julia { real: real?, imaginary: imaginary?, iterations: julia.iterations.0 };
-        if !julia.is_still() {
-            return Some(SunPicture::Julia { julia, limb_darkening: darkening });
-        }
-        let color = julia.color_at(0.0);
-        still(1, |p| color(p) * limb(darkening, p))
+        SunPicture::new(SunShows::Julia(julia), darkening)
     }
-}
 
-/// Texels beyond this many a cell, either way, are passed between.
-const MOST_PER_CELL: usize = 8;
-
-fn still(per_cell: usize, color_at: impl Fn(DVec2) -> Rgb) -> Option<SunPicture> {
-    DiscPicture::new(per_cell, color_at).map(|picture| SunPicture::Still(Arc::new(picture)))
-}
-
-fn limb(u: f64, p: DVec2) -> f64 {
-    limb_darkening(u, p.length())
-}
-
-/// The image's colour where the disc is the largest circle in its middle.
-fn inscribed(texture: &Texture, p: DVec2) -> Rgb {
-    let size = DVec2::new(texture.width as f64, texture.height as f64);
-    let radius = 0.5 * size.min_element() / size;
-    let uv = 0.5 + DVec2::new(p.x, -p.y) * radius;
-    texture.color(Vec2::new(uv.x as f32, uv.y as f32))
+    /// Each picture takes its time and memory.
+    pub(super) fn check_number_of_sun_pictures(&mut self) {
+        let has_picture =
+            |light: &Light| matches!(&light.kind, LightKind::SunDisc(disc) if disc.picture.is_some());
+        let pictures = self.scene.lights.iter().filter(|light| has_picture(light)).count();
+        if pictures > MOST_SUN_PICTURES {
+            self.problems.error(
+                "lights",
+                format!("{pictures} suns have pictures"),
+                &format!("at most {MOST_SUN_PICTURES}"),
+                "take pictures and limb darkening out of some",
+            );
+        }
+    }
 }

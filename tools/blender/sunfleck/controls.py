@@ -41,9 +41,11 @@ def light(found, thing):
     field = "strength_w_m2" if thing.data.type == "SUN" else "power_w"
     owner = f"{thing.name}.sunfleck_light"
     found[f"{owner}.{field}"] = tuple(said[field] * channel for channel in thing.data.color)
-    for size in ("angle", "radius"):
-        if size in said:
-            found[f"{owner}.{size}"] = said[size]
+    for number in ("angle", "radius", "picture_rotation"):
+        if number in said:
+            found[f"{owner}.{number}"] = said[number]
+    for part in ("real", "imaginary") if "fractal" in said else ():
+        found[f"{owner}.fractal_{part}"] = said["fractal"][part]
 
 
 def camera(found, thing, scene):

@@ -4,6 +4,9 @@ Invariant: every property here is a plain dictionary of numbers, texts and lists
 unless the panel speaks of the same thing.
 """
 
+from pathlib import Path
+from urllib.parse import quote
+
 from . import world
 
 # sunfleck's shape of each of Blender's area lights.
@@ -53,8 +56,8 @@ def of_scene(scene, path=None):
     return written
 
 
-def of_object(thing):
-    """What an object's custom properties are to be."""
+def of_object(thing, path=None):
+    """What an object's custom properties are to be; what image they name lies beside `path`."""
     own, written = thing.sunfleck_settings, {}
     if own.is_fog:
         volume = {"shape": "box", **fog(own)}
@@ -65,6 +68,9 @@ def of_object(thing):
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
         written["sunfleck_light"] = {**plain(thing.get("sunfleck_light")), **light(thing.data, own)}
+        if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
+            name = world.on_the_sun(own.sun_image, Path(path), thing.name)
+            written["sunfleck_light"]["image"] = quote(name)
     return written
 
 
@@ -72,7 +78,7 @@ def light(data, own):
     """What glTF does not say of a light."""
     strength = data.energy * 2.0**data.exposure
     if data.type == "SUN":
-        said = {"angle": data.angle, "strength_w_m2": strength}
+        said = {"angle": data.angle, "strength_w_m2": strength, **sun_disc(own)}
         return {**said, "visible_to_camera": True} if own.visible_to_camera else said
     if data.type == "AREA":
         height = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
@@ -81,6 +87,18 @@ def light(data, own):
             "color": list(data.color), "spread": data.spread,
         }
     return {"radius": data.shadow_soft_size, "power_w": strength}
+
+
+def sun_disc(own):
+    """What a sun's disc shows, but for an image, which has to be written beside the file."""
+    said = {"limb_darkening": own.limb_darkening} if own.limb_darkening > 0.0 else {}
+    if own.sun_shows == "FRACTAL":
+        said["fractal"] = {
+            "real": own.fractal_real, "imaginary": own.fractal_imaginary, "iterations": own.fractal_iterations
+        }
+    if own.sun_shows != "EVEN":
+        said["picture_rotation"] = own.picture_rotation
+    return said
 
 
 def of_camera(data, scene):
@@ -157,7 +175,7 @@ def store(scene, path=None):
     """Writes them all, and images beside the file that is to be written."""
     put(scene, of_scene(scene, path))
     for thing in scene.objects:
-        put(thing, of_object(thing))
+        put(thing, of_object(thing, path))
         if thing.type == "CAMERA":
             put(thing.data, of_camera(thing.data, scene))
         for slot in thing.material_slots:

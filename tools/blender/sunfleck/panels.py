@@ -3,6 +3,14 @@
 import bpy
 
 
+# What is asked of a sun that shows something.
+SUN_FIELDS = {
+    "EVEN": (),
+    "IMAGE": ("sun_image", "picture_rotation"),
+    "FRACTAL": ("fractal_real", "fractal_imaginary", "fractal_iterations", "picture_rotation"),
+}
+
+
 class ScenePanel:
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -83,7 +91,9 @@ class SUNFLECK_PT_light(ScenePanel, bpy.types.Panel):
         return context.object and context.object.type == "LIGHT" and context.object.data.type == "SUN"
 
     def draw(self, context):
-        self.column().prop(context.object.sunfleck_settings, "visible_to_camera")
+        own, column = context.object.sunfleck_settings, self.column()
+        for name in ("visible_to_camera", "limb_darkening", "sun_shows", *SUN_FIELDS[own.sun_shows]):
+            column.prop(own, name)
 
 
 class SUNFLECK_PT_camera(ScenePanel, bpy.types.Panel):

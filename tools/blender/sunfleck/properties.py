@@ -24,10 +24,29 @@ SKY_LIGHTS = [
 ]
 
 
+SUN_SHOWS = [
+    ("EVEN", "Nothing", "It is as bright everywhere"),
+    ("IMAGE", "Image", "The middle of an image"),
+    ("FRACTAL", "Fractal", "A Julia set"),
+]
+
+
 def colour(name, description, default=(1.0, 1.0, 1.0)):
     return FloatVectorProperty(
         name=name, description=description, subtype="COLOR", default=default, min=0.0, max=1.0
     )
+
+
+def forgetting(*fields):
+    """What to do when the panel speaks: what an earlier export or a hand has written of the same thing goes."""
+
+    def forget(own, _context):
+        said = own.id_data.get("sunfleck_light", {})
+        for field in fields:
+            if field in said:
+                del said[field]
+
+    return forget
 
 
 class SunfleckFog:
@@ -70,7 +89,30 @@ class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):
     )
     use_leaf_id: BoolProperty(name="Leaf id", description="Its number in the pass; else counted")
     leaf_id: IntProperty(name="Leaf id", default=1, min=1, max=2**31 - 1)
-    visible_to_camera: BoolProperty(name="Sun can be seen", description="The camera sees the disc of this sun")
+    visible_to_camera: BoolProperty(
+        name="Sun can be seen", description="The camera sees the disc of this sun",
+        update=forgetting("visible_to_camera"),
+    )
+    sun_shows: EnumProperty(
+        name="Disc shows", description="What is on the disc of this sun", items=SUN_SHOWS, default="EVEN",
+        update=forgetting("image", "fractal", "picture_rotation"),
+    )
+    sun_image: PointerProperty(
+        name="Image", description="The largest circle in its middle is on the disc", type=bpy.types.Image,
+        update=forgetting("image"),
+    )
+    fractal_real: FloatProperty(name="Real part", description="Of the constant", default=-0.012375, min=-2.0, max=2.0)
+    fractal_imaginary: FloatProperty(
+        name="Imaginary part", description="Of the constant", default=0.56805, min=-2.0, max=2.0
+    )
+    fractal_iterations: IntProperty(
+        name="Iterations", description="After so many a point counts as one that never escapes", default=100, min=1, max=1000
+    )
+    picture_rotation: FloatProperty(name="Turned", description="Anticlockwise", subtype="ANGLE", default=0.0)
+    limb_darkening: FloatProperty(
+        name="Limb darkening", description="How much darker the disc's edge is; the real sun has about 0.6",
+        default=0.0, min=0.0, max=1.0, update=forgetting("limb_darkening"),
+    )
 
 
 class SunfleckMaterial(bpy.types.PropertyGroup):

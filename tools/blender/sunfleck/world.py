@@ -1,8 +1,9 @@
 """The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose image then
-lies beside the exported file. Invariant: what the world shows and the property cannot say is among the losses.
+lies beside the exported file, as images on suns do. Invariant: what the world shows and the property cannot say is among the losses.
 """
 
 import math
+import re
 import shutil
 from pathlib import Path
 from urllib.parse import quote
@@ -12,6 +13,7 @@ import bpy
 # Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi
 READ_AS_IT_IS = {".hdr", ".exr"}
+COLOURS_READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".webp"}
 
 
 def backgrounds(scene):
@@ -89,14 +91,41 @@ def turn(texture):
     return z if node.vector_type == "TEXTURE" else -z
 
 
+def copied(source, beside):
+    """The name of a copy."""
+    if not (beside.exists() and beside.samefile(source)):
+        shutil.copyfile(source, beside)
+    return beside.name
+
+
+def on_the_sun(image, path, name):
+    """The name of a file beside `path` with an image that the sun `name` shows, its colours as they are."""
+    stem = f"{path.stem}_{re.sub(r'[^A-Za-z0-9]+', '_', name)}"
+    source = source_of(image)
+    if source and source.suffix.lower() in COLOURS_READ_AS_THEY_ARE:
+        return copied(source, path.with_name(f"{stem}{source.suffix.lower()}"))
+    beside = path.with_name(f"{stem}.png")
+    before = image.file_format
+    try:
+        image.file_format = "PNG"
+        image.save(filepath=str(beside), save_copy=True)
+    finally:
+        image.file_format = before
+    return beside.name
+
+
+def source_of(image):
+    """The image's own file, if it shows that and nothing else."""
+    if image.source != "FILE" or image.packed_file or not image.filepath or image.is_dirty:
+        return None
+    return Path(image.filepath_from_user())
+
+
 def written(image, path):
     """The name of a file beside `path` with the image, radiances as they are."""
-    source = Path(bpy.path.abspath(image.filepath, library=image.library)) if image.filepath else None
-    if image.source == "FILE" and not image.packed_file and source and source.suffix.lower() in READ_AS_IT_IS:
-        beside = path.with_name(f"{path.stem}_sky{source.suffix.lower()}")
-        if not (beside.exists() and beside.samefile(source)):
-            shutil.copyfile(source, beside)
-        return beside.name
+    source = source_of(image)
+    if source and source.suffix.lower() in READ_AS_IT_IS:
+        return copied(source, path.with_name(f"{path.stem}_sky{source.suffix.lower()}"))
     beside = path.with_name(f"{path.stem}_sky.exr")
     settings_of = bpy.data.scenes.new("sunfleck image")
     try:

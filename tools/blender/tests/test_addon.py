@@ -225,6 +225,43 @@ class Export(Case):
         self.assertLess(sum(differences) / len(differences), 5e-3)
         self.assertLess(max(differences), 5e-2)
 
+    def test_a_picture_on_the_sun(self):
+        scenes.camera(self.scene)
+        sun = scenes.sun(self.scene, angle=0.2)
+        own = sun.sunfleck_settings
+        own.visible_to_camera, own.sun_shows, own.picture_rotation, own.limb_darkening = True, "FRACTAL", 0.5, 0.25
+        own.keyframe_insert("fractal_real", frame=1)
+        own.fractal_real = 0.25
+        own.keyframe_insert("fractal_real", frame=4)
+        self.scene.frame_end = 4
+        path = self.folder / "scene.glb"
+        export.export(self.scene, path)
+        self.assertEqual(inspect(path)["remarks"], [])
+        said = self.light_of(path, "sun")
+        self.assertEqual((said["limb_darkening"], said["picture_rotation"], said["visible_to_camera"]), (0.25, 0.5, True))
+        self.assertEqual(said["fractal"]["iterations"], 100)
+        controls = [node["extras"]["sunfleck_ctl"]["target"] for node in document(path)["nodes"] if node["name"].startswith("ctl_")]
+        self.assertEqual(controls, ["sun.sunfleck_light.fractal_real"])
+        sun.animation_data_clear()
+        # An image that no file holds yet, then one that is a file.
+        own.sun_shows, own.sun_image = "IMAGE", bpy.data.images.new("checks", 8, 8)
+        own.sun_image.pixels = [1.0, 0.5, 0.25, 1.0] * 64
+        export.export(self.scene, path)
+        said = self.light_of(path, "sun")
+        self.assertEqual((said["image"], "fractal" in said), ("scene_sun.png", False))
+        self.assertEqual(inspect(path)["remarks"], [])
+        own.sun_image = bpy.data.images.load(str(self.folder / "scene_sun.png"))
+        export.export(self.scene, self.folder / "again.glb")
+        self.assertEqual((self.folder / "again_sun.png").read_bytes(), (self.folder / "scene_sun.png").read_bytes())
+        # What the panel takes back is gone.
+        own.sun_shows, own.limb_darkening, own.visible_to_camera = "EVEN", 0.0, False
+        export.export(self.scene, path)
+        self.assertEqual(set(self.light_of(path, "sun")), {"angle", "strength_w_m2"})
+
+    def light_of(self, path, name):
+        node = next(node for node in document(path)["nodes"] if node.get("name") == name)
+        return node["extras"]["sunfleck_light"]
+
     def test_a_plain_world_is_a_sky_and_others_are_said(self):
         world = bpy.data.worlds.new("world")
         world.use_nodes = True

@@ -20,7 +20,7 @@ from ..errors import SceneError
 from .cameras import write_camera
 from .crowds import crowds, write_crowd
 from .geometry import Geometry
-from .lights import kind_of, write_light
+from .lights import kind_of, shows_picture, write_light
 from .materials import Materials
 from .places import write_place
 from .prims import Names, Prim
@@ -165,6 +165,8 @@ class _Export:
         if light:
             target = prim if alone else self._child(prim, f"{node.name}_light", light)
             write_light(target, light, node, self.gltf, self.sampler, self.options.for_blender)
+            if shows_picture(node):
+                self.lost.append("pictures on suns are kept as custom data alone: UsdLux has no word for them")
         if has_camera:
             target = prim if alone else self._child(prim, f"{node.name}_camera", "Camera")
             write_camera(target, node, self.gltf, self.sampler, self.options.for_blender)

@@ -32,6 +32,12 @@ def kind_of(node: Node, gltf: Gltf) -> str | None:
     return None if kind is None else PRIMS[kind]
 
 
+def shows_picture(node: Node) -> bool:
+    """Whether a sun's disc is not as bright everywhere."""
+    light = node.extras.group("sunfleck_light")
+    return any(light.member(field) is not None for field in ("image", "fractal", "limb_darkening"))
+
+
 def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
     """The light that stands at a node."""
     _Light(prim, node, gltf, sampler, for_blender).write(kind)

@@ -1,0 +1,72 @@
+//! The images that extras name: the sky's, and those on suns. In go their names, out come the images. Invariant: only
+//! images that the shown scene uses are opened.
+
+use super::buffers::fetch;
+use super::report::Report;
+use super::{GltfScene, LightKind, LoadError, invalid, materials};
+use crate::description::Files;
+use crate::description::image::{self, DecodedImage, Encoding};
+use std::collections::BTreeMap;
+
+/// Reads them all; what else is malformed is reported with the other extras.
+pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report) -> Result<(), LoadError> {
+    let named = scene.extras.get("sunfleck_env").and_then(|sky| sky.get("image"));
+    if let Some(uri) = named.and_then(|name| name.as_str()) {
+        let place = format!("scenes[{}].extras.sunfleck_env.image", scene.scene);
+        scene.sky_image = decoded(scene, uri, &place, Encoding::Radiance, files, report)?;
+    }
+    let mut on_suns = BTreeMap::new();
+    for index in shown_suns(scene) {
+        let named = scene.nodes[index].extras.get("sunfleck_light").and_then(|light| light.get("image"));
+        let Some(uri) = named.and_then(|name| name.as_str()) else { continue };
+        if on_suns.contains_key(uri) {
+            continue;
+        }
+        let place = format!("nodes[{index}].extras.sunfleck_light.image");
+        let texels: usize = on_suns.values().map(|image: &DecodedImage| image.texels.len()).sum();
+        if texels > materials::MAX_TEXELS {
+            report.error(place, "the images on suns are too large together", "2^27 texels in all");
+            break;
+        }
+        let image = decoded(scene, uri, &place, Encoding::Srgb, files, report)?;
+        on_suns.extend(image.map(|image| (uri.to_owned(), image)));
+    }
+    scene.sun_images = on_suns;
+    Ok(())
+}
+
+/// Nodes of the scene that hold a sun.
+fn shown_suns(scene: &GltfScene) -> Vec<usize> {
+    let is_sun = |light: usize| matches!(scene.lights[light].kind, LightKind::Directional);
+    let mut was_there = vec![false; scene.nodes.len()];
+    let mut waiting = scene.roots.clone();
+    let mut suns = Vec::new();
+    // The hierarchy may be damaged, which has been reported.
+    while let Some(index) = waiting.pop() {
+        let Some(node) = scene.nodes.get(index) else { continue };
+        if !std::mem::replace(&mut was_there[index], true) {
+            waiting.extend(&node.children);
+            suns.extend(node.light.filter(|&light| is_sun(light)).map(|_| index));
+        }
+    }
+    suns.sort_unstable();
+    suns
+}
+
+fn decoded(
+    scene: &GltfScene,
+    uri: &str,
+    place: &str,
+    encoding: Encoding,
+    files: &mut Files,
+    report: &mut Report,
+) -> Result<Option<DecodedImage>, LoadError> {
+    let bytes = fetch(uri, &scene.path, files, &format!("{}: {place}", scene.path.display()))?;
+    let bytes = bytes.map_err(|found| {
+        invalid(&scene.path, place, found)
+            .expected("an image beside the file, or a data URI")
+            .remedy("give the image's name relative to the file")
+    });
+    let image = bytes.and_then(|bytes| image::decode(&bytes, encoding, report.at(place)));
+    Ok(report.keep(image))
+}

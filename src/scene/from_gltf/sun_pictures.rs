@@ -1,0 +1,111 @@
+//! What `sunfleck_light` says of a picture on a sun's disc. In go its fields, out comes a [`SunPicture`]. Invariant: as in our
+//! own format a picture has a disc to be on, and is bright somewhere; what is not is an error at its own JSON path.
+
+use super::Builder;
+use super::light_extras::LightExtras;
+use crate::description::image::DecodedImage;
+use crate::scene::sun_picture::image_for_suns;
+use crate::scene::{Julia, LightKind, MOST_SUN_PICTURES, SunPicture, SunShows, Texture};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A Julia set: the constant and the most iterations.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Fractal {
+    real: f64,
+    imaginary: f64,
+    #[serde(default = "iterations")]
+    iterations: f64,
+}
+
+fn iterations() -> f64 {
+    100.0
+}
+
+/// Images as suns look them up, by the names that the file has for them.
+pub(super) fn images(decoded: BTreeMap<String, DecodedImage>) -> BTreeMap<String, Arc<Texture>> {
+    let texture = |(name, image): (String, DecodedImage)| {
+        let texture = image_for_suns(if name.starts_with("data:") { "the sun" } else { &name }, image);
+        (name, texture)
+    };
+    decoded.into_iter().map(texture).collect()
+}
+
+impl Builder<'_> {
+    /// What a sun's disc shows, if anything; of other lights it is reported.
+    pub(super) fn sun_picture(
+        &mut self,
+        is_sun: bool,
+        extras: &LightExtras,
+        path: &str,
+    ) -> Option<SunPicture> {
+        let shows_nothing = extras.image.is_none() && extras.fractal.is_none();
+        let limb_darkening = extras.limb_darkening.unwrap_or(0.0);
+        if shows_nothing && limb_darkening == 0.0 {
+            return None;
+        }
+        if !is_sun {
+            let message = "pictures and limb darkening are of suns, of other lights they are passed over";
+            self.report.not_honoured(message, path);
+            return None;
+        }
+        if !self.is_in_range(path, "limb_darkening", limb_darkening, 0.0..=1.0, "a number from 0 to 1") {
+            return None;
+        }
+        let shows = match (&extras.image, extras.fractal) {
+            (None, None) => SunShows::Even,
+            // One that could not be read was reported when the file was.
+            (Some(name), None) => SunShows::Image(Arc::clone(self.sun_images.get(name)?)),
+            (None, Some(fractal)) => SunShows::Julia(self.julia(fractal, path)?),
+            (Some(_), Some(_)) => {
+                let found = "the sun has an image and a fractal";
+                self.report.error(path, found, "at most one of `image` and `fractal`");
+                return None;
+            }
+        };
+        self.pictures_on_suns += 1;
+        if self.pictures_on_suns > MOST_SUN_PICTURES {
+            let expected = format!("pictures or limb darkening on at most {MOST_SUN_PICTURES} suns");
+            self.report.error(path, "too many suns have pictures", &expected);
+            return None;
+        }
+        let picture = SunPicture::new(shows, limb_darkening);
+        if picture.is_none() {
+            let found = "the circle in the middle of the image is black";
+            self.report.error(format!("{path}.image"), found, "an image that is bright somewhere");
+        }
+        picture
+    }
+
+    fn julia(&mut self, fractal: Fractal, path: &str) -> Option<Julia> {
+        let path = format!("{path}.fractal");
+        let Fractal { real, imaginary, iterations } = fractal;
+        for (field, value) in [("real", real), ("imaginary", imaginary)] {
+            if !self.is_in_range(&path, field, value, -2.0..=2.0, "a number from -2 to 2") {
+                return None;
+            }
+        }
+        let is_whole = (1.0..=1000.0).contains(&iterations) && iterations.fract() == 0.0;
+        if !is_whole {
+            let found = format!("the number of iterations is {iterations}");
+            self.report.error(format!("{path}.iterations"), found, "a whole number from 1 to 1000");
+            return None;
+        }
+        Some(Julia { real: real.into(), imaginary: imaginary.into(), iterations: iterations as u32 })
+    }
+
+    /// Says which suns have something to show and nothing to show it on.
+    pub(super) fn settle_suns(&mut self) {
+        for light in &mut self.scene.lights {
+            let LightKind::SunDisc(disc) = &light.kind else { continue };
+            if disc.angular_diameter.keys().iter().all(|key| key.value == 0.0) {
+                let message =
+                    "suns without an angle have no disc, they can neither be seen nor show a picture";
+                self.report.not_honoured(message, &light.name);
+                light.kind = LightKind::Sun;
+            }
+        }
+    }
+}

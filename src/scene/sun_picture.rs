@@ -1,0 +1,94 @@
+//! What a sun's disc shows: an image, a fractal, a limb darker than the middle. Invariant: a picture is bright somewhere;
+//! one that stays the same is made once.
+
+use super::{DISC_CELLS, DiscPicture, Julia, Texture, Wrap, limb_darkening};
+use crate::color::Rgb;
+use crate::description::image::DecodedImage;
+use glam::{DVec2, Vec2};
+use std::sync::Arc;
+
+/// Suns that may have a picture, each of which takes megabytes.
+pub const MOST_SUN_PICTURES: usize = 16;
+
+/// Texels beyond this many a cell, either way, are passed between.
+const MOST_PER_CELL: usize = 8;
+
+/// What is on a sun's disc.
+#[derive(Clone, Debug)]
+pub struct SunPicture {
+    shows: SunShows,
+    limb_darkening: f64,
+    /// If it is the same at all times.
+    still: Option<Arc<DiscPicture>>,
+}
+
+/// What a sun's disc shows before its limb is darkened.
+#[derive(Clone, Debug)]
+pub enum SunShows {
+    /// The same everywhere.
+    Even,
+    /// The largest circle in the middle of an image.
+    Image(Arc<Texture>),
+    /// A fractal.
+    Julia(Julia),
+}
+
+impl SunPicture {
+    /// What is shown, with a coefficient of [`limb_darkening`]; `None` if that is black all over.
+    pub fn new(shows: SunShows, limb_darkening: f64) -> Option<Self> {
+        let limb = |p: DVec2| limb(limb_darkening, p);
+        let still = match &shows {
+            SunShows::Even => Some(DiscPicture::new(1, |p| Rgb::splat(limb(p)))?),
+            SunShows::Image(image) => {
+                let side = image.width.min(image.height);
+                let per_cell = side.div_ceil(DISC_CELLS).min(MOST_PER_CELL);
+                Some(DiscPicture::new(per_cell, |p| inscribed(image, p) * limb(p))?)
+            }
+            SunShows::Julia(julia) if julia.is_still() => {
+                let color = julia.color_at(0.0);
+                Some(DiscPicture::new(1, |p| color(p) * limb(p))?)
+            }
+            SunShows::Julia(_) => None,
+        };
+        Some(Self { shows, limb_darkening, still: still.map(Arc::new) })
+    }
+
+    /// What it shows, the limb as bright as the middle.
+    pub fn shows(&self) -> &SunShows {
+        &self.shows
+    }
+
+    /// How much darker the limb is: coefficient of [`limb_darkening`].
+    pub fn limb_darkening(&self) -> f64 {
+        self.limb_darkening
+    }
+
+    /// It, at a time.
+    pub fn at(&self, time_s: f64) -> Option<Arc<DiscPicture>> {
+        match (&self.still, &self.shows) {
+            (None, SunShows::Julia(julia)) => {
+                let color = julia.color_at(time_s);
+                DiscPicture::new(1, |p| color(p) * limb(self.limb_darkening, p)).map(Arc::new)
+            }
+            (still, _) => still.clone(),
+        }
+    }
+}
+
+/// An image for suns, whose edges go on beyond themselves.
+pub(super) fn image_for_suns(name: &str, image: DecodedImage) -> Arc<Texture> {
+    let DecodedImage { width, height, texels } = image;
+    Arc::new(Texture { name: name.to_owned(), width, height, texels, wrap: [Wrap::Clamp; 2] })
+}
+
+fn limb(u: f64, p: DVec2) -> f64 {
+    limb_darkening(u, p.length())
+}
+
+/// The image's colour where the disc is the largest circle in its middle.
+fn inscribed(image: &Texture, p: DVec2) -> Rgb {
+    let size = DVec2::new(image.width as f64, image.height as f64);
+    let radius = 0.5 * size.min_element() / size;
+    let uv = 0.5 + DVec2::new(p.x, -p.y) * radius;
+    image.color(Vec2::new(uv.x as f32, uv.y as f32))
+}
