@@ -762,6 +762,14 @@ def asset_says_everything() -> File:
 
 
 @case
+def extensions_required_that_show_nothing() -> File:
+    file = leaf()
+    for extension in ("KHR_xmp_json_ld", "EXT_structural_metadata", "KHR_node_hoverability", "MSFT_lod", "OMI_physics_body"):
+        file.use(extension, required=True)
+    return file
+
+
+@case
 def extensions_unknown_and_not_required() -> File:
     file = leaf()
     file.use("ACME_leaves")

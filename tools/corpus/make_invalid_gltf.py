@@ -114,6 +114,13 @@ def swinging_fractal(field: str) -> File:
     return file
 
 
+def requiring(extension: str) -> File:
+    """The leaf, which cannot be read without an extension, so it says."""
+    file = leaf()
+    file.use(extension, required=True)
+    return file
+
+
 def data_uri(data: bytes) -> str:
     return "data:image/png;base64," + base64.b64encode(data).decode()
 
@@ -162,6 +169,15 @@ FILES: dict[str, File] = {
     "sun_image_is_text": on_the_sun(image=data_uri(b"no image")),
     "sun_limb_above_one": on_the_sun(limb_darkening=1.5),
     "suns_with_too_many_pictures": pictured_suns(17),
+    "extension_required_double": requiring("KHR_accessor_float64"),
+    "extension_required_glossiness": requiring("KHR_materials_pbrSpecularGlossiness"),
+    "extension_required_dds": requiring("MSFT_texture_dds"),
+    "extension_required_packing": requiring("MSFT_packing_occlusionRoughnessMetallic"),
+    "extension_required_restart": requiring("EXT_mesh_primitive_restart"),
+    "extension_required_sky": requiring("EXT_lights_image_based"),
+    "extension_required_splats": requiring("KHR_gaussian_splatting"),
+    "extension_required_stream": requiring("MPEG_accessor_timed"),
+    "extension_required_video": requiring("MPEG_texture_video"),
     "light_type_unknown": changed(leaf(), "extensions.KHR_lights_punctual.lights.0.type", "candle"),
     "meshopt_buffer_missing": meshopt(buffer=3),
     "meshopt_count_huge": meshopt(count=1 << 40),

@@ -1,5 +1,5 @@
 //! Which glTF extensions are understood. Invariant: a required extension that would change what
-//! the file's data mean is refused by name, with the exporter's setting that avoids it.
+//! the file's data mean is refused by name, with what to change in the exporter.
 
 use super::json::Document;
 use super::report::Report;
@@ -11,10 +11,14 @@ enum Support {
     Honoured,
     /// The rest of the file means the same without it; each use is reported where it is read.
     Reported,
+    /// Adds nothing that a picture could show.
+    Aside,
     /// Nothing can be read without it; how to export without it.
     Refused(&'static str),
 }
 
+/// Those of the registry (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in progress and archived, and others
+/// that are widely written. `None` is one that is not known.
 fn support(extension: &str) -> Option<Support> {
     Some(match extension {
         "EXT_mesh_gpu_instancing"
@@ -40,7 +44,91 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_materials_transmission"
         | "KHR_materials_variants"
         | "KHR_materials_volume" => Support::Reported,
-        "KHR_texture_basisu" => Support::Refused("export images as PNG or JPEG, not KTX2"),
+        // Facts about things, sounds, what may be clicked, and physics that nobody has simulated.
+        "AGI_articulations"
+        | "AGI_stk_metadata"
+        | "CESIUM_primitive_outline"
+        | "EXT_instance_features"
+        | "EXT_mesh_features"
+        | "EXT_mesh_manifold"
+        | "EXT_mesh_primitive_edge_visibility"
+        | "EXT_structural_metadata"
+        | "FB_geometry_metadata"
+        | "FB_ngon_encoding"
+        | "GODOT_single_root"
+        | "KHR_audio_emitter"
+        | "KHR_audio_graph"
+        | "KHR_collision_shapes"
+        | "KHR_implicit_shapes"
+        | "KHR_interactivity"
+        | "KHR_node_hoverability"
+        | "KHR_node_selectability"
+        | "KHR_physics_rigid_bodies"
+        | "KHR_xmp"
+        | "KHR_xmp_json_ld"
+        | "MPEG_audio_spatial"
+        | "MPEG_viewport_recommended"
+        | "MSFT_lod" => Support::Aside,
+        _ if extension.starts_with("OMI_") || extension.starts_with("VRMC_") => Support::Aside,
+        _ => Support::Refused(remedy(extension)?),
+    })
+}
+
+/// How to export without an extension that changes what the file's data mean.
+fn remedy(extension: &str) -> Option<&'static str> {
+    Some(match extension {
+        "KHR_texture_basisu" | "GOOGLE_texture_basis" => {
+            "export images as PNG or JPEG, not KTX2 (gltfpack: without -tc; glTF-Transform: `ktxdecompress`)"
+        }
+        "EXT_texture_astc" | "EXT_texture_avif" | "EXT_texture_heic" | "MSFT_texture_dds" => {
+            "export images as PNG, JPEG or WebP, which are those that are read"
+        }
+        "KHR_texture_video" | "MPEG_media" | "MPEG_texture_video" => {
+            "export a still image in place of the video: textures do not change here"
+        }
+        "KHR_texture_procedurals" | "EXT_texture_procedurals_mx_1_39" | "NV_materials_mdl" => {
+            "bake the material's nodes to images, and export those with plain metallic-roughness"
+        }
+        "KHR_materials_pbrSpecularGlossiness" => {
+            "convert the materials to metallic-roughness (glTF-Transform: `metalrough`), or export them as such"
+        }
+        "KHR_materials_common" | "KHR_techniques_webgl" => {
+            "export the materials as metallic-roughness, in which glTF 2.0 has them"
+        }
+        "ADOBE_materials_clearcoat_specular"
+        | "ADOBE_materials_clearcoat_tint"
+        | "ADOBE_materials_thin_transparency"
+        | "KHR_materials_subsurface"
+        | "KHR_materials_volume_scatter"
+        | "MSFT_packing_normalRoughnessMetallic"
+        | "MSFT_packing_occlusionRoughnessMetallic" => {
+            "export the materials without it: plain metallic-roughness, with light through leaves as `sunfleck_leaf`"
+        }
+        "EXT_lights_image_based" | "KHR_environment_map" | "KHR_lights_environment" => {
+            "export without it, and give the scene its sky in the custom property `sunfleck_env`: colours, or a .hdr or .exr image"
+        }
+        "EXT_lights_ies" => "export lights without their profiles, as points and spots",
+        "KHR_gaussian_splatting"
+        | "KHR_gaussian_splatting_compression_spz"
+        | "KHR_gaussian_splatting_compression_spz_2" => {
+            "export triangles: splats have no surface that could cast a shadow"
+        }
+        "EXT_implicit_cylinder_region" | "EXT_implicit_ellipsoid_region" | "EXT_primitive_voxels" => {
+            "export triangles, and fog as boxes with the custom property `sunfleck_fog_volume`"
+        }
+        "EXT_mesh_primitive_restart" => "export strips and fans one by one, or as plain triangles",
+        "KHR_accessor_float64" => "export in single precision, and move the scene near the origin first",
+        "CESIUM_RTC" | "WEB3D_quantized_attributes" | "KHR_binary_glTF" => {
+            "convert the file to glTF 2.0, with KHR_mesh_quantization or without compression"
+        }
+        "MPEG_accessor_timed"
+        | "MPEG_animation_timing"
+        | "MPEG_buffer_circular"
+        | "MPEG_mesh_linking"
+        | "MPEG_scene_dynamic" => {
+            "export the scene as a file that is whole, with its motion as animations: nothing is streamed here"
+        }
+        "GRIFFEL_bim_data" => "export without data of buildings",
         _ => return None,
     })
 }
@@ -49,9 +137,11 @@ fn support(extension: &str) -> Option<Support> {
 pub(super) fn check(document: &Document, report: &mut Report) {
     for (index, name) in document.extensions_required.iter().enumerate() {
         let remedy = match support(name) {
-            Some(Support::Honoured | Support::Reported) => continue,
+            Some(Support::Honoured | Support::Reported | Support::Aside) => continue,
             Some(Support::Refused(remedy)) => remedy,
-            None => "export without this extension",
+            None => {
+                "export without this extension: look for it among the exporter's options, or for its vendor's converter"
+            }
         };
         let place = report.at(format!("extensionsRequired[{index}]"));
         report.push(
@@ -61,13 +151,20 @@ pub(super) fn check(document: &Document, report: &mut Report) {
         );
     }
     for name in &document.extensions_used {
-        if !document.extensions_required.contains(name) && support(name).is_none() {
-            report.not_honoured("extensions that are not known are passed over", name);
-        } else if matches!(support(name), Some(Support::Refused(_))) {
-            report.not_honoured(
+        let is_required = document.extensions_required.contains(name);
+        match support(name) {
+            None if !is_required => {
+                report.not_honoured("extensions that are not known are passed over", name)
+            }
+            Some(Support::Refused(_)) => report.not_honoured(
                 "what these extensions add is passed over, the file's plain data are used",
                 name,
-            );
+            ),
+            Some(Support::Aside) if is_required => {
+                report
+                    .not_honoured("required extensions that add nothing to a picture are passed over", name);
+            }
+            _ => {}
         }
     }
 }
