@@ -17,8 +17,6 @@ use truth::{Truth, light_difference, matrix, projection_difference, world_differ
 const AT_WHOLE_FRAMES: f64 = 2e-6;
 /// The same between two frames, where the exporter's samples are joined by straight lines.
 const BETWEEN_FRAMES: f64 = 1e-2;
-/// Light values, relative: what single precision leaves.
-const OF_LIGHTS: f64 = 1e-6;
 
 /// What the program says of a sample at the frames of its truth.
 fn inspect(sample: &Sample, truth: &Truth) -> Value {
@@ -83,7 +81,7 @@ fn compare(sample: &Sample, wrong: &mut Vec<String>) -> usize {
             }
             if let Some(light) = object.get("light") {
                 let difference = light_difference(ours["lights"].get(name), light);
-                check(name, "light", difference, if frame.fract() == 0.0 { OF_LIGHTS } else { bar });
+                check(name, "light", difference, if frame.fract() == 0.0 { sample.light_bar } else { bar });
             }
         }
     }

@@ -12,9 +12,17 @@ pub(crate) struct Sample {
     pub(crate) prepared: &'static [(&'static str, &'static str)],
     /// At least so many values are compared.
     pub(crate) least_compared: usize,
+    /// How far light values may be off at whole frames, relative.
+    pub(crate) light_bar: f64,
     /// What the exporter is known to write wrongly or not at all.
     pub(crate) known: &'static [Known],
 }
+
+/// Still lights are JSON numbers in double precision: Blender's own, times constants that fall out again but for the last bit.
+/// Blender itself has single precision.
+const EXACT: f64 = f64::EPSILON;
+/// Values that change are keys, which glTF has in single precision: what of 683 lm/W times the power was rounded away.
+const ROUNDED_ONCE: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Objects that a file is known to have wrong, and why.
 pub(crate) struct Known {
@@ -144,7 +152,7 @@ pub(crate) const SAMPLES: &[Sample] = &[
         ],
         ..sample("h_lights_nopointer.glb", "h_lights.gt.json", 70)
     },
-    sample("h_lights_pointer_scene.glb", "h_lights.gt.json", 70),
+    Sample { light_bar: ROUNDED_ONCE, ..sample("h_lights_pointer_scene.glb", "h_lights.gt.json", 70) },
     sample("h_time_24_s1.glb", "h_time_24_s1.gt.json", 15),
     Sample {
         prepared: &[("scenes/0/extras/sunfleck", r#"{ "fps": 24, "fps_base": 1.0010000467300415 }"#)],
@@ -183,7 +191,7 @@ pub(crate) const WITHOUT_TRUTH: &[(&str, &str)] = &[
 ];
 
 const fn sample(file: &'static str, truth: &'static str, least_compared: usize) -> Sample {
-    Sample { file, truth, prepared: &[], least_compared, known: &[] }
+    Sample { file, truth, prepared: &[], least_compared, light_bar: EXACT, known: &[] }
 }
 
 pub(crate) fn path(name: &str) -> PathBuf {
