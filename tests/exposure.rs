@@ -60,6 +60,24 @@ fn with_flying_leaves(mut scene: Scene) -> Scene {
     scene
 }
 
+/// A shutter has 33 moments for 250,000 leaves, seven for a million, which is said; and one if nothing moves.
+#[test]
+fn many_leaves_have_fewer_moments() {
+    let mut scene = with_flying_leaves(leaves500());
+    assert!(Exposure::remark(&scene, 0.5).is_none());
+    let leaf = scene.instances[0].clone();
+    scene.instances.resize(250_000, leaf.clone());
+    assert!(Exposure::remark(&scene, 0.5).is_none());
+    scene.instances.resize(1_000_000, leaf);
+    assert!(Exposure::remark(&scene, 0.0).is_none());
+    let said = Exposure::remark(&scene, 0.5).expect("something to say").to_string();
+    assert!(said.contains("from 7 moments of the shutter in place of 33"), "{said}");
+    let mut still = leaves500();
+    let leaf = still.instances[0].clone();
+    still.instances.resize(1_000_000, leaf);
+    assert!(Exposure::remark(&still, 0.5).is_none());
+}
+
 fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, placement: Placement) -> Frame {
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, shutter);

@@ -36,8 +36,9 @@ impl Inspected {
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
-    let (scene, settings) =
+    let (mut scene, settings) =
         loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
+    scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
     let input = arguments.input.display().to_string();
     let trees = MeshTrees::new(&scene);
     let inspected = Inspected { input, scene_hash, scene, settings, trees };

@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::render::{Job, Placement};
 use crate::scene::{RenderSettings, Sampling, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
-use crate::snapshot::{Shutter, View, shows_surfaces};
+use crate::snapshot::{Exposure, Shutter, View, shows_surfaces};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -36,7 +36,7 @@ impl Plan {
     pub(super) fn new(arguments: &RenderArguments) -> Result<Self, CliError> {
         let description = description::load(&arguments.input)?;
         let scene_hash = description.content_hash.clone();
-        let (scene, mut settings) = loading::resolve(
+        let (mut scene, mut settings) = loading::resolve(
             description,
             arguments.light_units.map(Into::into),
             &arguments.bakes,
@@ -57,6 +57,7 @@ impl Plan {
         settings.seed = arguments.seed.unwrap_or(settings.seed);
         settings.shutter = arguments.shutter.unwrap_or(settings.shutter);
         settings.shutter_position = arguments.shutter_position.unwrap_or(settings.shutter_position);
+        scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
         settings.camera = arguments.camera.clone().or(settings.camera);
 
         let camera = find_camera(&scene, settings.camera.as_deref())?;

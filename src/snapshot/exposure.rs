@@ -4,12 +4,18 @@
 //! same order.
 
 use super::{MeshTrees, MotionField, Shutter, Snapshot, shining};
+use crate::diagnostic::{Diagnostic, Place};
 use crate::scene::{Scene, matte_id};
 use std::sync::Arc;
 
 /// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
 /// steps of about a pixel; odd, so that one of them is the middle.
 const MOMENTS: usize = 33;
+
+/// Instances of all moments together. Each takes half a kilobyte, places and its share of the tree: four gigabytes.
+const MOST_PLACED: usize = 1 << 23;
+/// However many instances there are: the opening's, the middle's and the closing's.
+const FEWEST_MOMENTS: usize = 3;
 
 /// The moments of one frame.
 pub struct Exposure<'scene> {
@@ -50,7 +56,7 @@ impl<'scene> Exposure<'scene> {
         chosen: impl Fn(&[f64]) -> &[f64],
     ) -> Self {
         let duration_s = shutter.close_s - shutter.open_s;
-        let moments = if duration_s > 0.0 && !scene.is_still() { MOMENTS } else { 1 };
+        let moments = count(scene, duration_s);
         let times_s: Vec<f64> = (0..moments)
             .map(|moment| shutter.open_s + duration_s * (moment as f64 + 0.5) / moments as f64)
             .collect();
@@ -62,6 +68,21 @@ impl<'scene> Exposure<'scene> {
         }
         let freeze = |time_s: &f64| Snapshot::at(scene, trees, camera, aspect, *time_s, &shines);
         Self { moments: chosen(&times_s).iter().map(freeze).collect() }
+    }
+
+    /// What is to be said where a shutter that opens has fewer moments than motion blur needs to look smooth.
+    pub fn remark(scene: &Scene, shutter_frames: f64) -> Option<Diagnostic> {
+        let (count, instances) = (count(scene, shutter_frames), scene.instances.len());
+        (1 < count && count < MOMENTS).then(|| {
+            let found = format!(
+                "motion blur is drawn from {count} moments of the shutter in place of {MOMENTS}, for memory: \
+                 the scene has {instances} instances"
+            );
+            let most = MOST_PLACED / MOMENTS;
+            Diagnostic::warning(Place::Nowhere, found).remedy(format!(
+                "for smoother blur have at most {most} instances, or join still ones into meshes"
+            ))
+        })
     }
 
     /// Only an instant.
@@ -109,4 +130,14 @@ impl<'scene> Exposure<'scene> {
     pub fn is_instant(&self) -> bool {
         self.moments.len() == 1
     }
+}
+
+/// How many moments a shutter has that is open for so long, in any unit: fewer where each takes much memory, an odd number
+/// always.
+fn count(scene: &Scene, duration: f64) -> usize {
+    if duration <= 0.0 || scene.is_still() {
+        return 1;
+    }
+    let affordable = MOST_PLACED / scene.instances.len().max(1);
+    (affordable.saturating_sub(1) | 1).clamp(FEWEST_MOMENTS, MOMENTS)
 }
