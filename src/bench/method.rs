@@ -118,7 +118,7 @@ impl Method {
             Self::March | Self::JitteredMarch => grid([4, 16, 64, 256]),
             Self::Equiangular => grid([1, 4, 16, 64]),
             Self::Segments | Self::Slices => powers(2, 4096).map(Effort::of_samples).collect(),
-            Self::SlicesUntil => (1..9)
+            Self::SlicesUntil => (1..10)
                 .map(|n| Effort { tolerance: Some(0.5_f64.powi(n)), ..Effort::of_samples(MOST_SAMPLES) })
                 .collect(),
         }

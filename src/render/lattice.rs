@@ -1,23 +1,24 @@
 //! Which slices a picture is made of, and where on them its samples lie. In go the fan of the
 //! light's centre and how far the light, the lens and the shutter make it wander, out come slices by
-//! number. Invariant: every sample stands for the same area of the picture, wherever its own fan is.
+//! number. Invariant: a sample counts as much as the area of the picture that it stands for, wherever its own fan is.
 //!
-//! Slices lie at equal angles, samples on them at equal steps of picture area, shifted from slice to
-//! slice by the golden ratio (a rank-1 lattice). With a light, a lens or a shutter that has an extent,
+//! Slices lie at equal angles, and in each pixel that it crosses a slice has a chord. With a light, a lens or a shutter that has an extent,
 //! each slice has a fan of its own, whose axis is not quite that of the others, and would wander off
 //! its place in the lattice. So each slice is turned so that it passes through its lattice place in the middle of
 //! the picture's angles from the axis; but about the axis, and about its far side, where they wander too far for that.
 
 use crate::film::Mask;
 use crate::math::kronecker;
-use crate::scene::Size;
-use crate::transport::slices::{Fan, Place, Ring, Slice, pixel};
-use glam::DVec2;
+use crate::scene::{Size, Window};
+use crate::transport::slices::{Chord, Fan, Ring, Slice};
 use std::f64::consts::{PI, TAU};
-use std::iter;
 
-/// How far apart slices may lie, by the side of the square that a sample stands for.
-const WIDEST: f64 = 1.8;
+/// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
+/// as evenly between its neighbours as can be.
+const SAMPLES_PER_SLICE: f64 = 4.0;
+
+/// The same where slices have draws of their own, of which one tells little.
+const SAMPLES_PER_DRAW: f64 = 2.0;
 
 /// What one draw has wrong shows as a line along its slice. So slices with draws of their own take turns: of this many, side by
 /// side, each has samples only in pixels of its own, and neighbouring pixels mostly belong to different ones.
@@ -43,8 +44,8 @@ struct RingLattice {
     first_rad: f64,
     step_rad: f64,
     count: usize,
-    /// Picture area between samples, per radian of a slice's turn.
-    step_area: f64,
+    /// What a sample counts for each unit of area per radian.
+    weight_per_area: f64,
     shift_along: f64,
 }
 
@@ -53,25 +54,30 @@ pub(super) struct PlacedSlice {
     pub(super) slice: Slice,
     turns: usize,
     turn: usize,
-    shift: f64,
-    step_area: f64,
+    /// Where in their pieces its samples lie, but for the dither of pixels.
+    phase: f64,
+    weight_per_area: f64,
 }
 
 impl Lattice {
     /// About `samples` a pixel on slices of `base`; if slices are seen each with its own draw, `deviation_rad` is how far
     /// that makes their axis wander at most.
+    /// A pass that is not the first is for few pixels, and its slices gather all that they cut all the same: they take no turns.
     /// `shift` gives the random shifts of ring after ring, across the slices and along them.
     pub(super) fn new(
         base: &Fan,
         deviation_rad: Option<f64>,
         samples: f64,
+        is_first: bool,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let extent = base.extent();
         let is_drawn = deviation_rad.is_some();
         let deviation_rad = deviation_rad.unwrap_or(0.0);
-        let turns = if is_drawn && samples < NO_TURNS_FROM { TURNS } else { 1 };
-        let run = (samples.ceil() as usize).next_power_of_two();
+        let turns = if is_drawn && samples < NO_TURNS_FROM && is_first { TURNS } else { 1 };
+        let samples_per_slice = if is_drawn { SAMPLES_PER_DRAW } else { SAMPLES_PER_SLICE };
+        let slices_per_px = (samples / samples_per_slice).max(1.0);
+        let run = (slices_per_px.ceil() as usize).next_power_of_two();
         let rings = rings(base, deviation_rad).map(|ring| {
             let (mean_px, greatest_px) = match base.separation_px(ring) {
                 (0.0, _) => base.separation_px(Ring::WHOLE),
@@ -88,13 +94,9 @@ impl Lattice {
                 _ => PI,
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
-            // Nowhere may slices lie much farther apart than samples on them, for those of one slice shun only each
-            // other. But where slices have draws of their own, a sample more on the same slice tells less.
-            let slices_per_rad = if is_drawn {
-                turns as f64 * samples * mean_px
-            } else {
-                samples.sqrt() * greatest_px / WIDEST
-            };
+            // With one slice for the width of a pixel at least, none is missed.
+            let slices_per_rad =
+                if is_drawn { turns as f64 * slices_per_px * mean_px } else { slices_per_px * greatest_px };
             let count = (width * slices_per_rad).ceil().max(1.0);
             let step_rad = width / count;
             let (across, along) = shift();
@@ -106,7 +108,7 @@ impl Lattice {
                 first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * step_rad,
                 step_rad,
                 count: count as usize + usize::from(!is_circle),
-                step_area: 1.0 / (samples * turns as f64 * step_rad),
+                weight_per_area: samples * turns as f64 * step_rad,
                 shift_along: along,
             }
         });
@@ -131,8 +133,8 @@ impl Lattice {
         let (angle, crowding) =
             ring.anchor.map_or((angle, 1.0), |anchor| own.angle_through(base, angle, anchor));
         let slice = own.slice(angle, ring.ring)?;
-        let [shift] = kronecker([ring.shift_along], row);
-        Some(PlacedSlice { slice, turns, turn, shift, step_area: ring.step_area / crowding })
+        let [phase] = kronecker([ring.shift_along], row);
+        Some(PlacedSlice { slice, turns, turn, phase, weight_per_area: ring.weight_per_area * crowding })
     }
 
     /// The number of a slice among those of its turn.
@@ -149,40 +151,31 @@ impl Lattice {
 }
 
 impl PlacedSlice {
-    /// Its samples in pixels that are wanted, each with its number along the slice.
-    pub(super) fn places(&self, size: Size, wanted: &Mask) -> impl Iterator<Item = (usize, Place)> {
-        let Self { slice, shift, step_area, .. } = self;
-        let count = (slice.area_per_rad / step_area - shift).ceil().max(0.0) as usize;
-        let mut next = 0;
-        iter::from_fn(move || {
-            while next < count {
-                let index = next;
-                let area = (index as f64 + shift) * step_area;
-                let film_px = slice.film_px(area);
-                let (x, y) = pixel(film_px, size);
-                next += 1;
-                if self.turns > 1 && turn_of(x, y, self.turns) != self.turn {
-                    continue;
-                }
-                let Some(around) = wanted.unwanted_around(x, y) else {
-                    return Some((index, slice.place(area)));
-                };
-                let low = DVec2::new(around.x as f64, around.y as f64);
-                let high = low + DVec2::new(around.width as f64, around.height as f64);
-                // To the last sample in there, not to the first beyond: rounding must not skip one.
-                let exit = slice.area_at_exit(film_px, low, high) / step_area - shift;
-                next = next.max(exit as usize);
+    /// Its chords in those pixels that are wanted.
+    pub(super) fn chords(&self, size: Size, wanted: &Mask) -> impl Iterator<Item = Chord> {
+        let unwanted_around = move |x: usize, y: usize| {
+            if self.turns > 1 && turn_of(x, y, self.turns) != self.turn {
+                return Some(Window { x, y, width: 1, height: 1 });
             }
-            None
+            wanted.unwanted_around(x, y)
+        };
+        let weight_per_area = self.weight_per_area;
+        self.slice.crossings(size, unwanted_around).map(move |((x, y), start, end)| {
+            let phase = (self.phase + dither(x, y)).fract();
+            Chord { pixel: (x, y), start, end, phase, weight_per_area }
         })
     }
 }
 
-/// Whose turn it is in a pixel: a dither mask by an additive recurrence in two dimensions (Roberts 2018, "The unreasonable
-/// effectiveness of quasirandom sequences").
+/// Whose turn it is in a pixel.
 fn turn_of(x: usize, y: usize, turns: usize) -> usize {
-    let threshold = (x as f64 * 0.754_877_666_246_692_7 + y as f64 * 0.569_840_290_998_053_2).fract();
-    (threshold * turns as f64) as usize
+    (dither(x, y) * turns as f64) as usize
+}
+
+/// A dither mask, `0..1`, by an additive recurrence in two dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences").
+fn dither(x: usize, y: usize) -> f64 {
+    (x as f64 * 0.754_877_666_246_692_7 + y as f64 * 0.569_840_290_998_053_2).fract()
 }
 
 /// One ring without deviation; else three, of which those about the axis and about its far side hold what wanders too far

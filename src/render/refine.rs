@@ -16,8 +16,8 @@ const DARKEST: f64 = 0.1;
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
 
-/// How a block's error falls with the number of samples, as a power: what edges leave of points
-/// spread evenly over a pixel. Only the time that is left is told by it.
+/// How a block's error falls with the number of samples, as a power: about so where slices have draws of their
+/// own, faster where not. Only the time that is left is told by it.
 const CONVERGENCE: f64 = 0.75;
 
 /// A light's part of a picture, or all of it.

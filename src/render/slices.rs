@@ -1,6 +1,6 @@
-//! Pictures from slices: for each light lattices of samples on its slices. Invariant: samples reach
-//! the film in the order of their slices, whatever thread solved them, and all weigh the same, so a
-//! pixel is the plain mean of its samples.
+//! Pictures from slices: for each light lattices of its slices. Invariant: samples reach
+//! the film in the order of their slices, whatever thread solved them, and weigh as much as the area of the pixel that they stand for, so
+//! a pixel is the mean over what its slices see of it.
 
 use super::draws::{Draw, Draws};
 use super::lattice::Lattice;
@@ -9,7 +9,7 @@ use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Fan, Place, SliceJob, SliceScratch, pixel, solve};
+use crate::transport::slices::{Chord, Fan, Place, SliceJob, SliceScratch, solve};
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -81,7 +81,8 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
     let Some(base) = fan_of(&draws.middle()) else { return };
     let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
     let deviation_rad = (!draws.is_single()).then(|| wanders.fold(0.0, f64::max));
-    let lattice = Lattice::new(&base, deviation_rad, f64::from(pass.samples), || sampler.next_2d());
+    let lattice =
+        Lattice::new(&base, deviation_rad, f64::from(pass.samples), pass.before == 0, || sampler.next_2d());
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
@@ -106,13 +107,13 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     self_luminous: light == 0,
                     fan: &own,
                 };
-                let add = |place: &Place, value: &Sample| {
-                    let (x, y) = pixel(place.film_px, job.size);
+                let add = |chord: &Chord, place: &Place, weight: f64, value: &Sample| {
+                    let (x, y) = chord.pixel;
                     let from_centre = place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    samples.add(x, y, 1.0, from_centre.length(), value);
+                    samples.add(x, y, weight, from_centre.length(), value);
                 };
-                let places = placed.places(job.size, pass.wanted);
-                if let Some(segments) = solve(&slice_job, &placed.slice, places, scratch, add) {
+                let chords = placed.chords(job.size, pass.wanted);
+                if let Some(segments) = solve(&slice_job, &placed.slice, chords, scratch, add) {
                     tally.add(segments);
                 }
             },

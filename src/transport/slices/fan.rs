@@ -56,7 +56,10 @@ pub struct Slice {
     /// In the image plane: a point of the line, and its unit direction, away from the light's image.
     start: DVec2,
     along: DVec2,
-    length: f64,
+    pub(super) length: f64,
+    /// What its rays have of the outward direction and of the axis: at the start, and the growth per unit of length.
+    reach: (f64, f64),
+    height: (f64, f64),
     /// Picture area per radian of turn and unit of length, pixels^2: at the start, and its growth per unit of length.
     density: (f64, f64),
     /// Picture area per radian of turn, pixels^2.
@@ -187,6 +190,8 @@ impl Fan {
             start,
             along,
             length,
+            reach: (o0 + o1 * from, o1),
+            height: (a0 + a1 * from, a1),
             density,
             area_per_rad,
             picture,
@@ -205,28 +210,23 @@ impl Slice {
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
-    /// Where on the film that place lies, for those who want no more of it.
-    pub fn film_px(&self, area_per_rad: f64) -> DVec2 {
-        self.picture.film_px(self.point(area_per_rad))
+    /// How much of its area the slice has passed, per radian, where its rays have a slope: of those of its axis by those outward.
+    pub(super) fn area_at_slope(&self, slope: f64) -> f64 {
+        let passed = (self.height.0 - slope * self.reach.0) / (slope * self.reach.1 - self.height.1);
+        // Not a number only if all its rays have that slope.
+        self.area_at(passed.max(0.0).min(self.length))
     }
 
-    /// How much of its area the slice has passed, per radian, where it leaves a rectangle of the film, of which
-    /// a place of it in there and two corners are given.
-    pub fn area_at_exit(&self, inside_px: DVec2, low_px: DVec2, high_px: DVec2) -> f64 {
-        let scale = self.picture.pixels_per_unit;
-        let along_px = DVec2::new(self.along.x, -self.along.y) * scale;
-        let ahead_px = DVec2::select(along_px.cmpgt(DVec2::ZERO), high_px, low_px);
-        // Infinite or not a number along an axis on which it stays.
-        let ways = (ahead_px - inside_px) / along_px;
-        let way = if along_px.x == 0.0 {
-            ways.y
-        } else if along_px.y == 0.0 {
-            ways.x
-        } else {
-            ways.min_element()
-        };
-        let passed = (self.picture.point(inside_px) - self.start).dot(self.along) + way;
-        passed * (self.density.0 + 0.5 * self.density.1 * passed)
+    /// How much of its area the slice has passed, per radian, after a length of it.
+    pub(super) fn area_at(&self, length: f64) -> f64 {
+        let (density, growth) = self.density;
+        length * (density + 0.5 * growth * length)
+    }
+
+    /// Where it begins on the film, and how far it leads there for each unit of length, pixels.
+    pub(super) fn line_px(&self) -> (DVec2, DVec2) {
+        let along = DVec2::new(self.along.x, -self.along.y) * self.picture.pixels_per_unit;
+        (self.picture.film_px(self.start), along)
     }
 
     /// In the image plane.
@@ -270,11 +270,6 @@ impl Picture {
     fn film_px(&self, point: DVec2) -> DVec2 {
         let film = (point - self.corner) * self.pixels_per_unit;
         DVec2::new(film.x, -film.y)
-    }
-
-    /// The point of the image plane at a place of the film.
-    fn point(&self, film_px: DVec2) -> DVec2 {
-        self.corner + DVec2::new(film_px.x, -film_px.y) / self.pixels_per_unit
     }
 
     fn vector(&self, v: DVec2) -> DVec3 {

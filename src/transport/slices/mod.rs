@@ -4,17 +4,21 @@
 //! single ray. In go a snapshot and one of its lights, out come weighted samples. Invariant: a
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 
+mod chord;
 mod depth_line;
 mod depth_series;
+mod edges;
 mod fan;
 mod fog_profile;
 mod fog_section;
 mod lit_cells;
+mod sight;
 mod solve;
 mod stretch;
 mod sweep;
 mod thinning_fog;
 mod veiled;
 
+pub use chord::Chord;
 pub use fan::{Fan, Place, Ring, Slice, pixel};
 pub use solve::{SliceJob, SliceScratch, solve};

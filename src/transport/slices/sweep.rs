@@ -31,6 +31,17 @@ impl LightRays {
         }
     }
 
+    /// A point and the direction of one of them.
+    fn line(self, name: f64) -> (DVec2, DVec2) {
+        match self {
+            Self::Parallel => (DVec2::new(name, 0.0), DVec2::Y),
+            Self::From(height) => {
+                let (sin, cos) = name.sin_cos();
+                (DVec2::new(0.0, height), DVec2::new(sin, -cos))
+            }
+        }
+    }
+
     /// Reach of the point where a ray of the light meets the camera's ray of a slope; infinite if it does not.
     pub(super) fn reach(self, name: f64, slope: f64) -> f64 {
         match self {
@@ -64,34 +75,49 @@ impl PlanarRay {
 /// precision in which segments are cut.
 const SAME_PLACE: f64 = 1e-6;
 
-/// A segment of the slice that some ray meets.
+/// A segment of the slice.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
-    primitive: PrimitiveId,
-    upper: End,
-    lower: End,
-    /// The first ray that it lies wholly above.
-    until: u32,
+pub(super) struct Segment {
+    pub(super) primitive: PrimitiveId,
+    pub(super) upper: End,
+    pub(super) lower: End,
 }
 
 /// An end of a segment.
 #[derive(Clone, Copy, Debug)]
-struct End {
-    point: DVec2,
-    slope: f64,
+pub(super) struct End {
+    pub(super) point: DVec2,
+    pub(super) slope: f64,
     /// The light's ray through it.
-    name: f64,
+    pub(super) name: f64,
 }
 
 impl Segment {
-    /// Where a ray meets the segment that it is known to meet.
-    fn crossing(&self, ray: &PlanarRay) -> DVec2 {
+    /// Whether rays of a slope meet it. An end on a ray counts as above it, for all segments alike.
+    pub(super) fn is_met_at(&self, slope: f64) -> bool {
+        slope <= self.upper.slope && !self.is_above(slope)
+    }
+
+    /// Whether all of it lies above rays of a slope.
+    fn is_above(&self, slope: f64) -> bool {
+        slope <= self.lower.slope
+    }
+
+    /// Where a ray in a direction meets the segment that it is known to meet.
+    pub(super) fn crossing(&self, direction: DVec2) -> DVec2 {
         let (a, b) = (self.upper.point, self.lower.point);
-        let (above, below) = (ray.direction.perp_dot(a), ray.direction.perp_dot(b));
+        let (above, below) = (direction.perp_dot(a), direction.perp_dot(b));
         let fraction = above / (above - below);
         // Seen edge-on the two are alike, and any place will do.
         let fraction = if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) };
         a + fraction * (b - a)
+    }
+
+    /// Where one of the light's rays meets the line that it lies on.
+    pub(super) fn point_on(&self, light_rays: LightRays, name: f64) -> DVec2 {
+        let (a, b) = (self.upper.point, self.lower.point);
+        let (origin, direction) = light_rays.line(name);
+        a + (origin - a).perp_dot(direction) / (b - a).perp_dot(direction) * (b - a)
     }
 
     fn length(&self) -> f64 {
@@ -103,28 +129,34 @@ impl Segment {
     }
 }
 
-fn ordered(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn ordered(a: f64, b: f64) -> (f64, f64) {
     (a.min(b), a.max(b))
 }
 
 /// The state of the sweep.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
-    /// By the first ray below their upper ends: segments that rays meet, and the shadows of those that
-    /// lie between two rays.
+    /// By the first part of the slice that their upper ends lie in or above.
     segments: Buckets<Segment>,
-    passed_shadows: Buckets<(f64, f64)>,
-    /// Number of the next ray.
+    /// Number of the next part.
     next: usize,
-    /// Segments that the current ray meets.
+    /// Segments that rays of the current part may meet, and have not all passed yet.
     active: Vec<Segment>,
     /// What the segments above the current ray shadow.
     shadows: IntervalSet,
-    /// Where each active segment is met and what its upper part shadows, and the union of that.
-    own_shadows: Vec<(DVec2, f64, f64)>,
+    /// The active segments that the current ray meets.
+    crossings: Vec<Crossing>,
     own_union: IntervalSet,
-    /// Which of the active segments is met first.
+    /// Which of them it meets first.
     met: Option<usize>,
+}
+
+/// Where a ray meets a segment, and what the part of that above the ray shadows.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    segment: usize,
+    point: DVec2,
+    shadow: (f64, f64),
 }
 
 /// What a ray meets first.
@@ -138,79 +170,103 @@ pub(super) struct Meeting {
 }
 
 impl Sweep {
-    /// Starts over with the cuts of another slice and the slopes of its rays, from the highest to the lowest.
-    pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, slopes: &[f64]) {
+    /// Starts over with the cuts of another slice; `lowest_slopes` are those of its parts, from the highest to the lowest.
+    pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, lowest_slopes: &[f64]) {
         self.segments.clear();
-        self.passed_shadows.clear();
         for cut in cuts {
             let Some([upper, lower]) = ends_beside_axis(cut, light_rays) else { continue };
-            // An end on a ray counts as above it, for all segments alike.
-            let from = slopes.partition_point(|slope| *slope > upper.slope);
-            let until = from + slopes[from..].iter().take_while(|slope| **slope > lower.slope).count();
-            if from == slopes.len() {
-                continue;
-            }
-            let segment = Segment { primitive: cut.primitive, upper, lower, until: until as u32 };
-            if from < until {
-                self.segments.push(from, segment);
-            } else {
-                self.passed_shadows.push_or_merge(from, segment.shadow());
+            let from = lowest_slopes.partition_point(|slope| *slope > upper.slope);
+            if from < lowest_slopes.len() {
+                self.segments.push(from, Segment { primitive: cut.primitive, upper, lower });
             }
         }
-        self.segments.sort(slopes.len());
-        self.passed_shadows.sort(slopes.len());
+        self.segments.sort(lowest_slopes.len());
         self.next = 0;
         self.active.clear();
         self.shadows.clear();
     }
 
-    /// Goes on to the next ray and says what it meets first. `darken` is told between which of the
+    /// Goes on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken` is told between which of the
     /// light's rays the shadow of what lies above has grown.
-    pub(super) fn advance(
-        &mut self,
-        ray: &PlanarRay,
-        light_rays: LightRays,
-        mut darken: impl FnMut(f64, f64),
-    ) -> Option<Meeting> {
-        let (current, union) = (self.next, &mut self.shadows);
+    pub(super) fn enter(&mut self, highest_slope: f64, darken: impl FnMut(f64, f64)) {
+        self.active.extend_from_slice(self.segments.bucket(self.next));
         self.next += 1;
+        self.pass(highest_slope, darken);
+    }
+
+    /// Segments that rays of the current part may meet.
+    pub(super) fn active(&self) -> &[Segment] {
+        &self.active
+    }
+
+    /// What those that all its rays have passed shadow.
+    pub(super) fn passed_shadows(&self) -> &IntervalSet {
+        &self.shadows
+    }
+
+    /// What lies wholly above a slope goes to the shadows.
+    fn pass(&mut self, slope: f64, mut darken: impl FnMut(f64, f64)) {
+        let union = &mut self.shadows;
         let mut add = |(start, end): (f64, f64)| {
             union.for_each_gap(start, end, &mut darken);
             union.insert(start, end);
         };
-        self.passed_shadows.bucket(current).iter().copied().for_each(&mut add);
+        // Neighbouring triangles mostly touch, and are added as one.
+        let mut pending: Option<(f64, f64)> = None;
         self.active.retain(|segment| {
-            let is_met = segment.until as usize > current;
-            if !is_met {
-                add(segment.shadow());
+            if !segment.is_above(slope) {
+                return true;
             }
-            is_met
+            let shadow = segment.shadow();
+            pending = match pending {
+                Some(merged) if shadow.0 <= merged.1 && merged.0 <= shadow.1 => {
+                    Some((merged.0.min(shadow.0), merged.1.max(shadow.1)))
+                }
+                before => {
+                    before.into_iter().for_each(&mut add);
+                    Some(shadow)
+                }
+            };
+            false
         });
-        self.active.extend_from_slice(self.segments.bucket(current));
+        pending.into_iter().for_each(add);
+    }
 
-        self.own_shadows.clear();
+    /// Goes on to the next ray and says what it meets first; `darken` as for [`Sweep::enter`].
+    pub(super) fn advance(
+        &mut self,
+        ray: &PlanarRay,
+        light_rays: LightRays,
+        darken: impl FnMut(f64, f64),
+    ) -> Option<Meeting> {
+        self.pass(ray.slope, darken);
+        self.crossings.clear();
         let mut first: Option<(DVec2, usize)> = None;
         for (index, segment) in self.active.iter().enumerate() {
-            let point = segment.crossing(ray);
-            if first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction)) {
-                first = Some((point, index));
+            if !segment.is_met_at(ray.slope) {
+                continue;
             }
-            let (start, end) = ordered(light_rays.through(point), segment.upper.name);
-            self.own_shadows.push((point, start, end));
+            let point = segment.crossing(ray.direction);
+            if first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction)) {
+                first = Some((point, self.crossings.len()));
+            }
+            let shadow = ordered(light_rays.through(point), segment.upper.name);
+            self.crossings.push(Crossing { segment: index, point, shadow });
         }
         self.met = first.map(|(_, index)| index);
         let (place, met) = first?;
         let name = light_rays.through(place);
-        let is_dark = |index: usize| {
-            let (point, start, end) = self.own_shadows[index];
+        let is_dark = |(index, crossing): (usize, &Crossing)| {
+            let Crossing { segment, point, shadow: (start, end) } = *crossing;
             // What lies in the same place does not shadow it: two leaves in one plane, say.
             let is_there =
-                point.distance(place) <= SAME_PLACE * (place.length() + self.active[index].length());
-            index != met && !is_there && start < name && name < end
+                || point.distance(place) <= SAME_PLACE * (place.length() + self.active[segment].length());
+            index != met && start < name && name < end && !is_there()
         };
-        let is_lit = !self.shadows.contains(name) && !(0..self.active.len()).any(is_dark);
+        let is_lit = !self.shadows.contains(name) && !self.crossings.iter().enumerate().any(is_dark);
         let distance = place.dot(ray.direction);
-        Some(Meeting { primitive: self.active[met].primitive, distance, is_lit })
+        let primitive = self.active[self.crossings[met].segment].primitive;
+        Some(Meeting { primitive, distance, is_lit })
     }
 
     /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and
@@ -218,12 +274,12 @@ impl Sweep {
     /// segment there, whose own shadow must not end before.
     pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
         if let (Some(index), Some(name)) = (self.met, end) {
-            let (point, ..) = self.own_shadows[index];
-            let (start, end) = ordered(name, self.active[index].upper.name);
-            self.own_shadows[index] = (point, start, end);
+            let crossing = &mut self.crossings[index];
+            crossing.shadow = ordered(name, self.active[crossing.segment].upper.name);
         }
         self.own_union.clear();
-        for &(_, start, end) in &self.own_shadows {
+        for crossing in &self.crossings {
+            let (start, end) = crossing.shadow;
             self.own_union.insert(start, end);
         }
         (&self.shadows, &self.own_union)
@@ -311,19 +367,5 @@ impl<T: Copy> Buckets<T> {
     fn bucket(&self, bucket: usize) -> &[T] {
         let start = if bucket == 0 { 0 } else { self.ends[bucket - 1] };
         &self.sorted[start as usize..self.ends[bucket] as usize]
-    }
-}
-
-impl Buckets<(f64, f64)> {
-    /// Pushes an interval, or widens the one pushed last where the two touch: neighbouring triangles mostly do.
-    fn push_or_merge(&mut self, bucket: usize, (start, end): (f64, f64)) {
-        match self.unsorted.last_mut() {
-            Some((last, interval))
-                if *last as usize == bucket && start <= interval.1 && end >= interval.0 =>
-            {
-                *interval = (interval.0.min(start), interval.1.max(end));
-            }
-            _ => self.push(bucket, (start, end)),
-        }
     }
 }

@@ -7,7 +7,7 @@ use crate::accel::Cut;
 /// A sweep over blended surfaces alone: their shadows only tell where to look.
 #[derive(Default)]
 pub(super) struct VeilSweep {
-    sweep: Sweep,
+    pub(super) sweep: Sweep,
 }
 
 /// Cuts are known in single precision only.
@@ -15,8 +15,13 @@ const SLACK: f64 = 1.0 + 1e-4;
 
 impl VeilSweep {
     /// Starts over, as [`Sweep::start`].
-    pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, slopes: &[f64]) {
-        self.sweep.start(cuts, light_rays, slopes);
+    pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, lowest_slopes: &[f64]) {
+        self.sweep.start(cuts, light_rays, lowest_slopes);
+    }
+
+    /// Goes on to the next part of the slice, as [`Sweep::enter`].
+    pub(super) fn enter(&mut self, highest_slope: f64) {
+        self.sweep.enter(highest_slope, |_, _| {});
     }
 
     /// Goes on to the next ray, which ends at a distance.

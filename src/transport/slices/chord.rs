@@ -1,0 +1,180 @@
+//! The part of a slice that lies in one pixel. In go a slice and the pixels that are wanted, out come its chords, one after
+//! the other. Invariant: the chords of all pixels are the whole slice, without a gap or a part twice.
+
+use super::fan::Slice;
+use crate::scene::{Size, Window};
+use std::iter;
+
+/// Where a slice crosses a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chord {
+    /// Column and row of the full picture.
+    pub pixel: (usize, usize),
+    /// How much of its area the slice has passed, per radian, at the start and at the end.
+    pub start: f64,
+    /// See `start`. A chord that ends where it starts is a single ray.
+    pub end: f64,
+    /// Where in each of the chord's pieces its sample lies, `0..1`.
+    pub phase: f64,
+    /// What a sample counts for each unit of area per radian that it stands for.
+    pub weight_per_area: f64,
+}
+
+impl Chord {
+    /// A single ray, wherever it belongs.
+    pub fn ray(area_per_rad: f64) -> Self {
+        let (start, end) = (area_per_rad, area_per_rad);
+        Self { pixel: (0, 0), start, end, phase: 0.0, weight_per_area: 1.0 }
+    }
+}
+
+impl Slice {
+    /// Pixels of a picture that it crosses, and the areas per radian that it has passed where it enters and leaves each. Those pixels
+    /// around one that `unwanted_around` says nobody wants are passed over.
+    pub fn crossings(
+        &self,
+        size: Size,
+        unwanted_around: impl Fn(usize, usize) -> Option<Window>,
+    ) -> impl Iterator<Item = ((usize, usize), f64, f64)> {
+        let (start_px, along_px) = self.line_px();
+        // From border to border, by counting (Amanatides & Woo 1987): a line almost along a border must not be caught between two
+        // pixels by rounding.
+        let [mut column, mut row] = [
+            Steps { start_px: start_px.x, along_px: along_px.x, count: size.width, at: 0 },
+            Steps { start_px: start_px.y, along_px: along_px.y, count: size.height, at: 0 },
+        ];
+        column.look(0.0, 0, size.width);
+        row.look(0.0, 0, size.height);
+        let mut at = 0.0_f64;
+        iter::from_fn(move || {
+            while at < self.length {
+                let (x, y) = (column.at, row.at);
+                let unwanted = unwanted_around(x, y);
+                let passed = unwanted.unwrap_or(Window { x, y, width: 1, height: 1 });
+                let enter = at;
+                let across = column.exit(passed.x, passed.width);
+                let down = row.exit(passed.y, passed.height);
+                at = across.min(down).max(at);
+                if across <= down {
+                    column.step(passed.x, passed.width);
+                    row.look(at, passed.y, passed.height);
+                } else {
+                    row.step(passed.y, passed.height);
+                    column.look(at, passed.x, passed.width);
+                }
+                if unwanted.is_none() {
+                    let (start, end) = (self.area_at(enter), self.area_at(at.min(self.length)));
+                    return Some(((x, y), start, end.max(start)));
+                }
+            }
+            None
+        })
+    }
+}
+
+/// A line on its way through the columns of a picture, or through the rows.
+struct Steps {
+    /// Where it starts, and how far it leads for each unit of length, pixels.
+    start_px: f64,
+    along_px: f64,
+    count: usize,
+    /// Which it is in.
+    at: usize,
+}
+
+impl Steps {
+    /// The length after which it leaves a range of them; without end at the picture's borders, where the slice ends by itself.
+    fn exit(&self, low: usize, width: usize) -> f64 {
+        if self.along_px > 0.0 && low + width < self.count {
+            ((low + width) as f64 - self.start_px) / self.along_px
+        } else if self.along_px < 0.0 && low > 0 {
+            (low as f64 - self.start_px) / self.along_px
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Goes on to the next beyond a range.
+    fn step(&mut self, low: usize, width: usize) {
+        self.at = if self.along_px > 0.0 { low + width } else { low.saturating_sub(1) };
+    }
+
+    /// Finds in which of a range it is, after a length.
+    fn look(&mut self, length: f64, low: usize, width: usize) {
+        let place = self.start_px + if self.along_px == 0.0 { 0.0 } else { length * self.along_px };
+        self.at = (place.max(0.0) as usize).clamp(low, (low + width).min(self.count) - 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scattering::Source;
+    use crate::scene::{Camera, Lens, Motion, Node, Scene, Track};
+    use crate::snapshot::{MeshTrees, Shutter, Snapshot};
+    use crate::transport::slices::{Fan, Ring};
+    use glam::{DAffine3, DVec2, DVec3};
+    use proptest::prelude::*;
+
+    /// All slices of a light in a direction, seen by a camera that looks along -Z.
+    fn slices(size: Size, to_light: DVec3, count: u32) -> Vec<Slice> {
+        let motion = Motion::Still(DAffine3::IDENTITY);
+        let node = Node { name: String::new(), parent: None, motion, visible: Track::from(true) };
+        let lens = Lens::Perspective { fov_y: Track::from(1.0) };
+        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let scene = Scene { nodes: vec![node], cameras: vec![camera], ..Scene::default() };
+        let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+        let aspect = size.width as f64 / size.height as f64;
+        let view = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, aspect, shutter).view;
+        let fan = Fan::new(&view, size, DVec2::ZERO, Source::Towards(to_light)).expect("not at the eye");
+        let angle = |number: u32| fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.5) / f64::from(count);
+        (0..count).filter_map(|number| fan.slice(angle(number), Ring::WHOLE)).collect()
+    }
+
+    fn direction() -> impl Strategy<Value = DVec3> {
+        let any = prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from);
+        // Also where slices run along the rows, along the columns, and from the picture's middle.
+        let special = prop::sample::select(vec![DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z]);
+        prop_oneof![4 => any, 1 => special].prop_filter_map("a direction", |v| v.try_normalize())
+    }
+
+    proptest! {
+        #[test]
+        fn chords_are_the_whole_slice_and_lie_in_their_pixels(
+            (width, height) in (1..20_usize, 1..20_usize),
+            to_light in direction(),
+        ) {
+            let size = Size { width, height };
+            for slice in slices(size, to_light, 9) {
+                let mut at = 0.0;
+                for ((x, y), start, end) in slice.crossings(size, |_, _| None) {
+                    prop_assert!(start == at && end >= start, "{at} {start} {end}");
+                    let middle = slice.place(0.5 * (start + end)).film_px;
+                    let from_pixel = (middle - DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).abs().max_element();
+                    prop_assert!(from_pixel < 0.5 + 1e-6, "{middle} is not in {x}, {y}");
+                    at = end;
+                }
+                prop_assert!((at / slice.area_per_rad - 1.0).abs() < 1e-9, "{at} {}", slice.area_per_rad);
+            }
+        }
+
+        #[test]
+        fn what_nobody_wants_is_passed_over_and_nothing_else(to_light in direction()) {
+            let size = Size { width: 17, height: 13 };
+            let rectangle = Window { x: 4, y: 0, width: 8, height: 8 };
+            let hole = |x: usize, y: usize| rectangle.index(x, y).map(|_| rectangle);
+            for slice in slices(size, to_light, 9) {
+                let inside = |(x, y): (usize, usize)| rectangle.index(x, y).is_some();
+                let wanted = slice.crossings(size, |_, _| None).filter(|(pixel, ..)| !inside(*pixel));
+                let found: Vec<_> = slice.crossings(size, hole).collect();
+                let expected: Vec<_> = wanted.filter(|(_, start, end)| end - start > 1e-6 * slice.area_per_rad).collect();
+                let found_long: Vec<_> =
+                    found.iter().copied().filter(|(_, start, end)| end - start > 1e-6 * slice.area_per_rad).collect();
+                prop_assert_eq!(found_long.len(), expected.len());
+                for (a, b) in found_long.iter().zip(&expected) {
+                    prop_assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-6 && (a.2 - b.2).abs() < 1e-6, "{a:?} {b:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What cuts a chord in pieces that look alike. In go the segments that its rays may meet, out come the areas at which
+//! its pieces end: where another thing becomes visible, or the light begins or ends on what is.
+//! Invariant: the pieces are the whole chord. Which they are is only a matter of error: an edge that is missed, where two leaves lie
+//! through each other, or one too many does no harm to the mean, for each piece's sample lies anywhere in it alike.
+
+use super::chord::Chord;
+use super::fan::Slice;
+use super::sweep::{LightRays, Segment, Sweep, ordered};
+use glam::DVec2;
+use std::ops::Range;
+use std::ptr;
+
+/// Of more segments in a pixel than this edges are not sought, and to more pieces than this a chord is not cut:
+/// their time is better spent on more slices.
+const CROWD: usize = 12;
+const MOST_PIECES: usize = 8;
+
+/// So many pieces of one size such a chord has.
+const EVEN_PIECES: usize = 2;
+
+/// Pieces smaller than this part of their chord are joined to the next.
+const LEAST_PIECE: f64 = 1e-4;
+
+/// Ends of neighbouring triangles lie in the same place, to this fraction of their coordinates.
+const SAME_PLACE: f64 = 1e-5;
+
+/// Where a surface bends by less than an angle of this sine between two of its triangles, it looks alike on both sides.
+const LEAST_BEND: f64 = 0.1;
+
+/// The pieces of one chord, and memory to find them.
+#[derive(Default)]
+pub(super) struct Edges {
+    ends: Vec<f64>,
+    /// Of rays through edges.
+    slopes: Vec<f64>,
+    /// At which pieces end.
+    areas: Vec<f64>,
+}
+
+impl Edges {
+    /// The areas at which the pieces of the chord end that some sweeps have entered, each over things of its own; its rays are those
+    /// between two slopes.
+    pub(super) fn pieces(
+        &mut self,
+        chord: &Chord,
+        slice: &Slice,
+        sweeps: [&Sweep; 2],
+        light_rays: LightRays,
+        slopes: Range<f64>,
+    ) -> &[f64] {
+        self.slopes.clear();
+        self.areas.clear();
+        let area = chord.end - chord.start;
+        let is_crowded = sweeps.iter().map(|sweep| sweep.active().len()).sum::<usize>() > CROWD;
+        if !is_crowded && area > 0.0 {
+            for sweep in sweeps {
+                self.add_edges(sweep, light_rays, slopes.clone());
+            }
+            self.slopes.sort_unstable_by(|a, b| b.total_cmp(a));
+        }
+        if is_crowded || self.slopes.len() >= MOST_PIECES {
+            let end = |piece: usize| chord.start + area * piece as f64 / EVEN_PIECES as f64;
+            self.areas.extend((1..EVEN_PIECES).map(end));
+        } else {
+            let mut start = chord.start;
+            for edge in self.slopes.drain(..).map(|slope| slice.area_at_slope(slope)) {
+                if edge - start > LEAST_PIECE * area && chord.end - edge > LEAST_PIECE * area {
+                    self.areas.push(edge);
+                    start = edge;
+                }
+            }
+        }
+        self.areas.push(chord.end);
+        &self.areas
+    }
+
+    /// Adds the slopes of a sweep's edges.
+    fn add_edges(&mut self, sweep: &Sweep, light_rays: LightRays, Range { start, end }: Range<f64>) {
+        let Self { ends, slopes, .. } = self;
+        ends.clear();
+        let segments = sweep.active();
+        if segments.is_empty() {
+            return;
+        }
+        let is_within = |slope: &f64| end < *slope && *slope < start;
+        ends.extend(segments.iter().flat_map(|segment| [segment.upper.slope, segment.lower.slope]));
+        ends.retain(is_within);
+        ends.sort_unstable_by(|a, b| b.total_cmp(a));
+        ends.dedup();
+        ends.push(end);
+        // What is seen, and since which slope.
+        let mut seen: Option<&Segment> = None;
+        let (mut since, mut from) = (start, start);
+        for &to in ends.iter() {
+            let nearest = nearest(segments, 0.5 * (from + to));
+            if !nearest.map_or(seen.is_none(), |nearest| seen.is_some_and(|seen| ptr::eq(seen, nearest))) {
+                if let Some(seen) = seen {
+                    add_shadow_edges(seen, since..from, sweep, light_rays, slopes);
+                }
+                if from < start && !seen.zip(nearest).is_some_and(|(seen, next)| goes_on(seen, next)) {
+                    slopes.push(from);
+                }
+                (seen, since) = (nearest, from);
+            }
+            from = to;
+        }
+        if let Some(seen) = seen {
+            add_shadow_edges(seen, since..end, sweep, light_rays, slopes);
+        }
+    }
+}
+
+/// What rays of a slope meet first.
+fn nearest(segments: &[Segment], slope: f64) -> Option<&Segment> {
+    let met = segments.iter().filter(|segment| segment.is_met_at(slope));
+    let reaches = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope)).x));
+    reaches.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(segment, _)| segment)
+}
+
+/// Whether a surface goes on from one of its triangles to the next without an edge between them.
+fn goes_on(before: &Segment, after: &Segment) -> bool {
+    let (end, start) = (before.lower.point, after.upper.point);
+    let (a, b) = (end - before.upper.point, after.lower.point - start);
+    before.primitive.instance == after.primitive.instance
+        && end.distance(start) <= SAME_PLACE * (end.length() + start.length())
+        && a.perp_dot(b).abs() < LEAST_BEND * a.length() * b.length()
+}
+
+/// Adds the slopes, of a range in which a segment is seen, at which shadows begin or end on it.
+fn add_shadow_edges(
+    segment: &Segment,
+    seen: Range<f64>,
+    sweep: &Sweep,
+    light_rays: LightRays,
+    slopes: &mut Vec<f64>,
+) {
+    let name_at = |slope: f64| light_rays.through(segment.crossing(DVec2::new(1.0, slope)));
+    let (from, to) = ordered(name_at(seen.start), name_at(seen.end));
+    let is_within = |name: &f64| from < *name && *name < to;
+    let slope_at = |name: f64| {
+        let point = segment.point_on(light_rays, name);
+        point.y / point.x
+    };
+    let passed = sweep.passed_shadows();
+    let first = passed.as_slice().partition_point(|&(_, end)| end <= from);
+    for &(start, end) in passed.as_slice()[first..].iter().take_while(|(start, _)| *start < to) {
+        slopes.extend([start, end].into_iter().filter(is_within).map(slope_at));
+    }
+    for other in sweep.active().iter().filter(|other| !ptr::eq(*other, segment)) {
+        for end in [other.upper, other.lower] {
+            if is_within(&end.name) && !passed.contains(end.name) {
+                let slope = slope_at(end.name);
+                // Nearer to the light.
+                if end.slope > slope {
+                    slopes.push(slope);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Cut, PrimitiveId};
+    use crate::transport::slices::sweep::PlanarRay;
+    use proptest::prelude::*;
+
+    fn ray(slope: f64) -> PlanarRay {
+        PlanarRay::new(DVec2::new(1.0, slope).normalize())
+    }
+
+    proptest! {
+        /// Leaves that do not touch, one in each cell of a grid: wherever what rays see or its light changes, there is an edge.
+        #[test]
+        fn nothing_changes_between_edges(
+            leaves in prop::collection::vec((prop::array::uniform2(0.05..0.95_f64), prop::array::uniform2(0.05..0.95_f64)), 12),
+            lamp in prop::option::of(4.0..9.0_f64),
+        ) {
+            let light_rays = lamp.map_or(LightRays::Parallel, LightRays::From);
+            let cuts: Vec<Cut> = leaves.iter().enumerate().map(|(number, &(a, b))| {
+                let corner = DVec2::new(1.0 + (number % 4) as f64, (number / 4) as f64 - 1.5);
+                let primitive = PrimitiveId { instance: number as u32, triangle: 0 };
+                Cut { primitive, ends: [corner + DVec2::from(a), corner + DVec2::from(b)] }
+            }).collect();
+            let (highest, lowest) = (1.2, -1.2);
+            let mut sweep = Sweep::default();
+            sweep.start(&cuts, light_rays, &[lowest]);
+            sweep.enter(highest, |_, _| {});
+            let mut edges = Edges::default();
+            edges.add_edges(&sweep, light_rays, highest..lowest);
+
+            let mut before = None;
+            let steps = 1000;
+            for step in 0..=steps {
+                let slope = highest + (lowest - highest) * f64::from(step) / f64::from(steps);
+                let seen = sweep.advance(&ray(slope), light_rays, |_, _| {}).map(|met| (met.primitive, met.is_lit));
+                if let Some((last, last_seen)) = before {
+                    let has_edge = edges.slopes.iter().any(|edge| slope - 1e-6 <= *edge && *edge <= last + 1e-6);
+                    prop_assert!(seen == last_seen || has_edge, "{last}: {last_seen:?}, {slope}: {seen:?}, {:?}", edges.slopes);
+                }
+                before = Some((slope, seen));
+            }
+        }
+    }
+
+    /// The triangles of an even leaf are one thing, those of a folded one are two.
+    #[test]
+    fn a_surface_goes_on_where_it_does_not_bend() {
+        let cut = |triangle: u32, a: DVec2, b: DVec2| Cut {
+            primitive: PrimitiveId { instance: 0, triangle },
+            ends: [a, b],
+        };
+        let edges_of = |fold: DVec2| {
+            let (start, middle) = (DVec2::new(2.0, 1.0), DVec2::new(2.0, 0.0));
+            let cuts = [cut(0, start, middle), cut(1, middle, middle + fold)];
+            let mut sweep = Sweep::default();
+            sweep.start(&cuts, LightRays::Parallel, &[-1.0]);
+            sweep.enter(1.0, |_, _| {});
+            let mut edges = Edges::default();
+            edges.add_edges(&sweep, LightRays::Parallel, 1.0..-1.0);
+            edges.slopes
+        };
+        // From its upper end to its lower one.
+        assert_eq!(edges_of(DVec2::new(0.0, -1.0)), [0.5, -0.5]);
+        assert_eq!(edges_of(DVec2::new(1.0, -1.0)), [0.5, 0.0, -1.0 / 3.0]);
+    }
+}

@@ -1,0 +1,141 @@
+//! One ray of a slice. In go what it meets first and what the sweep knows of shadows, out comes its value. Invariant: it is
+//! what the per-ray method finds for the same ray, to rounding.
+
+use super::fog_profile::FogProfile;
+use super::solve::SliceJob;
+use super::sweep::{LightRays, Meeting, PlanarRay, Sweep};
+use crate::color::Rgb;
+use crate::math::{Ray, Sampler};
+use crate::snapshot::{Facet, FrozenLight, Snapshot, SurfacePoint};
+use crate::transport::Sample;
+use crate::transport::direct::Unshadowed;
+use crate::transport::radiance::{Illumination, Leg, Scratch, follow, mattes, own_and_mirrored};
+
+/// A ray of a slice and what it meets first.
+pub(super) struct Sight<'a> {
+    pub(super) job: &'a SliceJob<'a>,
+    pub(super) ray: Ray,
+    pub(super) planar: PlanarRay,
+    pub(super) light_rays: LightRays,
+    pub(super) meeting: Option<(Meeting, &'a Facet<'a>)>,
+    /// For what is chosen at random beyond the surface.
+    pub(super) sampler: Sampler,
+}
+
+impl Sight<'_> {
+    /// Metres to the surface.
+    pub(super) fn distance(&self) -> f64 {
+        self.meeting.map_or(f64::INFINITY, |(meeting, facet)| {
+            // The plane is known in double precision, the segment only in single.
+            let on_plane = facet.distance_along(&self.ray);
+            if on_plane.is_finite() { on_plane } else { meeting.distance }
+        })
+    }
+
+    fn illumination(&self) -> Illumination<'_> {
+        let lights = std::slice::from_ref(self.job.light);
+        Illumination { lights, self_luminous: self.job.self_luminous, sky: false }
+    }
+
+    /// Its value by the per-ray method.
+    pub(super) fn by_itself(&self, scratch: &mut Scratch) -> Sample {
+        let SliceJob { snapshot, transport, .. } = *self.job;
+        let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
+        let mut sampler = self.sampler;
+        let leg = follow(snapshot, transport, illumination, &self.ray, None, mirrors, &mut sampler, scratch);
+        leg.sample(snapshot, transport, &self.ray)
+    }
+
+    /// Its value, with the shadows of a sweep and, under a distant light, the fog of its slice.
+    pub(super) fn value(
+        &self,
+        sweep: &mut Sweep,
+        mut fog: Option<&mut FogProfile>,
+        scratch: &mut Scratch,
+    ) -> Sample {
+        let Self { ref ray, planar, light_rays, .. } = *self;
+        let SliceJob { snapshot, transport, light, .. } = *self.job;
+        let distance = self.distance();
+        let end = distance * planar.direction.x;
+        let end_name = self.meeting.map(|_| light_rays.through(distance * planar.direction));
+        let (shadows, own_shadows) = sweep.shadows(end_name);
+        let passage = match (*light, &mut fog) {
+            (FrozenLight::Sun { irradiance, .. }, Some(fog)) => fog
+                .follow(&planar, ray, end, shadows, own_shadows)
+                .map(|passage| (passage.scattered * irradiance, passage.transmittance)),
+            _ => None,
+        };
+        let (shafts, transmittance) = passage.unwrap_or_else(|| {
+            let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
+            let all = shadows.as_slice().iter().chain(own_shadows.as_slice());
+            let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
+            by_segments(snapshot, light, ray, distance, shadows, scratch)
+        });
+        let shows = |(meeting, facet): &(Meeting, &Facet)| {
+            meeting.is_lit || facet.shines_or_mirrors() || transport.features
+        };
+        let seen = self.meeting.filter(shows);
+        let seen = seen.map(|(meeting, facet)| (facet.seen_along(ray, distance), meeting.is_lit));
+        let behind_fog = match &seen {
+            None if self.meeting.is_some() => Rgb::ZERO,
+            None => self.illumination().background(snapshot, ray.direction),
+            Some((point, is_lit)) => {
+                let to_light = fog.map(|fog| fog.transmittance_to_light(&planar, end));
+                self.reflected(point, *is_lit, to_light, scratch)
+            }
+        };
+        let radiance = behind_fog * transmittance + shafts;
+        let covered = self.meeting.is_some();
+        let surface = seen.map(|(point, _)| point);
+        let mattes = mattes(snapshot, &[], surface.as_ref());
+        let leg = Leg { radiance, shafts, transmittance, covered, surface, mattes };
+        leg.sample(snapshot, transport, ray)
+    }
+
+    /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the light, if that is known.
+    fn reflected(
+        &self,
+        point: &SurfacePoint,
+        is_lit: bool,
+        to_light: Option<Rgb>,
+        scratch: &mut Scratch,
+    ) -> Rgb {
+        let SliceJob { snapshot, transport, light, .. } = *self.job;
+        let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };
+        let of_light = unshadowed.map_or(Rgb::ZERO, |Unshadowed { radiance, to_light: way, distance }| {
+            radiance
+                * to_light.unwrap_or_else(|| snapshot.medium.transmittance(point.position, way, distance))
+        });
+        let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
+        let mut sampler = self.sampler;
+        let own = own_and_mirrored(
+            snapshot,
+            transport,
+            illumination,
+            &self.ray,
+            point,
+            mirrors,
+            &mut sampler,
+            scratch,
+        );
+        of_light + own
+    }
+}
+
+/// Light scattered on the way, and transmittance, as for any ray whose shadows are known.
+fn by_segments(
+    snapshot: &Snapshot,
+    light: &FrozenLight,
+    ray: &Ray,
+    distance: f64,
+    shadows: impl Iterator<Item = (f64, f64)>,
+    scratch: &mut Scratch,
+) -> (Rgb, Rgb) {
+    let medium = &snapshot.medium;
+    let Some(range) = medium.range(ray, distance) else { return (Rgb::ZERO, Rgb::ONE) };
+    let Scratch { lit, cuts, stretches, .. } = scratch;
+    lit.set(ray, light, range, shadows);
+    medium.stretches(ray, distance, light.source(), cuts, stretches);
+    let shafts = lit.integrate(medium, stretches, ray, light);
+    (shafts, medium.transmittance(ray.origin, ray.direction, distance))
+}
