@@ -20,6 +20,9 @@ const SAMPLES_PER_SLICE: f64 = 4.0;
 /// The same where slices have draws of their own, of which one tells little.
 const SAMPLES_PER_DRAW: f64 = 2.0;
 
+/// Of fewer samples slices are not cut at edges, for a quick look: each chord has as many pieces as a pixel samples.
+const FEWEST_CUT: f64 = 4.0;
+
 /// What one draw has wrong shows as a line along its slice. So slices with draws of their own take turns: of this many, side by
 /// side, each has samples only in pixels of its own, and neighbouring pixels mostly belong to different ones.
 const TURNS: usize = 2;
@@ -34,6 +37,8 @@ pub(super) struct Lattice {
     turns: usize,
     /// Slices of one turn that a pixel sees, to the next power of two.
     run: usize,
+    /// See [`Chord::even_pieces`].
+    even_pieces: Option<u32>,
 }
 
 struct RingLattice {
@@ -57,6 +62,7 @@ pub(super) struct PlacedSlice {
     /// Where in their pieces its samples lie, but for the dither of pixels.
     phase: f64,
     weight_per_area: f64,
+    even_pieces: Option<u32>,
 }
 
 impl Lattice {
@@ -112,7 +118,12 @@ impl Lattice {
                 shift_along: along,
             }
         });
-        Self { rings: rings.collect(), turns, run }
+        Self {
+            rings: rings.collect(),
+            turns,
+            run,
+            even_pieces: (samples < FEWEST_CUT).then_some(samples as u32),
+        }
     }
 
     /// How many slices there are.
@@ -122,7 +133,8 @@ impl Lattice {
 
     /// Slice `number`, in a fan of its own; `None` if it misses the picture.
     pub(super) fn slice(&self, base: &Fan, own: &Fan, mut number: usize) -> Option<PlacedSlice> {
-        let (turns, turn, row) = (self.turns, number % self.turns, self.row(number));
+        let Self { turns, even_pieces, .. } = *self;
+        let (turn, row) = (number % turns, self.row(number));
         let ring = self.rings.iter().find(|ring| {
             let is_here = number < ring.count;
             number -= if is_here { 0 } else { ring.count };
@@ -134,7 +146,8 @@ impl Lattice {
             ring.anchor.map_or((angle, 1.0), |anchor| own.angle_through(base, angle, anchor));
         let slice = own.slice(angle, ring.ring)?;
         let [phase] = kronecker([ring.shift_along], row);
-        Some(PlacedSlice { slice, turns, turn, phase, weight_per_area: ring.weight_per_area * crowding })
+        let weight_per_area = ring.weight_per_area * crowding;
+        Some(PlacedSlice { slice, turns, turn, phase, weight_per_area, even_pieces })
     }
 
     /// The number of a slice among those of its turn.
@@ -159,10 +172,10 @@ impl PlacedSlice {
             }
             wanted.unwanted_around(x, y)
         };
-        let weight_per_area = self.weight_per_area;
+        let Self { weight_per_area, even_pieces, .. } = *self;
         self.slice.crossings(size, unwanted_around).map(move |((x, y), start, end)| {
             let phase = (self.phase + dither(x, y)).fract();
-            Chord { pixel: (x, y), start, end, phase, weight_per_area }
+            Chord { pixel: (x, y), start, end, phase, weight_per_area, even_pieces }
         })
     }
 }
@@ -196,10 +209,10 @@ mod tests {
     /// The draws are those of all numbers, and those of one turn in one aligned run.
     #[test]
     fn turns_get_runs_of_draws() {
-        let lattice = Lattice { rings: Vec::new(), turns: 2, run: 4 };
+        let lattice = Lattice { rings: Vec::new(), turns: 2, run: 4, even_pieces: None };
         let draws: Vec<usize> = (8..16).map(|number| lattice.draw(number)).collect();
         assert_eq!(draws, [8, 12, 9, 13, 10, 14, 11, 15]);
-        let single = Lattice { rings: Vec::new(), turns: 1, run: 4 };
+        let single = Lattice { rings: Vec::new(), turns: 1, run: 4, even_pieces: None };
         assert!((0..20).all(|number| single.draw(number) == number));
     }
 }

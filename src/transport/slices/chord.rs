@@ -18,13 +18,15 @@ pub struct Chord {
     pub phase: f64,
     /// What a sample counts for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
+    /// How many pieces of one size it is cut in; if none is said, at the edges of what it sees.
+    pub even_pieces: Option<u32>,
 }
 
 impl Chord {
     /// A single ray, wherever it belongs.
     pub fn ray(area_per_rad: f64) -> Self {
         let (start, end) = (area_per_rad, area_per_rad);
-        Self { pixel: (0, 0), start, end, phase: 0.0, weight_per_area: 1.0 }
+        Self { pixel: (0, 0), start, end, phase: 0.0, weight_per_area: 1.0, even_pieces: Some(1) }
     }
 }
 

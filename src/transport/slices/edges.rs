@@ -16,7 +16,7 @@ const CROWD: usize = 12;
 const MOST_PIECES: usize = 8;
 
 /// So many pieces of one size such a chord has.
-const EVEN_PIECES: usize = 2;
+const CROWD_PIECES: u32 = 2;
 
 /// Pieces smaller than this part of their chord are joined to the next.
 const LEAST_PIECE: f64 = 1e-4;
@@ -51,16 +51,18 @@ impl Edges {
         self.slopes.clear();
         self.areas.clear();
         let area = chord.end - chord.start;
-        let is_crowded = sweeps.iter().map(|sweep| sweep.active().len()).sum::<usize>() > CROWD;
-        if !is_crowded && area > 0.0 {
+        let segments: usize = sweeps.iter().map(|sweep| sweep.active().len()).sum();
+        let mut even_pieces = chord.even_pieces.or((segments > CROWD).then_some(CROWD_PIECES));
+        if even_pieces.is_none() {
             for sweep in sweeps {
                 self.add_edges(sweep, light_rays, slopes.clone());
             }
             self.slopes.sort_unstable_by(|a, b| b.total_cmp(a));
+            even_pieces = (self.slopes.len() >= MOST_PIECES).then_some(CROWD_PIECES);
         }
-        if is_crowded || self.slopes.len() >= MOST_PIECES {
-            let end = |piece: usize| chord.start + area * piece as f64 / EVEN_PIECES as f64;
-            self.areas.extend((1..EVEN_PIECES).map(end));
+        if let Some(pieces) = even_pieces {
+            let end = |piece: u32| chord.start + area * f64::from(piece) / f64::from(pieces);
+            self.areas.extend((1..pieces).map(end));
         } else {
             let mut start = chord.start;
             for edge in self.slopes.drain(..).map(|slope| slice.area_at_slope(slope)) {
