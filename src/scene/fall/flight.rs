@@ -10,8 +10,10 @@
 use super::ground::Ground;
 use super::landing;
 use super::plate::{GRAVITY, Plate, Scales, State};
+use super::together::Leg;
 use super::wind::Wind;
 use glam::{DQuat, DVec3};
+use std::mem;
 
 /// Longest time between two poses, seconds, and in units of the leaf's own time: four steps.
 const LONGEST_INTERVAL_S: f64 = 1.0 / 40.0;
@@ -28,7 +30,7 @@ const TAKING_UP_S: f64 = 0.5;
 
 /// A leaf that is about to fall.
 #[derive(Clone, Debug)]
-pub(crate) struct Leaf<'a> {
+pub(crate) struct Leaf {
     pub(crate) plate: Plate,
     pub(crate) scales: Scales,
     /// Factor on all speeds.
@@ -43,7 +45,7 @@ pub(crate) struct Leaf<'a> {
     /// Of the leaf about its normal.
     pub(crate) twist: DQuat,
     /// Points of its outline relative to its middle, metres.
-    pub(crate) outline: &'a [DVec3],
+    pub(crate) outline: Vec<DVec3>,
     /// What points up when it lies, on the one side and on the other.
     pub(crate) rests: [DVec3; 2],
     /// How far the outline reaches.
@@ -76,7 +78,7 @@ pub(crate) struct Pose {
 }
 
 /// All that becomes of a leaf.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flight {
     /// From the release on.
     pub(crate) poses: Vec<Pose>,
@@ -84,42 +86,72 @@ pub(crate) struct Flight {
     pub(crate) landed_at: Option<usize>,
 }
 
-impl Leaf<'_> {
-    pub(crate) fn fly(&self, wind: &Wind, ground: &Ground) -> Flight {
-        self.fly_by(LONGEST_INTERVAL_S.min(LONGEST_INTERVAL * self.own_time_s()), wind, ground)
-    }
-
-    /// The same with poses so far apart.
-    pub(super) fn fly_by(&self, interval_s: f64, wind: &Wind, ground: &Ground) -> Flight {
-        // Well within the 2.8 that the method bears.
-        let longest_step = LONGEST_STEP.min(1.5 * self.plate.damping_time());
-        let steps = (interval_s / (longest_step * self.own_time_s())).ceil();
-        let mut flier = Flier::released(self, wind);
-        let mut poses = vec![flier.pose(self, 0.0)];
-        let first = poses[0];
-        if first.middle.y < landing::lowest_height_m(self, ground, &first) {
-            poses.extend(landing::settle(self, ground, first, DVec3::ZERO, 0.5 * interval_s));
-            return Flight { poses, landed_at: Some(0) };
-        }
-        for number in 1..=(LONGEST_FLIGHT_S / interval_s) as usize {
-            flier.advance(self, wind, interval_s, steps as usize);
-            let before = poses[poses.len() - 1];
-            let after = flier.pose(self, interval_s * number as f64);
-            if let Some(touching) = landing::first_touch(self, ground, before, after) {
-                let velocity = (after.middle - before.middle) / interval_s;
-                landing::push_apart(&mut poses, touching);
-                let landed_at = poses.len() - 1;
-                poses.extend(landing::settle(self, ground, touching, velocity, 0.5 * interval_s));
-                return Flight { poses, landed_at: Some(landed_at) };
-            }
-            poses.push(after);
-        }
-        Flight { poses, landed_at: None }
+impl Leaf {
+    /// Time between two poses.
+    pub(super) fn interval_s(&self) -> f64 {
+        LONGEST_INTERVAL_S.min(LONGEST_INTERVAL * self.own_time_s())
     }
 
     /// Time in which the leaf falls about half its width.
     pub(crate) fn own_time_s(&self) -> f64 {
         self.scales.time_s() / self.speed_gain
+    }
+}
+
+/// A leaf on its way from pose to pose: it departs, somebody else takes its plate's steps, it arrives.
+pub(super) struct Journey {
+    leaf: Leaf,
+    interval_s: f64,
+    steps: usize,
+    flier: Flier,
+    poses: Vec<Pose>,
+}
+
+impl Journey {
+    /// A leaf that is let go, with poses so far apart; or all that becomes of one that is on the ground already.
+    pub(super) fn released(
+        leaf: Leaf,
+        interval_s: f64,
+        wind: &Wind,
+        ground: &Ground,
+    ) -> Result<Self, Flight> {
+        // Well within the 2.8 that the method bears.
+        let longest_step = LONGEST_STEP.min(1.5 * leaf.plate.damping_time());
+        let steps = (interval_s / (longest_step * leaf.own_time_s())).ceil() as usize;
+        let flier = Flier::released(&leaf, wind);
+        let first = flier.pose(&leaf, 0.0);
+        let mut poses = vec![first];
+        if first.middle.y < landing::lowest_height_m(&leaf, ground, &first) {
+            poses.extend(landing::settle(&leaf, ground, first, DVec3::ZERO, 0.5 * interval_s));
+            return Err(Flight { poses, landed_at: Some(0) });
+        }
+        Ok(Self { leaf, interval_s, steps, flier, poses })
+    }
+
+    /// What the plate does until the next pose.
+    pub(super) fn depart(&mut self, wind: &Wind) -> Leg {
+        let weight = self.flier.depart(&self.leaf, wind, self.interval_s);
+        let time = self.interval_s / self.leaf.own_time_s() / self.steps as f64;
+        Leg { plate: self.leaf.plate, state: self.flier.state, weight, time, steps: self.steps }
+    }
+
+    /// Takes what the steps have come to; all of the flight, if it has ended.
+    pub(super) fn arrive(&mut self, state: State, ground: &Ground) -> Option<Flight> {
+        self.flier.arrive(&self.leaf, state, self.interval_s);
+        let number = self.poses.len();
+        let before = self.poses[number - 1];
+        let after = self.flier.pose(&self.leaf, self.interval_s * number as f64);
+        let Some(touching) = landing::first_touch(&self.leaf, ground, before, after) else {
+            self.poses.push(after);
+            let is_last = number >= (LONGEST_FLIGHT_S / self.interval_s) as usize;
+            return is_last.then(|| Flight { poses: mem::take(&mut self.poses), landed_at: None });
+        };
+        let velocity = (after.middle - before.middle) / self.interval_s;
+        let mut poses = mem::take(&mut self.poses);
+        landing::push_apart(&mut poses, touching);
+        let landed_at = Some(poses.len() - 1);
+        poses.extend(landing::settle(&self.leaf, ground, touching, velocity, 0.5 * self.interval_s));
+        Some(Flight { poses, landed_at })
     }
 }
 
@@ -135,6 +167,9 @@ struct Flier {
     /// The air's velocity around it, and the way that it went in the last interval.
     air: DVec3,
     moved: DVec3,
+    /// Of the interval that it is in: the air at its end, and how fast the plane turns.
+    next_air: DVec3,
+    yaw_rad_per_s: f64,
 }
 
 impl Flier {
@@ -154,33 +189,39 @@ impl Flier {
             sideways: through_air.dot(across),
             air,
             moved: DVec3::ZERO,
+            next_air: air,
+            yaw_rad_per_s: 0.0,
         }
     }
 
-    fn advance(&mut self, leaf: &Leaf, wind: &Wind, interval_s: f64, steps: usize) {
+    /// The weight under which the plate goes through the next interval.
+    fn depart(&mut self, leaf: &Leaf, wind: &Wind, interval_s: f64) -> [f64; 2] {
         // Where it will be about at the interval's end, as it was before.
-        let air = wind.at(self.middle + self.moved, leaf.release_s + self.time_s + interval_s);
-        let acceleration = (air - self.air) / interval_s;
-        let yaw =
+        self.next_air = wind.at(self.middle + self.moved, leaf.release_s + self.time_s + interval_s);
+        let acceleration = (self.next_air - self.air) / interval_s;
+        self.yaw_rad_per_s =
             leaf.manner.yaw_rad_per_s * self.taken_up() / (1.0 + leaf.manner.widening_per_s * self.time_s);
-        self.heading = turned(self.heading, 0.5 * yaw * interval_s);
-        let [along, across] = axes(self.heading);
+        self.heading = turned(self.heading, 0.5 * self.yaw_rad_per_s * interval_s);
+        let [along, _] = axes(self.heading);
         let gravity = GRAVITY * leaf.speed_gain * leaf.speed_gain;
-        let weight = [-acceleration.dot(along) / gravity, -1.0 - acceleration.y / gravity];
-        let step = interval_s / leaf.own_time_s() / steps as f64;
         (self.state.x, self.state.y) = (0.0, 0.0);
-        for _ in 0..steps {
-            self.state = leaf.plate.step(self.state, weight, step);
-        }
+        [-acceleration.dot(along) / gravity, -1.0 - acceleration.y / gravity]
+    }
+
+    /// Ends the interval with the plate in this state.
+    fn arrive(&mut self, leaf: &Leaf, state: State, interval_s: f64) {
+        let acceleration = (self.next_air - self.air) / interval_s;
+        let [along, across] = axes(self.heading);
         let carried_s = CARRIED_ALONG * leaf.own_time_s();
+        self.state = state;
         self.sideways =
             (self.sideways - acceleration.dot(across) * interval_s) / (1.0 + interval_s / carried_s);
-        let fallen = (along * self.state.x + DVec3::Y * self.state.y) * leaf.scales.length_m;
-        self.moved = fallen + (across * self.sideways + 0.5 * (self.air + air)) * interval_s;
+        let fallen = (along * state.x + DVec3::Y * state.y) * leaf.scales.length_m;
+        self.moved = fallen + (across * self.sideways + 0.5 * (self.air + self.next_air)) * interval_s;
         self.middle += self.moved;
-        self.heading = turned(self.heading, 0.5 * yaw * interval_s);
+        self.heading = turned(self.heading, 0.5 * self.yaw_rad_per_s * interval_s);
         self.sway_phase = turned(self.sway_phase, leaf.manner.sway_rad_per_s * interval_s);
-        self.air = air;
+        self.air = self.next_air;
         self.time_s += interval_s;
     }
 

@@ -15,10 +15,14 @@ const LEAST_INTERVAL_S: f64 = 1e-3;
 /// How often is looked from one pose to the next: corners swing.
 const LOOKS: u32 = 4;
 
+/// Whether no ground is so high that the leaf could touch it.
+fn is_high(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
+    pose.middle.y > ground.highest_m() + leaf.reach_m + leaf.clearance_m
+}
+
 /// How high the middle must be for no point of the outline to be below the ground.
 pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 {
-    let safe = ground.highest_m() + leaf.reach_m + leaf.clearance_m;
-    if pose.middle.y > safe {
+    if is_high(leaf, ground, pose) {
         return f64::NEG_INFINITY;
     }
     let heights = leaf.outline.iter().map(|&point| {
@@ -30,6 +34,9 @@ pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 
 
 /// The pose between two at which the leaf first touches the ground, if it does.
 pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, before: Pose, after: Pose) -> Option<Pose> {
+    if is_high(leaf, ground, &before) && is_high(leaf, ground, &after) {
+        return None;
+    }
     let is_below = |fraction: f64| {
         let pose = between(before, after, fraction);
         pose.middle.y < lowest_height_m(leaf, ground, &pose)

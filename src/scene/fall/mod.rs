@@ -10,9 +10,11 @@ mod ground;
 mod kept;
 mod keys;
 mod landing;
+mod lanes;
 mod manner;
 mod outline;
 mod plate;
+mod together;
 mod wind;
 
 #[cfg(test)]
@@ -21,7 +23,7 @@ mod tests;
 
 use crate::math::Chance;
 use crate::scene::Track;
-use flight::Leaf;
+use flight::{Flight, Leaf};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -44,6 +46,8 @@ const CLEARANCE: f64 = 0.02;
 /// added mass of `8/3` radius^3 air (Lamb, Hydrodynamics, section 102) in the place of `pi^2 / 2`: 0.49 and 0.54.
 /// With all forces alike, a leaf falls as a strip does that is so much heavier.
 const OF_A_STRIP: f64 = 0.5;
+/// Leaves that one thread takes at a time: so many that few lanes stay empty as the last ones fall.
+const LEAVES_AT_A_TIME: u32 = 64;
 /// How far leaves may be twisted in the plane of their blade, radians: none falls along its vein.
 const MOST_TWIST: f64 = 0.7;
 
@@ -120,53 +124,68 @@ impl Fall {
     /// All leaves in order. `tell` hears now and then how many are done.
     pub(super) fn bake(&self, tell: &(dyn Fn(u32) + Sync)) -> Vec<Fallen> {
         let done = AtomicU32::new(0);
-        (0..self.count)
+        (0..self.count.div_ceil(LEAVES_AT_A_TIME))
             .into_par_iter()
-            .filter_map(|number| {
-                let leaf = self.leaf(number);
-                tell(done.fetch_add(1, Ordering::Relaxed) + 1);
-                leaf
+            .flat_map_iter(|part| {
+                let first = part * LEAVES_AT_A_TIME;
+                let numbers = first..self.count.min(first + LEAVES_AT_A_TIME);
+                let mut fallen: Vec<Option<Fallen>> = numbers.clone().map(|_| None).collect();
+                let leaves = numbers.map(|number| self.leaf(number));
+                together::fly(leaves, &self.wind, &self.ground, |place, flight| {
+                    fallen[place] = self.fallen(first + place as u32, &flight);
+                    tell(done.fetch_add(1, Ordering::Relaxed) + 1);
+                });
+                fallen.into_iter().flatten()
             })
             .collect()
     }
 
-    fn leaf(&self, number: u32) -> Option<Fallen> {
+    /// What chance makes of a leaf's looks.
+    fn look(&self, number: u32) -> Look<'_> {
         let chance = Chance::of(self.seed, number);
         let draw = |draw: Draw| chance.at(draw as u64);
-        let range = |(low, high): (f64, f64), fraction: f64| low + (high - low) * fraction;
         let species = self.choose_species(draw(Draw::Species));
         let kind = &self.species[species];
         let outline = (draw(Draw::Outline) * kind.outlines.len() as f64) as usize;
         let shape = &kind.outlines[outline];
-        let length_m = range(kind.length_m, draw(Draw::Length));
-        let scale = length_m / shape.size.z;
-        let width_m = kind.width_m.map_or(scale * shape.size.x, |width_m| range(width_m, draw(Draw::Width)));
-        let areal_mass = range(kind.areal_mass_kg_per_m2, draw(Draw::ArealMass)) / OF_A_STRIP;
+        let length_m = within(kind.length_m, draw(Draw::Length));
+        Look { chance, species, kind, outline, shape, length_m, scale: length_m / shape.size.z }
+    }
+
+    fn leaf(&self, number: u32) -> Leaf {
+        let Look { chance, kind, shape, length_m, scale, .. } = self.look(number);
+        let draw = |draw: Draw| chance.at(draw as u64);
+        let width_m = kind.width_m.map_or(scale * shape.size.x, |width_m| within(width_m, draw(Draw::Width)));
+        let areal_mass = within(kind.areal_mass_kg_per_m2, draw(Draw::ArealMass)) / OF_A_STRIP;
         let (inertia, manner_of, damping) = match &self.mix {
             Some(mix) => mix.choose(chance, Draw::Manner as u64),
             None => manner::natural(plate::inertia(width_m, areal_mass), chance, Draw::Manner as u64),
         };
-        let outline_m: Vec<DVec3> = shape.points.iter().map(|&point| point * scale).collect();
-        let release_s = range(self.release_s, draw(Draw::Release));
-        let leaf = Leaf {
-            plate: plate::Plate { inertia, damping, curl: range(kind.curl, draw(Draw::Curl)) },
+        let outline: Vec<DVec3> = shape.points.iter().map(|&point| point * scale).collect();
+        Leaf {
+            plate: plate::Plate { inertia, damping, curl: within(kind.curl, draw(Draw::Curl)) },
             scales: plate::Scales::new(width_m, areal_mass),
             speed_gain: self.speed_gain,
             manner: manner_of,
             middle: self.emitter.place(chance, Draw::Place as u64),
-            release_s,
+            release_s: within(self.release_s, draw(Draw::Release)),
             heading: direction(draw(Draw::Heading)),
             slope: direction(draw(Draw::Slope)),
             twist: twist(MOST_TWIST * (2.0 * draw(Draw::Twist) - 1.0)),
-            reach_m: outline_m.iter().map(|point| point.length()).fold(0.0, f64::max),
-            outline: &outline_m,
+            reach_m: outline.iter().map(|point| point.length()).fold(0.0, f64::max),
+            outline,
             rests: shape.rests,
             clearance_m: CLEARANCE * length_m * (1.0 + draw(Draw::Clearance)),
-        };
-        let flight = leaf.fly(&self.wind, &self.ground);
+        }
+    }
+
+    /// The leaf that went this way; `None` of a way without a pose.
+    fn fallen(&self, number: u32, flight: &Flight) -> Option<Fallen> {
+        let Look { chance, species, outline, shape, length_m, scale, .. } = self.look(number);
         let tolerance = keys::Tolerance { place_m: TOLERANCE * length_m, turn_rad: TOLERANCE };
-        let (translation, rotation) = keys::keyed(&flight, shape.middle * scale, tolerance)?;
-        let (material, landed) = (draw(Draw::Material), flight.landed_at.is_some());
+        let (translation, rotation) = keys::keyed(flight, shape.middle * scale, tolerance)?;
+        let (material, landed) = (chance.at(Draw::Material as u64), flight.landed_at.is_some());
+        let release_s = within(self.release_s, chance.at(Draw::Release as u64));
         Some(Fallen { species, outline, material, scale, translation, rotation, release_s, landed })
     }
 
@@ -179,6 +198,22 @@ impl Fall {
         });
         chosen.unwrap_or(self.species.len() - 1)
     }
+}
+
+/// What a leaf looks like, and what it draws its chances from.
+struct Look<'a> {
+    chance: Chance,
+    species: usize,
+    kind: &'a Species,
+    outline: usize,
+    shape: &'a Outline,
+    length_m: f64,
+    scale: f64,
+}
+
+/// That far from the start of a range to its end.
+fn within((low, high): (f64, f64), fraction: f64) -> f64 {
+    low + (high - low) * fraction
 }
 
 /// Cosine and sine of a whole turn's `fraction`.

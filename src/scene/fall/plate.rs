@@ -7,6 +7,7 @@
 //! ellipse in the limit of no thickness. Lengths are in half chords, velocities in
 //! `sqrt(2 areal_mass g / (pi air_density))`, see [`Scales`].
 
+use super::lanes::Number;
 use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, PI};
 
 /// Translational circulation, of the paper's section 6.
@@ -20,80 +21,83 @@ const B: f64 = 1.0;
 const MU_2: f64 = 0.2;
 
 /// Air at 15 degrees Celsius and sea level, kg/m^3.
-pub(crate) const AIR_DENSITY: f64 = 1.225;
+pub(super) const AIR_DENSITY: f64 = 1.225;
 /// Standard gravity, m/s^2.
-pub(crate) const GRAVITY: f64 = 9.806_65;
+pub(super) const GRAVITY: f64 = 9.806_65;
 
-/// What kind of plate it is, free of dimensions.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Plate {
+/// What kind of plate it is, free of dimensions; or several side by side.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plate<N = f64> {
     /// I*, mass over that of the air that the plate pushes along: decides between flutter and tumble.
-    pub(crate) inertia: f64,
+    pub(super) inertia: N,
     /// mu_1 of the paper: how much slow turns are damped.
-    pub(crate) damping: f64,
+    pub(super) damping: N,
     /// How far the chord is arched, from edge to edge, radians; convex towards +normal.
-    pub(crate) curl: f64,
+    pub(super) curl: N,
 }
 
 /// mu_1 of the paper's section 6.
-pub(crate) const PAPER_DAMPING: f64 = 0.2;
+pub(super) const PAPER_DAMPING: f64 = 0.2;
 
 /// What one half chord and one unit of velocity are.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scales {
+pub(super) struct Scales {
     /// Half the chord, metres.
-    pub(crate) length_m: f64,
+    pub(super) length_m: f64,
     /// Where weight and the air's forces balance, m/s.
-    pub(crate) speed_m_per_s: f64,
+    pub(super) speed_m_per_s: f64,
 }
 
 impl Scales {
     /// Of a plate in air.
-    pub(crate) fn new(chord_m: f64, areal_mass_kg_per_m2: f64) -> Self {
+    pub(super) fn new(chord_m: f64, areal_mass_kg_per_m2: f64) -> Self {
         let speed_squared = 2.0 * areal_mass_kg_per_m2 * GRAVITY / (PI * AIR_DENSITY);
         Self { length_m: 0.5 * chord_m, speed_m_per_s: speed_squared.sqrt() }
     }
 
     /// Seconds in which one length is passed at that speed.
-    pub(crate) fn time_s(self) -> f64 {
+    pub(super) fn time_s(self) -> f64 {
         self.length_m / self.speed_m_per_s
     }
 }
 
 /// I* of a plate of even thickness: its mass over that of a cylinder of air as wide as the chord.
-pub(crate) fn inertia(chord_m: f64, areal_mass_kg_per_m2: f64) -> f64 {
+pub(super) fn inertia(chord_m: f64, areal_mass_kg_per_m2: f64) -> f64 {
     4.0 * areal_mass_kg_per_m2 / (PI * AIR_DENSITY * chord_m)
 }
 
 /// How the plate moves, and where it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct State {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct State<N = f64> {
     /// Velocity through the air along the chord and along the normal.
-    pub(crate) u: f64,
-    pub(crate) v: f64,
+    pub(super) u: N,
+    pub(super) v: N,
     /// Angular velocity.
-    pub(crate) w: f64,
+    pub(super) w: N,
     /// The chord's direction (cosine, sine of its angle to the horizontal), of unit length.
-    pub(crate) cos: f64,
-    pub(crate) sin: f64,
+    pub(super) cos: N,
+    pub(super) sin: N,
     /// Where the centre is relative to the air.
-    pub(crate) x: f64,
-    pub(crate) y: f64,
+    pub(super) x: N,
+    pub(super) y: N,
 }
 
 impl State {
     /// At rest in the air, its chord at an angle whose cosine and sine these are.
-    pub(crate) fn at_rest([cos, sin]: [f64; 2]) -> Self {
+    pub(super) fn at_rest([cos, sin]: [f64; 2]) -> Self {
         Self { u: 0.0, v: 0.0, w: 0.0, cos, sin, x: 0.0, y: 0.0 }
     }
 
     /// The same with another velocity, given along the horizontal and upwards.
-    pub(crate) fn with_velocity(self, horizontal: f64, upward: f64) -> Self {
+    pub(super) fn with_velocity(self, horizontal: f64, upward: f64) -> Self {
         let u = horizontal * self.cos + upward * self.sin;
         Self { u, v: upward * self.cos - horizontal * self.sin, ..self }
     }
+}
 
-    fn plus(self, rate: Self, time: f64) -> Self {
+impl<N: Number> State<N> {
+    #[inline(always)] // Lanes stay in registers.
+    fn plus(self, rate: Self, time: N) -> Self {
         Self {
             u: self.u + time * rate.u,
             v: self.v + time * rate.v,
@@ -107,47 +111,56 @@ impl State {
 }
 
 impl Plate {
+    /// Time in which damping alone stops all but a third of a slow turn.
+    pub(super) fn damping_time(&self) -> f64 {
+        0.25 * (self.inertia + 0.5) / self.damping
+    }
+}
+
+impl<N: Number> Plate<N> {
     /// The state after `time`, under a weight `(horizontal, upward)` that is `(0, -1)` unless the air
     /// itself is accelerated. Classical Runge-Kutta, fourth order.
-    pub(crate) fn step(&self, state: State, weight: [f64; 2], time: f64) -> State {
+    #[inline(always)] // Lanes stay in registers.
+    pub(super) fn step(&self, state: State<N>, weight: [N; 2], time: N) -> State<N> {
+        let (half, third, sixth) = (time * 0.5, time.map(|time| time / 3.0), time.map(|time| time / 6.0));
         let k1 = self.rate(state, weight);
-        let k2 = self.rate(state.plus(k1, 0.5 * time), weight);
-        let k3 = self.rate(state.plus(k2, 0.5 * time), weight);
+        let k2 = self.rate(state.plus(k1, half), weight);
+        let k3 = self.rate(state.plus(k2, half), weight);
         let k4 = self.rate(state.plus(k3, time), weight);
-        let mut next =
-            state.plus(k1, time / 6.0).plus(k2, time / 3.0).plus(k3, time / 3.0).plus(k4, time / 6.0);
+        let mut next = state.plus(k1, sixth).plus(k2, third).plus(k3, third).plus(k4, sixth);
         // To unit length by a step of Newton's: what is left of a step's error is its square.
-        let scale = 1.5 - 0.5 * (next.cos * next.cos + next.sin * next.sin);
-        next.cos *= scale;
-        next.sin *= scale;
+        let scale = (next.cos * next.cos + next.sin * next.sin).map(|square| 1.5 - 0.5 * square);
+        next.cos = next.cos * scale;
+        next.sin = next.sin * scale;
         next
     }
 
-    /// Time in which damping alone stops all but a third of a slow turn.
-    pub(crate) fn damping_time(&self) -> f64 {
-        0.25 * (self.inertia + 0.5) / self.damping
-    }
-
     /// Time derivative of the state.
-    fn rate(&self, state: State, weight: [f64; 2]) -> State {
+    #[inline(always)] // Lanes stay in registers.
+    fn rate(&self, state: State<N>, weight: [N; 2]) -> State<N> {
         let State { u, v, w, cos, sin, .. } = state;
         let i = self.inertia;
-        let speed = (u * u + v * v).sqrt();
-        let over_speed = if speed > 0.0 { speed.recip() } else { 0.0 };
+        let speed = (u * u + v * v).map(f64::sqrt);
+        // At rest a factor that is not infinite; any will do.
+        let over_speed =
+            speed.map(|speed| if speed > f64::MIN_POSITIVE { speed } else { f64::MIN_POSITIVE }.recip());
         // (4.7). The last term is not the paper's: a chord arched by `curl` lifts as if it were turned
         // by a quarter of it, and has no moment about its middle (thin aerofoils, Glauert 1926, ch. 7).
-        let circulation = FRAC_2_PI * (C_T * (-u * v * over_speed + 0.25 * self.curl * u) + C_R * w);
+        let lifting = -u * v * over_speed + self.curl * 0.25 * u;
+        let circulation = (lifting * C_T + w * C_R) * FRAC_2_PI;
         // (4.8): drag over velocity.
-        let drag = (A * speed - B * (u * u - v * v) * over_speed) * FRAC_1_PI;
+        let drag = (speed * A - (u * u - v * v) * B * over_speed) * FRAC_1_PI;
         // (4.9)
-        let torque = (self.damping + MU_2 * w.abs()) * w;
+        let torque = (self.damping + w.map(f64::abs) * MU_2) * w;
         let weight_u = weight[0] * cos + weight[1] * sin;
         let weight_v = weight[1] * cos - weight[0] * sin;
         // The same for all steps: divisions that wait for nothing.
-        let (over_i, over_added, over_turned) = (i.recip(), (i + 1.0).recip(), (0.25 * (i + 0.5)).recip());
+        let over_i = i.map(f64::recip);
+        let over_added = i.map(|i| (i + 1.0).recip());
+        let over_turned = i.map(|i| (0.25 * (i + 0.5)).recip());
         State {
             // (5.1)-(5.3)
-            u: ((i + 1.0) * w * v - circulation * v + weight_u - drag * u) * over_i,
+            u: (i.map(|i| i + 1.0) * w * v - circulation * v + weight_u - drag * u) * over_i,
             v: (-i * w * u + circulation * u + weight_v - drag * v) * over_added,
             w: (-u * v - torque) * over_turned,
             cos: -w * sin,

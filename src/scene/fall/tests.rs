@@ -1,7 +1,6 @@
 //! Falls of many leaves: what must hold whatever the leaf.
 
 use super::*;
-use flight::Flight;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -228,7 +227,6 @@ fn more_leaves_leave_the_others_as_they_are() {
 
 /// A leaf of 8 by 6 cm in one of the ways, high above the ground.
 fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flight {
-    let outline = [DVec3::ZERO];
     let quiet = Mix { flutter: 1.0, ..NO_WAY };
     let (_, manner, _) = quiet.choose(Chance::of(1, 1), 0);
     let leaf = Leaf {
@@ -241,12 +239,42 @@ fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flig
         heading: [1.0, 0.0],
         slope: [0.8, 0.6],
         twist: DQuat::IDENTITY,
-        outline: &outline,
+        outline: vec![DVec3::ZERO],
         rests: [DVec3::Y, DVec3::NEG_Y],
         reach_m: 0.0,
         clearance_m: 0.0,
     };
-    leaf.fly_by(interval_s, wind, &Ground::new(0.0, Vec::new()))
+    fly_alone(leaf, interval_s, wind, &Ground::new(0.0, Vec::new()))
+}
+
+/// A flight with steps of numbers that have no neighbours.
+fn fly_alone(leaf: Leaf, interval_s: f64, wind: &Wind, ground: &Ground) -> Flight {
+    let mut journey = match flight::Journey::released(leaf, interval_s, wind, ground) {
+        Ok(journey) => journey,
+        Err(flight) => return flight,
+    };
+    loop {
+        let together::Leg { plate, mut state, weight, time, steps } = journey.depart(wind);
+        for _ in 0..steps {
+            state = plate.step(state, weight, time);
+        }
+        if let Some(flight) = journey.arrive(state, ground) {
+            return flight;
+        }
+    }
+}
+
+#[test]
+fn leaves_fly_together_as_they_fly_alone() {
+    let fall = fall(every_way(), storm(), hills());
+    let mut flown = 0;
+    together::fly((0..30).map(|number| fall.leaf(number)), &fall.wind, &fall.ground, |place, flight| {
+        let leaf = fall.leaf(place as u32);
+        let interval_s = leaf.interval_s();
+        assert_eq!(flight, fly_alone(leaf, interval_s, &fall.wind, &fall.ground), "leaf {place}");
+        flown += 1;
+    });
+    assert_eq!(flown, 30);
 }
 
 #[test]

@@ -1,0 +1,112 @@
+//! Many flights at once. In go leaves, out come their flights, in the order in which they end. Invariant: a
+//! flight is the one of its leaf alone, to the last bit. Plates take steps side by side; where one comes to the
+//! end of a leg, what turns it into a leaf is done for it alone, and where a flight ends, the next leaf takes its lane.
+
+use super::flight::{Flight, Journey, Leaf};
+use super::ground::Ground;
+use super::lanes::{LANES, Lanes};
+use super::plate::{Plate, State};
+use super::wind::Wind;
+
+/// What a plate does next: so many steps of `time` each under one weight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leg {
+    pub(super) plate: Plate,
+    pub(super) state: State,
+    pub(super) weight: [f64; 2],
+    pub(super) time: f64,
+    pub(super) steps: usize,
+}
+
+/// Plates side by side, each on a leg of its own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Abreast {
+    plate: Plate<Lanes>,
+    state: State<Lanes>,
+    weight: [Lanes; 2],
+    time: Lanes,
+}
+
+impl Abreast {
+    /// All by so many steps.
+    pub(super) fn advance(&mut self, steps: usize) {
+        let Self { plate, mut state, weight, time } = *self;
+        for _ in 0..steps {
+            state = plate.step(state, weight, time);
+        }
+        self.state = state;
+    }
+
+    /// Where the plate of one lane has come to.
+    pub(super) fn state(&self, lane: usize) -> State {
+        let State { u, v, w, cos, sin, x, y } = self.state;
+        let [u, v, w, cos, sin, x, y] = [u, v, w, cos, sin, x, y].map(|lanes| lanes.0[lane]);
+        State { u, v, w, cos, sin, x, y }
+    }
+
+    /// Puts a plate into a lane.
+    pub(super) fn set(&mut self, lane: usize, leg: &Leg) {
+        let Leg { plate, state, weight, time, .. } = leg;
+        let State { u, v, w, cos, sin, x, y } = &mut self.state;
+        let to = [u, v, w, cos, sin, x, y];
+        let State { u, v, w, cos, sin, x, y } = *state;
+        for (to, from) in to.into_iter().zip([u, v, w, cos, sin, x, y]) {
+            to.0[lane] = from;
+        }
+        self.plate.inertia.0[lane] = plate.inertia;
+        self.plate.damping.0[lane] = plate.damping;
+        self.plate.curl.0[lane] = plate.curl;
+        self.weight[0].0[lane] = weight[0];
+        self.weight[1].0[lane] = weight[1];
+        self.time.0[lane] = *time;
+    }
+}
+
+/// A leaf in its lane.
+struct Seat {
+    number: usize,
+    journey: Journey,
+    steps_left: usize,
+}
+
+/// Flies all leaves; `ended` hears of each by its number among them.
+pub(super) fn fly(
+    leaves: impl Iterator<Item = Leaf>,
+    wind: &Wind,
+    ground: &Ground,
+    mut ended: impl FnMut(usize, Flight),
+) {
+    let mut waiting = leaves.enumerate();
+    let mut plates = Abreast::default();
+    let mut seats: [Option<Seat>; LANES] = Default::default();
+    loop {
+        for (lane, seat) in seats.iter_mut().enumerate() {
+            if seat.as_ref().is_some_and(|seat| seat.steps_left > 0) {
+                continue;
+            }
+            if let Some(Seat { number, journey, .. }) = seat
+                && let Some(flight) = journey.arrive(plates.state(lane), ground)
+            {
+                ended(*number, flight);
+                *seat = None;
+            }
+            while seat.is_none()
+                && let Some((number, leaf)) = waiting.next()
+            {
+                let interval_s = leaf.interval_s();
+                match Journey::released(leaf, interval_s, wind, ground) {
+                    Ok(journey) => *seat = Some(Seat { number, journey, steps_left: 0 }),
+                    Err(flight) => ended(number, flight),
+                }
+            }
+            if let Some(seat) = seat {
+                let leg = seat.journey.depart(wind);
+                plates.set(lane, &leg);
+                seat.steps_left = leg.steps;
+            }
+        }
+        let Some(steps) = seats.iter().flatten().map(|seat| seat.steps_left).min() else { return };
+        plates.advance(steps);
+        seats.iter_mut().flatten().for_each(|seat| seat.steps_left -= steps);
+    }
+}
