@@ -7,6 +7,7 @@ pub mod image;
 pub mod obj;
 mod peers;
 pub mod ron;
+pub(crate) mod tangents;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable};
 use std::path::{Path, PathBuf};

@@ -5,7 +5,8 @@ use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
 use super::texture_maps::{Slot, layer, layers as layers_of, slots};
-use super::{Mesh, Primitive, morphs, named, skins, tangents};
+use super::{Mesh, Primitive, morphs, named, skins};
+use crate::description::tangents::{self, Vertices};
 use crate::diagnostic::Diagnostic;
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
@@ -224,13 +225,39 @@ fn add_tangents(
     let uvs = accessors.read(index, UVS, &user)?;
     as_many(uvs.len() / 2, user)?;
     let uvs: Vec<Vec2> = uvs.chunks_exact(2).map(|uv| DVec2::from_slice(uv).as_vec2()).collect();
-    if !tangents::generate(whole, &uvs) {
+    if !make_tangents(whole, &uvs) {
         report.not_honoured(
             "where thousands of triangles meet in one place, normal maps are not honoured",
             mesh,
         );
     }
     Ok(())
+}
+
+/// Gives a primitive tangents, and the copies of vertices that these need; `false` if too many triangles meet in one place.
+fn make_tangents(whole: &mut Primitive, uvs: &[Vec2]) -> bool {
+    let vertices = Vertices { positions: &whole.positions, normals: &whole.normals, uvs };
+    let Some(made) = tangents::generate(vertices, &mut whole.triangles) else { return false };
+    made.copy(&mut whole.positions);
+    made.copy(&mut whole.normals);
+    made.copy(&mut whole.uvs);
+    whole.more_uvs.iter_mut().for_each(|uvs| made.copy(uvs));
+    made.copy(&mut whole.colors);
+    for target in &mut whole.targets {
+        made.copy(&mut target.positions);
+        made.copy(&mut target.normals);
+        made.copy(&mut target.tangents);
+    }
+    if let Some(influences) = &mut whole.influences {
+        for &original in &made.originals {
+            let own =
+                original as usize * influences.per_vertex..(original as usize + 1) * influences.per_vertex;
+            influences.joints.extend_from_within(own.clone());
+            influences.weights.extend_from_within(own);
+        }
+    }
+    whole.tangents = made.tangents;
+    true
 }
 
 fn attribute(attributes: &BTreeMap<String, usize>, name: &str, path: &str) -> Option<(usize, String)> {

@@ -23,7 +23,6 @@ mod pictures;
 mod pointers;
 pub(crate) mod report;
 mod skins;
-mod tangents;
 mod texture_maps;
 
 use super::image::DecodedImage;

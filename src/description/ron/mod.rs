@@ -34,7 +34,7 @@ pub use number::{
     LeafLength, NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain,
     Triple, UnitInterval, Vector, Whole,
 };
-pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, Object, SceneFile};
+pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
@@ -63,6 +63,8 @@ pub struct LoadedScene {
     pub images: BTreeMap<PathBuf, DecodedImage>,
     /// Images that suns show, by their path as the scene writes it.
     pub sun_images: BTreeMap<PathBuf, DecodedImage>,
+    /// Images of directions by their path as the scene writes it.
+    pub normal_maps: BTreeMap<PathBuf, DecodedImage>,
     /// The image that the sky shows.
     pub sky_image: Option<DecodedImage>,
 }

@@ -13,6 +13,7 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     let mut loader = Loader { path, files, problems: Diagnostics::default() };
     let mut models = BTreeMap::new();
     let mut images = BTreeMap::new();
+    let mut normal_maps = BTreeMap::new();
     for (name, mesh) in file.meshes.iter().filter(|(name, _)| used.meshes.contains(name)) {
         let Mesh::Obj(obj_path) = mesh else { continue };
         let referrer = format!("meshes.{name}");
@@ -33,6 +34,13 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
             let Some(texture) = texture else { continue };
             loader.image(texture.clone(), &format!("materials.{name}.{field}"), &mut images)?;
         }
+        if let Some(map) = &material.normal_map
+            && !normal_maps.contains_key(&map.texture)
+        {
+            let referrer = format!("materials.{name}.normal_map.texture");
+            let image = loader.decoded(&map.texture, image::Encoding::Linear, &referrer)?;
+            normal_maps.extend(image.map(|image| (map.texture.clone(), image)));
+        }
     }
     let mut sun_images = BTreeMap::new();
     for (name, light) in file.lights.iter() {
@@ -47,7 +55,7 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
-    Ok(LoadedScene { path: path.to_owned(), file, models, images, sun_images, sky_image })
+    Ok(LoadedScene { path: path.to_owned(), file, models, images, sun_images, normal_maps, sky_image })
 }
 
 /// Names of what takes part in the picture.

@@ -107,6 +107,8 @@ pub struct Material {
     pub transmission: Triple<UnitInterval>,
     /// An image of the colours in which light comes through, as `texture` is of those it shows.
     pub transmission_texture: Option<PathBuf>,
+    /// An image of directions that bend its normals.
+    pub normal_map: Option<NormalMap>,
     /// How rough its shine is; matte without.
     pub roughness: Option<Number<UnitInterval>>,
     /// How much of a metal it is.
@@ -117,6 +119,17 @@ pub struct Material {
     /// Radiance emitted to either side.
     #[serde(default = "black")]
     pub emission_w_per_m2_sr: Triple<NonNegative>,
+}
+
+/// An image of directions, as glTF's normal maps are.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NormalMap {
+    /// A PNG, JPEG, WebP or PPM image whose red, green and blue are x, y and z, from -1 to 1.
+    pub texture: PathBuf,
+    /// Factor on x and y.
+    #[serde(default = "as_it_is")]
+    pub scale: Number<Finite>,
 }
 
 /// A mesh in its place, or a group of such.
@@ -323,6 +336,10 @@ fn black() -> Triple<NonNegative> {
 
 fn no_reflectance() -> Triple<UnitInterval> {
     Triple::new(DVec3::ZERO)
+}
+
+fn as_it_is() -> Number<Finite> {
+    Number::new(1.0)
 }
 
 fn no_angle() -> Number<Degrees> {

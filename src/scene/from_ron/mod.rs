@@ -8,6 +8,7 @@ mod leaf_sites;
 mod leaves;
 mod lights;
 mod masks;
+mod normal_maps;
 mod problems;
 mod sequence;
 mod shapes;
@@ -48,7 +49,7 @@ pub(super) fn resolve(
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
-    let LoadedScene { path, file, mut models, images, sun_images, sky_image } = loaded;
+    let LoadedScene { path, file, mut models, images, sun_images, normal_maps, sky_image } = loaded;
     let mut resolver = Resolver::new(&path, &file, &models);
     resolver.scene.background = file.background_w_per_m2_sr.si();
     resolver.sky_image = sky_image;
@@ -58,13 +59,11 @@ pub(super) fn resolve(
     }
     for (texture_path, image) in images {
         resolver.textures.insert(texture_path.clone(), resolver.scene.textures.len());
-        resolver.scene.textures.push(Texture {
-            name: texture_path.display().to_string(),
-            width: image.width,
-            height: image.height,
-            texels: image.texels,
-            wrap: [Wrap::Repeat; 2],
-        });
+        resolver.scene.textures.push(texture(&texture_path, image));
+    }
+    for (texture_path, image) in normal_maps {
+        resolver.normal_maps.insert(texture_path.clone(), resolver.scene.textures.len());
+        resolver.scene.textures.push(texture(&texture_path, image));
     }
     resolver.materials();
     resolver.objects();
@@ -91,6 +90,11 @@ pub(super) fn resolve(
             Ok((scene, settings))
         }
     }
+}
+
+fn texture(path: &Path, image: DecodedImage) -> Texture {
+    let DecodedImage { width, height, texels } = image;
+    Texture { name: path.display().to_string(), width, height, texels, wrap: [Wrap::Repeat; 2] }
 }
 
 /// A scene is called like its file, or like its folder if the file is just `scene.ron`.
@@ -121,6 +125,7 @@ struct Resolver<'a> {
     /// Where the materials of an OBJ file start.
     model_materials: BTreeMap<&'a Path, MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
+    normal_maps: BTreeMap<PathBuf, TextureIndex>,
     leaf_count: u32,
     fall_count: u32,
     /// Of masked materials.
@@ -148,6 +153,7 @@ impl<'a> Resolver<'a> {
             materials: BTreeMap::new(),
             model_materials: BTreeMap::new(),
             textures: BTreeMap::new(),
+            normal_maps: BTreeMap::new(),
             leaf_count: 0,
             fall_count: 0,
             cutoffs: BTreeMap::new(),
@@ -164,6 +170,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
+        self.make_tangents(mesh, material);
         let Some(mesh) = self.cut_out(mesh, material) else { return };
         let leaf_id = self.scene.instances.len() as u32 + 1;
         self.scene.instances.push(Instance { node, mesh, material, leaf_id, deformation: None });
@@ -229,6 +236,10 @@ impl<'a> Resolver<'a> {
                 filter_color,
                 emission: material.emission_w_per_m2_sr.si(),
                 coat,
+                normal_map: material.normal_map.as_ref().and_then(|map| {
+                    let texture = *self.normal_maps.get(&map.texture)?;
+                    Some((TextureMap { texture, layer: 0 }, map.scale.si()))
+                }),
                 ..Material::default()
             });
         }

@@ -1,0 +1,38 @@
+//! Tangents of the meshes that wear a normal map. Invariant: a mesh is given them once, before anything is cut out of it.
+
+use super::{MaterialIndex, MeshIndex, Resolver, Triangle};
+use crate::description::tangents::{self, Vertices};
+use crate::diagnostic::Diagnostic;
+
+impl Resolver<'_> {
+    /// Gives the mesh what it needs for the material's normal map, if there is one; says where that cannot be.
+    pub(super) fn make_tangents(&mut self, mesh: MeshIndex, material: Option<MaterialIndex>) {
+        let Some(material) = material.map(|material| &self.scene.materials[material]) else { return };
+        let mesh = &mut self.scene.meshes[mesh];
+        if material.normal_map.is_none() || !mesh.tangents.is_empty() {
+            return;
+        }
+        let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
+        let vertices = Vertices { positions: &mesh.positions, normals: &mesh.normals, uvs: &mesh.uvs };
+        let made = if mesh.uvs.is_empty() { None } else { tangents::generate(vertices, &mut triangles) };
+        let Some(made) = made else {
+            let why = match mesh.uvs.is_empty() {
+                true => "it has no texture coordinates",
+                false => "thousands of its triangles meet in one place",
+            };
+            let found = format!("the normal map of `{}` does not bend this mesh: {why}", material.name);
+            let place = self.problems.place(&format!("meshes.{}", mesh.name));
+            let warning = Diagnostic::warning(place, found);
+            if !self.scene.remarks.0.contains(&warning) {
+                self.scene.remarks.push(warning);
+            }
+            return;
+        };
+        made.copy(&mut mesh.positions);
+        made.copy(&mut mesh.normals);
+        made.copy(&mut mesh.uvs);
+        let triangle = |(triangle, vertices): (&Triangle, [u32; 3])| Triangle { vertices, ..*triangle };
+        mesh.triangles = mesh.triangles.iter().zip(triangles).map(triangle).collect();
+        mesh.tangents = made.tangents;
+    }
+}
