@@ -75,6 +75,31 @@ fn leaves_hang_on_the_surface_of_an_object() {
 }
 
 #[test]
+fn a_trunk_keeps_its_leaves_outside() {
+    let trunk = r#""trunk": (mesh: "crown", scale: (1.0, 8.0, 1.0)), "#;
+    let blown = format!("{FROM_A_BOX}, wind: (mean_m_per_s: (2.0, 0.0, 0.5), eddy_m_per_s: 0.5)");
+    // 1 on the surface of the spheroid, less within.
+    let least = |scene: &Scene| {
+        let moments = (0..200).map(|moment| 0.1 * f64::from(moment));
+        let places = moments.flat_map(|time_s| leaves(scene, time_s));
+        places
+            .map(|(_, middle, _)| (middle / DVec3::new(0.5, 4.0, 0.5)).length())
+            .fold(f64::INFINITY, f64::min)
+    };
+    // Let go beside it, and blown against it.
+    let beside = blown.replace("(1.0, 3.0, 1.0)", "(-0.6, 3.0, 1.0)");
+    assert!(least(&scene_of(trunk, &beside)) < 0.8);
+    let stopped = scene_of(trunk, &format!(r#"{beside}, obstacles: ["trunk"]"#));
+    let least = least(&stopped);
+    assert!(least > 1.0, "{least}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, scene_file("", &format!(r#"{FROM_A_BOX}, obstacles: ["tree", "house"]"#))).unwrap();
+    let said = scene::resolve(description::load(&path).unwrap(), None).unwrap_err().to_string();
+    assert!(said.contains("fall.autumn.obstacles[1]") && said.contains("house"), "{said}");
+}
+
+#[test]
 fn leaves_that_are_not_attached_are_not_there_before() {
     let scene = scene_of("", &format!("{FROM_A_BOX}, attached: false"));
     assert!(leaves(&scene, -0.5).iter().all(|(_, _, visible)| !visible));

@@ -32,6 +32,9 @@ pub struct Fall {
     /// What they come to rest on.
     #[serde(default)]
     pub ground: FallGround,
+    /// Names of objects that stop them.
+    #[serde(default)]
+    pub obstacles: Vec<String>,
     /// When they are let go.
     #[serde(default = "at_once")]
     pub release_s: Span<Finite>,

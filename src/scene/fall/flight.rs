@@ -1,6 +1,6 @@
 //! One leaf from its twig to the ground. In goes a leaf, out come its poses, evenly spaced but for the
-//! moment when it lands. Invariant: a pure function of the leaf, the wind and the ground; no frame rate
-//! and no frame reaches it, and before it lands no point of it is below the ground.
+//! moment when it lands. Invariant: a pure function of the leaf and what is around it; no frame rate
+//! and no frame reaches it, and before it lands no point of it is below the ground or in an obstacle.
 //!
 //! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind
 //! that is exact in the frame of the air; changing wind acts as a weight. What three dimensions need
@@ -9,6 +9,7 @@
 
 use super::ground::Ground;
 use super::landing;
+use super::obstacles::Obstacles;
 use super::plate::{GRAVITY, Plate, Scales, State};
 use super::together::Leg;
 use super::wind::Wind;
@@ -27,6 +28,17 @@ pub(crate) const LONGEST_FLIGHT_S: f64 = 120.0;
 const CARRIED_ALONG: f64 = 4.0;
 /// Time after its release in which a leaf takes up its manner, seconds.
 const TAKING_UP_S: f64 = 0.5;
+
+/// How fast a leaf backs off that hangs nearer to an obstacle than it reaches.
+const BACKING_OFF_M_PER_S: f64 = 0.3;
+
+/// Where leaves fall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surroundings<'a> {
+    pub(super) wind: &'a Wind,
+    pub(super) ground: &'a Ground,
+    pub(super) obstacles: &'a Obstacles,
+}
 
 /// A leaf that is about to fall.
 #[derive(Clone, Debug)]
@@ -109,20 +121,15 @@ pub(super) struct Journey {
 
 impl Journey {
     /// A leaf that is let go, with poses so far apart; or all that becomes of one that is on the ground already.
-    pub(super) fn released(
-        leaf: Leaf,
-        interval_s: f64,
-        wind: &Wind,
-        ground: &Ground,
-    ) -> Result<Self, Flight> {
+    pub(super) fn released(leaf: Leaf, interval_s: f64, around: Surroundings<'_>) -> Result<Self, Flight> {
         // Well within the 2.8 that the method bears.
         let longest_step = LONGEST_STEP.min(1.5 * leaf.plate.damping_time());
         let steps = (interval_s / (longest_step * leaf.own_time_s())).ceil() as usize;
-        let flier = Flier::released(&leaf, wind);
+        let flier = Flier::released(&leaf, around);
         let first = flier.pose(&leaf, 0.0);
         let mut poses = vec![first];
-        if first.middle.y < landing::lowest_height_m(&leaf, ground, &first) {
-            poses.extend(landing::settle(&leaf, ground, first, DVec3::ZERO, 0.5 * interval_s));
+        if first.middle.y < landing::lowest_height_m(&leaf, around.ground, &first) {
+            poses.extend(landing::settle(&leaf, around, first, DVec3::ZERO, 0.5 * interval_s));
             return Err(Flight { poses, landed_at: Some(0) });
         }
         Ok(Self { leaf, interval_s, steps, flier, poses })
@@ -136,12 +143,12 @@ impl Journey {
     }
 
     /// Takes what the steps have come to; all of the flight, if it has ended.
-    pub(super) fn arrive(&mut self, state: State, ground: &Ground) -> Option<Flight> {
-        self.flier.arrive(&self.leaf, state, self.interval_s);
+    pub(super) fn arrive(&mut self, state: State, around: Surroundings<'_>) -> Option<Flight> {
+        self.flier.arrive(&self.leaf, state, self.interval_s, around.obstacles);
         let number = self.poses.len();
         let before = self.poses[number - 1];
         let after = self.flier.pose(&self.leaf, self.interval_s * number as f64);
-        let Some(touching) = landing::first_touch(&self.leaf, ground, before, after) else {
+        let Some(touching) = landing::first_touch(&self.leaf, around.ground, before, after) else {
             self.poses.push(after);
             let is_last = number >= (LONGEST_FLIGHT_S / self.interval_s) as usize;
             return is_last.then(|| Flight { poses: mem::take(&mut self.poses), landed_at: None });
@@ -150,7 +157,7 @@ impl Journey {
         let mut poses = mem::take(&mut self.poses);
         landing::push_apart(&mut poses, touching);
         let landed_at = Some(poses.len() - 1);
-        poses.extend(landing::settle(&self.leaf, ground, touching, velocity, 0.5 * self.interval_s));
+        poses.extend(landing::settle(&self.leaf, around, touching, velocity, 0.5 * self.interval_s));
         Some(Flight { poses, landed_at })
     }
 }
@@ -170,11 +177,15 @@ struct Flier {
     /// Of the interval that it is in: the air at its end, and how fast the plane turns.
     next_air: DVec3,
     yaw_rad_per_s: f64,
+    /// Of the ball about its middle that is kept free of obstacles.
+    free_m: f64,
 }
 
 impl Flier {
-    fn released(leaf: &Leaf, wind: &Wind) -> Self {
-        let air = wind.at(leaf.middle, leaf.release_s);
+    fn released(leaf: &Leaf, around: Surroundings<'_>) -> Self {
+        let near = around.obstacles.nearest(leaf.middle, leaf.reach_m);
+        let free_m = near.map_or(leaf.reach_m, |near| near.distance(leaf.middle).max(0.1 * leaf.reach_m));
+        let air = around.wind.at(leaf.middle, leaf.release_s);
         let speed = leaf.scales.speed_m_per_s * leaf.speed_gain;
         let [along, across] = axes(leaf.heading);
         let through_air = -air;
@@ -191,6 +202,7 @@ impl Flier {
             moved: DVec3::ZERO,
             next_air: air,
             yaw_rad_per_s: 0.0,
+            free_m,
         }
     }
 
@@ -209,7 +221,7 @@ impl Flier {
     }
 
     /// Ends the interval with the plate in this state.
-    fn arrive(&mut self, leaf: &Leaf, state: State, interval_s: f64) {
+    fn arrive(&mut self, leaf: &Leaf, state: State, interval_s: f64, obstacles: &Obstacles) {
         let acceleration = (self.next_air - self.air) / interval_s;
         let [along, across] = axes(self.heading);
         let carried_s = CARRIED_ALONG * leaf.own_time_s();
@@ -218,11 +230,28 @@ impl Flier {
             (self.sideways - acceleration.dot(across) * interval_s) / (1.0 + interval_s / carried_s);
         let fallen = (along * state.x + DVec3::Y * state.y) * leaf.scales.length_m;
         self.moved = fallen + (across * self.sideways + 0.5 * (self.air + self.next_air)) * interval_s;
+        self.free_m = (self.free_m + BACKING_OFF_M_PER_S * interval_s).min(leaf.reach_m);
+        if let Some(contact) = obstacles.slide(self.middle, self.middle + self.moved, self.free_m) {
+            self.moved = contact.place - self.middle;
+            self.stop_towards(leaf, contact.normal);
+        }
         self.middle += self.moved;
         self.heading = turned(self.heading, 0.5 * self.yaw_rad_per_s * interval_s);
         self.sway_phase = turned(self.sway_phase, leaf.manner.sway_rad_per_s * interval_s);
         self.air = self.next_air;
         self.time_s += interval_s;
+    }
+
+    /// Takes away what of its velocity leads against a wall with this normal.
+    fn stop_towards(&mut self, leaf: &Leaf, normal: DVec3) {
+        let State { u, v, cos, sin, .. } = self.state;
+        let [along, across] = axes(self.heading);
+        let speed = leaf.scales.speed_m_per_s * leaf.speed_gain;
+        let (horizontal, upward) = (u * cos - v * sin, u * sin + v * cos);
+        let through_air = (along * horizontal + DVec3::Y * upward) * speed + across * self.sideways;
+        let away = normal * -(through_air + self.next_air).dot(normal).min(0.0);
+        self.state = self.state.with_velocity(horizontal + away.dot(along) / speed, upward + away.y / speed);
+        self.sideways += away.dot(across);
     }
 
     /// From 0 at the release to 1.

@@ -2,7 +2,7 @@
 //! no point of its outline goes below the ground, and it slides to a halt. How it settles is dressing:
 //! the air between leaf and ground is not modelled.
 
-use super::flight::{Leaf, Pose};
+use super::flight::{Leaf, Pose, Surroundings};
 use super::ground::Ground;
 use glam::{DQuat, DVec3};
 
@@ -76,12 +76,14 @@ pub(super) fn push_apart(poses: &mut Vec<Pose>, pose: Pose) {
 /// The poses after a touch, until the leaf lies.
 pub(super) fn settle(
     leaf: &Leaf,
-    ground: &Ground,
+    around: Surroundings<'_>,
     touch: Pose,
     velocity: DVec3,
     interval_s: f64,
 ) -> Vec<Pose> {
+    let ground = around.ground;
     let along = DVec3::new(velocity.x, 0.0, velocity.z);
+    let mut slid_to = touch.middle;
     let at = |time_s: f64, middle: DVec3, turn: DQuat| {
         let pose = Pose { time_s, middle, turn };
         let height_m = lowest_height_m(leaf, ground, &pose);
@@ -101,7 +103,10 @@ pub(super) fn settle(
             // Tips over, faster and faster, and is caught; slides ever slower.
             let turn = blend(touch.turn, flat, square * (3.0 - 2.0 * fraction));
             let slid_s = duration_s * (fraction - square + square * fraction / 3.0);
-            at(touch.time_s + duration_s * fraction, touch.middle + along * slid_s, turn)
+            let to = touch.middle + along * slid_s;
+            let stopped = around.obstacles.slide(slid_to, to, leaf.reach_m);
+            slid_to = stopped.map_or(to, |contact| contact.place);
+            at(touch.time_s + duration_s * fraction, slid_to, turn)
         })
         .collect()
 }

@@ -12,6 +12,7 @@ mod keys;
 mod landing;
 mod lanes;
 mod manner;
+mod obstacles;
 mod outline;
 mod plate;
 mod together;
@@ -23,7 +24,7 @@ mod tests;
 
 use crate::math::Chance;
 use crate::scene::Track;
-use flight::{Flight, Leaf};
+use flight::{Flight, Leaf, Surroundings};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -33,6 +34,7 @@ pub(super) use emitter::{Emitter, Surface};
 pub(super) use flight::LONGEST_FLIGHT_S;
 pub(super) use ground::Ground;
 pub(super) use manner::Mix;
+pub(super) use obstacles::Obstacles;
 pub(super) use outline::Outline;
 pub(super) use wind::Wind;
 
@@ -63,6 +65,7 @@ pub(super) struct Fall {
     pub(super) emitter: Emitter,
     pub(super) wind: Wind,
     pub(super) ground: Ground,
+    pub(super) obstacles: Obstacles,
     /// First and last release.
     pub(super) release_s: (f64, f64),
     /// Factor on all speeds but the wind's.
@@ -131,13 +134,17 @@ impl Fall {
                 let numbers = first..self.count.min(first + LEAVES_AT_A_TIME);
                 let mut fallen: Vec<Option<Fallen>> = numbers.clone().map(|_| None).collect();
                 let leaves = numbers.map(|number| self.leaf(number));
-                together::fly(leaves, &self.wind, &self.ground, |place, flight| {
+                together::fly(leaves, self.surroundings(), |place, flight| {
                     fallen[place] = self.fallen(first + place as u32, &flight);
                     tell(done.fetch_add(1, Ordering::Relaxed) + 1);
                 });
                 fallen.into_iter().flatten()
             })
             .collect()
+    }
+
+    fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings { wind: &self.wind, ground: &self.ground, obstacles: &self.obstacles }
     }
 
     /// What chance makes of a leaf's looks.

@@ -2,11 +2,9 @@
 //! flight is the one of its leaf alone, to the last bit. Plates take steps side by side; where one comes to the
 //! end of a leg, what turns it into a leaf is done for it alone, and where a flight ends, the next leaf takes its lane.
 
-use super::flight::{Flight, Journey, Leaf};
-use super::ground::Ground;
+use super::flight::{Flight, Journey, Leaf, Surroundings};
 use super::lanes::{LANES, Lanes};
 use super::plate::{Plate, State};
-use super::wind::Wind;
 
 /// What a plate does next: so many steps of `time` each under one weight.
 #[derive(Clone, Copy, Debug)]
@@ -72,8 +70,7 @@ struct Seat {
 /// Flies all leaves; `ended` hears of each by its number among them.
 pub(super) fn fly(
     leaves: impl Iterator<Item = Leaf>,
-    wind: &Wind,
-    ground: &Ground,
+    around: Surroundings<'_>,
     mut ended: impl FnMut(usize, Flight),
 ) {
     let mut waiting = leaves.enumerate();
@@ -85,7 +82,7 @@ pub(super) fn fly(
                 continue;
             }
             if let Some(Seat { number, journey, .. }) = seat
-                && let Some(flight) = journey.arrive(plates.state(lane), ground)
+                && let Some(flight) = journey.arrive(plates.state(lane), around)
             {
                 ended(*number, flight);
                 *seat = None;
@@ -94,13 +91,13 @@ pub(super) fn fly(
                 && let Some((number, leaf)) = waiting.next()
             {
                 let interval_s = leaf.interval_s();
-                match Journey::released(leaf, interval_s, wind, ground) {
+                match Journey::released(leaf, interval_s, around) {
                     Ok(journey) => *seat = Some(Seat { number, journey, steps_left: 0 }),
                     Err(flight) => ended(number, flight),
                 }
             }
             if let Some(seat) = seat {
-                let leg = seat.journey.depart(wind);
+                let leg = seat.journey.depart(around.wind);
                 plates.set(lane, &leg);
                 seat.steps_left = leg.steps;
             }

@@ -5,7 +5,7 @@ use super::Resolver;
 use crate::description::ron;
 use crate::diagnostic::Diagnostic;
 use crate::scene::fall::{
-    Emitter, Fall, Fallen, Ground, LONGEST_FLIGHT_S, Mix, Outline, Species, Surface, Wind,
+    Emitter, Fall, Fallen, Ground, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species, Surface, Wind,
 };
 use crate::scene::{Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
 use glam::{DAffine3, DVec3};
@@ -28,8 +28,9 @@ impl Resolver<'_> {
         let wind = self.wind(&owner, &block.wind);
         let mix = self.mix(&owner, block.motion.as_ref());
         let ground = self.ground(&owner, &block.ground);
-        let (Some((species, dresses)), Some(emitter), Some(wind), Some(mix), Some(ground)) =
-            (species, emitter, wind, mix, ground)
+        let obstacles = self.obstacles(&owner, &block.obstacles);
+        let (Some((species, dresses)), Some(emitter), Some(wind), Some(mix), Some(ground), Some(obstacles)) =
+            (species, emitter, wind, mix, ground, obstacles)
         else {
             return;
         };
@@ -49,6 +50,7 @@ impl Resolver<'_> {
             emitter,
             wind,
             ground,
+            obstacles,
             release_s: (block.release_s.at(0.0), block.release_s.at(1.0)),
             speed_gain: block.speed.si(),
         };
@@ -216,6 +218,14 @@ impl Resolver<'_> {
             Some(object) => self.still_triangles(&format!("{owner}.ground.object"), object)?,
         };
         Some(Ground::new(ground.height_m.si(), triangles))
+    }
+
+    fn obstacles(&mut self, owner: &str, names: &[String]) -> Option<Obstacles> {
+        let named = names.iter().enumerate();
+        let found: Vec<_> =
+            named.map(|(at, name)| self.still_triangles(&format!("{owner}.obstacles[{at}]"), name)).collect();
+        let triangles: Vec<_> = found.into_iter().collect::<Option<_>>()?;
+        Some(Obstacles::new(&triangles.concat()))
     }
 
     /// The triangles of an object's mesh in the world, if it never moves.
