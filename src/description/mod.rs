@@ -79,11 +79,11 @@ pub fn load(path: &Path) -> Result<Description, LoadError> {
     let mut files = Files::default();
     let (scene, sequence) = match extension(path).as_str() {
         "ron" => match ron::load(path, &mut files)? {
-            ron::RonFile::Scene(scene) => (SceneSource::Ron(scene), None),
+            ron::RonFile::Scene(scene) => (SceneSource::Ron(*scene), None),
             ron::RonFile::Sequence(sequence) => {
                 let scene = load_scene(&sequence.scene_path, &mut files)
                     .map_err(|error| error.asked_for_by(&format!("{}: scene", path.display())))?;
-                (scene, Some(sequence))
+                (scene, Some(*sequence))
             }
         },
         _ => (load_scene(path, &mut files)?, None),

@@ -73,9 +73,9 @@ pub struct LoadedScene {
 #[derive(Debug)]
 pub enum RonFile {
     /// `Scene(..)`.
-    Scene(LoadedScene),
+    Scene(Box<LoadedScene>),
     /// `Sequence(..)`.
-    Sequence(SequenceFile),
+    Sequence(Box<SequenceFile>),
 }
 
 /// Reads a RON file of either kind; a scene with everything that it refers to.
@@ -84,10 +84,13 @@ pub enum RonFile {
 /// [`LoadError`] if a file cannot be read, or does not hold what it should.
 pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
     match parse::parse(path, &files.read(path, None)?)? {
-        Document::Scene(file) => references::load(path, file, files).map(RonFile::Scene),
+        Document::Scene(file) => {
+            references::load(path, file, files).map(|scene| RonFile::Scene(Box::new(scene)))
+        }
         Document::Sequence(fields) => {
             let scene_path = beside(path, &fields.scene);
-            Ok(RonFile::Sequence(SequenceFile { path: path.to_owned(), scene_path, fields }))
+            let sequence = SequenceFile { path: path.to_owned(), scene_path, fields };
+            Ok(RonFile::Sequence(Box::new(sequence)))
         }
     }
 }
