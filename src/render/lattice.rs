@@ -20,8 +20,8 @@ const SAMPLES_PER_SLICE: f64 = 4.0;
 /// The same where slices have draws of their own, of which one tells little.
 const SAMPLES_PER_DRAW: f64 = 2.0;
 
-/// Of fewer samples slices are not cut at edges, for a quick look: each chord has as many pieces as a pixel samples.
-const FEWEST_CUT: f64 = 4.0;
+/// Of fewer samples slices are not cut: for a quick look one ray a chord must do.
+const FEWEST_CUT: f64 = 2.0;
 
 /// What one draw has wrong shows as a line along its slice. So slices with draws of their own take turns: of this many, side by
 /// side, each has samples only in pixels of its own, and neighbouring pixels mostly belong to different ones.
@@ -118,12 +118,7 @@ impl Lattice {
                 shift_along: along,
             }
         });
-        Self {
-            rings: rings.collect(),
-            turns,
-            run,
-            even_pieces: (samples < FEWEST_CUT).then_some(samples as u32),
-        }
+        Self { rings: rings.collect(), turns, run, even_pieces: (samples < FEWEST_CUT).then_some(1) }
     }
 
     /// How many slices there are.

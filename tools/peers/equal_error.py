@@ -95,7 +95,7 @@ def parse():
     parser.add_argument("--reference", type=Path, default=LEAVES500 / "box.exr")
     parser.add_argument("--reference-noise", type=float, default=0.00143, help="root mean square of its standard error")
     parser.add_argument("--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01])
-    parser.add_argument("--samples", type=numbers, default=[2, 4, 8, 16], help="of sunfleck")
+    parser.add_argument("--samples", type=numbers, default=[1, 4, 8, 16], help="of sunfleck")
     parser.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
