@@ -90,7 +90,7 @@ pub struct Rendered {
 /// What a frame took, and how good it is. All of it is the same for any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
-    /// Samples, over all pixels and lights.
+    /// Samples, over all pixels and lights; those of slices count as many as they are worth.
     pub samples: u64,
     /// Passes of the light that took most.
     pub passes: u32,
