@@ -93,6 +93,12 @@ fn describe(files: &[(&str, &[u8])]) {
 }
 
 fn show(description: Description) {
+    // Letting thousands of leaves fall takes seconds, and is no reader's work.
+    if let SceneSource::Ron(scene) = &description.scene
+        && scene.file.fall.iter().map(|(_, fall)| fall.count.get()).sum::<u32>() > MOST_INSTANCES as u32
+    {
+        return;
+    }
     let Ok((scene, settings)) = scene::resolve(description, None) else { return };
     if scene.instances.len() > MOST_INSTANCES || scene.cameras.is_empty() {
         return;

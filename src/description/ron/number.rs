@@ -349,6 +349,13 @@ impl<'de, R: Range> Deserialize<'de> for Span<R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whole<const LOW: u32, const HIGH: u32>(pub(crate) u32);
 
+impl<const LOW: u32, const HIGH: u32> Whole<LOW, HIGH> {
+    /// The number.
+    pub fn get(self) -> u32 {
+        self.0
+    }
+}
+
 impl<'de, const LOW: u32, const HIGH: u32> Deserialize<'de> for Whole<LOW, HIGH> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = u64::deserialize(deserializer)?;

@@ -143,6 +143,9 @@ impl Cell {
     }
 }
 
+/// Every so many points one is kept: a ring whose every point matters would take time in the square of its length.
+const LONGEST_STRETCH: usize = 512;
+
 /// A ring with fewer points, none of which the old one passes farther away than `tolerance` (Ramer 1972,
 /// Douglas and Peucker 1973); fewer than three points if there is nothing more to it.
 pub(super) fn simplified(ring: &[DVec2], tolerance: f64) -> Vec<DVec2> {
@@ -153,8 +156,11 @@ pub(super) fn simplified(ring: &[DVec2], tolerance: f64) -> Vec<DVec2> {
     let Some(start) = farthest(0) else { return Vec::new() };
     let opposite = farthest(start).map_or(0, |end| (end + ring.len() - start) % ring.len());
     let point = |index: usize| ring[(start + index) % ring.len()];
-    let mut kept = vec![0, opposite];
-    let mut waiting = vec![(0, opposite), (opposite, ring.len())];
+    let mut kept: Vec<usize> =
+        (0..ring.len()).step_by(LONGEST_STRETCH).chain([opposite, ring.len()]).collect();
+    kept.sort_unstable();
+    let mut waiting: Vec<_> = kept.windows(2).map(|ends| (ends[0], ends[1])).collect();
+    kept.pop(); // the start again
     while let Some((from, to)) = waiting.pop() {
         let worst = (from + 1..to)
             .map(|index| (index, distance_to_segment(point(index), point(from), point(to))))
@@ -192,6 +198,14 @@ mod tests {
             let texel = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
             (0.5 + radius - texel.distance(centre)).clamp(0.0, 1.0)
         }
+    }
+
+    #[test]
+    fn a_long_ring_without_a_straight_stretch_loses_no_point() {
+        let count = 1 << 18;
+        let zigzag = (0..count).map(|i| DVec2::new(f64::from(i), f64::from(i % 2)));
+        let ring: Vec<DVec2> = zigzag.chain([DVec2::new(f64::from(count), 1e6)]).collect();
+        assert_eq!(simplified(&ring, 0.25).len(), ring.len());
     }
 
     #[test]

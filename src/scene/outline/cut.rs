@@ -139,7 +139,8 @@ fn rest(rings: &[Ring], corners: [Point; 3]) -> Rest {
     let meets = |ring: &&Ring| {
         ring.low.x <= high.x && ring.high.x >= low.x && ring.low.y <= high.y && ring.high.y >= low.y
     };
-    let rings: Vec<Vec<Point>> = rings.iter().filter(meets).map(|ring| ring.points.clone()).collect();
+    let rings: Vec<Vec<Point>> =
+        rings.iter().filter(meets).map(|ring| shortened(&ring.points, low, high)).collect();
     let triangle = vec![corners.to_vec()];
     let shapes =
         Overlay::from_subj_and_clip(&rings, &triangle).overlay(OverlayRule::Intersect, FillRule::EvenOdd);
@@ -161,6 +162,38 @@ fn rest(rings: &[Ring], corners: [Point; 3]) -> Rest {
     Rest::Parts { points: mesh.points, triangles }
 }
 
+/// A ring without its detours on the far side of one edge of a box: within the box it encloses what it did, by the parity of
+/// its turns. So many triangles under one long ring cost what each of them meets of it.
+fn shortened(ring: &[Point], low: Point, high: Point) -> Vec<Point> {
+    // The sides of the box on whose far side a point lies (Cohen and Sutherland's codes).
+    let beyond = |point: Point| {
+        let sides = [point.x < low.x, point.x > high.x, point.y < low.y, point.y > high.y];
+        sides.into_iter().fold(0_u8, |code, is_beyond| code << 1 | u8::from(is_beyond))
+    };
+    let mut kept: Vec<Point> = Vec::new();
+    // Sides that all points since the last that was kept lie beyond, that one too.
+    let mut common = 0;
+    let mut passed = None;
+    for &point in ring {
+        let code = beyond(point);
+        if common & code == 0
+            && let Some(last) = passed.take()
+        {
+            kept.push(last);
+            common = beyond(last);
+        }
+        if common & code == 0 {
+            kept.push(point);
+            common = code;
+        } else {
+            passed = Some(point);
+            common &= code;
+        }
+    }
+    kept.extend(passed);
+    kept
+}
+
 fn on_grid(texel: DVec2) -> Point {
     let steps = (texel * STEPS_PER_TEXEL).round();
     Point::new(steps.x as i32, steps.y as i32)
@@ -180,4 +213,61 @@ fn dot(a: [i64; 2], b: [i64; 2]) -> i64 {
 
 fn twice_area([a, b, c]: [Point; 3]) -> i64 {
     cross(difference(a, b), difference(a, c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Point> {
+        (-9_i32..=9, -9_i32..=9).prop_map(|(x, y)| Point::new(x, y))
+    }
+
+    /// Twice the signed area that a ring has in a box: of the ring clipped at one side after the other (Sutherland and Hodgman).
+    fn area_within(ring: &[Point], low: Point, high: Point) -> f64 {
+        let mut polygon: Vec<DVec2> = ring.iter().map(|p| DVec2::new(p.x.into(), p.y.into())).collect();
+        for (side, limit) in
+            [(DVec2::X, -low.x), (-DVec2::X, high.x), (DVec2::Y, -low.y), (-DVec2::Y, high.y)]
+        {
+            let inside = |p: DVec2| p.dot(side) + f64::from(limit);
+            let before = polygon.clone();
+            polygon.clear();
+            for (i, &b) in before.iter().enumerate() {
+                let a = before[(i + before.len() - 1) % before.len()];
+                if inside(a) * inside(b) < 0.0 {
+                    polygon.push(a.lerp(b, inside(a) / (inside(a) - inside(b))));
+                }
+                if inside(b) >= 0.0 {
+                    polygon.push(b);
+                }
+            }
+        }
+        (0..polygon.len()).map(|i| polygon[i].perp_dot(polygon[(i + 1) % polygon.len()])).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn detours_beyond_a_box_do_not_count_in_it(
+            ring in prop::collection::vec(point(), 3..60),
+            low in (-4_i32..0, -4_i32..0),
+            high in (0_i32..4, 0_i32..4),
+        ) {
+            let (low, high) = (Point::new(low.0, low.1), Point::new(high.0, high.1));
+            let short = shortened(&ring, low, high);
+            prop_assert!(short.len() <= ring.len());
+            let (a, b) = (area_within(&short, low, high), area_within(&ring, low, high));
+            prop_assert!((a - b).abs() < 1e-9, "{a} {b} {short:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_way_round_is_left_out() {
+        let ring: Vec<Point> = (0..1000)
+            .map(|i| Point::new(100 + i % 7, i - 500))
+            .chain([Point::new(-5, 500), Point::new(-5, -500)])
+            .collect();
+        let short = shortened(&ring, Point::new(-10, -10), Point::new(10, 10));
+        assert!(short.len() < 10, "{short:?}");
+    }
 }
