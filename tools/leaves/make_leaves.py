@@ -16,7 +16,7 @@ from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
 from maps import blemished, leaf_maps
 from mesh import Mesh, write_obj
 from outlines import SPECIES, maple
-from paint import EVEN, paint_bark, paint_leaf, paint_light_through, paint_litter
+from paint import EVEN, paint_bark, paint_leaf, paint_light_through, paint_litter, paint_normals
 from palettes import RAMPS
 from png import write_png
 from trees import HABITS, make_tree
@@ -97,6 +97,8 @@ def make_textures(folder: Path, only: str) -> None:
     blades = [species() for species in SPECIES]
     for blade in (blade for blade in blades if blade.name.startswith(only)):
         shared = leaf_maps(blade, 512 if blade.name == "maple" else 384)
+        write_png(folder / f"{blade.name}_relief.png", paint_normals(shared), is_color=False)
+        print(f"{blade.name}_relief.png", flush=True)
         for name, age in AGES[blade.name].items():
             maps = blemished(shared, f"{blade.name} {name}")
             patchiness = PATCHINESS.get(f"{blade.name} {name}", EVEN)

@@ -72,6 +72,35 @@ def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: floa
     return rows
 
 
+def relief(maps: LeafMaps) -> Map:
+    """Height of the upper side over a flat blade in pixels, half as many a side as `maps` have: veins lie in furrows, between which it bulges."""
+    size = len(maps.vein) // 2
+    shares = [(-0.0045, maps.vein), (-0.0100, maps.glow), (-0.0010, maps.net), (0.0020, maps.mottle)]
+
+    def height(x: int, y: int) -> float:
+        return size * sum(0.25 * share * sum(part[2 * y][2 * x : 2 * x + 2] + part[2 * y + 1][2 * x : 2 * x + 2]) for share, part in shares)
+
+    return [[height(x, y) for x in range(size)] for y in range(size)]
+
+
+def paint_normals(maps: LeafMaps) -> list[bytes]:
+    """Where the upper side faces, as glTF's normal maps have it: x to the right, y up, z out of the picture."""
+    heights = relief(maps)
+    last = len(heights) - 1
+    rows = []
+    for y, here in enumerate(heights):
+        above, below = heights[max(0, y - 1)], heights[min(last, y + 1)]
+        row = bytearray()
+        for x in range(len(here)):
+            shown = maps.margin[2 * y][2 * x]
+            right = 0.5 * (here[min(last, x + 1)] - here[max(0, x - 1)]) if shown else 0.0
+            up = 0.5 * (above[x] - below[x]) if shown else 0.0
+            length = math.sqrt(right * right + up * up + 1.0)
+            row += bytes(round(127.5 + 127.5 * part / length) for part in (-right, -up, 1.0))
+        rows.append(bytes(row))
+    return rows
+
+
 def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
     """Fallen leaves on dark soil, repeating at the borders."""
     rng = random.Random("litter")

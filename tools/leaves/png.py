@@ -1,4 +1,4 @@
-"""PNG: rows of sRGB bytes in, a file out. Invariant: the same pixels give the same bytes."""
+"""PNG: rows of bytes in, a file out. Invariant: the same pixels give the same bytes."""
 
 import struct
 import zlib
@@ -27,8 +27,8 @@ def paeth(a: int, b: int, c: int) -> int:
     return b if pb <= pc else c
 
 
-def write_png(path: Path, rows: list[bytes]) -> None:
-    """Writes 8-bit sRGB rows, three bytes a pixel, top row first."""
+def write_png(path: Path, rows: list[bytes], is_color: bool = True) -> None:
+    """Writes 8-bit rows, three bytes a pixel, top row first: sRGB if they are colours, plain numbers else."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -38,7 +38,7 @@ def write_png(path: Path, rows: list[bytes]) -> None:
     path.write_bytes(
         b"\x89PNG\r\n\x1a\n"
         + chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]) // 3, len(rows), 8, 2, 0, 0, 0))
-        + chunk(b"sRGB", b"\0")
+        + (chunk(b"sRGB", b"\0") if is_color else b"")
         + chunk(b"IDAT", zlib.compress(data, 9))
         + chunk(b"IEND", b"")
     )

@@ -12,7 +12,7 @@ from make_leaves import AGES, leaves, make_meshes
 from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
 from outlines import SPECIES, maple
-from paint import paint_leaf, paint_light_through
+from paint import paint_leaf, paint_light_through, paint_normals
 from palettes import RAMPS
 from trees import HABITS, make_tree
 from triangulate import clip_ears, contains, distance_to_outline, doubled_area, triangulate
@@ -156,6 +156,29 @@ class Colours(unittest.TestCase):
         self.assertNotEqual(pictures[0], pictures[4])
         for picture in pictures:
             self.assertEqual({len(row) for row in picture}, {3 * 48})
+
+
+class Relief(unittest.TestCase):
+    def test_normals_are_unit_vectors_and_face_out_of_the_picture(self):
+        size = 48
+        rows = paint_normals(leaf_maps(maple(), 2 * size))
+        self.assertEqual({len(row) for row in rows}, {3 * size})
+        for row in rows:
+            for x in range(size):
+                normal = [value / 127.5 - 1 for value in row[3 * x : 3 * x + 3]]
+                self.assertAlmostEqual(math.hypot(*normal), 1.0, delta=0.02)
+                self.assertGreater(normal[2], 0.5)
+
+    def test_the_midrib_lies_in_a_furrow(self):
+        # Both its sides face it; beside the leaf all is flat.
+        half = 24
+        rows = paint_normals(leaf_maps(maple(), 4 * half))
+        left, right = (
+            sum(row[3 * x] for row in rows[half // 2 : half] for x in (at, at + 1)) / half for at in (half - 2, half)
+        )
+        self.assertGreater(left, 135)
+        self.assertLess(right, 120)
+        self.assertEqual(tuple(rows[0][0:3]), (128, 128, 255))
 
 
 class Plants(unittest.TestCase):
