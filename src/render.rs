@@ -7,6 +7,7 @@ mod draws;
 mod lattice;
 mod passes;
 mod refine;
+mod rings;
 mod slices;
 mod sum;
 mod survey;

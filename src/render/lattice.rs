@@ -7,10 +7,11 @@
 //! its place in the lattice. So each slice is turned so that it passes through its lattice place in the middle of
 //! the picture's angles from the axis; but about the axis, and about its far side, where they wander too far for that.
 
+use super::rings::Layout;
 use crate::film::Mask;
 use crate::math::kronecker;
 use crate::scene::{Size, Window};
-use crate::transport::slices::{Chord, Fan, Ring, Slice};
+use crate::transport::slices::{Chord, Fan, Ring, Separation, Slice};
 use std::f64::consts::{PI, TAU};
 
 /// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
@@ -23,12 +24,12 @@ const SAMPLES_PER_DRAW: f64 = 2.0;
 /// Of fewer samples slices are not cut: for a quick look one ray a chord must do.
 const FEWEST_CUT: f64 = 2.0;
 
-/// What one draw has wrong shows as a line along its slice. So slices with draws of their own take turns: of this many, side by
+/// What one draw has wrong shows as a line along its slice, if it is not cut short by rings. So slices with draws of their own take turns: of this many, side by
 /// side, each has samples only in pixels of its own, and neighbouring pixels mostly belong to different ones.
 const TURNS: usize = 2;
 
 /// From so many samples a pixel on such lines are too faint to pay for: slices that take turns gather what they cut twice as often.
-const NO_TURNS_FROM: f64 = 32.0;
+const NO_TURNS_FROM: f64 = 64.0;
 
 /// The slices of one pass over one light's part of the picture.
 pub(super) struct Lattice {
@@ -69,26 +70,29 @@ impl Lattice {
     /// About `samples` a pixel on slices of `base`; if slices are seen each with its own draw, `deviation_rad` is how far
     /// that makes their axis wander at most.
     /// A pass that is not the first is for few pixels, and its slices gather all that they cut all the same: they take no turns.
-    /// `shift` gives the random shifts of ring after ring, across the slices and along them.
+    /// `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them.
     pub(super) fn new(
         base: &Fan,
         deviation_rad: Option<f64>,
         samples: f64,
         is_first: bool,
+        segments: &dyn Fn(&Slice) -> usize,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let extent = base.extent();
         let is_drawn = deviation_rad.is_some();
         let deviation_rad = deviation_rad.unwrap_or(0.0);
-        let turns = if is_drawn && samples < NO_TURNS_FROM && is_first { TURNS } else { 1 };
         let samples_per_slice = if is_drawn { SAMPLES_PER_DRAW } else { SAMPLES_PER_SLICE };
         let slices_per_px = (samples / samples_per_slice).max(1.0);
         let run = (slices_per_px.ceil() as usize).next_power_of_two();
-        let rings = rings(base, deviation_rad).map(|ring| {
-            let (mean_px, greatest_px) = match base.separation_px(ring) {
-                (0.0, _) => base.separation_px(Ring::WHOLE),
-                separation => separation,
-            };
+        let layout = Layout { deviation_rad, samples, slices_per_px, segments };
+        let count = layout.count(base);
+        let is_streaky = is_drawn && count == 1 && samples < NO_TURNS_FROM;
+        let turns = if is_streaky && is_first { TURNS } else { 1 };
+        let rings = layout.cut(base, count).into_iter().map(|ring| {
+            let separation = base.separation(ring);
+            let Separation { mean_px, greatest_px, .. } =
+                if separation.area_px > 0.0 { separation } else { base.separation(Ring::WHOLE) };
             let (low, high) = (ring.0.max(extent.0), ring.1.min(extent.1));
             let anchor = 0.5 * (low + high);
             let turn = (deviation_rad.sin() / low.sin().min(high.sin()).max(0.0)).min(1.0).asin();
@@ -184,17 +188,6 @@ fn turn_of(x: usize, y: usize, turns: usize) -> usize {
 /// sequences").
 fn dither(x: usize, y: usize) -> f64 {
     (x as f64 * 0.754_877_666_246_692_7 + y as f64 * 0.569_840_290_998_053_2).fract()
-}
-
-/// One ring without deviation; else three, of which those about the axis and about its far side hold what wanders too far
-/// to be kept in place.
-fn rings(base: &Fan, deviation_rad: f64) -> impl Iterator<Item = Ring> {
-    let extent = base.extent();
-    let (low, high) = (2.0 * deviation_rad, PI - 2.0 * deviation_rad);
-    let within =
-        move |border: &f64| deviation_rad > 0.0 && low < high && extent.0 < *border && *border < extent.1;
-    let borders = [low, high].into_iter().filter(within).chain([PI]);
-    borders.scan(0.0, |before, border| Some(Ring(std::mem::replace(before, border), border)))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Chord, Fan, Place, SliceJob, SliceScratch, solve};
+use crate::transport::slices::{Chord, Fan, Place, Slice, SliceJob, SliceScratch, count_segments, solve};
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -81,8 +81,9 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
     let Some(base) = fan_of(&draws.middle()) else { return };
     let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
     let deviation_rad = (!draws.is_single()).then(|| wanders.fold(0.0, f64::max));
-    let lattice =
-        Lattice::new(&base, deviation_rad, f64::from(pass.samples), pass.before == 0, || sampler.next_2d());
+    let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
+    let (samples, is_first) = (f64::from(pass.samples), pass.before == 0);
+    let lattice = Lattice::new(&base, deviation_rad, samples, is_first, &segments, || sampler.next_2d());
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.

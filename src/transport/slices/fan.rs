@@ -34,6 +34,17 @@ impl Ring {
     pub const WHOLE: Self = Self(0.0, PI);
 }
 
+/// How far apart two slices that differ by one radian lie, pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Separation {
+    /// On average; 0 where there is no slice.
+    pub mean_px: f64,
+    /// At most.
+    pub greatest_px: f64,
+    /// How much of the picture this is of, pixels.
+    pub area_px: f64,
+}
+
 /// The image plane at distance 1 from a point of the lens, and the picture in it.
 #[derive(Clone, Copy, Debug)]
 struct Picture {
@@ -117,12 +128,11 @@ impl Fan {
         (place.y.atan2(place.x), place.perp_dot(change) / place.length_squared())
     }
 
-    /// How far, in pixels, two slices an angle of one radian apart lie from each other in the part of the picture
-    /// in a ring, on average and at most; 0 if there is none.
-    pub fn separation_px(&self, ring: Ring) -> (f64, f64) {
+    /// How far apart slices lie in the part of the picture in a ring.
+    pub fn separation(&self, ring: Ring) -> Separation {
         // Area per radian over length, found from a few slices.
         let probes = 64;
-        let (mut area_per_rad, mut length_px, mut greatest) = (0.0, 0.0, 0.0_f64);
+        let (mut area_per_rad, mut length_px, mut greatest_px) = (0.0, 0.0, 0.0_f64);
         for probe in 0..probes {
             let angle = self.angles.0 + self.angles.1 * (f64::from(probe) + 0.5) / f64::from(probes);
             if let Some(slice) = self.slice(angle, ring) {
@@ -130,10 +140,16 @@ impl Fan {
                 length_px += slice.length * self.picture.pixels_per_unit;
                 let (density, growth) = slice.density;
                 let widest = density.max(density + growth * slice.length);
-                greatest = greatest.max(widest / self.picture.pixels_per_unit);
+                greatest_px = greatest_px.max(widest / self.picture.pixels_per_unit);
             }
         }
-        (if length_px > 0.0 { area_per_rad / length_px } else { 0.0 }, greatest)
+        let mean_px = if length_px > 0.0 { area_per_rad / length_px } else { 0.0 };
+        Separation { mean_px, greatest_px, area_px: self.angles.1 * area_per_rad / f64::from(probes) }
+    }
+
+    /// Pixels to a radian in the middle of a picture that the camera looks straight at.
+    pub fn px_per_rad(&self) -> f64 {
+        self.picture.pixels_per_unit
     }
 
     /// The slice at an angle, as far as it lies in a ring; `None` if it misses the picture there.

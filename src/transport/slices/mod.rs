@@ -20,5 +20,5 @@ mod thinning_fog;
 mod veiled;
 
 pub use chord::Chord;
-pub use fan::{Fan, Place, Ring, Slice, pixel};
-pub use solve::{SliceJob, SliceScratch, solve};
+pub use fan::{Fan, Place, Ring, Separation, Slice, pixel};
+pub use solve::{SliceJob, SliceScratch, count_segments, solve};

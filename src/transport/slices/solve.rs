@@ -62,11 +62,7 @@ pub fn solve(
         FrozenLight::Sun { .. } => LightRays::Parallel,
         FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
     };
-    let planar = |place: &Place| {
-        // Rounding must not put a ray along the axis on the other side of it.
-        let reach = place.direction.dot(slice.outward).max(LEAST_SPREAD);
-        PlanarRay::new(DVec2::new(reach, place.direction.dot(job.fan.axis)))
-    };
+    let planar = |place: &Place| planar(job.fan, slice, place);
     let slope_at = |area: f64| planar(&slice.place(area)).slope;
     let SliceScratch { chords, lowest_slopes, cuts, sweep, veils, edges, fog, followed } = scratch;
     chords.clear();
@@ -130,4 +126,19 @@ pub fn solve(
         }
     }
     Some(blended_cuts + cuts.len())
+}
+
+/// How many segments a whole slice would gather of what is not blended.
+pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
+    let lowest_slope = planar(fan, slice, &slice.place(slice.area_per_rad)).slope;
+    let half_plane = HalfPlane { eye: fan.eye, axis: fan.axis, outward: slice.outward, lowest_slope };
+    let mut cuts = Vec::new();
+    snapshot.tree.add_cuts(&half_plane, &mut cuts);
+    cuts.len()
+}
+
+fn planar(fan: &Fan, slice: &Slice, place: &Place) -> PlanarRay {
+    // Rounding must not put a ray along the axis on the other side of it.
+    let reach = place.direction.dot(slice.outward).max(LEAST_SPREAD);
+    PlanarRay::new(DVec2::new(reach, place.direction.dot(fan.axis)))
 }

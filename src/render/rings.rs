@@ -1,0 +1,80 @@
+//! In which rings about the axis slices with draws of their own are laid out. In go the fan of the light's centre, how far others
+//! wander and what slices cut, out come rings. Invariant: the choice is the whole picture's, whichever part of it is wanted.
+//!
+//! Such a slice passes through its place half way across its ring, and is the farther from where it belongs the farther one looks from
+//! there: then pixels see now more slices, now fewer. In narrow rings all stay in order, but each ring gathers anew what its slices cut.
+
+use crate::transport::slices::{Fan, Ring, Slice};
+use std::f64::consts::PI;
+
+/// In how many rings the picture may be cut: 16 are hardly better than 8.
+const COUNTS: [u32; 4] = [1, 2, 4, 8];
+
+/// What a sample costs, in segments that a slice gathers, by profile: 1.1 microseconds and .4 in leaves500, 3.6 and 1.1 in `title`.
+const SEGMENTS_PER_SAMPLE: f64 = 3.0;
+
+/// How many slices of a ring are asked what they cut.
+const PROBES: u32 = 3;
+
+/// What decides about rings, beside the fan.
+pub(super) struct Layout<'a> {
+    /// How far fans wander at most.
+    pub(super) deviation_rad: f64,
+    /// Samples a pixel.
+    pub(super) samples: f64,
+    /// Slices for the width of a pixel.
+    pub(super) slices_per_px: f64,
+    /// How many segments a slice gathers.
+    pub(super) segments: &'a dyn Fn(&Slice) -> usize,
+}
+
+impl Layout<'_> {
+    /// In how many rings the picture takes the least time for the same error.
+    pub(super) fn count(&self, base: &Fan) -> u32 {
+        let cost = |count| self.cut(base, count).into_iter().map(|ring| self.cost(base, ring)).sum::<f64>();
+        // With little to gain nothing is asked of the scene.
+        let is_ordered = self.cut(base, 1).into_iter().all(|ring| self.disorder(base, ring) < 0.1);
+        if is_ordered {
+            return 1;
+        }
+        let costs = COUNTS.map(|count| (count, cost(count)));
+        costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(1, |(count, _)| count)
+    }
+
+    /// The picture in so many rings, and what lies about the axis and about its far side in others: there slices wander too far to be kept in any place.
+    pub(super) fn cut(&self, base: &Fan, count: u32) -> Vec<Ring> {
+        let extent = base.extent();
+        let (low, high) = (2.0 * self.deviation_rad, PI - 2.0 * self.deviation_rad);
+        let (from, to) = (extent.0.max(low), extent.1.min(high));
+        let mut borders = Vec::new();
+        if self.deviation_rad > 0.0 && from < to {
+            let between = |part: u32| from + (to - from) * f64::from(part) / f64::from(count);
+            borders.extend((extent.0 < low).then_some(low));
+            borders.extend((1..count).map(between));
+            borders.extend((high < extent.1).then_some(high));
+        }
+        borders.push(PI);
+        let starts = std::iter::once(0.0).chain(borders.iter().copied());
+        starts.zip(&borders).map(|(from, &to)| Ring(from, to)).collect()
+    }
+
+    /// What a ring costs, in segments: what its slices gather, and samples; of slices in disorder up to twice as many are needed for the same error.
+    fn cost(&self, base: &Fan, ring: Ring) -> f64 {
+        let separation = base.separation(ring);
+        let angle = |probe: u32| base.angles.0 + base.angles.1 * (f64::from(probe) + 0.5) / f64::from(PROBES);
+        let slices = (0..PROBES).filter_map(|probe| base.slice(angle(probe), ring));
+        let segments = slices.map(|slice| (self.segments)(&slice)).sum::<usize>() as f64 / f64::from(PROBES);
+        let gathered = base.angles.1 * self.slices_per_px * separation.mean_px * segments;
+        let samples = self.samples * separation.area_px * (1.0 + self.disorder(base, ring));
+        gathered + SEGMENTS_PER_SAMPLE * samples
+    }
+
+    /// How far slices are out of their order at the ring's borders, `0..1`: fitted to leaves500 under a sun of 0.53 degrees in 1 to 16 rings.
+    fn disorder(&self, base: &Fan, ring: Ring) -> f64 {
+        let extent = base.extent();
+        let (from, to) = (ring.0.max(extent.0), ring.1.min(extent.1));
+        let turned_rad = self.deviation_rad * 0.5 * (to - from) / (0.5 * (from + to)).sin();
+        let passed = (turned_rad * base.px_per_rad() * self.slices_per_px).powi(2);
+        passed / (2.0 + passed)
+    }
+}
