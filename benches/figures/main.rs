@@ -2,6 +2,7 @@
 #![allow(missing_docs, unreachable_pub, clippy::print_stdout, clippy::print_stderr, clippy::unwrap_used)]
 
 mod falling;
+mod heaps;
 mod import;
 mod inputs;
 mod leaks;
@@ -22,6 +23,7 @@ fn main() {
     let count = |default: u64| arguments.get(1).and_then(|count| count.parse().ok()).unwrap_or(default);
     match arguments.first().map(String::as_str) {
         Some("falling") => falling::run(count(3) as usize),
+        Some("heaps") => heaps::run(arguments.get(1)),
         Some("import") => import::run(count(3) as usize),
         // What `import` starts.
         Some("read") => import::read(Path::new(&arguments[1])),
@@ -42,6 +44,7 @@ fn main() {
             );
             println!("canopy [rounds]   whole pictures of 20,000 leaves by slices: time and error");
             println!("falling [rounds]  20,000 falling leaves from the file to their keys: time");
+            println!("heaps [file]      leaves that have fallen and lie through each other");
             println!("import [rounds]   large glTF files: time and memory");
             println!("leaks [rays]      rays aimed at edges and vertices of closed meshes that pass through");
             println!("near [rounds]     a near light's lit parts, few and many: time and error");

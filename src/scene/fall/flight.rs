@@ -1,5 +1,5 @@
 //! One leaf from its twig to the ground. In goes a leaf, out come its poses, evenly spaced but for the
-//! moment when it lands. Invariant: a pure function of the leaf and what is around it; no frame rate
+//! one that touches it. Invariant: a pure function of the leaf and what is around it; no frame rate
 //! and no frame reaches it, and before it lands no point of it is below the ground or in an obstacle.
 //!
 //! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind
@@ -89,13 +89,13 @@ pub(crate) struct Pose {
     pub(crate) turn: DQuat,
 }
 
-/// All that becomes of a leaf.
+/// What becomes of a leaf in the air.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flight {
-    /// From the release on.
+    /// From the release on; the last touches the ground, unless the leaf never does.
     pub(crate) poses: Vec<Pose>,
-    /// Which pose is the first that touches the ground, unless it never does.
-    pub(crate) landed_at: Option<usize>,
+    /// Its velocity there.
+    pub(crate) touches_with: Option<DVec3>,
 }
 
 impl Leaf {
@@ -120,17 +120,16 @@ pub(super) struct Journey {
 }
 
 impl Journey {
-    /// A leaf that is let go, with poses so far apart; or all that becomes of one that is on the ground already.
+    /// A leaf that is let go, with poses so far apart; or the flight of one that is on the ground already.
     pub(super) fn released(leaf: Leaf, interval_s: f64, around: Surroundings<'_>) -> Result<Self, Flight> {
         // Well within the 2.8 that the method bears.
         let longest_step = LONGEST_STEP.min(1.5 * leaf.plate.damping_time());
         let steps = (interval_s / (longest_step * leaf.own_time_s())).ceil() as usize;
         let flier = Flier::released(&leaf, around);
         let first = flier.pose(&leaf, 0.0);
-        let mut poses = vec![first];
-        if first.middle.y < landing::lowest_height_m(&leaf, around.ground, &first) {
-            poses.extend(landing::settle(&leaf, around, first, DVec3::ZERO, 0.5 * interval_s));
-            return Err(Flight { poses, landed_at: Some(0) });
+        let poses = vec![first];
+        if landing::is_below(&leaf, around.ground, &first) {
+            return Err(Flight { poses, touches_with: Some(DVec3::ZERO) });
         }
         Ok(Self { leaf, interval_s, steps, flier, poses })
     }
@@ -151,14 +150,12 @@ impl Journey {
         let Some(touching) = landing::first_touch(&self.leaf, around.ground, before, after) else {
             self.poses.push(after);
             let is_last = number >= (LONGEST_FLIGHT_S / self.interval_s) as usize;
-            return is_last.then(|| Flight { poses: mem::take(&mut self.poses), landed_at: None });
+            return is_last.then(|| Flight { poses: mem::take(&mut self.poses), touches_with: None });
         };
         let velocity = (after.middle - before.middle) / self.interval_s;
         let mut poses = mem::take(&mut self.poses);
         landing::push_apart(&mut poses, touching);
-        let landed_at = Some(poses.len() - 1);
-        poses.extend(landing::settle(&self.leaf, around, touching, velocity, 0.5 * self.interval_s));
-        Some(Flight { poses, landed_at })
+        Some(Flight { poses, touches_with: Some(velocity) })
     }
 }
 

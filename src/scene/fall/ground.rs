@@ -92,7 +92,7 @@ impl Ground {
 }
 
 /// Height of the triangle's plane over a place that it covers, its edges included.
-fn height_in([a, b, c]: [DVec3; 3], place: DVec2) -> Option<f64> {
+pub(super) fn height_in([a, b, c]: [DVec3; 3], place: DVec2) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let (x, z) = (place.x - a.x, place.y - a.z);
     let area = ab.x * ac.z - ab.z * ac.x;

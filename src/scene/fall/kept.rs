@@ -1,52 +1,44 @@
-//! Bakes as bytes, and back. In goes a fall, out come its leaves, from where bakes are kept if they are
+//! Bakes as bytes, and back. In goes a fall, out come its flights, from where bakes are kept if they are
 //! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken: its
 //! name says what was baked and by which edition of this code, its digest that nothing is damaged.
 //!
-//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves; SHA-256 of all that.
+//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves' flights; SHA-256 of all that.
 
-use super::{Fall, Fallen};
+use super::Fall;
+use super::flight::Pose;
+use super::flown::Flown;
 use crate::scene::baking::Baking;
 use crate::scene::{Animate, Extend, Key, Segment, Track};
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::fmt::{self, Write};
 
 /// To be raised with every change of what falls give: old bakes have old names then.
-pub(super) const EDITION: u32 = 1;
-const MAGIC: &[u8; 16] = b"sunfleck bake 1\n";
+pub(super) const EDITION: u32 = 2;
+const MAGIC: &[u8; 16] = b"sunfleck bake 2\n";
 const DIGEST_BYTES: usize = 32;
 /// Fewer leaves are baked before a file is found.
 const FEWEST: u32 = 1000;
 
 impl Fall {
-    /// All leaves in order, out of the store if they are in it.
-    pub(in crate::scene) fn bake_or_recall(&self, baking: &Baking) -> Vec<Fallen> {
+    /// How all leaves fly, in order, out of the store if it is in it.
+    pub(in crate::scene) fn fly_or_recall(&self, baking: &Baking) -> Vec<Flown> {
         let tell = |done| (baking.tell)(done, self.count);
         if self.count < FEWEST {
-            return self.bake(&tell);
+            return self.fly(&tell);
         }
         let name = self.name();
         let recalled = (baking.recall)(&name).and_then(|bytes| decode(&bytes));
-        if let Some(leaves) = recalled.filter(|leaves| self.could_have(leaves)) {
-            return leaves;
+        if let Some(flown) = recalled.filter(|flown| flown.len() == self.count as usize) {
+            return flown;
         }
-        let leaves = self.bake(&tell);
-        (baking.keep)(&name, &encode(&leaves));
-        leaves
+        let flown = self.fly(&tell);
+        (baking.keep)(&name, &encode(&flown));
+        flown
     }
 
-    /// Whether others can work with these leaves, whoever made them.
-    fn could_have(&self, leaves: &[Fallen]) -> bool {
-        leaves.len() == self.count as usize
-            && leaves.iter().all(|leaf| {
-                self.species.get(leaf.species).is_some_and(|species| leaf.outline < species.outlines.len())
-                    && (0.0..1.0).contains(&leaf.material)
-                    && leaf.scale.is_finite()
-                    && leaf.release_s.is_finite()
-            })
-    }
-
-    /// Of all that the leaves depend on.
+    /// Of all that flights depend on.
     pub(super) fn name(&self) -> String {
         let mut hash = Hashed(Sha256::new());
         // Shortest decimals give numbers back to the last bit, so that they tell all numbers apart.
@@ -65,7 +57,7 @@ impl Write for Hashed {
     }
 }
 
-pub(super) fn encode(leaves: &[Fallen]) -> Vec<u8> {
+pub(super) fn encode(leaves: &[Flown]) -> Vec<u8> {
     let bodies: Vec<Vec<u8>> = leaves.par_iter().map(leaf_bytes).collect();
     let mut bytes = MAGIC.to_vec();
     bytes.extend((leaves.len() as u64).to_le_bytes());
@@ -81,7 +73,7 @@ pub(super) fn encode(leaves: &[Fallen]) -> Vec<u8> {
 }
 
 /// `None` of anything that `encode` did not write.
-pub(super) fn decode(bytes: &[u8]) -> Option<Vec<Fallen>> {
+pub(super) fn decode(bytes: &[u8]) -> Option<Vec<Flown>> {
     let (content, digest) = bytes.split_at_checked(bytes.len().checked_sub(DIGEST_BYTES)?)?;
     if Sha256::digest(content)[..] != *digest {
         return None;
@@ -99,33 +91,31 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Vec<Fallen>> {
         .collect()
 }
 
-fn leaf_bytes(leaf: &Fallen) -> Vec<u8> {
+fn leaf_bytes(leaf: &Flown) -> Vec<u8> {
     let mut bytes = Vec::new();
-    for integer in [leaf.species, leaf.outline, usize::from(leaf.landed)] {
-        bytes.extend((integer as u64).to_le_bytes());
+    bytes.extend((leaf.tail.len() as u64).to_le_bytes());
+    for pose in &leaf.tail {
+        let numbers = [[pose.time_s].as_slice(), &pose.middle.to_array(), &pose.turn.to_array()].concat();
+        bytes.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
     }
-    for number in [leaf.material, leaf.scale, leaf.release_s] {
-        bytes.extend(number.to_le_bytes());
+    bytes.extend(leaf.velocity.to_array().into_iter().flat_map(f64::to_le_bytes));
+    if let Some((places, turns)) = &leaf.head {
+        push_track(places, &mut bytes);
+        push_track(turns, &mut bytes);
     }
-    push_track(&leaf.translation, &mut bytes);
-    push_track(&leaf.rotation, &mut bytes);
     bytes
 }
 
-fn leaf_of(bytes: &[u8]) -> Option<Fallen> {
+fn leaf_of(bytes: &[u8]) -> Option<Flown> {
     let mut reader = Reader(bytes);
-    let [species, outline, landed] = [reader.integer()?, reader.integer()?, reader.integer()?];
-    let [material, scale, release_s] = [reader.number()?, reader.number()?, reader.number()?];
-    Some(Fallen {
-        species: usize::try_from(species).ok()?,
-        outline: usize::try_from(outline).ok()?,
-        material,
-        scale,
-        translation: reader.track()?,
-        rotation: reader.track()?,
-        release_s,
-        landed: landed == 1,
-    })
+    let mut tail = Vec::new();
+    for _ in 0..reader.integer()? {
+        let (time_s, middle) = (reader.number()?, DVec3::from_array(reader.numbers()?));
+        tail.push(Pose { time_s, middle, turn: DQuat::from_array(reader.numbers()?) });
+    }
+    let velocity = DVec3::from_array(reader.numbers()?);
+    let head = if reader.0.is_empty() { None } else { Some((reader.track()?, reader.track()?)) };
+    Flown { head, tail, velocity }.checked()
 }
 
 /// Times, values and slopes of a smooth track whose numbers are of single precision.
@@ -160,6 +150,14 @@ impl Reader<'_> {
         self.take().map(f64::from_le_bytes)
     }
 
+    fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = self.number()?;
+        }
+        Some(numbers)
+    }
+
     fn value<T: Animate>(&mut self) -> Option<T> {
         let mut singles = [0.0; 4];
         for single in &mut singles[..T::SINGLES] {
@@ -190,8 +188,8 @@ mod tests {
     use std::cell::{Cell, RefCell};
     use std::collections::BTreeMap;
 
-    fn few() -> Vec<Fallen> {
-        Fall { count: 20, ..fall(every_way(), storm(), level()) }.bake(&|_| {})
+    fn few() -> Vec<Flown> {
+        Fall { count: 20, ..fall(every_way(), storm(), level()) }.fly(&|_| {})
     }
 
     #[test]
@@ -201,9 +199,12 @@ mod tests {
         assert_eq!(decode(&bytes).unwrap(), leaves);
         assert_eq!(decode(&encode(&[])).unwrap(), []);
         // Single precision: nothing is kept twice as large as need be.
-        let keys: usize = leaves.iter().map(|leaf| leaf.translation.times_s().len() * 32).sum::<usize>()
-            + leaves.iter().map(|leaf| leaf.rotation.times_s().len() * 40).sum::<usize>();
-        assert!(bytes.len() < keys + 20 * 100 + 100, "{} {keys}", bytes.len());
+        let keys = |leaf: &Flown| match &leaf.head {
+            Some((places, turns)) => places.times_s().len() * 32 + turns.times_s().len() * 40,
+            None => 0,
+        };
+        let most = leaves.iter().map(|leaf| keys(leaf) + leaf.tail.len() * 64 + 100).sum::<usize>();
+        assert!(bytes.len() < most + 100, "{} {most}", bytes.len());
     }
 
     #[test]
@@ -255,14 +256,17 @@ mod tests {
             kept.borrow_mut().insert(name.to_owned(), bytes.to_vec());
         };
         let baking = Baking { tell: &|_, _| {}, recall: &recall, keep: &keep };
-        let leaves = many.bake_or_recall(&baking);
-        assert_eq!((many.bake_or_recall(&baking), baked.get()), (leaves.clone(), 1));
+        let flown = many.fly_or_recall(&baking);
+        assert_eq!((many.fly_or_recall(&baking), baked.get()), (flown.clone(), 1));
         // Few leaves are not worth a file.
-        other.bake_or_recall(&baking);
+        other.fly_or_recall(&baking);
         assert_eq!(baked.get(), 1);
-        // Leaves of a species that there is not, under the right name and digest.
-        let foreign: Vec<Fallen> = leaves.iter().map(|leaf| Fallen { species: 1, ..leaf.clone() }).collect();
-        kept.borrow_mut().insert(many.name(), encode(&foreign));
-        assert_eq!((many.bake_or_recall(&baking), baked.get()), (leaves, 2));
+        // Leaves that were never anywhere, and too few of them, under the right name and digest.
+        let nowhere: Vec<Flown> =
+            flown.iter().map(|leaf| Flown { head: None, tail: Vec::new(), ..leaf.clone() }).collect();
+        for (foreign, bakes) in [(nowhere, 2), (flown[1..].to_vec(), 3)] {
+            kept.borrow_mut().insert(many.name(), encode(&foreign));
+            assert_eq!((many.fly_or_recall(&baking), baked.get()), (flown.clone(), bakes));
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Poses in, as few keys as show them out. Invariant: between keys the curves pass every pose within
 //! the tolerance.
 
-use super::flight::{Flight, Pose};
+use super::flight::Pose;
 use crate::scene::{Animate, Extend, Key, Segment, Track};
 use glam::{DQuat, DVec3};
 
@@ -16,7 +16,7 @@ pub(crate) struct Tolerance {
 }
 
 /// A pose with the slopes of the curves through it.
-struct Knot {
+pub(crate) struct Knot {
     time_s: f64,
     place: DVec3,
     turn: DQuat,
@@ -29,18 +29,13 @@ struct Knot {
 /// Once a leaf has touched the ground.
 const CARE_ON_GROUND: f64 = 1.0 / 3.0;
 
-/// Place and turn of a node whose own point `middle` is the leaf's; `None` without a pose.
-pub(crate) fn keyed(
-    flight: &Flight,
-    middle: DVec3,
-    tolerance: Tolerance,
-) -> Option<(Track<DVec3>, Track<DQuat>)> {
-    let knots = knots(flight, middle);
+/// Place and turn of a node; `None` without a knot.
+pub(crate) fn keyed(knots: &[Knot], tolerance: Tolerance) -> Option<(Track<DVec3>, Track<DQuat>)> {
     let near = |knot: &Knot, place: DVec3| place.distance(knot.place) <= knot.care * tolerance.place_m;
-    let places = smooth(&knots, |knot| (knot.place, knot.velocity), near);
+    let places = smooth(knots, |knot| (knot.place, knot.velocity), near);
     // The chord between two rotations is half the angle.
     let near = |knot: &Knot, turn: DQuat| (turn - knot.turn).length() <= knot.care * 0.5 * tolerance.turn_rad;
-    let turns = smooth(&knots, |knot| (knot.turn, knot.turning), near);
+    let turns = smooth(knots, |knot| (knot.turn, knot.turning), near);
     Some((places?, turns?))
 }
 
@@ -72,41 +67,56 @@ fn smooth<T: Animate>(
     Track::new((0..kept.len()).map(key).collect(), Extend::Hold)
 }
 
-/// Slopes by differences; where a leaf touches the ground, of what comes after: its fall ends there.
-fn knots(flight: &Flight, middle: DVec3) -> Vec<Knot> {
-    let mut previous = DQuat::IDENTITY;
-    let mut poses: Vec<Pose> = flight.poses.clone();
-    for pose in &mut poses {
-        // Of the two forms of a rotation, the one on the side of the one before.
+/// One track, then another that starts where it ends; the slope there is the second one's.
+pub(crate) fn joined<T: Animate>(first: &Track<T>, second: &Track<T>) -> Option<Track<T>> {
+    let (mut keys, more) = (first.keys(), second.keys());
+    keys.pop();
+    if let (Some(Key { to_next: Segment::Hermite { arrive, .. }, .. }), Segment::Hermite { leave, .. }) =
+        (keys.last_mut(), more.first()?.to_next)
+    {
+        *arrive = leave;
+    }
+    keys.extend(more);
+    Track::new(keys, Extend::Hold)
+}
+
+/// Of the two forms of each rotation takes the one on the side of the one before.
+pub(crate) fn to_one_side(poses: &mut [Pose], mut previous: DQuat) {
+    for pose in poses {
         pose.turn = if pose.turn.dot(previous) < 0.0 { -pose.turn } else { pose.turn };
         previous = pose.turn;
-        pose.middle -= pose.turn * middle;
     }
+}
+
+/// Poses, all on one side, of a node whose own point `middle` is the leaf's. Slopes by differences; where a leaf first
+/// touches what it comes to rest on, of what comes after: its fall ends there.
+pub(crate) fn knots(poses: &[Pose], landed_at: Option<usize>, middle: DVec3) -> Vec<Knot> {
+    let poses: Vec<Pose> =
+        poses.iter().map(|&pose| Pose { middle: pose.middle - pose.turn * middle, ..pose }).collect();
     let last = poses.len() - 1;
     (0..poses.len())
         .map(|at| {
-            let touches = flight.landed_at == Some(at);
+            let touches = landed_at == Some(at);
             let from = &poses[if touches { at } else { at.saturating_sub(1) }];
             let to = &poses[(at + 1).min(last)];
-            let rests = at == last && flight.landed_at.is_some() || last == 0;
+            let rests = at == last && landed_at.is_some() || last == 0;
             let over =
                 if rests || to.time_s == from.time_s { 0.0 } else { (to.time_s - from.time_s).recip() };
             let Pose { time_s, middle: place, turn } = poses[at];
             let (mut velocity, mut turning) =
                 ((to.middle - from.middle) * over, (to.turn - from.turn) * over);
             // Where poses are evenly spaced to both sides.
-            let end = flight.landed_at.map_or(last, |landed_at| landed_at.saturating_sub(1));
+            let end = landed_at.map_or(last, |landed_at| landed_at.saturating_sub(1));
             if at >= 2 && at + 2 <= end {
                 // Differences of fourth order: with those of second, a curve's slopes would be its largest error.
                 let (far_from, far_to) = (&poses[at - 2], &poses[at + 2]);
                 velocity = (velocity * 8.0 - (far_to.middle - far_from.middle) * over) / 6.0;
                 turning = (turning * 8.0 - (far_to.turn - far_from.turn) * over) / 6.0;
             }
-            if flight.landed_at.is_some_and(|landed_at| at > landed_at) {
+            if landed_at.is_some_and(|landed_at| at > landed_at) {
                 velocity.y = monotone(from, &poses[at], to);
             }
-            let care =
-                if flight.landed_at.is_some_and(|landed_at| at >= landed_at) { CARE_ON_GROUND } else { 1.0 };
+            let care = if landed_at.is_some_and(|landed_at| at >= landed_at) { CARE_ON_GROUND } else { 1.0 };
             Knot { time_s, place, turn, velocity, turning, care }
         })
         .collect()

@@ -1,6 +1,5 @@
-//! A leaf that touches the ground and comes to rest on it, on three of its points, on the side that is nearer. Invariant:
-//! no point of its outline goes below the ground, and it slides to a halt. How it settles is dressing:
-//! the air between leaf and ground is not modelled.
+//! A leaf that touches the ground, or what lies on it, and comes to rest. Invariant: no point of its outline goes
+//! below the ground, and it slides to a halt. How it settles is dressing: the air below it is not modelled.
 
 use super::flight::{Leaf, Pose, Surroundings};
 use super::ground::Ground;
@@ -10,7 +9,7 @@ use glam::{DQuat, DVec3};
 /// for one that stands on its edge.
 const SETTLING: (f64, f64) = (2.0, 4.0);
 /// Keys closer than this could fall together in the single precision of files, seconds.
-const LEAST_INTERVAL_S: f64 = 1e-3;
+pub(super) const LEAST_INTERVAL_S: f64 = 1e-3;
 
 /// How often is looked from one pose to the next: corners swing.
 const LOOKS: u32 = 4;
@@ -22,9 +21,6 @@ fn is_high(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
 
 /// How high the middle must be for no point of the outline to be below the ground.
 pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 {
-    if is_high(leaf, ground, pose) {
-        return f64::NEG_INFINITY;
-    }
     let heights = leaf.outline.iter().map(|&point| {
         let point = pose.turn * point;
         ground.height_m(pose.middle.x + point.x, pose.middle.z + point.z) - point.y
@@ -32,15 +28,22 @@ pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 
     heights.fold(f64::NEG_INFINITY, f64::max) + leaf.clearance_m
 }
 
+/// Whether a point of the outline is below the ground.
+pub(super) fn is_below(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
+    !is_high(leaf, ground, pose) && pose.middle.y < lowest_height_m(leaf, ground, pose)
+}
+
 /// The pose between two at which the leaf first touches the ground, if it does.
 pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, before: Pose, after: Pose) -> Option<Pose> {
     if is_high(leaf, ground, &before) && is_high(leaf, ground, &after) {
         return None;
     }
-    let is_below = |fraction: f64| {
-        let pose = between(before, after, fraction);
-        pose.middle.y < lowest_height_m(leaf, ground, &pose)
-    };
+    first_below(before, after, |pose| is_below(leaf, ground, pose))
+}
+
+/// The last pose between two before one that is too low.
+pub(super) fn first_below(before: Pose, after: Pose, is_below: impl Fn(&Pose) -> bool) -> Option<Pose> {
+    let is_below = |fraction: f64| is_below(&between(before, after, fraction));
     let mut looks = (1..=LOOKS).map(|look| f64::from(look) / f64::from(LOOKS));
     let mut high = looks.find(|&fraction| is_below(fraction))?;
     let mut low = high - 1.0 / f64::from(LOOKS);
@@ -73,40 +76,68 @@ pub(super) fn push_apart(poses: &mut Vec<Pose>, pose: Pose) {
     poses.push(pose);
 }
 
-/// The poses after a touch, until the leaf lies.
-pub(super) fn settle(
-    leaf: &Leaf,
-    around: Surroundings<'_>,
+/// A leaf from its first touch to its rest.
+#[derive(Clone, Debug)]
+pub(super) struct Settling {
     touch: Pose,
-    velocity: DVec3,
-    interval_s: f64,
-) -> Vec<Pose> {
-    let ground = around.ground;
-    let along = DVec3::new(velocity.x, 0.0, velocity.z);
-    let mut slid_to = touch.middle;
-    let at = |time_s: f64, middle: DVec3, turn: DQuat| {
-        let pose = Pose { time_s, middle, turn };
-        let height_m = lowest_height_m(leaf, ground, &pose);
-        Pose { middle: DVec3::new(middle.x, height_m, middle.z), ..pose }
-    };
-    let normal = ground.normal(touch.middle.x, touch.middle.z, leaf.reach_m);
-    let side = usize::from((touch.turn * DVec3::Y).dot(normal) < 0.0);
-    let own_normal = touch.turn * leaf.rests[side];
-    let flat = DQuat::from_rotation_arc(own_normal, normal) * touch.turn;
-    let steepness = 1.0 - own_normal.dot(normal);
-    let duration_s = (SETTLING.0 + SETTLING.1 * steepness) * leaf.own_time_s();
-    let count = (duration_s / interval_s).ceil().max(6.0);
-    (1..=count as usize)
-        .map(|number| {
-            let fraction = number as f64 / count;
-            let square = fraction * fraction;
-            // Tips over, faster and faster, and is caught; slides ever slower.
-            let turn = blend(touch.turn, flat, square * (3.0 - 2.0 * fraction));
-            let slid_s = duration_s * (fraction - square + square * fraction / 3.0);
-            let to = touch.middle + along * slid_s;
-            let stopped = around.obstacles.slide(slid_to, to, leaf.reach_m);
-            slid_to = stopped.map_or(to, |contact| contact.place);
-            at(touch.time_s + duration_s * fraction, slid_to, turn)
-        })
-        .collect()
+    /// Where its middle slides to, at even times; heights are not looked at.
+    places: Vec<DVec3>,
+    /// Where it comes to rest.
+    pub(super) rest: Pose,
+}
+
+impl Settling {
+    /// On bare ground, on three of its points, on the side that is nearer; poses are about so far apart.
+    pub(super) fn new(
+        leaf: &Leaf,
+        around: Surroundings<'_>,
+        touch: Pose,
+        velocity: DVec3,
+        interval_s: f64,
+    ) -> Self {
+        let normal = around.ground.normal(touch.middle.x, touch.middle.z, leaf.reach_m);
+        let side = usize::from((touch.turn * DVec3::Y).dot(normal) < 0.0);
+        let own_normal = touch.turn * leaf.rests[side];
+        let flat = DQuat::from_rotation_arc(own_normal, normal) * touch.turn;
+        let steepness = 1.0 - own_normal.dot(normal);
+        let duration_s = (SETTLING.0 + SETTLING.1 * steepness) * leaf.own_time_s();
+        let count = (duration_s / interval_s).ceil().max(6.0);
+        let along = DVec3::new(velocity.x, 0.0, velocity.z);
+        let mut slid_to = touch.middle;
+        let places: Vec<DVec3> = (1..=count as usize)
+            .map(|number| {
+                let fraction = number as f64 / count;
+                let square = fraction * fraction;
+                // Ever slower.
+                let slid_s = duration_s * (fraction - square + square * fraction / 3.0);
+                let to = touch.middle + along * slid_s;
+                let stopped = around.obstacles.slide(slid_to, to, leaf.reach_m);
+                slid_to = stopped.map_or(to, |contact| contact.place);
+                slid_to
+            })
+            .collect();
+        let mut rest = Pose { time_s: touch.time_s + duration_s, middle: slid_to, turn: flat };
+        rest.middle.y = lowest_height_m(leaf, around.ground, &rest);
+        Self { touch, places, rest }
+    }
+
+    /// The poses after the touch, until it lies.
+    pub(super) fn poses(&self, leaf: &Leaf, ground: &Ground) -> Vec<Pose> {
+        let Self { touch, places, rest } = self;
+        // What keeps it above bare ground: leaves that lie there.
+        let lift = |pose: &Pose| (pose.middle.y - lowest_height_m(leaf, ground, pose)).max(0.0);
+        let (first_lift, last_lift) = (lift(touch), lift(rest));
+        let count = places.len() as f64;
+        let moments = places.iter().enumerate().map(|(at, place)| {
+            let fraction = (at + 1) as f64 / count;
+            // Tips over, faster and faster, and is caught.
+            let eased = fraction * fraction * (3.0 - 2.0 * fraction);
+            let time_s = touch.time_s + (rest.time_s - touch.time_s) * fraction;
+            let mut pose = Pose { time_s, middle: *place, turn: blend(touch.turn, rest.turn, eased) };
+            let lift = first_lift + (last_lift - first_lift) * eased;
+            pose.middle.y = lowest_height_m(leaf, ground, &pose) + lift;
+            pose
+        });
+        moments.collect()
+    }
 }

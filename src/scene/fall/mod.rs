@@ -1,19 +1,24 @@
 //! Leaves that fall, each on its own way. In goes what the author wants of a fall, resolved and in SI
-//! units; out come keys. Invariant: leaf `i` is a pure function of the fall's values other than its
-//! count, and of `i`: no frame, no frame rate, no other leaf and no machine changes it.
+//! units; out come keys. Invariant: until it lands, leaf `i` is a pure function of the fall's values other than
+//! its count, and of `i`: no frame, no frame rate, no other leaf and no machine changes it. How it lies then
+//! depends on the leaves that landed before it, and on nothing else.
 //!
 //! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
 
 mod emitter;
 mod flight;
+mod flown;
 mod ground;
+mod heap;
 mod kept;
 mod keys;
 mod landing;
 mod lanes;
+mod lean;
 mod manner;
 mod obstacles;
 mod outline;
+mod pile;
 mod plate;
 mod together;
 mod wind;
@@ -24,18 +29,21 @@ mod tests;
 
 use crate::math::Chance;
 use crate::scene::Track;
-use flight::{Flight, Leaf, Surroundings};
+use flight::{Leaf, Surroundings};
 use glam::{DQuat, DVec3};
+use keys::Tolerance;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 pub(super) use emitter::{Emitter, Surface};
 pub(super) use flight::LONGEST_FLIGHT_S;
+pub(super) use flown::Flown;
 pub(super) use ground::Ground;
 pub(super) use manner::Mix;
 pub(super) use obstacles::Obstacles;
 pub(super) use outline::Outline;
+pub(super) use pile::come_to_rest;
 pub(super) use wind::Wind;
 
 /// Curves may pass this far from a leaf's poses, over its length; and radians.
@@ -124,23 +132,30 @@ enum Draw {
 }
 
 impl Fall {
-    /// All leaves in order. `tell` hears now and then how many are done.
-    pub(super) fn bake(&self, tell: &(dyn Fn(u32) + Sync)) -> Vec<Fallen> {
+    /// How all leaves fly, in order. `tell` hears now and then how many are done.
+    fn fly(&self, tell: &(dyn Fn(u32) + Sync)) -> Vec<Flown> {
         let done = AtomicU32::new(0);
         (0..self.count.div_ceil(LEAVES_AT_A_TIME))
             .into_par_iter()
             .flat_map_iter(|part| {
                 let first = part * LEAVES_AT_A_TIME;
                 let numbers = first..self.count.min(first + LEAVES_AT_A_TIME);
-                let mut fallen: Vec<Option<Fallen>> = numbers.clone().map(|_| None).collect();
+                let mut all = vec![Flown::default(); numbers.len()];
                 let leaves = numbers.map(|number| self.leaf(number));
                 together::fly(leaves, self.surroundings(), |place, flight| {
-                    fallen[place] = self.fallen(first + place as u32, &flight);
+                    let (middle, tolerance) = self.keyed_as(first + place as u32);
+                    all[place] = Flown::new(flight, middle, tolerance).unwrap_or_default();
                     tell(done.fetch_add(1, Ordering::Relaxed) + 1);
                 });
-                fallen.into_iter().flatten()
+                all
             })
             .collect()
+    }
+
+    /// Which point of its mesh is the leaf's middle, scaled, and how far its curves may pass from its poses.
+    fn keyed_as(&self, number: u32) -> (DVec3, Tolerance) {
+        let Look { shape, length_m, scale, .. } = self.look(number);
+        (shape.middle * scale, Tolerance { place_m: TOLERANCE * length_m, turn_rad: TOLERANCE })
     }
 
     fn surroundings(&self) -> Surroundings<'_> {
@@ -156,11 +171,13 @@ impl Fall {
         let outline = (draw(Draw::Outline) * kind.outlines.len() as f64) as usize;
         let shape = &kind.outlines[outline];
         let length_m = within(kind.length_m, draw(Draw::Length));
-        Look { chance, species, kind, outline, shape, length_m, scale: length_m / shape.size.z }
+        let release_s = within(self.release_s, draw(Draw::Release));
+        let (material, scale) = (draw(Draw::Material), length_m / shape.size.z);
+        Look { chance, species, kind, outline, shape, material, length_m, scale, release_s }
     }
 
     fn leaf(&self, number: u32) -> Leaf {
-        let Look { chance, kind, shape, length_m, scale, .. } = self.look(number);
+        let Look { chance, kind, shape, length_m, scale, release_s, .. } = self.look(number);
         let draw = |draw: Draw| chance.at(draw as u64);
         let width_m = kind.width_m.map_or(scale * shape.size.x, |width_m| within(width_m, draw(Draw::Width)));
         let areal_mass = within(kind.areal_mass_kg_per_m2, draw(Draw::ArealMass)) / OF_A_STRIP;
@@ -175,7 +192,7 @@ impl Fall {
             speed_gain: self.speed_gain,
             manner: manner_of,
             middle: self.emitter.place(chance, Draw::Place as u64),
-            release_s: within(self.release_s, draw(Draw::Release)),
+            release_s,
             heading: direction(draw(Draw::Heading)),
             slope: direction(draw(Draw::Slope)),
             twist: twist(MOST_TWIST * (2.0 * draw(Draw::Twist) - 1.0)),
@@ -184,16 +201,6 @@ impl Fall {
             rests: shape.rests,
             clearance_m: CLEARANCE * length_m * (1.0 + draw(Draw::Clearance)),
         }
-    }
-
-    /// The leaf that went this way; `None` of a way without a pose.
-    fn fallen(&self, number: u32, flight: &Flight) -> Option<Fallen> {
-        let Look { chance, species, outline, shape, length_m, scale, .. } = self.look(number);
-        let tolerance = keys::Tolerance { place_m: TOLERANCE * length_m, turn_rad: TOLERANCE };
-        let (translation, rotation) = keys::keyed(flight, shape.middle * scale, tolerance)?;
-        let (material, landed) = (chance.at(Draw::Material as u64), flight.landed_at.is_some());
-        let release_s = within(self.release_s, chance.at(Draw::Release as u64));
-        Some(Fallen { species, outline, material, scale, translation, rotation, release_s, landed })
     }
 
     fn choose_species(&self, fraction: f64) -> usize {
@@ -214,8 +221,10 @@ struct Look<'a> {
     kind: &'a Species,
     outline: usize,
     shape: &'a Outline,
+    material: f64,
     length_m: f64,
     scale: f64,
+    release_s: f64,
 }
 
 /// That far from the start of a range to its end.

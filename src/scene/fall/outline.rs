@@ -1,7 +1,9 @@
-//! What falling needs to know of a leaf's mesh. In go vertices, out come points that may touch the ground
-//! and the two ways in which they lie on it. Invariant: relative to the middle of their box.
+//! What falling needs to know of a leaf's mesh. In go vertices and triangles, out come points that may touch the
+//! ground, the two ways in which they lie on it, and the blade. Invariant: relative to the middle of their box.
 
+use super::ground::height_in;
 use glam::{DVec2, DVec3};
+use std::collections::BTreeSet;
 
 /// A mesh with more vertices than this is taken for its box.
 const MOST_POINTS: usize = 400;
@@ -12,6 +14,7 @@ const STEEPEST: f64 = 3.0;
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Outline {
     pub(super) points: Vec<DVec3>,
+    pub(super) triangles: Vec<[DVec3; 3]>,
     pub(super) middle: DVec3,
     pub(super) size: DVec3,
     /// What points up when it lies with its upper side up, and with it down.
@@ -20,19 +23,39 @@ pub(in crate::scene) struct Outline {
 
 impl Outline {
     /// `None` of a mesh without length or width.
-    pub(in crate::scene) fn new(vertices: impl Iterator<Item = DVec3> + Clone) -> Option<Self> {
-        let low = vertices.clone().fold(DVec3::INFINITY, DVec3::min);
-        let high = vertices.clone().fold(DVec3::NEG_INFINITY, DVec3::max);
+    pub(in crate::scene) fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Option<Self> {
+        let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let (middle, size) = (0.5 * (low + high), high - low);
-        let points: Vec<DVec3> = if vertices.clone().nth(MOST_POINTS).is_none() {
-            vertices.map(|vertex| vertex - middle).collect()
+        let corner = |vertex: u32| vertices[vertex as usize] - middle;
+        let triangles = triangles.iter().map(|corners| corners.map(corner)).collect();
+        let points: Vec<DVec3> = if vertices.len() <= MOST_POINTS {
+            vertices.iter().map(|&vertex| vertex - middle).collect()
         } else {
             let corner = |number: u32, bit: u32| if number >> bit & 1 == 0 { -0.5 } else { 0.5 };
             let corner = |number| DVec3::new(corner(number, 0), corner(number, 1), corner(number, 2));
             (0..8).map(|number| corner(number) * size).collect()
         };
         let rests = [support(&points, 1.0), -support(&points, -1.0)];
-        (size.x > 0.0 && size.z > 0.0).then_some(Self { points, middle, size, rests })
+        (size.x > 0.0 && size.z > 0.0).then_some(Self { points, triangles, middle, size, rests })
+    }
+
+    /// Points all over the blade, so far apart along x and along z, and of its corners one in every cube so large.
+    pub(super) fn sampled(&self, spacing: f64) -> Vec<DVec3> {
+        let cube = |point: DVec3| (point / spacing).to_array().map(|along| along.floor() as i64);
+        let mut taken = BTreeSet::new();
+        let corners = self.triangles.iter().flatten().copied();
+        let mut points: Vec<DVec3> = corners.filter(|&corner| taken.insert(cube(corner))).collect();
+        for triangle in &self.triangles {
+            let flat = triangle.map(|corner| DVec2::new(corner.x, corner.z) / spacing);
+            let low = flat[0].min(flat[1]).min(flat[2]).ceil().as_i64vec2();
+            let high = flat[0].max(flat[1]).max(flat[2]).floor().as_i64vec2();
+            for at in (low.x..=high.x).flat_map(|x| (low.y..=high.y).map(move |z| [x, z])) {
+                let [x, z] = at.map(|at| at as f64 * spacing);
+                points.extend(height_in(*triangle, DVec2::new(x, z)).map(|y| DVec3::new(x, y, z)));
+            }
+        }
+        points
     }
 }
 
@@ -73,7 +96,7 @@ mod tests {
         // A square blade with a stalk that hangs down behind it.
         let points =
             [(-1.0, 0.0, -1.0), (1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0), (0.0, -1.0, 2.0)];
-        let outline = Outline::new(points.into_iter().map(|(x, y, z)| DVec3::new(x, y, z))).unwrap();
+        let outline = Outline::new(&points.map(|(x, y, z)| DVec3::new(x, y, z)), &[]).unwrap();
         let [upright, upside_down] = outline.rests;
         // On the stalk's end and the tips at z = -1: down by 1 over 3.
         assert!((upright - DVec3::new(0.0, 3.0, 1.0).normalize()).length() < 1e-6, "{upright}");
@@ -83,5 +106,32 @@ mod tests {
             outline.points.iter().filter(|point| point.dot(up) < low + 1e-5).count()
         };
         assert!(touching(upright) == 3 && touching(upside_down) == 4);
+    }
+
+    #[test]
+    fn samples_are_all_over_the_blade() {
+        // A roof: down to both sides of its ridge along z.
+        let corners = [
+            (-1.0, 0.0, -2.0),
+            (0.0, 0.5, -2.0),
+            (1.0, 0.0, -2.0),
+            (-1.0, 0.0, 2.0),
+            (0.0, 0.5, 2.0),
+            (1.0, 0.0, 2.0),
+        ];
+        let triangles = [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]];
+        let outline = Outline::new(&corners.map(|(x, y, z)| DVec3::new(x, y, z)), &triangles).unwrap();
+        let points = outline.sampled(0.125);
+        for point in &points {
+            assert!((point.y - (0.25 - 0.5 * point.x.abs())).abs() < 1e-9, "{point}");
+        }
+        let near = |x: f64, z: f64| {
+            points.iter().any(|point| (point.x - x).abs() < 0.0626 && (point.z - z).abs() < 0.0626)
+        };
+        assert!(
+            (0..=100)
+                .all(|at| (0..=100).all(|row| near(0.02 * f64::from(at) - 1.0, 0.04 * f64::from(row) - 2.0)))
+        );
+        assert!(points.len() < 700, "{}", points.len());
     }
 }

@@ -1,14 +1,16 @@
-//! A block of leaves that fall in, nodes with keys and instances out. Invariant: leaf `i` depends on the
-//! block's fields other than `count`, and on `i`; an object of its name goes before it.
+//! Blocks of leaves that fall in, nodes with keys and instances out. Invariant: until it lands, leaf `i` depends on
+//! its block's fields other than `count`, and on `i`; an object of its name goes before it.
 
 use super::Resolver;
 use crate::description::ron;
 use crate::diagnostic::Diagnostic;
 use crate::scene::fall::{
-    Emitter, Fall, Fallen, Ground, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species, Surface, Wind,
+    Emitter, Fall, Fallen, Flown, Ground, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species, Surface, Wind,
+    come_to_rest,
 };
 use crate::scene::{Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
 use glam::{DAffine3, DVec3};
+use std::mem;
 
 /// Leaves that start higher would be followed for minutes.
 const HIGHEST_START_M: f64 = 200.0;
@@ -16,12 +18,53 @@ const HIGHEST_START_M: f64 = 200.0;
 /// Meshes and materials of a species.
 type Dress = (Vec<MeshIndex>, Vec<MaterialIndex>);
 
+/// A block whose leaves have flown.
+struct Flock<'a> {
+    name: &'a str,
+    block: &'a ron::Fall,
+    fall: Fall,
+    dresses: Vec<Dress>,
+    flown: Vec<Flown>,
+}
+
 impl Resolver<'_> {
-    /// Lets the leaves of `block` fall.
-    pub(super) fn fall(&mut self, name: &str, block: &ron::Fall, baking: &Baking) {
+    /// Lets the leaves of all blocks fall, and come to rest on each other where they share a ground.
+    pub(super) fn falls(&mut self, baking: &Baking) {
+        let file = self.file;
+        let mut flocks: Vec<Flock<'_>> =
+            file.fall.iter().filter_map(|(name, block)| self.flock(name, block, baking)).collect();
+        while !flocks.is_empty() {
+            let ground = flocks[0].block.ground.clone();
+            let (together, others) = flocks.into_iter().partition(|flock| flock.block.ground == ground);
+            flocks = others;
+            self.come_to_rest(together);
+        }
+    }
+
+    fn come_to_rest(&mut self, mut flocks: Vec<Flock<'_>>) {
+        let flown: Vec<Vec<Flown>> = flocks.iter_mut().map(|flock| mem::take(&mut flock.flown)).collect();
+        let falls: Vec<(&Fall, Vec<Flown>)> = flocks.iter().map(|flock| &flock.fall).zip(flown).collect();
+        for (leaves, Flock { name, block, dresses, .. }) in come_to_rest(&falls).into_iter().zip(&flocks) {
+            let in_the_air = leaves.iter().filter(|leaf| !leaf.landed).count();
+            if in_the_air > 0 {
+                let found = format!(
+                    "{in_the_air} of {} leaves are in the air for longer than {LONGEST_FLIGHT_S} s, and stay there",
+                    leaves.len()
+                );
+                let place = self.problems.place(&format!("fall.{name}"));
+                self.scene.remarks.push(Diagnostic::warning(place, found));
+            }
+            for (number, leaf) in leaves.into_iter().enumerate() {
+                self.fallen(format!("{name}.{number}"), leaf, dresses, block.attached);
+            }
+        }
+    }
+
+    /// Lets the leaves of `block` fly.
+    fn flock<'b>(&mut self, name: &'b str, block: &'b ron::Fall, baking: &Baking) -> Option<Flock<'b>> {
         let owner = format!("fall.{name}");
         if !self.has_room_for(&owner, block.count.0) || !self.has_room_to_fall(&owner, block.count.0) {
-            return;
+            return None;
         }
         let species = self.species(&owner, block);
         let emitter = self.emitter(&owner, &block.emitter);
@@ -29,18 +72,15 @@ impl Resolver<'_> {
         let mix = self.mix(&owner, block.motion.as_ref());
         let ground = self.ground(&owner, &block.ground);
         let obstacles = self.obstacles(&owner, &block.obstacles);
-        let (Some((species, dresses)), Some(emitter), Some(wind), Some(mix), Some(ground), Some(obstacles)) =
-            (species, emitter, wind, mix, ground, obstacles)
-        else {
-            return;
-        };
+        let ((species, dresses), emitter) = (species?, emitter?);
+        let (wind, mix, ground, obstacles) = (wind?, mix?, ground?, obstacles?);
         let height_m = emitter.highest_m() - block.ground.height_m.si();
         if height_m > HIGHEST_START_M {
             let found = format!("leaves would start {height_m} m above the ground");
             let expected = format!("at most {HIGHEST_START_M} m from `ground.height_m` to the highest leaf");
             let remedy = "lower the emitter, or raise `ground.height_m`";
             self.problems.error(&format!("{owner}.emitter"), found, &expected, remedy);
-            return;
+            return None;
         }
         let fall = Fall {
             count: block.count.0,
@@ -54,18 +94,8 @@ impl Resolver<'_> {
             release_s: (block.release_s.at(0.0), block.release_s.at(1.0)),
             speed_gain: block.speed.si(),
         };
-        let leaves = fall.bake_or_recall(baking);
-        let in_the_air = leaves.iter().filter(|leaf| !leaf.landed).count();
-        if in_the_air > 0 {
-            let found = format!(
-                "{in_the_air} of {} leaves are in the air for longer than {LONGEST_FLIGHT_S} s, and stay there",
-                leaves.len()
-            );
-            self.scene.remarks.push(Diagnostic::warning(self.problems.place(&owner), found));
-        }
-        for (number, leaf) in leaves.into_iter().enumerate() {
-            self.fallen(format!("{name}.{number}"), leaf, &dresses, block.attached);
-        }
+        let flown = fall.fly_or_recall(baking);
+        Some(Flock { name, block, fall, dresses, flown })
     }
 
     /// Counts so many leaves more that fall. Whether all may that the file asks for: else none need be followed.
@@ -129,7 +159,12 @@ impl Resolver<'_> {
         let materials = self.leaf_materials(owner, &species.materials);
         let (meshes, materials) = (meshes?, materials?);
         let outlines: Vec<_> = (meshes.iter())
-            .map(|&mesh| Outline::new(self.scene.meshes[mesh].positions.iter().map(|point| point.as_dvec3())))
+            .map(|&mesh| {
+                let mesh = &self.scene.meshes[mesh];
+                let vertices: Vec<DVec3> = mesh.positions.iter().map(|point| point.as_dvec3()).collect();
+                let triangles: Vec<_> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
+                Outline::new(&vertices, &triangles)
+            })
             .collect();
         if let Some(at) = outlines.iter().position(Option::is_none) {
             let found =

@@ -70,9 +70,7 @@ pub(super) fn resolve(
     for (name, block) in file.leaves.iter() {
         resolver.leaves(name, block);
     }
-    for (name, block) in file.fall.iter() {
-        resolver.fall(name, block, baking);
-    }
+    resolver.falls(baking);
     resolver.cameras();
     resolver.lights();
     resolver.check_number_of_sun_pictures();

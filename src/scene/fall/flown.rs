@@ -1,0 +1,77 @@
+//! A leaf's way as far as no other leaf changes it: keys, and the poses before it touches the ground, where it may
+//! meet leaves that lie there. Invariant: a pure function of the leaf and what is around it.
+
+use super::flight::{Flight, Pose};
+use super::keys::{self, Tolerance};
+use crate::scene::Track;
+use glam::{DQuat, DVec3};
+
+/// So long before it touches the ground a leaf may meet others that lie there, seconds.
+const TAIL_S: f64 = 0.4;
+/// Poses of the tail that come before it: slopes of curves are found with them.
+const CONTEXT: usize = 2;
+
+/// Place and turn of a node.
+pub(super) type Tracks = (Track<DVec3>, Track<DQuat>);
+
+/// What has become of a leaf until it touches the ground, if it does. By default it was never anywhere.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::scene) struct Flown {
+    /// Up to the tail; `None` where all is tail.
+    pub(super) head: Option<Tracks>,
+    /// To where it touches the ground. Of a leaf that never does, empty.
+    pub(super) tail: Vec<Pose>,
+    /// Its velocity there.
+    pub(super) velocity: DVec3,
+}
+
+impl Flown {
+    /// A flight's, of a node whose own point `middle` is the leaf's; `None` of a way without a pose.
+    pub(super) fn new(flight: Flight, middle: DVec3, tolerance: Tolerance) -> Option<Self> {
+        let Flight { mut poses, touches_with } = flight;
+        keys::to_one_side(&mut poses, DQuat::IDENTITY);
+        let Some(velocity) = touches_with else {
+            let head = Some(keys::keyed(&keys::knots(&poses, None, middle), tolerance)?);
+            return Some(Self { head, tail: Vec::new(), velocity: DVec3::ZERO });
+        };
+        let from_s = poses.last()?.time_s - TAIL_S;
+        let from = poses.partition_point(|pose| pose.time_s < from_s);
+        if from <= CONTEXT {
+            return Some(Self { head: None, tail: poses, velocity });
+        }
+        let knots = keys::knots(&poses, None, middle);
+        let head = Some(keys::keyed(&knots[..=from], tolerance)?);
+        Some(Self { head, tail: poses.split_off(from - CONTEXT), velocity })
+    }
+
+    /// The same, if it holds together, whoever made it.
+    pub(super) fn checked(self) -> Option<Self> {
+        let whole = self.head.is_some() && self.tail.is_empty() || self.tail.len() > self.first();
+        whole.then_some(self)
+    }
+
+    /// Where in the tail the head ends.
+    pub(super) fn first(&self) -> usize {
+        if self.head.is_some() { CONTEXT } else { 0 }
+    }
+
+    /// All of its way: up to that pose of the tail, from there through a touch to its rest.
+    pub(super) fn to_rest(
+        &self,
+        until: usize,
+        touch: Pose,
+        settling: Vec<Pose>,
+        middle: DVec3,
+        tolerance: Tolerance,
+    ) -> Option<Tracks> {
+        let mut poses = self.tail[..until].to_vec();
+        poses.push(touch);
+        let landed_at = poses.len() - 1;
+        poses.extend(settling);
+        keys::to_one_side(&mut poses, self.tail[0].turn);
+        let knots = keys::knots(&poses, Some(landed_at), middle);
+        let (places, turns) = keys::keyed(&knots[self.first()..], tolerance)?;
+        let Some((head_places, head_turns)) = &self.head else { return Some((places, turns)) };
+        Some((keys::joined(head_places, &places)?, keys::joined(head_turns, &turns)?))
+    }
+}

@@ -1,0 +1,146 @@
+//! What lies on the ground already: how high, over squares of a fine grid. In go leaves at rest, out come heights.
+//! Invariant: no leaf that lies here is higher than its squares say, but for what its mesh bends within one of them.
+
+use super::ground::Ground;
+use super::outline::Outline;
+use glam::{DQuat, DVec3};
+use std::collections::HashMap;
+
+/// Squares along a leaf of middling length, and along the longest at most.
+const SQUARES_ALONG: f64 = 20.0;
+const MOST_SQUARES_ALONG: f64 = 64.0;
+/// Squares along one side of a tile.
+const TILE: i32 = 32;
+/// Where nothing lies.
+const BARE: f32 = f32::NEG_INFINITY;
+
+/// Heights by squares; tiles exist where something lies.
+pub(super) struct Heap {
+    square_m: f64,
+    tiles: HashMap<[i32; 2], Tile>,
+}
+
+#[derive(Clone)]
+struct Tile {
+    highest_m: f32,
+    tops_m: Vec<f32>,
+}
+
+/// Points all over a leaf, as dense as a heap's squares, relative to its middle.
+pub(super) struct Sheet {
+    points: Vec<DVec3>,
+}
+
+/// How a sheet lies: where its middle is, and how it is turned.
+#[derive(Clone, Copy)]
+pub(super) struct Lie {
+    pub(super) middle: DVec3,
+    pub(super) turn: DQuat,
+}
+
+impl Heap {
+    /// For leaves with these ranges of lengths.
+    pub(super) fn new(lengths_m: impl Iterator<Item = (f64, f64)>) -> Self {
+        let (mut sum, mut count, mut longest) = (0.0, 0.0, 0.0_f64);
+        for (low, high) in lengths_m {
+            (sum, count, longest) = (sum + 0.5 * (low + high), count + 1.0, longest.max(high));
+        }
+        let square_m = (sum / (count * SQUARES_ALONG)).max(longest / MOST_SQUARES_ALONG);
+        Self { square_m, tiles: HashMap::new() }
+    }
+
+    /// Of a mesh that is scaled by so much at most.
+    pub(super) fn sheet(&self, outline: &Outline, scale: f64) -> Sheet {
+        Sheet { points: outline.sampled(self.square_m / scale) }
+    }
+
+    /// Whether something so high may lie within this distance of a place.
+    pub(super) fn may_reach(&self, place: DVec3, within_m: f64, height_m: f64) -> bool {
+        let [low_x, low_z] =
+            self.square(place.x - within_m, place.z - within_m).map(|at| at.div_euclid(TILE));
+        let [high_x, high_z] =
+            self.square(place.x + within_m, place.z + within_m).map(|at| at.div_euclid(TILE));
+        let mut tiles = (low_x..=high_x).flat_map(|x| (low_z..=high_z).map(move |z| [x, z]));
+        tiles.any(|tile| self.tiles.get(&tile).is_some_and(|tile| f64::from(tile.highest_m) >= height_m))
+    }
+
+    /// What lies under each of the sheet's points, in their order; `None` where the ground is bare.
+    fn under<'a>(&'a self, points: &'a [DVec3]) -> impl Iterator<Item = Option<f64>> + 'a {
+        // Neighbours are mostly on the same tile.
+        let mut last: Option<([i32; 2], Option<&Tile>)> = None;
+        points.iter().map(move |point| {
+            let square = self.square(point.x, point.z);
+            let place = square.map(|at| at.div_euclid(TILE));
+            let tile = match last {
+                Some((at, tile)) if at == place => tile,
+                _ => self.tiles.get(&place),
+            };
+            last = Some((place, tile));
+            tile.map(|tile| tile.tops_m[within_tile(square)]).filter(|&top| top > BARE).map(f64::from)
+        })
+    }
+
+    /// How high the sheet's middle must be for no point of it to be below what lies here; infinitely low over bare
+    /// ground.
+    pub(super) fn lowest_height_m(&self, sheet: &Sheet, lie: Lie) -> f64 {
+        let points = sheet.at(lie);
+        let heights = self.under(&points).zip(&points);
+        let over = heights.filter_map(|(top, point)| Some(lie.middle.y + top? - point.y));
+        over.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Over each of the sheet's points how much it would have to rise to be on what lies there, or on the ground.
+    pub(super) fn rises(&self, sheet: &Sheet, lie: Lie, ground: &Ground) -> Vec<DVec3> {
+        let points = sheet.at(lie);
+        let floors = self.under(&points).zip(&points).map(|(top, point)| {
+            let ground_m = ground.height_m(point.x, point.z);
+            let floor = top.map_or(ground_m, |top| top.max(ground_m));
+            DVec3::new(point.x - lie.middle.x, floor - point.y, point.z - lie.middle.z)
+        });
+        floors.collect()
+    }
+
+    /// Puts a leaf down.
+    pub(super) fn lay(&mut self, sheet: &Sheet, lie: Lie) {
+        let half = 0.5 * self.square_m;
+        for point in sheet.at(lie) {
+            let top_m = point.y as f32;
+            let [low_x, low_z] = self.square(point.x - half, point.z - half);
+            let [high_x, high_z] = self.square(point.x + half, point.z + half);
+            for square in (low_x..=high_x).flat_map(|x| (low_z..=high_z).map(move |z| [x, z])) {
+                let bare = || Tile { highest_m: BARE, tops_m: vec![BARE; (TILE * TILE) as usize] };
+                let tile = self.tiles.entry(square.map(|at| at.div_euclid(TILE))).or_insert_with(bare);
+                tile.highest_m = tile.highest_m.max(top_m);
+                let top = &mut tile.tops_m[within_tile(square)];
+                *top = top.max(top_m);
+            }
+        }
+    }
+
+    fn square(&self, x: f64, z: f64) -> [i32; 2] {
+        [x, z].map(|along| (along / self.square_m).floor() as i32)
+    }
+}
+
+impl Sheet {
+    /// Of a leaf whose mesh is scaled by so much.
+    pub(super) fn scaled(&self, scale: f64) -> Self {
+        Self { points: self.points.iter().map(|&point| point * scale).collect() }
+    }
+
+    /// The mean of its points, about where its weight is.
+    pub(super) fn mean(&self) -> DVec3 {
+        self.points.iter().sum::<DVec3>() / self.points.len() as f64
+    }
+
+    /// Its points in the world.
+    fn at(&self, lie: Lie) -> Vec<DVec3> {
+        self.points.iter().map(|&point| lie.middle + lie.turn * point).collect()
+    }
+}
+
+/// Where a square stands in its tile.
+fn within_tile(square: [i32; 2]) -> usize {
+    let [x, z] = square.map(|at| at.rem_euclid(TILE));
+    (z * TILE + x) as usize
+}
