@@ -148,7 +148,7 @@ class Colours(unittest.TestCase):
             self.assertTrue(g0 > r0 > b0, name)
             self.assertTrue(r1 > g1 > b1, name)
 
-    def test_pictures_are_made_of_their_seed_alone_and_return_less_than_they_get(self):
+    def test_pictures_are_made_of_their_seed_alone(self):
         shared = leaf_maps(maple(), 48)
         age, ramp = AGES["maple"]["amber"], RAMPS["maple"]
         pictures = [paint(blemished(shared, seed), ramp, age) for seed in "aab" for paint in (paint_leaf, paint_light_through)]
