@@ -24,12 +24,22 @@ const SAMPLES_PER_DRAW: f64 = 2.0;
 /// Of fewer samples slices are not cut: for a quick look one ray a chord must do.
 const FEWEST_CUT: f64 = 2.0;
 
-/// What one draw has wrong shows as a line along its slice, if it is not cut short by rings. So slices with draws of their own take turns: of this many, side by
-/// side, each has samples only in pixels of its own, and neighbouring pixels mostly belong to different ones.
+/// What one draw has wrong shows as a line along its slice: as long as a leaf that flies, and as half shadows if rings do not cut it short.
+/// So slices with draws of their own take turns: of this many, side by side, each has samples only in pixels of its own, and neighbouring pixels
+/// mostly belong to different ones.
 const TURNS: usize = 2;
 
 /// From so many samples a pixel on such lines are too faint to pay for: slices that take turns gather what they cut twice as often.
 const NO_TURNS_FROM: f64 = 64.0;
+
+/// In what slices with draws of their own differ.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Differing {
+    /// How far the axis wanders at most.
+    pub(super) deviation_rad: f64,
+    /// Whether they have moments of their own.
+    pub(super) in_time: bool,
+}
 
 /// The slices of one pass over one light's part of the picture.
 pub(super) struct Lattice {
@@ -67,27 +77,26 @@ pub(super) struct PlacedSlice {
 }
 
 impl Lattice {
-    /// About `samples` a pixel on slices of `base`; if slices are seen each with its own draw, `deviation_rad` is how far
-    /// that makes their axis wander at most.
+    /// About `samples` a pixel on slices of `base`, which all are the same or differ by their draws.
     /// A pass that is not the first is for few pixels, and its slices gather all that they cut all the same: they take no turns.
     /// `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them.
     pub(super) fn new(
         base: &Fan,
-        deviation_rad: Option<f64>,
+        differing: Option<Differing>,
         samples: f64,
         is_first: bool,
         segments: &dyn Fn(&Slice) -> usize,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let extent = base.extent();
-        let is_drawn = deviation_rad.is_some();
-        let deviation_rad = deviation_rad.unwrap_or(0.0);
+        let is_drawn = differing.is_some();
+        let Differing { deviation_rad, in_time } = differing.unwrap_or_default();
         let samples_per_slice = if is_drawn { SAMPLES_PER_DRAW } else { SAMPLES_PER_SLICE };
         let slices_per_px = (samples / samples_per_slice).max(1.0);
         let run = (slices_per_px.ceil() as usize).next_power_of_two();
         let layout = Layout { deviation_rad, samples, slices_per_px, segments };
         let count = layout.count(base);
-        let is_streaky = is_drawn && count == 1 && samples < NO_TURNS_FROM;
+        let is_streaky = is_drawn && (count == 1 || in_time) && samples < NO_TURNS_FROM;
         let turns = if is_streaky && is_first { TURNS } else { 1 };
         let rings = layout.cut(base, count).into_iter().map(|ring| {
             let separation = base.separation(ring);

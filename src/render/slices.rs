@@ -3,7 +3,7 @@
 //! a pixel is the mean over what its slices see of it.
 
 use super::draws::{Draw, Draws};
-use super::lattice::Lattice;
+use super::lattice::{Differing, Lattice};
 use super::passes::{Fresh, Pass, Picture};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
@@ -80,10 +80,11 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
     let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
     let Some(base) = fan_of(&draws.middle()) else { return };
     let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
-    let deviation_rad = (!draws.is_single()).then(|| wanders.fold(0.0, f64::max));
+    let differing = (!draws.is_single())
+        .then(|| Differing { deviation_rad: wanders.fold(0.0, f64::max), in_time: !exposure.is_instant() });
     let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
     let (samples, is_first) = (f64::from(pass.samples), pass.before == 0);
-    let lattice = Lattice::new(&base, deviation_rad, samples, is_first, &segments, || sampler.next_2d());
+    let lattice = Lattice::new(&base, differing, samples, is_first, &segments, || sampler.next_2d());
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
