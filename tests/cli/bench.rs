@@ -20,7 +20,9 @@ const TINY: &str = "bench scene.ron --size 8x6 --rounds 2 --longest 0.3 --refere
 #[test]
 fn all_methods_come_to_the_same_picture() {
     let studio = Studio::new();
-    let outcome = studio.succeed(&format!("{TINY} --csv a/b.csv --svg a/b.svg"));
+    // Three times as long as marching takes to come so near on a slow machine: this is no race.
+    let unhurried = TINY.replace("--longest 0.3", "--longest 1");
+    let outcome = studio.succeed(&format!("{unhurried} --csv a/b.csv --svg a/b.svg"));
     let rows = rows(&studio, "a/b.csv");
     for method in ["march", "march-jittered", "equiangular", "segments", "slices", "slices-until"] {
         assert!(outcome.out.contains(method), "{}", outcome.out);
