@@ -4,8 +4,8 @@
 //!
 //! Slices lie at equal angles, and in each pixel that it crosses a slice has a chord. With a light, a lens or a shutter that has an extent,
 //! each slice has a fan of its own, whose axis is not quite that of the others, and would wander off
-//! its place in the lattice. So each slice is turned so that it passes through its lattice place in the middle of
-//! the picture's angles from the axis; but about the axis, and about its far side, where they wander too far for that.
+//! its place in the lattice. So each slice is turned so that it passes through its lattice place half way across its ring
+//! (`rings.rs`); but about the axis, and about its far side, where they wander too far for that.
 
 use super::rings::Layout;
 use crate::film::Mask;
