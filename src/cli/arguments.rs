@@ -139,8 +139,8 @@ pub(super) struct PreviewArguments {
     /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
-    /// A folder or NAME.####.png for a picture a frame, NAME.png for a contact sheet, NAME.apng for an animation
-    /// [default: pictures and a sheet in out/NAME.preview].
+    /// A folder or NAME.####.png for a picture a frame, NAME.png for a contact sheet, NAME.webp or NAME.apng for an
+    /// animation [default: pictures and a sheet in out/NAME.preview].
     #[arg(long, value_name = "PATTERN|DIR|FILE")]
     pub(super) out: Option<PathBuf>,
     /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270].

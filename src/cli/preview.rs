@@ -185,7 +185,7 @@ impl Outputs {
             let sheet = Some(folder.join(format!("{name}.sheet.png")));
             return Ok(Self { pictures: Some(pictures), sheet, animation: None });
         };
-        if out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("apng")) {
+        if Animation::is_named(out) {
             return Ok(Self { pictures: None, sheet: None, animation: Some(out.to_owned()) });
         }
         let pictures =

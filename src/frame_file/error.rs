@@ -37,6 +37,14 @@ pub enum FrameFileError {
         /// The encoder's reason.
         reason: String,
     },
+    /// Pictures cannot become an animation of this format.
+    #[error("cannot make {}: {reason}", path.display())]
+    Animation {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
     /// The file could not be read from the disk.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -81,6 +89,7 @@ impl FrameFileError {
             | Self::CreateFolder { path, .. }
             | Self::Write { path, .. }
             | Self::Encode { path, .. }
+            | Self::Animation { path, .. }
             | Self::Read { path, .. }
             | Self::Invalid { path, .. }
             | Self::Unsupported { path, .. }
@@ -95,6 +104,7 @@ impl FrameFileError {
             Self::CreateFolder { .. } => "a folder, or a place where one can be made",
             Self::Write { .. } => "a folder that can be written to, with room for the frame",
             Self::Encode { .. } => "a frame that EXR can hold",
+            Self::Animation { .. } => "pictures that an animation of this format can hold",
             Self::Read { .. } => "a readable file",
             Self::Invalid { .. } | Self::TooLarge { .. } => "a whole EXR file",
             Self::Unsupported { .. } => "an EXR file with one flat part of scan lines or tiles",
@@ -121,6 +131,9 @@ impl FrameFileError {
                 _ => "see that the disk is there and writable, then run the same command with --skip valid",
             },
             Self::Encode { .. } => "report this: a frame that was rendered should be one that can be written",
+            Self::Animation { .. } => {
+                "make fewer or smaller pictures, or a picture a frame: --out NAME.####.png"
+            }
             Self::Read { source, .. } => match source.kind() {
                 io::ErrorKind::NotFound => "check the path",
                 io::ErrorKind::PermissionDenied => "make the file readable",

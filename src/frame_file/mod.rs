@@ -29,6 +29,8 @@
 //!
 //! [`Frame`]: crate::film::Frame
 
+mod animated_png;
+mod animated_webp;
 mod animation;
 mod atomic;
 mod compare;

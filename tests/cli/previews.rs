@@ -1,7 +1,9 @@
 //! `preview`: pictures, contact sheets and animations, drawn or of frames that are there.
 
 use crate::program::Studio;
-use image::RgbImage;
+use image::codecs::webp::WebPDecoder;
+use image::{AnimationDecoder, DynamicImage, RgbImage};
+use std::io::Cursor;
 
 fn picture(studio: &Studio, name: &str) -> RgbImage {
     let bytes = studio.bytes(name);
@@ -34,6 +36,13 @@ fn the_name_says_what_is_made() {
     studio.succeed("preview tiny.ron --frames 1-2 --size 16x9 --out a.apng --threads 1");
     // The picture that viewers without animation show is the first.
     assert_eq!(picture(&studio, "a.apng"), picture(&studio, "a/x.01.png"));
+    studio.succeed("preview tiny.ron --frames 1-2 --size 16x9 --out a.webp --threads 1");
+    let file = Cursor::new(studio.bytes("a.webp"));
+    let frames = WebPDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
+    assert_eq!(frames.len(), 2);
+    for (frame, name) in frames.into_iter().zip(["a/x.01.png", "a/x.02.png"]) {
+        assert_eq!(DynamicImage::from(frame.into_buffer()).to_rgb8(), picture(&studio, name));
+    }
 }
 
 #[test]
@@ -44,6 +53,8 @@ fn frames_that_are_there_are_shown_as_they_are() {
     assert_eq!(studio.names("b"), ["x.0002.png"]);
     assert_eq!(picture(&studio, "b/x.0002.png"), picture(&studio, "a/tiny.0002.png"));
     studio.succeed("preview a --out both.apng --fps 12");
+    let refused = studio.fail("preview tiny.ron --frames 1 --size 16385x1 --out wide.webp", 4);
+    assert!(refused.contains("16384") && refused.contains("remedy"), "{refused}");
     assert!(studio.fail("preview a --size 50%", 2).contains("--size"));
     assert!(studio.fail("preview b", 2).contains("remedy"));
 }
