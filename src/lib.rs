@@ -25,7 +25,7 @@
 //! use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 //! use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
 //!
-//! let description = description::load("scenes/one_leaf/scene.ron".as_ref())?;
+//! let description = description::load("scenes/first_leaf/scene.ron".as_ref())?;
 //! let (scene, settings) = scene::resolve(description, None)?;
 //!
 //! // Everything as the first camera sees it when the animation begins.

@@ -179,8 +179,8 @@ fn falling_leaves_look_the_same() {
 }
 
 #[test]
-fn one_leaf_looks_the_same() {
-    check("sequences/one_leaf.ron", 50.0, &[1, 7, 48], SAME);
+fn first_leaf_looks_the_same() {
+    check("sequences/first_leaf.ron", 50.0, &[1, 7, 48], SAME);
 }
 
 #[test]

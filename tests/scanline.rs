@@ -305,7 +305,7 @@ fn blended_surfaces_are_sorted() {
 
 #[test]
 fn threads_do_not_show() {
-    let scene = load("scenes/one_leaf/scene.ron");
+    let scene = load("scenes/first_leaf/scene.ron");
     let trees = MeshTrees::new(&scene);
     let snapshot = Snapshot::new(&scene, &trees, 0, 1.5, INSTANT);
     let draw = |threads: usize| {

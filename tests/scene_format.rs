@@ -48,8 +48,8 @@ fn every_snippet_is_a_valid_file() {
     let folder = tempfile::tempdir().unwrap();
     let sequences = folder.path().join("sequences");
     std::fs::create_dir_all(&sequences).unwrap();
-    std::fs::create_dir_all(folder.path().join("scenes/one_leaf")).unwrap();
-    let scene = "scenes/one_leaf/scene.ron";
+    std::fs::create_dir_all(folder.path().join("scenes/first_leaf")).unwrap();
+    let scene = "scenes/first_leaf/scene.ron";
     std::fs::copy(root().join(scene), folder.path().join(scene)).unwrap();
     let mut count = 0;
     for (kind, line, text) in snippets(&page()) {
@@ -91,7 +91,7 @@ fn every_field_is_described() {
 
 #[test]
 fn examples_in_the_repository_resolve() {
-    for path in ["scenes/one_leaf/scene.ron", "sequences/one_leaf.ron"] {
+    for path in ["scenes/first_leaf/scene.ron", "sequences/first_leaf.ron"] {
         let scene = resolve(&root().join(path)).unwrap();
         assert!(!scene.remarks.has_errors());
         assert_eq!(scene.instances.len(), 2);

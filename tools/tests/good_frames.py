@@ -27,10 +27,10 @@ RENDERS = {
         "sequences/falling_leaves.ron", "--samples", "8", "--shutter", "0.5", "--seed", "7",
     ),
     "falling_leaves, a part": ("sequences/falling_leaves.ron", "--samples", "2", "--crop", "10,10,86,50"),
-    "one_leaf, motion blur": ("sequences/one_leaf.ron", "--samples", "4", "--shutter", "0.5"),
-    "one_leaf, 2 samples, another seed": ("sequences/one_leaf.ron", "--samples", "2", "--seed", "7"),
-    "one_leaf, cropped, ray by ray": (
-        "sequences/one_leaf.ron", "--samples", "2", "--volume", "segments", "--crop", "5,3,40,24",
+    "first_leaf, motion blur": ("sequences/first_leaf.ron", "--samples", "4", "--shutter", "0.5"),
+    "first_leaf, 2 samples, another seed": ("sequences/first_leaf.ron", "--samples", "2", "--seed", "7"),
+    "first_leaf, cropped, ray by ray": (
+        "sequences/first_leaf.ron", "--samples", "2", "--volume", "segments", "--crop", "5,3,40,24",
     ),
     "i_conventions.glb": (f"{BLENDER}/i_conventions.glb", "--samples", "4"),
     "a_leaves40_scene.glb": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "8"),

@@ -159,7 +159,7 @@ fn what_nothing_shows_is_not_read() {
 
 #[test]
 fn scenes_are_called_like_their_file_or_folder() {
-    assert_eq!(name_of(Path::new("scenes/one_leaf/scene.ron")), "one_leaf");
+    assert_eq!(name_of(Path::new("scenes/first_leaf/scene.ron")), "first_leaf");
     assert_eq!(name_of(Path::new("scenes/birch.ron")), "birch");
     assert_eq!(name_of(Path::new("scene.ron")), "scene");
 }

@@ -200,8 +200,8 @@ class Opened(unittest.TestCase):
         self.check("sequences/autumn.ron", range(1, 97), evaluated=24)
         self.assertGreater(self.compared["place"], 40_000)
 
-    def test_one_leaf(self):
-        self.check("sequences/one_leaf.ron", range(1, 49))
+    def test_first_leaf(self):
+        self.check("sequences/first_leaf.ron", range(1, 49))
 
     def test_curves_and_jumps(self):
         self.check("tests/data/valid/ron/keyed_every_way_moving.ron", range(1, 49))
