@@ -1,14 +1,17 @@
 """Properties of the meshes: run with `python3 -m unittest discover -s tools/leaves`."""
 
 import math
+import os
+import struct
 import tempfile
 import unittest
+import zlib
 from collections import Counter
 from pathlib import Path
 
 from floor import ground_height, make_fern, make_ground
 from leaf import NEAR, RELIEF, Pose, make_leaf
-from make_leaves import AGES, leaves, make_meshes
+from make_leaves import AGES, LIT_THROUGH, leaves, make_meshes, make_textures
 from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
 from outlines import SPECIES, maple
@@ -17,12 +20,23 @@ from palettes import RAMPS
 from trees import HABITS, make_tree
 from triangulate import clip_ears, contains, distance_to_outline, doubled_area, triangulate
 
+WOODS = Path(__file__).resolve().parents[2] / "scenes" / "woods"
 LEAVES = {name: mesh for name, (mesh, _) in leaves().items()}
 
 
 def blades():
     """Every species, and the other individuals of maple."""
     return [*(species() for species in SPECIES), maple("b"), maple("c")]
+
+
+def pixels(path: Path) -> list[tuple[bytes, bytes]]:
+    """The chunks of a PNG file, unpacked: libraries may pack the same rows differently."""
+    rest, chunks = path.read_bytes()[8:], []
+    while rest:
+        length, kind = struct.unpack(">I4s", rest[:8])
+        chunks.append((kind, zlib.decompress(rest[8 : 8 + length]) if kind == b"IDAT" else rest[8 : 8 + length]))
+        rest = rest[12 + length :]
+    return chunks
 
 
 def triangles(mesh: Mesh):
@@ -226,11 +240,29 @@ class Plants(unittest.TestCase):
 
 class Files(unittest.TestCase):
     def test_the_meshes_in_the_scene_are_the_ones_made_here(self):
-        committed = Path(__file__).resolve().parents[2] / "scenes" / "woods" / "meshes"
+        committed = WOODS / "meshes"
         with tempfile.TemporaryDirectory() as folder:
             make_meshes(Path(folder))
             made = {path.name: path.read_text() for path in Path(folder).glob("*.obj")}
         self.assertEqual(made, {path.name: path.read_text() for path in committed.glob("*.obj")})
+
+    def test_the_textures_in_the_scene_are_the_ones_made_here(self):
+        # Every texture that is no leaf's, and those of one species; with SUNFLECK_LONG=1 all, which takes minutes.
+        only = [""] if os.environ.get("SUNFLECK_LONG") else ["willow", "litter", "bark"]
+        committed = {path.name: pixels(path) for path in (WOODS / "textures").glob("*.png")}
+        with tempfile.TemporaryDirectory() as folder:
+            for name in only:
+                make_textures(Path(folder), name)
+            made = {path.name: pixels(path) for path in Path(folder).glob("*.png")}
+        self.assertGreaterEqual(len(made), 7)
+        for name, picture in made.items():
+            self.assertEqual(picture, committed.get(name), name)
+
+    def test_no_other_textures_are_in_the_scene(self):
+        names = {f"{species}_{kind}" for species, ages in AGES.items() for kind in ["relief", *ages]}
+        names |= {f"{species}_{age}_through" for species, ages in LIT_THROUGH.items() for age in ages}
+        names |= {"litter", "bark_oak", "bark_maple", "bark_birch"}
+        self.assertEqual(names, {path.stem for path in (WOODS / "textures").glob("*.png")})
 
 
 if __name__ == "__main__":
