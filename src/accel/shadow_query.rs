@@ -56,6 +56,21 @@ impl<L: Lanes> LaneFunctional<L> {
     }
 }
 
+/// How far an affine function may be off where it is evaluated in a box in single precision.
+#[inline(always)]
+fn padding(functional: &Functional, bounds: Bounds) -> f64 {
+    let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
+    PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms
+}
+
+/// Whether an affine function may be 0 in a box.
+#[inline(always)]
+pub(super) fn may_vanish(functional: &Functional, bounds: Bounds) -> bool {
+    let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let spread = functional.gradient.abs().dot(0.5 * (max - min));
+    functional.at(0.5 * (min + max)).abs() <= spread + padding(functional, bounds)
+}
+
 /// The upper limit of an affine function over a box.
 pub(super) struct BoxLimit<L> {
     functional: LaneFunctional<L>,
@@ -65,9 +80,7 @@ pub(super) struct BoxLimit<L> {
 impl<L: Lanes> BoxLimit<L> {
     #[inline(always)]
     pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional, bounds: Bounds) -> Self {
-        let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
-        let padding = PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms;
-        let padded = Functional { offset: functional.offset + padding, ..*functional };
+        let padded = Functional { offset: functional.offset + padding(functional, bounds), ..*functional };
         let corner = three(|axis| plane(axis, functional.gradient[axis] >= 0.0));
         Self { functional: LaneFunctional::new(simd, &padded), corner }
     }

@@ -7,7 +7,7 @@ use super::{
     block::Block,
     instance_tree::Instance,
     light_plane::Functional,
-    shadow_query::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, visit_leaves},
+    shadow_query::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, may_vanish, visit_leaves},
     simd::{Mask, Simd, WIDTH},
     stack::Stack,
     triangle_cut::Crossing,
@@ -92,8 +92,13 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
         let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
+        // The plane passes a third of them by: a leaf is flat, and the box of a flat thing that is turned is not.
+        let out_of_plane = here(&self.region.out_of_plane);
+        if !may_vanish(&out_of_plane, mesh.tree.bounds) {
+            return;
+        }
         let region = Region {
-            out_of_plane: here(&self.region.out_of_plane),
+            out_of_plane,
             reach: here(&self.region.reach),
             height: here(&self.region.height),
             above: here(&self.region.above),

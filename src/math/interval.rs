@@ -27,6 +27,11 @@ impl IntervalSet {
 
     /// Adds `[start, end]`, merging whatever it touches. Empty intervals (`start >= end`) add nothing.
     pub fn insert(&mut self, start: f64, end: f64) {
+        self.insert_and_tell(start, end, |_, _| {});
+    }
+
+    /// The same; calls `gap(start, end)` for each part that no interval covered before, in order.
+    pub fn insert_and_tell(&mut self, start: f64, end: f64, mut gap: impl FnMut(f64, f64)) {
         // Anything but Less: a NaN is dropped too.
         if start.partial_cmp(&end) != Some(Ordering::Less) {
             return;
@@ -34,13 +39,21 @@ impl IntervalSet {
         let first = self.intervals.partition_point(|interval| interval.1 < start);
         let mut last = first;
         let (mut merged_start, mut merged_end) = (start, end);
+        let mut cursor = start;
         while let Some(&(other_start, other_end)) = self.intervals.get(last) {
             if other_start > end {
                 break;
             }
+            if other_start > cursor {
+                gap(cursor, other_start);
+            }
+            cursor = cursor.max(other_end);
             merged_start = merged_start.min(other_start);
             merged_end = merged_end.max(other_end);
             last += 1;
+        }
+        if cursor < end {
+            gap(cursor, end);
         }
         match last - first {
             0 => self.intervals.insert(first, (merged_start, merged_end)),
@@ -84,7 +97,14 @@ mod tests {
             let mut set = IntervalSet::default();
             let mut covered = [false; 60];
             for (start, end) in inserted {
-                set.insert(f64::from(start), f64::from(end));
+                let mut told = [false; 60];
+                set.insert_and_tell(f64::from(start), f64::from(end), |start, end| {
+                    told[start as usize..end as usize].fill(true);
+                });
+                for cell in 0..60_u8 {
+                    let is_new = (start..end).contains(&cell) && !covered[usize::from(cell)];
+                    prop_assert_eq!(told[usize::from(cell)], is_new);
+                }
                 for cell in start..end.max(start) {
                     covered[usize::from(cell)] = true;
                 }

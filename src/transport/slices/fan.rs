@@ -10,6 +10,9 @@ use glam::{DVec2, DVec3};
 use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 
+/// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
+pub(super) const LEAST_SPREAD: f64 = 1e-15;
+
 /// All slices between one point of the lens and one light.
 #[derive(Clone, Copy, Debug)]
 pub struct Fan {
@@ -226,6 +229,14 @@ impl Slice {
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
+    /// The slope of the ray at the place at which the slice has passed so much of its area per radian.
+    pub(super) fn slope_at(&self, area_per_rad: f64) -> f64 {
+        let passed = self.length_at(area_per_rad);
+        // Rounding must not put a ray along the axis on the other side of it.
+        let reach = (self.reach.0 + passed * self.reach.1).max(LEAST_SPREAD);
+        (self.height.0 + passed * self.height.1) / reach
+    }
+
     /// How much of its area the slice has passed, per radian, where its rays have a slope: of those of its axis by those outward.
     pub(super) fn area_at_slope(&self, slope: f64) -> f64 {
         let passed = (self.height.0 - slope * self.reach.0) / (slope * self.reach.1 - self.height.1);
@@ -247,12 +258,16 @@ impl Slice {
 
     /// In the image plane.
     fn point(&self, area_per_rad: f64) -> DVec2 {
+        self.start + self.length_at(area_per_rad) * self.along
+    }
+
+    /// After which length the slice has passed so much of its area per radian.
+    fn length_at(&self, area_per_rad: f64) -> f64 {
         let (density, growth) = self.density;
         // density x + growth x^2 / 2 = area, in the form that does not cancel.
         let root = (density * density + 2.0 * growth * area_per_rad).max(0.0).sqrt();
         // 0 / 0 on the axis itself: the maximum with 0 takes what is a number.
-        let passed = (2.0 * area_per_rad / (density + root)).max(0.0).min(self.length);
-        self.start + passed * self.along
+        (2.0 * area_per_rad / (density + root)).max(0.0).min(self.length)
     }
 }
 

@@ -4,6 +4,7 @@
 //! single ray. In go a snapshot and one of its lights, out come weighted samples. Invariant: a
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 
+mod buckets;
 mod chord;
 mod depth_line;
 mod depth_series;

@@ -3,7 +3,7 @@
 
 use super::chord::Chord;
 use super::edges::Edges;
-use super::fan::{Fan, Place, Slice};
+use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
 use super::fog_profile::FogProfile;
 use super::sight::Sight;
 use super::sweep::{LightRays, PlanarRay, Sweep};
@@ -14,9 +14,6 @@ use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::radiance::{Scratch, Transport};
 use glam::DVec2;
-
-/// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
-const LEAST_SPREAD: f64 = 1e-15;
 
 /// Memory that the slices of one thread share.
 #[derive(Default)]
@@ -63,12 +60,11 @@ pub fn solve(
         FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
     };
     let planar = |place: &Place| planar(job.fan, slice, place);
-    let slope_at = |area: f64| planar(&slice.place(area)).slope;
     let SliceScratch { chords, lowest_slopes, cuts, sweep, veils, edges, fog, followed } = scratch;
     chords.clear();
     chords.extend(of_slice);
     lowest_slopes.clear();
-    lowest_slopes.extend(chords.iter().map(|chord| slope_at(chord.end)));
+    lowest_slopes.extend(chords.iter().map(|chord| slice.slope_at(chord.end)));
     let lowest_slope = *lowest_slopes.last()?;
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
     cuts.clear();
@@ -89,7 +85,7 @@ pub fn solve(
 
     let mut met: Option<Facet> = None;
     for (chord, &lowest_slope) in chords.iter().zip(lowest_slopes.iter()) {
-        let highest_slope = slope_at(chord.start);
+        let highest_slope = slice.slope_at(chord.start);
         sweep.enter(highest_slope, |start, end| darken(fog, start, end));
         veils.enter(highest_slope);
         let mut piece_start = chord.start;
@@ -130,7 +126,7 @@ pub fn solve(
 
 /// How many segments a whole slice would gather of what is not blended.
 pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
-    let lowest_slope = planar(fan, slice, &slice.place(slice.area_per_rad)).slope;
+    let lowest_slope = slice.slope_at(slice.area_per_rad);
     let half_plane = HalfPlane { eye: fan.eye, axis: fan.axis, outward: slice.outward, lowest_slope };
     let mut cuts = Vec::new();
     snapshot.tree.add_cuts(&half_plane, &mut cuts);

@@ -9,6 +9,7 @@
 //! for a near one. So a segment wholly above a ray shadows it over an interval of these names that
 //! is known beforehand.
 
+use super::buckets::{Buckets, partition_point_near};
 use crate::accel::{Cut, PrimitiveId};
 use crate::math::IntervalSet;
 use glam::DVec2;
@@ -173,9 +174,11 @@ impl Sweep {
     /// Starts over with the cuts of another slice; `lowest_slopes` are those of its parts, from the highest to the lowest.
     pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, lowest_slopes: &[f64]) {
         self.segments.clear();
+        // A mesh's cuts come together and lie side by side.
+        let mut from = 0;
         for cut in cuts {
             let Some([upper, lower]) = ends_beside_axis(cut, light_rays) else { continue };
-            let from = lowest_slopes.partition_point(|slope| *slope > upper.slope);
+            from = partition_point_near(lowest_slopes, from, |slope| slope > upper.slope);
             if from < lowest_slopes.len() {
                 self.segments.push(from, Segment { primitive: cut.primitive, upper, lower });
             }
@@ -207,10 +210,7 @@ impl Sweep {
     /// What lies wholly above a slope goes to the shadows.
     fn pass(&mut self, slope: f64, mut darken: impl FnMut(f64, f64)) {
         let union = &mut self.shadows;
-        let mut add = |(start, end): (f64, f64)| {
-            union.for_each_gap(start, end, &mut darken);
-            union.insert(start, end);
-        };
+        let mut add = |(start, end): (f64, f64)| union.insert_and_tell(start, end, &mut darken);
         // Neighbouring triangles mostly touch, and are added as one.
         let mut pending: Option<(f64, f64)> = None;
         self.active.retain(|segment| {
@@ -315,57 +315,4 @@ fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
         b.slope = a.slope;
     }
     Some(if a.slope >= b.slope { [a, b] } else { [b, a] })
-}
-
-/// Things by number, sorted in linear time; those of one number stay in the order in which they came.
-#[derive(Debug)]
-struct Buckets<T> {
-    unsorted: Vec<(u32, T)>,
-    sorted: Vec<T>,
-    /// Where each bucket ends.
-    ends: Vec<u32>,
-}
-
-impl<T> Default for Buckets<T> {
-    fn default() -> Self {
-        Self { unsorted: Vec::new(), sorted: Vec::new(), ends: Vec::new() }
-    }
-}
-
-impl<T: Copy> Buckets<T> {
-    fn clear(&mut self) {
-        self.unsorted.clear();
-    }
-
-    fn push(&mut self, bucket: usize, item: T) {
-        self.unsorted.push((bucket as u32, item));
-    }
-
-    /// Makes `buckets` buckets of what was pushed.
-    fn sort(&mut self, buckets: usize) {
-        let Self { unsorted, sorted, ends } = self;
-        ends.clear();
-        ends.resize(buckets, 0);
-        for (bucket, _) in unsorted.iter() {
-            ends[*bucket as usize] += 1;
-        }
-        let mut start = 0;
-        for end in ends.iter_mut() {
-            let count = *end;
-            *end = start;
-            start += count;
-        }
-        sorted.clear();
-        sorted.extend(unsorted.iter().map(|(_, item)| *item));
-        for (bucket, item) in unsorted.iter() {
-            let place = &mut ends[*bucket as usize];
-            sorted[*place as usize] = *item;
-            *place += 1;
-        }
-    }
-
-    fn bucket(&self, bucket: usize) -> &[T] {
-        let start = if bucket == 0 { 0 } else { self.ends[bucket - 1] };
-        &self.sorted[start as usize..self.ends[bucket] as usize]
-    }
 }

@@ -1,0 +1,107 @@
+//! Segments by the part of the slice that they begin in. In go things and their numbers, out come those of each number. Invariant:
+//! sorting takes linear time, and things of one number stay in the order in which they came.
+
+/// Things by number.
+#[derive(Debug)]
+pub(super) struct Buckets<T> {
+    unsorted: Vec<(u32, T)>,
+    sorted: Vec<T>,
+    /// Where each bucket ends.
+    ends: Vec<u32>,
+}
+
+impl<T> Default for Buckets<T> {
+    fn default() -> Self {
+        Self { unsorted: Vec::new(), sorted: Vec::new(), ends: Vec::new() }
+    }
+}
+
+impl<T: Copy> Buckets<T> {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.unsorted.clear();
+    }
+
+    /// Adds a thing of a number.
+    pub(super) fn push(&mut self, bucket: usize, item: T) {
+        self.unsorted.push((bucket as u32, item));
+    }
+
+    /// Makes `buckets` buckets of what was pushed.
+    pub(super) fn sort(&mut self, buckets: usize) {
+        let Self { unsorted, sorted, ends } = self;
+        ends.clear();
+        ends.resize(buckets, 0);
+        for (bucket, _) in unsorted.iter() {
+            ends[*bucket as usize] += 1;
+        }
+        let mut start = 0;
+        for end in ends.iter_mut() {
+            let count = *end;
+            *end = start;
+            start += count;
+        }
+        sorted.clear();
+        sorted.extend(unsorted.iter().map(|(_, item)| *item));
+        for (bucket, item) in unsorted.iter() {
+            let place = &mut ends[*bucket as usize];
+            sorted[*place as usize] = *item;
+            *place += 1;
+        }
+    }
+
+    /// Things of a number, once they are sorted.
+    pub(super) fn bucket(&self, bucket: usize) -> &[T] {
+        let start = if bucket == 0 { 0 } else { self.ends[bucket - 1] };
+        &self.sorted[start as usize..self.ends[bucket] as usize]
+    }
+}
+
+/// What [`slice::partition_point`] finds, in few steps where it is near a guess: a galloping search (Bentley & Yao 1976).
+pub(super) fn partition_point_near(values: &[f64], guess: usize, is_before: impl Fn(f64) -> bool) -> usize {
+    let (mut low, mut high) = (0, values.len());
+    let mut step = 1;
+    if guess < high && is_before(values[guess]) {
+        low = guess + 1;
+        while low + step < high {
+            if !is_before(values[low + step]) {
+                high = low + step;
+                break;
+            }
+            low += step + 1;
+            step *= 2;
+        }
+    } else {
+        high = high.min(guess);
+        while step < high {
+            if is_before(values[high - step]) {
+                low = high - step + 1;
+                break;
+            }
+            high -= step;
+            step *= 2;
+        }
+    }
+    low + values[low..high].partition_point(|value| is_before(*value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_guess_does_not_matter(
+            mut values in prop::collection::vec(-100_i32..100, 0..60),
+            guess in 0_usize..70,
+            limit in -101_i32..101,
+        ) {
+            values.sort_unstable_by(|a, b| b.cmp(a));
+            let values: Vec<f64> = values.into_iter().map(f64::from).collect();
+            let is_before = |value: f64| value > f64::from(limit);
+            let expected = values.partition_point(|value| is_before(*value));
+            prop_assert_eq!(partition_point_near(&values, guess.min(values.len()), is_before), expected);
+        }
+    }
+}
