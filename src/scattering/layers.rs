@@ -3,7 +3,7 @@
 //! given back than is received if the surface keeps to that.
 //!
 //! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`, as KHR_materials_sheen
-//! says of sheen ("Albedo scaling"), and a little more than the tables of albedos say, so that their error gives no light.
+//! says of sheen ("Albedo scaling"), and a little more at grazing angles, so that no error gives light.
 //! KHR_materials_clearcoat takes `F(v)` from what lies beneath, which is not reciprocal.
 
 use super::{Gloss, Sheen};
@@ -28,8 +28,9 @@ pub struct Clearcoat {
     pub gloss: Gloss,
 }
 
-/// By how much more a coat is taken to reflect at grazing angles than its table says, whose true values are up to 6.6 % larger.
-const SAFETY: f64 = 0.08;
+/// By how much more a coat is taken to reflect at grazing angles than it does: one that a normal map tilts reflects from
+/// below its own horizon, too.
+const SAFETY: f64 = 0.04;
 
 impl Clearcoat {
     /// A coat with the refractive index of 1.5 that covers `share` of the surface.
@@ -176,7 +177,7 @@ mod tests {
                 reflected /= f64::from(count * count);
                 let taken = coat.albedo(to_eye);
                 assert!(
-                    taken > reflected - 1e-3 && taken < 1.12 * reflected + 1e-3,
+                    taken > reflected - 1e-3 && taken < 1.05 * reflected + 1e-3,
                     "{roughness} {cos}: {taken} {reflected}"
                 );
             }
