@@ -40,6 +40,8 @@ class Pose:
     """How much the edges droop, per square of the distance from the midrib."""
     ripple: float
     """Amplitude of the waves along the edge."""
+    width: float = 1.0
+    """How wide it is for its length, of what its species is."""
 
 
 NEAR = Detail("near", 0.075, 13, 4, True, 0.06)
@@ -98,7 +100,7 @@ def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
     height = lift + math.sin(pose.fold_rad) * distance - pose.cup * distance * distance
     edge = min(1.0, distance / 0.3)
     height += pose.ripple * edge * math.sin(9.0 * z + 5.0 * x + 1.0)
-    across = x * math.cos(pose.fold_rad)
+    across = pose.width * x * math.cos(pose.fold_rad)
     # The arc's centre lies below the blade's middle.
     angle = pose.curl_rad * (z - 0.5)
     if abs(pose.curl_rad) < 1e-6:

@@ -15,7 +15,7 @@ from floor import make_fern, make_ground
 from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
 from maps import blemished, leaf_maps
 from mesh import Mesh, write_obj
-from outlines import SPECIES, maple
+from outlines import SPECIES, maple, oak
 from paint import EVEN, paint_bark, paint_leaf, paint_light_through, paint_litter, paint_normals
 from palettes import RAMPS
 from png import write_png
@@ -37,10 +37,20 @@ TOLERANCES = {
     FAR: {"maple": 0.020, "birch": 0.045, "oak": 0.020, "beech": 0.012, "ginkgo": 0.020, "aspen": 0.020, "willow": 0.008},
     CANOPY: {"maple": 0.17, "birch": 0.080, "oak": 0.080, "beech": 0.060, "ginkgo": 0.10, "aspen": 0.060, "willow": 0.020},
 }  # fmt: skip
-# The leaves nearest to the camera shall not be one leaf many times.
+# Other individuals, cut and bent otherwise: a crown, or what falls from it, shall not be one leaf many times.
 MORE_MAPLES = {
     "b": Pose(fold_rad=0.12, curl_rad=0.35, cup=0.85, ripple=0.030),
     "c": Pose(fold_rad=0.45, curl_rad=0.95, cup=0.20, ripple=0.028),
+    "d": Pose(fold_rad=0.70, curl_rad=0.50, cup=0.10, ripple=0.020, width=0.88),
+    "e": Pose(fold_rad=0.05, curl_rad=0.95, cup=0.35, ripple=0.035, width=1.10),
+    "f": Pose(fold_rad=0.35, curl_rad=-0.45, cup=0.60, ripple=0.025, width=0.95),
+}
+NEAR_MAPLES = ("b", "c")
+MORE_OAKS = {
+    "b": Pose(fold_rad=0.50, curl_rad=0.55, cup=0.20, ripple=0.030, width=0.85),
+    "c": Pose(fold_rad=0.05, curl_rad=1.20, cup=0.80, ripple=0.020, width=1.12),
+    "d": Pose(fold_rad=0.35, curl_rad=-0.35, cup=0.60, ripple=0.028, width=0.95),
+    "e": Pose(fold_rad=0.75, curl_rad=1.00, cup=0.10, ripple=0.024),
 }
 # Ages of the pictures of each species, on its ramp of colours.
 AGES = {
@@ -69,7 +79,14 @@ def leaves() -> dict[str, tuple[Mesh, Detail]]:
             hanging = make_leaf(blade, detail, TOLERANCES[detail][blade.name], pose, hangs=True)
             meshes[f"{blade.name}_{detail.suffix}_hanging"] = (hanging, detail)
     for name, pose in MORE_MAPLES.items():
-        meshes[f"maple_near_{name}"] = (make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose), NEAR)
+        if name in NEAR_MAPLES:
+            meshes[f"maple_near_{name}"] = (make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose), NEAR)
+        meshes[f"maple_far_{name}"] = (make_leaf(maple(name), FAR, TOLERANCES[FAR]["maple"], pose), FAR)
+    for blade, poses in ((maple, MORE_MAPLES), (oak, MORE_OAKS)):
+        for name, pose in poses.items():
+            species = blade(name).name
+            hanging = make_leaf(blade(name), CANOPY, TOLERANCES[CANOPY][species], pose, hangs=True)
+            meshes[f"{species}_canopy_hanging_{name}"] = (hanging, CANOPY)
     return meshes
 
 

@@ -130,9 +130,9 @@ def birch() -> Blade:
     return Blade("birch", closed(*sides), pinnate_veins(half_width, 7, 0.17), 0.42)
 
 
-def oak() -> Blade:
-    """Pedunculate oak: rounded lobes, widest beyond the middle, a short petiole."""
-    rng = random.Random("oak")
+def oak(individual: str = "") -> Blade:
+    """Pedunculate oak: rounded lobes, widest beyond the middle, a short petiole; another individual is cut a little differently."""
+    rng = random.Random("oak" + individual)
     side = [
         (0.00, 0.00), (0.045, -0.012), (0.075, 0.035), (0.065, 0.10), (0.13, 0.155), (0.185, 0.20), (0.175, 0.25),
         (0.105, 0.275), (0.125, 0.325), (0.225, 0.375), (0.285, 0.43), (0.265, 0.485), (0.155, 0.495),
