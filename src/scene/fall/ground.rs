@@ -13,6 +13,14 @@ const MOST_CELLS: usize = 1024;
 pub(crate) struct Ground {
     level_m: f64,
     highest_m: f64,
+    own: Meshes,
+    /// Of others, where there is none of its own.
+    others: Meshes,
+}
+
+/// The upper side of triangles.
+#[derive(Clone, Debug)]
+struct Meshes {
     triangles: Vec<[DVec3; 3]>,
     /// The smallest corner of the grid, and the size of a cell.
     corner: DVec2,
@@ -23,18 +31,42 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    /// Where no triangle is, the ground is level.
-    pub(crate) fn new(level_m: f64, triangles: Vec<[DVec3; 3]>) -> Self {
+    /// Where no triangle of its own is, there may be one of others; where there is none either, the ground is level.
+    pub(crate) fn new(level_m: f64, own: Vec<[DVec3; 3]>, others: Vec<[DVec3; 3]>) -> Self {
+        let points = own.iter().chain(&others).flatten();
+        let highest_m = points.map(|point| point.y).fold(level_m, f64::max);
+        Self { level_m, highest_m, own: Meshes::new(own), others: Meshes::new(others) }
+    }
+
+    /// No place is higher.
+    pub(crate) fn highest_m(&self) -> f64 {
+        self.highest_m
+    }
+
+    /// Of the meshes where there is one, their upper side; else of the level.
+    pub(crate) fn height_m(&self, x: f64, z: f64) -> f64 {
+        let place = DVec2::new(x, z);
+        self.own.height_m(place).or_else(|| self.others.height_m(place)).unwrap_or(self.level_m)
+    }
+
+    /// Unit vector that stands on the ground, seen over a distance.
+    pub(crate) fn normal(&self, x: f64, z: f64, over_m: f64) -> DVec3 {
+        let half = 0.5 * over_m;
+        let along_x = self.height_m(x + half, z) - self.height_m(x - half, z);
+        let along_z = self.height_m(x, z + half) - self.height_m(x, z - half);
+        DVec3::new(-along_x, over_m, -along_z).normalize()
+    }
+}
+
+impl Meshes {
+    fn new(triangles: Vec<[DVec3; 3]>) -> Self {
         let flat = |point: DVec3| DVec2::new(point.x, point.z);
         let points = || triangles.iter().flatten().copied();
         let low = points().map(flat).fold(DVec2::INFINITY, DVec2::min);
         let high = points().map(flat).fold(DVec2::NEG_INFINITY, DVec2::max);
-        let highest_m = points().map(|point| point.y).fold(level_m, f64::max);
         let side = (triangles.len() / TRIANGLES_PER_CELL).isqrt().clamp(1, MOST_CELLS);
         let cell = ((high - low) / side as f64).max(DVec2::splat(f64::MIN_POSITIVE));
-        let mut ground = Self {
-            level_m,
-            highest_m,
+        let mut meshes = Self {
             triangles: Vec::new(),
             corner: low,
             cell,
@@ -44,44 +76,30 @@ impl Ground {
         for (number, triangle) in triangles.iter().enumerate() {
             let corners = triangle.map(flat);
             let (first, last) = (
-                ground.cell_of(corners[0].min(corners[1]).min(corners[2])),
-                ground.cell_of(corners[0].max(corners[1]).max(corners[2])),
+                meshes.cell_of(corners[0].min(corners[1]).min(corners[2])),
+                meshes.cell_of(corners[0].max(corners[1]).max(corners[2])),
             );
             for row in first.1..=last.1 {
                 for column in first.0..=last.0 {
-                    ground.cells[row * side + column].push(number as u32);
+                    meshes.cells[row * side + column].push(number as u32);
                 }
             }
         }
-        ground.triangles = triangles;
-        ground
+        meshes.triangles = triangles;
+        meshes
     }
 
-    /// No place is higher.
-    pub(crate) fn highest_m(&self) -> f64 {
-        self.highest_m
-    }
-
-    /// Of the mesh where there is one, its upper side; else of the level.
-    pub(crate) fn height_m(&self, x: f64, z: f64) -> f64 {
-        let place = DVec2::new(x, z);
+    /// `None` where no triangle is.
+    fn height_m(&self, place: DVec2) -> Option<f64> {
         let beyond = self.corner + self.cell * self.side as f64;
         if self.cells.is_empty() || place.cmplt(self.corner).any() || place.cmpgt(beyond).any() {
-            return self.level_m;
+            return None;
         }
         let (column, row) = self.cell_of(place);
         let heights = self.cells[row * self.side + column]
             .iter()
             .filter_map(|&number| height_in(self.triangles[number as usize], place));
-        heights.reduce(f64::max).unwrap_or(self.level_m)
-    }
-
-    /// Unit vector that stands on the ground, seen over a distance.
-    pub(crate) fn normal(&self, x: f64, z: f64, over_m: f64) -> DVec3 {
-        let half = 0.5 * over_m;
-        let along_x = self.height_m(x + half, z) - self.height_m(x - half, z);
-        let along_z = self.height_m(x, z + half) - self.height_m(x, z - half);
-        DVec3::new(-along_x, over_m, -along_z).normalize()
+        heights.reduce(f64::max)
     }
 
     fn cell_of(&self, place: DVec2) -> (usize, usize) {
@@ -123,7 +141,7 @@ mod tests {
             let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
             [[a, b, c], [a, c, d]]
         });
-        Ground::new(-5.0, triangles.collect())
+        Ground::new(-5.0, triangles.collect(), Vec::new())
     }
 
     #[test]
@@ -145,8 +163,18 @@ mod tests {
     fn of_two_floors_the_upper_one_counts_and_walls_do_not() {
         let floor = |y: f64| [DVec3::new(-4.0, y, -4.0), DVec3::new(4.0, y, -4.0), DVec3::new(0.0, y, 4.0)];
         let wall = [DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 9.0, -1.0), DVec3::new(0.0, 0.0, 1.0)];
-        let ground = Ground::new(0.0, vec![floor(1.0), floor(2.0), wall]);
+        let ground = Ground::new(0.0, vec![floor(1.0), floor(2.0), wall], Vec::new());
         assert_eq!(ground.height_m(0.0, 0.0), 2.0);
-        assert_eq!(Ground::new(0.25, Vec::new()).height_m(1.0, 1.0), 0.25);
+        assert_eq!(Ground::new(0.25, Vec::new(), Vec::new()).height_m(1.0, 1.0), 0.25);
+    }
+
+    #[test]
+    fn where_a_mesh_ends_others_go_on_and_then_the_level() {
+        let at = |x: f64, y: f64| {
+            [DVec3::new(x - 1.0, y, -4.0), DVec3::new(x + 1.0, y, -4.0), DVec3::new(x, y, 4.0)]
+        };
+        let ground = Ground::new(0.0, vec![at(-1.0, 1.0)], vec![at(-1.0, 7.0), at(1.0, 2.0)]);
+        let heights = [-1.0, 1.0, 3.0].map(|x| ground.height_m(x, 0.0));
+        assert_eq!((heights, ground.highest_m()), ([1.0, 2.0, 0.0], 7.0));
     }
 }

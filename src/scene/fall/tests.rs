@@ -54,7 +54,7 @@ pub(super) fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
 }
 
 pub(super) fn level() -> Ground {
-    Ground::new(0.25, Vec::new())
+    Ground::new(0.25, Vec::new(), Vec::new())
 }
 
 /// Slopes and hills of 20 m, in squares of half a metre.
@@ -68,7 +68,7 @@ fn hills() -> Ground {
         let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
         [[a, b, c], [a, c, d]]
     });
-    Ground::new(-9.0, triangles.collect())
+    Ground::new(-9.0, triangles.collect(), Vec::new())
 }
 
 /// All leaves of a fall, which has its ground for itself.
@@ -299,7 +299,7 @@ fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flig
         reach_m: 0.0,
         clearance_m: 0.0,
     };
-    let (ground, obstacles) = (Ground::new(0.0, Vec::new()), Obstacles::default());
+    let (ground, obstacles) = (Ground::new(0.0, Vec::new(), Vec::new()), Obstacles::default());
     fly_alone(leaf, interval_s, Surroundings { wind, ground: &ground, obstacles: &obstacles })
 }
 
@@ -369,7 +369,7 @@ fn the_wind_carries_leaves_along() {
 #[test]
 fn each_way_of_falling_is_what_it_is_called() {
     let turns = |mix: Mix| {
-        let fall = fall(mix, calm(), Ground::new(-20.0, Vec::new()));
+        let fall = fall(mix, calm(), Ground::new(-20.0, Vec::new(), Vec::new()));
         let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 40, ..fall });
         // How often the upper side comes to lie below, a leaf and second.
         let flips = leaves.iter().map(|leaf| {
@@ -389,7 +389,7 @@ fn each_way_of_falling_is_what_it_is_called() {
 #[test]
 fn helices_keep_their_radius_and_spirals_widen() {
     let directions = |mix: Mix| {
-        let fall = fall(mix, calm(), Ground::new(-40.0, Vec::new()));
+        let fall = fall(mix, calm(), Ground::new(-40.0, Vec::new(), Vec::new()));
         let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 30, ..fall });
         // Mean speed of turning of the way over the ground, early and late.
         let turning = |from_s: f64| {

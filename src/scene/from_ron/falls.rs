@@ -10,10 +10,14 @@ use crate::scene::fall::{
 };
 use crate::scene::{Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
 use std::mem;
 
 /// Leaves that start higher would be followed for minutes.
 const HIGHEST_START_M: f64 = 200.0;
+
+/// Triangles of all objects that leaves come to rest on, by name; `None` of one that cannot be a ground, as is told already.
+type Grounds<'a> = BTreeMap<&'a str, Option<Vec<[DVec3; 3]>>>;
 
 /// Meshes and materials of a species.
 type Dress = (Vec<MeshIndex>, Vec<MaterialIndex>);
@@ -31,8 +35,16 @@ impl Resolver<'_> {
     /// Lets the leaves of all blocks fall, and come to rest on each other where they share a ground.
     pub(super) fn falls(&mut self, baking: &Baking) {
         let file = self.file;
+        let mut grounds = Grounds::new();
+        for (name, block) in file.fall.iter() {
+            if let Some(object) = &block.ground.object {
+                let field = format!("fall.{name}.ground.object");
+                grounds.entry(object).or_insert_with(|| self.still_triangles(&field, object));
+            }
+        }
+        let blocks = file.fall.iter();
         let mut flocks: Vec<Flock<'_>> =
-            file.fall.iter().filter_map(|(name, block)| self.flock(name, block, baking)).collect();
+            blocks.filter_map(|(name, block)| self.flock(name, block, &grounds, baking)).collect();
         while !flocks.is_empty() {
             let ground = flocks[0].block.ground.clone();
             let (together, others) = flocks.into_iter().partition(|flock| flock.block.ground == ground);
@@ -61,7 +73,13 @@ impl Resolver<'_> {
     }
 
     /// Lets the leaves of `block` fly.
-    fn flock<'b>(&mut self, name: &'b str, block: &'b ron::Fall, baking: &Baking) -> Option<Flock<'b>> {
+    fn flock<'b>(
+        &mut self,
+        name: &'b str,
+        block: &'b ron::Fall,
+        grounds: &Grounds<'_>,
+        baking: &Baking,
+    ) -> Option<Flock<'b>> {
         let owner = format!("fall.{name}");
         if !self.has_room_for(&owner, block.count.0) || !self.has_room_to_fall(&owner, block.count.0) {
             return None;
@@ -70,7 +88,7 @@ impl Resolver<'_> {
         let emitter = self.emitter(&owner, &block.emitter);
         let wind = self.wind(&owner, &block.wind);
         let mix = self.mix(&owner, block.motion.as_ref());
-        let ground = self.ground(&owner, &block.ground);
+        let ground = ground(&block.ground, grounds);
         let obstacles = self.obstacles(&owner, &block.obstacles);
         let ((species, dresses), emitter) = (species?, emitter?);
         let (wind, mix, ground, obstacles) = (wind?, mix?, ground?, obstacles?);
@@ -247,14 +265,6 @@ impl Resolver<'_> {
         Some(Some(mix))
     }
 
-    fn ground(&mut self, owner: &str, ground: &ron::FallGround) -> Option<Ground> {
-        let triangles = match &ground.object {
-            None => Vec::new(),
-            Some(object) => self.still_triangles(&format!("{owner}.ground.object"), object)?,
-        };
-        Some(Ground::new(ground.height_m.si(), triangles))
-    }
-
     fn obstacles(&mut self, owner: &str, names: &[String]) -> Option<Obstacles> {
         let named = names.iter().enumerate();
         let found: Vec<_> =
@@ -289,4 +299,13 @@ impl Resolver<'_> {
             |vertex: u32| world_from_node.transform_point3(mesh.positions[vertex as usize].as_dvec3());
         Some(mesh.triangles.iter().map(|triangle| triangle.vertices.map(point)).collect())
     }
+}
+
+/// A block's ground: beyond its own object leaves come down on those of the other blocks, and do not pass through them.
+fn ground(ground: &ron::FallGround, grounds: &Grounds<'_>) -> Option<Ground> {
+    let own = ground.object.as_deref();
+    let triangles = own.map_or(Some(Vec::new()), |object| grounds.get(object)?.clone())?;
+    let others = grounds.iter().filter(|(object, _)| Some(**object) != own);
+    let others = others.filter_map(|(_, triangles)| triangles.as_deref()).flatten();
+    Some(Ground::new(ground.height_m.si(), triangles, others.copied().collect()))
 }
