@@ -78,3 +78,79 @@ impl Layout<'_> {
         passed / (2.0 + passed)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scattering::Source;
+    use crate::scene::{Camera, Lens, Size, Track};
+    use crate::snapshot::View;
+    use glam::{DAffine3, DVec2, DVec3};
+
+    const SIZE: Size = Size { width: 480, height: 270 };
+
+    /// A picture along -z by a pinhole, and a sun so high.
+    fn fan(elevation_deg: f64) -> Fan {
+        let aspect = SIZE.width as f64 / SIZE.height as f64;
+        let lens = Lens::Perspective { fov_y: Track::from(0.7) };
+        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let view = View::new(&camera, DAffine3::IDENTITY, aspect, 0.0);
+        let (sin, cos) = elevation_deg.to_radians().sin_cos();
+        Fan::new(&view, SIZE, DVec2::ZERO, Source::Towards(DVec3::new(0.0, sin, -cos))).unwrap()
+    }
+
+    /// For the sun beside the picture, in it, behind the camera, and at right angles.
+    fn fans() -> [Fan; 4] {
+        [50.0, 5.0, 175.0, 90.0].map(fan)
+    }
+
+    fn layout(deviation_deg: f64, segments: &dyn Fn(&Slice) -> usize) -> Layout<'_> {
+        Layout { deviation_rad: deviation_deg.to_radians(), samples: 16.0, slices_per_px: 8.0, segments }
+    }
+
+    #[test]
+    fn slices_that_share_a_fan_are_not_cut() {
+        let asked = |_: &Slice| -> usize { panic!("nothing is asked of the scene") };
+        for fan in fans() {
+            // A parallel sun before a pinhole at an instant; and one that hardly wanders.
+            for deviation_deg in [0.0, 1e-6] {
+                assert_eq!(layout(deviation_deg, &asked).count(&fan), 1);
+            }
+        }
+    }
+
+    #[test]
+    fn a_disc_is_worth_several_rings_where_gathering_is_cheap_and_one_where_it_is_dear() {
+        for fan in fans() {
+            let counts = [0, 1, 1_000_000].map(|segments| layout(0.27, &move |_| segments).count(&fan));
+            assert!(counts[0] == 8 && counts[1] > 1 && counts[2] == 1, "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn rings_are_fewer_the_dearer_gathering_is() {
+        let counts = [1, 3, 10, 30, 100, 300, 1000, 10_000]
+            .map(|segments| layout(0.27, &move |_| segments).count(&fan(50.0)));
+        assert!(counts.is_sorted_by(|a, b| a >= b) && counts[0] > counts[7], "{counts:?}");
+    }
+
+    #[test]
+    fn rings_cover_the_picture_once() {
+        for fan in fans() {
+            for deviation_deg in [0.0, 0.27, 3.0] {
+                for count in COUNTS {
+                    let rings = layout(deviation_deg, &|_| 1).cut(&fan, count);
+                    assert!(rings[0].0 == 0.0 && rings[rings.len() - 1].1 == PI, "{rings:?}");
+                    assert!(rings.windows(2).all(|pair| pair[0].1 == pair[1].0), "{rings:?}");
+                    assert!(rings.iter().all(|ring| ring.0 < ring.1), "{rings:?}");
+                    let area_px: f64 = rings.iter().map(|&ring| fan.separation(ring).area_px).sum();
+                    let whole_px = fan.separation(Ring::WHOLE).area_px;
+                    assert!((area_px / whole_px - 1.0).abs() < 1e-9, "{area_px} {whole_px}");
+                    let pixels = (SIZE.width * SIZE.height) as f64;
+                    assert!((whole_px / pixels - 1.0).abs() < 0.02, "{whole_px} {pixels}");
+                }
+            }
+        }
+    }
+}
