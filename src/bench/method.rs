@@ -100,10 +100,11 @@ impl Method {
         }
     }
 
-    /// Every effort worth trying, cheap ones before dear ones.
-    pub(super) fn ladder(self) -> Vec<Effort> {
-        let powers =
-            |base: u32, highest: u32| (0..).map(move |n| base.pow(n)).take_while(move |&p| p <= highest);
+    /// Every effort worth trying of at most so many samples a pixel, cheap ones before dear ones.
+    pub(super) fn ladder(self, most_samples: u32) -> Vec<Effort> {
+        let powers = |base: u32, highest: u32| {
+            (0..).map(move |n| base.pow(n)).take_while(move |&p| p <= highest.min(most_samples))
+        };
         let grid = |steps: [u32; 4]| {
             let mut efforts: Vec<Effort> = powers(4, 1024)
                 .flat_map(|samples| {
@@ -119,7 +120,10 @@ impl Method {
             Self::Equiangular => grid([1, 4, 16, 64]),
             Self::Segments | Self::Slices => powers(2, 4096).map(Effort::of_samples).collect(),
             Self::SlicesUntil => (1..10)
-                .map(|n| Effort { tolerance: Some(0.5_f64.powi(n)), ..Effort::of_samples(MOST_SAMPLES) })
+                .map(|n| Effort {
+                    tolerance: Some(0.5_f64.powi(n)),
+                    ..Effort::of_samples(most_samples.min(MOST_SAMPLES))
+                })
                 .collect(),
         }
     }

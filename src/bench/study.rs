@@ -18,6 +18,8 @@ pub struct StudyPlan<'a> {
     pub rounds: usize,
     /// A method's ladder ends before a point that would take longer, seconds.
     pub longest_s: f64,
+    /// And before one of more samples a pixel.
+    pub most_samples: u32,
     /// Seed of the measured pictures.
     pub seed: u32,
 }
@@ -80,7 +82,7 @@ pub fn run(plan: &StudyPlan, reference: &Reference, report: &dyn Fn(&str)) -> Ve
     let mut runs: Vec<Run> = Vec::new();
     report(&format!("round 1 of {}", plan.rounds));
     let ladders: Vec<(Method, Vec<Effort>)> =
-        plan.methods.iter().map(|&method| (method, method.ladder())).collect();
+        plan.methods.iter().map(|&method| (method, method.ladder(plan.most_samples))).collect();
     if plan.methods.contains(&Method::Literal) {
         runs.push(literal(plan, reference));
     }

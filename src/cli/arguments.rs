@@ -206,6 +206,12 @@ pub(super) struct BenchArguments {
     /// A method takes no more effort than fits into so many seconds [default: 8, with --quick 0.5].
     #[arg(long, value_parser = parse_seconds, value_name = "SECONDS", allow_negative_numbers = true)]
     pub(super) longest: Option<f64>,
+    /// Nor more than so many samples a pixel, however fast they are [default: as many as --longest lets it].
+    #[arg(
+        long, value_parser = clap::value_parser!(u32).range(1..=65536), value_name = "N", allow_negative_numbers = true,
+        conflicts_with_all = ["skips", "scaling"]
+    )]
+    pub(super) most_samples: Option<u32>,
     /// Samples a pixel of the reference [default: 256, with --quick 32].
     #[arg(long, value_parser = clap::value_parser!(u32).range(4..=65536), value_name = "N", allow_negative_numbers = true)]
     pub(super) reference_samples: Option<u32>,

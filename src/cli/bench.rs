@@ -127,6 +127,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         methods: methods(&arguments.methods),
         rounds: arguments.rounds.unwrap_or(if quick { 2 } else { 3 }) as usize,
         longest_s: arguments.longest.unwrap_or(if quick { 0.5 } else { 8.0 }),
+        most_samples: arguments.most_samples.unwrap_or(u32::MAX),
         seed: subject.settings.seed,
     };
     let points = one.install(|| bench::run(&plan, &reference, &tell));
