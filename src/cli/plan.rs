@@ -5,6 +5,7 @@ use super::arguments::{Crop, ProgressArgument, RenderArguments, SizeArgument, Vo
 use super::{CliError, loading};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::frame_file;
 use crate::render::{Job, Placement};
 use crate::scene::{RenderSettings, Sampling, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
@@ -34,6 +35,7 @@ pub(super) struct Plan {
 
 impl Plan {
     pub(super) fn new(arguments: &RenderArguments) -> Result<Self, CliError> {
+        check_output(arguments)?;
         let description = description::load(&arguments.input)?;
         let scene_hash = description.content_hash.clone();
         let (mut scene, mut settings) = loading::resolve(
@@ -121,12 +123,11 @@ impl fmt::Display for Plan {
         let Size { width, height } = self.job.size;
         writeln!(
             f,
-            "{} frame{} of {width}x{height} pixels, {} on {:?}, fog by {:?}, {}",
+            "{} frame{} of {width}x{height} pixels, {}, --volume {}, {}",
             frames.len(),
             if frames.len() == 1 { "" } else { "s" },
             self.job.sampling,
-            self.job.placement,
-            self.job.transport.volume,
+            volume_word(&self.job),
             super::pass_names(&self.job.passes)
         )?;
         writeln!(f, "camera `{}`, seed {}", self.scene.cameras[self.camera].name, self.job.seed)?;
@@ -141,11 +142,23 @@ fn hash(text: &str) -> String {
     Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Refuses a place that cannot be written to before anybody waits for the scene.
+fn check_output(arguments: &RenderArguments) -> Result<(), CliError> {
+    let pattern = parse_output(arguments.out.as_deref(), "frame")?;
+    if arguments.dry_run {
+        return Ok(());
+    }
+    frame_file::check_folder(pattern.folder())
+        .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))
+}
+
+fn parse_output(out: Option<&Path>, name: &str) -> Result<OutputPattern, CliError> {
+    let Some(out) = out else { return Ok(OutputPattern::default_for(name)) };
+    OutputPattern::parse(&out.to_string_lossy(), name).map_err(CliError::Usage)
+}
+
 fn find_output(out: Option<&Path>, name: &str, frames: &FrameList) -> Result<OutputPattern, CliError> {
-    let pattern = match out {
-        None => OutputPattern::default_for(name),
-        Some(out) => OutputPattern::parse(&out.to_string_lossy(), name).map_err(CliError::Usage)?,
-    };
+    let pattern = parse_output(out, name)?;
     pattern.check(frames.as_slice().len()).map_err(CliError::Usage)?;
     Ok(pattern)
 }
@@ -214,6 +227,17 @@ fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> Result<Volu
         }),
         (Volume::Equiangular, points) => VolumeMethod::Equiangular { points: points.unwrap_or(1) },
     })
+}
+
+/// What `--volume` would have to be for a job.
+fn volume_word(job: &Job) -> &'static str {
+    match (job.placement, job.transport.volume) {
+        (Placement::Auto, _) => "auto",
+        (Placement::Slices, _) => "slices",
+        (Placement::Pixels, VolumeMethod::Segments) => "segments",
+        (Placement::Pixels, VolumeMethod::March(_)) => "march",
+        (Placement::Pixels, VolumeMethod::Equiangular { .. }) => "equiangular",
+    }
 }
 
 pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {

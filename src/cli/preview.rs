@@ -76,13 +76,14 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     }
     let size = kept.finish()?;
     let seconds = started.elapsed().as_secs_f64();
+    let rate = frames.len() as f64 / seconds;
+    let decimals = usize::from(rate < 10.0);
     tell(&format!(
-        "{} frame{} of {}x{} in {seconds:.2} s ({:.0} a second), written to {outputs}",
+        "{} frame{} of {}x{} in {seconds:.2} s ({rate:.decimals$} a second), written to {outputs}",
         frames.len(),
         if frames.len() == 1 { "" } else { "s" },
         size.width,
-        size.height,
-        frames.len() as f64 / seconds
+        size.height
     ));
     Ok(())
 }

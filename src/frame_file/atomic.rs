@@ -29,6 +29,18 @@ pub fn write_whole(path: &Path, parts: &[&[u8]]) -> Result<(), FrameFileError> {
         .map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
 }
 
+/// Whether files could be written to a folder, which need not be there yet; nothing is left behind.
+///
+/// # Errors
+/// If the folder, or what there is of the way to it, is no folder or takes no files.
+pub fn check_folder(folder: &Path) -> Result<(), FrameFileError> {
+    let there = folder.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new("."));
+    match tempfile::tempfile_in(there) {
+        Ok(_) => Ok(()),
+        Err(source) => Err(FrameFileError::CreateFolder { path: folder.to_owned(), source }),
+    }
+}
+
 fn write_in(folder: &Path, path: &Path, prefix: &str, parts: &[&[u8]]) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix).suffix(TEMPORARY_SUFFIX);

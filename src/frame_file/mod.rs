@@ -44,7 +44,7 @@ mod provenance;
 mod read;
 
 pub use animation::Animation;
-pub use atomic::{remove_abandoned, write_whole};
+pub use atomic::{check_folder, remove_abandoned, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, compare, net_rmse};
 pub use encode::write;
 pub use error::FrameFileError;

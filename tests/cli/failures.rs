@@ -97,8 +97,25 @@ fn what_is_no_scene_is_refused_by_name() {
 fn places_that_cannot_be_written_to_are_named() {
     let studio = Studio::new();
     let message = studio.fail("render tiny.ron --frames 1 --out scene.ron/below/", INPUT_OUTPUT);
-    assert_helps(&message, &["frame 1", "scene.ron/below", "--out"]);
+    assert_helps(&message, &["scene.ron/below", "--out"]);
     assert_eq!(studio.names("."), ["scene.ron", "tiny.ron"]);
+}
+
+/// Loading may take minutes; and a scene that is refused leaves no folder.
+#[test]
+fn places_to_write_to_are_looked_at_before_the_scene() {
+    let studio = Studio::new();
+    std::fs::write(studio.path("bad.ron"), "Scene(").unwrap();
+    for out in ["scene.ron/below/", "scene.ron/a/b/x.####.exr"] {
+        let message = studio.fail(&format!("render bad.ron --out {out}"), INPUT_OUTPUT);
+        assert_helps(&message, &["scene.ron", "--out"]);
+        assert!(!message.contains("bad.ron"), "{message}");
+    }
+    assert_helps(&studio.fail("render bad.ron --out x.png", USAGE), &["--out", ".exr"]);
+    for more in ["", " --out a/b/", " --out a/b/x.####.exr"] {
+        assert_helps(&studio.fail(&format!("render bad.ron{more}"), SCENE), &["bad.ron"]);
+    }
+    assert_eq!(studio.names("."), ["bad.ron", "scene.ron", "tiny.ron"]);
 }
 
 #[test]

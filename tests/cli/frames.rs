@@ -211,8 +211,12 @@ fn a_dry_run_writes_nothing() {
     let before = studio.names(".");
     let outcome = studio.succeed("render tiny.ron --dry-run --frames 1-9x4");
     assert_eq!(studio.names("."), before);
-    for part in ["3 frames of 32x18 pixels", "camera `main`", "out/tiny/tiny.0001.exr"] {
+    for part in ["3 frames of 32x18 pixels", "--volume auto", "camera `main`", "out/tiny/tiny.0001.exr"] {
         assert!(outcome.out.contains(part), "{part} is not in\n{}", outcome.out);
+    }
+    for word in ["slices", "segments", "march", "equiangular"] {
+        let said = studio.succeed(&format!("render tiny.ron --dry-run --volume {word}")).out;
+        assert!(said.contains(&format!(", --volume {word}, ")), "{said}");
     }
 }
 
