@@ -69,7 +69,9 @@ impl Gloss {
 
     /// How densely [`Gloss::pick`] picks a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
     pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
-        let Some(half) = (to_eye + to_light).try_normalize() else { return 0.0 };
+        // No microfacet faces down.
+        let half = (to_eye + to_light).try_normalize().filter(|half| half.dot(normal) > 0.0);
+        let Some(half) = half else { return 0.0 };
         let alpha2 = self.alpha * self.alpha;
         let cos_eye = normal.dot(to_eye).max(0.0);
         // G1(v) D(h) / (4 n.v), with G1(v) = 2 n.v / smith(n.v).

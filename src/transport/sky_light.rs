@@ -152,13 +152,12 @@ impl Lobes {
 
     fn picked(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
         let cos = point.shading_normal.dot(direction);
-        if cos <= 0.0 {
-            return self.transmitted * FRAC_1_PI * -cos;
-        }
+        let matte = if cos > 0.0 { self.reflected } else { self.transmitted } * FRAC_1_PI * cos.abs();
+        // Some of what is picked for the coat lies behind the surface, where light may come through.
         let shone = 1.0 - self.reflected - self.transmitted;
         let coat = point.gloss.as_ref().filter(|_| shone > 0.0);
         let coat = coat.map_or(0.0, |gloss| gloss.picked(point.shading_normal, point.to_eye, direction));
-        self.reflected * FRAC_1_PI * cos + shone * coat
+        matte + shone * coat
     }
 }
 
