@@ -1,8 +1,8 @@
 //! Bakes as bytes, and back. In goes a fall, out come its flights, from where bakes are kept if they are
 //! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken: its
-//! name says what was baked and by which edition of this code, its digest that nothing is damaged.
+//! name says what was baked and by which edition of this code, its checksum that nothing is damaged.
 //!
-//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves' flights; SHA-256 of all that.
+//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves' flights; CRC-32 of all that.
 
 use super::Fall;
 use super::flight::Pose;
@@ -15,9 +15,9 @@ use sha2::{Digest, Sha256};
 use std::fmt::{self, Write};
 
 /// To be raised with every change of what falls give: old bakes have old names then.
-pub(super) const EDITION: u32 = 2;
-const MAGIC: &[u8; 16] = b"sunfleck bake 2\n";
-const DIGEST_BYTES: usize = 32;
+pub(super) const EDITION: u32 = 3;
+const MAGIC: &[u8; 16] = b"sunfleck bake 3\n";
+const CHECKSUM_BYTES: usize = 4;
 /// Fewer leaves are baked before a file is found.
 const FEWEST: u32 = 1000;
 
@@ -66,16 +66,19 @@ pub(super) fn encode(leaves: &[Flown]) -> Vec<u8> {
         end += body.len() as u64;
         bytes.extend(end.to_le_bytes());
     }
-    bytes.extend(bodies.into_iter().flatten());
-    let digest = Sha256::digest(&bytes);
-    bytes.extend(digest);
+    for body in &bodies {
+        bytes.extend_from_slice(body);
+    }
+    // Against damage, not against forgers, who may write their own leaves.
+    let checksum = crc32fast::hash(&bytes);
+    bytes.extend(checksum.to_le_bytes());
     bytes
 }
 
 /// `None` of anything that `encode` did not write.
 pub(super) fn decode(bytes: &[u8]) -> Option<Vec<Flown>> {
-    let (content, digest) = bytes.split_at_checked(bytes.len().checked_sub(DIGEST_BYTES)?)?;
-    if Sha256::digest(content)[..] != *digest {
+    let (content, checksum) = bytes.split_at_checked(bytes.len().checked_sub(CHECKSUM_BYTES)?)?;
+    if crc32fast::hash(content).to_le_bytes() != *checksum {
         return None;
     }
     let mut reader = Reader(content.strip_prefix(MAGIC)?);
@@ -218,12 +221,12 @@ mod tests {
         for length in (0..bytes.len()).step_by(13) {
             assert!(decode(&bytes[..length]).is_none(), "{length} bytes");
         }
-        // Nor is what has a digest and does not hold together.
+        // Nor is what has a checksum and does not hold together.
         for count in [3_u64, u64::MAX] {
-            let mut content = bytes[..bytes.len() - DIGEST_BYTES].to_vec();
+            let mut content = bytes[..bytes.len() - CHECKSUM_BYTES].to_vec();
             content[MAGIC.len()..MAGIC.len() + 8].copy_from_slice(&count.to_le_bytes());
-            let digest = Sha256::digest(&content);
-            content.extend(digest);
+            let checksum = crc32fast::hash(&content);
+            content.extend(checksum.to_le_bytes());
             assert!(decode(&content).is_none(), "{count} leaves");
         }
     }
@@ -261,7 +264,7 @@ mod tests {
         // Few leaves are not worth a file.
         other.fly_or_recall(&baking);
         assert_eq!(baked.get(), 1);
-        // Leaves that were never anywhere, and too few of them, under the right name and digest.
+        // Leaves that were never anywhere, and too few of them, under the right name and checksum.
         let nowhere: Vec<Flown> =
             flown.iter().map(|leaf| Flown { head: None, tail: Vec::new(), ..leaf.clone() }).collect();
         for (foreign, bakes) in [(nowhere, 2), (flown[1..].to_vec(), 3)] {
