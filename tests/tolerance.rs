@@ -45,10 +45,19 @@ fn picture(scene: &Scene, job: &Job) -> Rendered {
     render(&Exposure::instant(snapshot), job, &Watch::NOBODY)
 }
 
-fn luminances(frame: &Frame) -> Vec<f64> {
+fn colors(frame: &Frame) -> Vec<Rgb> {
     let [red, green, blue] = ["R", "G", "B"].map(|name| &frame.channel(name).expect("is there").pixels);
     let pixels = red.iter().zip(green).zip(blue);
-    pixels.map(|((&red, &green), &blue)| luminance(Rgb::new(red.into(), green.into(), blue.into()))).collect()
+    pixels.map(|((&red, &green), &blue)| Rgb::new(red.into(), green.into(), blue.into())).collect()
+}
+
+fn luminances(frame: &Frame) -> Vec<f64> {
+    colors(frame).into_iter().map(luminance).collect()
+}
+
+/// The square by which a colour is off, its channels weighed as luminance weighs them.
+fn square(color: Rgb, truth: Rgb) -> f64 {
+    luminance((color - truth) * (color - truth))
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -72,12 +81,13 @@ fn quantile(values: &[f64], share: f64) -> f64 {
 /// Pictures of several seeds against one of many samples.
 fn judge(scene: &Scene, job: &Job, truth_samples: u32, seeds: u32) -> Judged {
     let truth_job = Job { sampling: Sampling::Exactly(truth_samples), seed: 99, ..job.clone() };
-    let truth = luminances(&picture(scene, &truth_job).frame);
+    let truth = colors(&picture(scene, &truth_job).frame);
+    let mean_truth = mean(&truth.iter().copied().map(luminance).collect::<Vec<_>>());
     let blocks = Blocks::covering(job.window, job.size);
     let mut judged = Judged { errors: Vec::new(), by_estimate: Vec::new(), rmse: 0.0 };
     for seed in 0..seeds {
         let frame = picture(scene, &Job { seed, ..job.clone() }).frame;
-        let values = luminances(&frame);
+        let values = colors(&frame);
         let estimates = &frame.channel("error.Y").expect("asked for").pixels;
         for block in 0..blocks.count() {
             let pixels: Vec<usize> =
@@ -86,17 +96,17 @@ fn judge(scene: &Scene, job: &Job, truth_samples: u32, seeds: u32) -> Judged {
             if pixels.len() < 64 {
                 continue;
             }
-            let squares: Vec<f64> = pixels.iter().map(|&at| (values[at] - truth[at]).powi(2)).collect();
-            let brightness = mean(&pixels.iter().map(|&at| truth[at]).collect::<Vec<_>>());
-            let error = mean(&squares).sqrt() / brightness.max(0.1 * mean(&truth));
+            let squares: Vec<f64> = pixels.iter().map(|&at| square(values[at], truth[at])).collect();
+            let brightness = mean(&pixels.iter().map(|&at| luminance(truth[at])).collect::<Vec<_>>());
+            let error = mean(&squares).sqrt() / brightness.max(0.1 * mean_truth);
             let estimate = f64::from(estimates[pixels[0]]);
             judged.errors.push(error);
             if estimate > 0.0 {
                 judged.by_estimate.push(error / estimate);
             }
         }
-        let squares = values.iter().zip(&truth).map(|(value, truth)| (value - truth).powi(2));
-        judged.rmse += (mean(&squares.collect::<Vec<_>>()).sqrt() / mean(&truth)) / f64::from(seeds);
+        let squares = values.iter().zip(&truth).map(|(value, truth)| square(*value, *truth));
+        judged.rmse += (mean(&squares.collect::<Vec<_>>()).sqrt() / mean_truth) / f64::from(seeds);
     }
     judged
 }

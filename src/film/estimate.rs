@@ -10,7 +10,8 @@ use crate::color::{Rgb, luminance};
 pub struct PixelEstimate {
     /// Its luminance.
     pub luminance: f64,
-    /// Squared standard error of that; `None` without two halves.
+    /// Squared standard error of its colour: the mean over the channels, weighed as luminance weighs them. So it is that of the luminance where all channels
+    /// err alike, and more where they do not: an error of the hue is one too. `None` without two halves.
     pub variance: Option<f64>,
 }
 
@@ -19,12 +20,12 @@ pub struct PixelEstimate {
 pub struct BlockEstimate {
     /// Mean luminance of its pixels.
     pub luminance: f64,
-    /// Mean over its pixels of the squared standard error of their luminance. Infinite where no pixel has two halves.
+    /// Mean over its pixels of the squared standard error of their colour. Infinite where no pixel has two halves.
     pub variance: f64,
 }
 
 impl Film {
-    /// What the samples of each pixel say of its luminance, row by row; `None` where there are none.
+    /// What the samples of each pixel say of it, row by row; `None` where there are none.
     ///
     /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then the pixel's value,
     /// (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if samples are independent, for
@@ -33,14 +34,14 @@ impl Film {
     pub fn estimates(&self) -> Vec<Option<PixelEstimate>> {
         let channels = self.sums.chunks_exact(self.stride());
         let pixels = self.weights.iter().zip(channels).zip(&self.fresh);
-        let estimate = |((&all, sums), &[fresh, fresh_sum]): ((&f64, &[f64]), &[f64; 2])| {
-            let sum = luminance(Rgb::new(sums[0], sums[1], sums[2]));
+        let estimate = |((&all, sums), &[fresh, red, green, blue]): ((&f64, &[f64]), &[f64; 4])| {
+            let (sum, fresh_sum) = (Rgb::new(sums[0], sums[1], sums[2]), Rgb::new(red, green, blue));
             let known = all - fresh;
             let variance = (known > 0.0 && fresh > 0.0).then(|| {
                 let difference = (sum - fresh_sum) / known - fresh_sum / fresh;
-                difference * difference * known * fresh / (all * all)
+                luminance(difference * difference) * known * fresh / (all * all)
             });
-            (all > 0.0).then(|| PixelEstimate { luminance: sum / all, variance })
+            (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum) / all, variance })
         };
         pixels.map(estimate).collect()
     }
@@ -104,6 +105,22 @@ mod tests {
         let [judged, unknown] = of_blocks(&film, &blocks)[..] else { panic!("two blocks") };
         assert!((judged.luminance - 3.0).abs() < 1e-12 && judged.variance < 1e-24, "{judged:?}");
         assert!((unknown.luminance - 3.0).abs() < 1e-12 && unknown.variance == f64::INFINITY, "{unknown:?}");
+    }
+
+    /// Halves that are as bright as each other and differ in hue do not agree.
+    #[test]
+    fn an_error_of_the_hue_is_one() {
+        let (mut film, blocks) = film();
+        let [red, green] = [Rgb::X, Rgb::Y].map(|color| color / luminance(color));
+        for (x, y) in Window::whole(SIZE).pixels() {
+            film.add(x, y, 1.0, 0.0, &Sample { radiance: red, ..Sample::default() });
+            film.add_fresh(x, y, 1.0, 0.0, &Sample { radiance: green, ..Sample::default() });
+        }
+        let estimate = of_blocks(&film, &blocks)[0];
+        // Each channel is off by half of what it is in one of them.
+        let expected = luminance((red - green) * (red - green)) / 4.0;
+        assert!((estimate.luminance - 1.0).abs() < 1e-6, "{estimate:?}");
+        assert!((estimate.variance - expected).abs() < 1e-6 && expected > 1.0, "{estimate:?} {expected}");
     }
 
     /// Independent samples of variance 1/12: the mean of n of them has variance 1 / (12 n), however they are halved.

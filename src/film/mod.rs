@@ -36,8 +36,8 @@ pub struct Film {
     weights: Vec<f64>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
     sums: Vec<f64>,
-    /// Of these, what the fresh half of a pixel's samples gave: weight, and weighted luminance.
-    fresh: Vec<[f64; 2]>,
+    /// Of these, what the fresh half of a pixel's samples gave: weight, and weighted red, green and blue.
+    fresh: Vec<[f64; 4]>,
     /// How far from the pixel's centre its nearest sample lies.
     nearest_distances_px: Vec<f32>,
     /// What that sample showed: the channels of the other passes, pixel by pixel.
@@ -62,7 +62,7 @@ impl Film {
             window,
             weights: vec![0.0; pixels],
             sums: vec![0.0; pixels * passes.mean_channels()],
-            fresh: vec![[0.0; 2]; pixels],
+            fresh: vec![[0.0; 4]; pixels],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
             mattes: vec![MatteList::default(); if passes.mattes { pixels } else { 0 }],
@@ -121,7 +121,7 @@ impl Film {
     pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
         for ((x, y), fresh) in self.window.pixels().zip(&mut self.fresh) {
             if pixels.contains(x, y) {
-                *fresh = [0.0; 2];
+                *fresh = [0.0; 4];
             }
         }
     }

@@ -3,7 +3,6 @@
 
 use super::mattes::{self, MatteList};
 use super::pass_layout::{PixelRule, layout, value};
-use crate::color::{Rgb, luminance};
 use crate::scene::{Pass, Window};
 use crate::transport::Sample;
 
@@ -123,7 +122,7 @@ pub(super) struct Band<'a> {
     pub(super) first_pixel: usize,
     pub(super) weights: &'a mut [f64],
     pub(super) sums: &'a mut [f64],
-    pub(super) fresh: &'a mut [[f64; 2]],
+    pub(super) fresh: &'a mut [[f64; 4]],
     pub(super) nearest_distances_px: &'a mut [f32],
     pub(super) nearest_values: &'a mut [f32],
     pub(super) mattes: &'a mut [MatteList],
@@ -148,10 +147,10 @@ impl Band<'_> {
             *sum += place.weight * f64::from(*value);
         }
         if is_fresh {
-            let [fresh, sum] = &mut self.fresh[pixel];
-            *fresh += place.weight;
-            let [red, green, blue] = [values[0], values[1], values[2]].map(f64::from);
-            *sum += place.weight * luminance(Rgb::new(red, green, blue));
+            let one_and_color = [1.0, values[0], values[1], values[2]].map(f64::from);
+            for (sum, value) in self.fresh[pixel].iter_mut().zip(one_and_color) {
+                *sum += place.weight * value;
+            }
         }
         if self.nearest_distances_px.get(pixel).is_some_and(|&distance| place.from_centre_px < distance) {
             self.nearest_distances_px[pixel] = place.from_centre_px;
