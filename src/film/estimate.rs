@@ -48,7 +48,7 @@ impl Film {
 }
 
 impl BlockEstimate {
-    /// Of those of its pixels that are known.
+    /// Of those of its pixels that are known. Where there is but one half, half as many samples vary twice as much.
     pub fn of(pixels: impl Iterator<Item = PixelEstimate>) -> Self {
         let (mut luminances, mut count) = (0.0, 0.0_f64);
         let (mut variances, mut judged) = (0.0, 0.0);
@@ -60,9 +60,14 @@ impl BlockEstimate {
                 judged += 1.0;
             }
         }
+        let of_halves = 2.0 * (count - judged);
         Self {
             luminance: luminances / count.max(1.0),
-            variance: if judged > 0.0 { variances / judged } else { f64::INFINITY },
+            variance: if judged > 0.0 {
+                variances / judged * (judged + of_halves) / count
+            } else {
+                f64::INFINITY
+            },
         }
     }
 }
@@ -148,6 +153,19 @@ mod tests {
             let truth = 1.0 / (12.0 * f64::from(known + fresh));
             assert!((mean / truth - 1.0).abs() < 0.03, "{known} and {fresh}: {mean} for {truth}");
         }
+    }
+
+    #[test]
+    fn a_pixel_with_one_half_is_no_better_than_others() {
+        let (mut film, blocks) = film();
+        for (x, y) in Window::whole(SIZE).pixels() {
+            film.add(x, y, 1.0, 0.0, &grey(1.0));
+            if y % 4 != 0 {
+                film.add_fresh(x, y, 1.0, 0.0, &grey(2.0));
+            }
+        }
+        let variance = of_blocks(&film, &blocks)[0].variance;
+        assert!((variance - (0.75 * 0.25 + 0.25 * 0.5)).abs() < 1e-12, "{variance}");
     }
 
     #[test]
