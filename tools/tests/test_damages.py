@@ -7,6 +7,7 @@ import unittest
 from pathlib import Path
 
 from sunfleck_tools import Options, validate
+from sunfleck_tools.exr.header import parse_header
 from sunfleck_tools.findings import CHECKS
 
 from .damages import DAMAGES, VICTIM
@@ -49,6 +50,16 @@ class Damaged(unittest.TestCase):
                 report = validate(folder, HERE)
                 self.assertEqual([finding.frame for finding in report.findings][:1], [VICTIM], cut)
                 self.assertEqual(report.rerender, [VICTIM])
+
+    def test_one_chunk_more_is_not_several(self):
+        whole = (DATA / "leaf.0001.exr").read_bytes()
+        table = parse_header(whole).end
+        with tempfile.TemporaryDirectory() as scratch:
+            path = Path(scratch) / "leaf.0001.exr"
+            path.write_bytes(whole[:table] + bytes(16) + whole[table + 16 :])
+            lines = [finding.line() for finding in validate(path, HERE).findings if finding.check == "chunks"]
+        self.assertEqual(len(lines), 1)
+        self.assertIn("was never written, and 1 more chunk is damaged", lines[0])
 
     def test_any_byte_may_be_wrong_without_a_traceback(self):
         for compression in (0, 3, 4):

@@ -49,8 +49,9 @@ def unsupported(file: FileBytes) -> Iterator[Found]:
 def chunks(file: FileBytes) -> Iterator[Found]:
     """The first of them; one cut leaves many."""
     if file.chunk_faults:
-        more = len(file.chunk_faults) - 1
-        yield Found(file.chunk_faults[0] + (f", and {more} more chunks are damaged" if more else ""))
+        first, *others = file.chunk_faults
+        more = "1 more chunk is" if len(others) == 1 else f"{len(others)} more chunks are"
+        yield Found(first + (f", and {more} damaged" if others else ""))
 
 
 @check("decode", Severity.ERROR, Scope.FILE, "a chunk cannot be decompressed", rerender=True)
