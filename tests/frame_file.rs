@@ -4,6 +4,7 @@
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use sunfleck::color::Display;
 use sunfleck::film::{Channel, Frame, Precision};
 use sunfleck::frame_file::{self, FrameFileError, Provenance, compare, is_valid};
 use sunfleck::scene::{FrameRate, Sampling, Size, Window};
@@ -147,6 +148,17 @@ fn a_header_cannot_claim_more_pixels_than_the_file_can_hold() {
     std::fs::write(&path, bytes).unwrap();
     let error = frame_file::read(&path).unwrap_err();
     assert!(matches!(error, FrameFileError::TooLarge { .. }), "{error}");
+}
+
+#[test]
+fn a_frame_that_makes_no_png_is_not_held_against_exr() {
+    let full = Size { width: 2, height: 1 };
+    let colorless = Frame { full, window: Window::whole(full), channels: Vec::new() };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("preview.png");
+    let error = frame_file::write_preview(&path, &colorless, &Display::default()).unwrap_err();
+    assert!(matches!(error, FrameFileError::Encode { .. }), "{error}");
+    assert!(!error.diagnostic().to_string().contains("EXR"), "{}", error.diagnostic());
 }
 
 #[test]

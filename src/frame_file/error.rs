@@ -103,7 +103,7 @@ impl FrameFileError {
             Self::IsFolder { .. } => "the name of a file",
             Self::CreateFolder { .. } => "a folder, or a place where one can be made",
             Self::Write { .. } => "a folder that can be written to, with room for the frame",
-            Self::Encode { .. } => "a frame that EXR can hold",
+            Self::Encode { .. } => "a frame that a file of this kind can hold",
             Self::Animation { .. } => "pictures that an animation of this format can hold",
             Self::Read { .. } => "a readable file",
             Self::Invalid { .. } | Self::TooLarge { .. } => "a whole EXR file",
