@@ -233,3 +233,21 @@ fn a_folder_of_bakes_changes_no_leaf_even_if_it_is_damaged() {
     // A folder that cannot be one is done without.
     assert_eq!(inspect(&scene), without);
 }
+
+/// Who mends the first block is not to learn of the second afterwards.
+#[test]
+fn a_ground_that_is_none_is_told_of_each_block_that_names_it() {
+    let block = r#"(count: 1, species: [(meshes: ["leaf"], length_m: 0.1)], ground: (object: "maedow"),
+        emitter: Box(min_m: (0.0, 1.0, 0.0), max_m: (1.0, 2.0, 1.0)))"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    let scene = format!(
+        r#"Scene(version: 1, cameras: {{ "main": () }}, meshes: {{ "leaf": Leaf(length_m: 0.1, width_m: 0.06) }},
+            fall: {{ "ash": {block}, "birch": {block} }})"#
+    );
+    std::fs::write(&path, scene).unwrap();
+    let told = scene::resolve(description::load(&path).unwrap(), None).unwrap_err().to_string();
+    for name in ["ash", "birch"] {
+        assert_eq!(told.matches(&format!("fall.{name}.ground.object")).count(), 1, "{told}");
+    }
+}

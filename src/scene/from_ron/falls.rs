@@ -39,7 +39,10 @@ impl Resolver<'_> {
         for (name, block) in file.fall.iter() {
             if let Some(object) = &block.ground.object {
                 let field = format!("fall.{name}.ground.object");
-                grounds.entry(object).or_insert_with(|| self.still_triangles(&field, object));
+                // What cannot be a ground is told of each block that names it.
+                if grounds.get(object.as_str()).is_none_or(Option::is_none) {
+                    grounds.insert(object, self.still_triangles(&field, object));
+                }
             }
         }
         let blocks = file.fall.iter();
