@@ -44,7 +44,7 @@ impl Subject {
         let size = arguments.size.unwrap_or_else(|| SizeArgument::Percent(fitting(settings.size, most)));
         let size = resized(settings.size, size)?;
         let frame = arguments.frame.unwrap_or(*settings.frames.start());
-        if !settings.frames.contains(&frame) {
+        if settings.only_these_frames && !settings.frames.contains(&frame) {
             let (first, last) = (settings.frames.start(), settings.frames.end());
             return Err(usage(
                 "--frame",

@@ -188,7 +188,9 @@ pub(super) fn find_camera(scene: &Scene, name: Option<&str>) -> Result<usize, Cl
 pub(super) fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<FrameList, CliError> {
     let all = &settings.frames;
     let frames = FrameList::parse(list.unwrap_or("all"), all.clone()).map_err(CliError::Usage)?;
-    frames.check_within(all).map_err(CliError::Usage)?;
+    if settings.only_these_frames {
+        frames.check_within(all).map_err(CliError::Usage)?;
+    }
     Ok(frames)
 }
 

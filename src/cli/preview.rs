@@ -138,6 +138,7 @@ impl Source {
         let settings = RenderSettings {
             name: name.unwrap_or_else(|| String::from("frames")),
             frames: first..=last,
+            only_these_frames: true,
             frame_rate: arguments.fps.unwrap_or(RenderSettings::default().frame_rate),
             ..RenderSettings::default()
         };

@@ -185,6 +185,8 @@ pub struct RenderSettings {
     pub frame_rate: FrameRate,
     /// First and last frame.
     pub frames: RangeInclusive<i64>,
+    /// Whether the input has no others. A scene by itself has any frame: the range is what is rendered of it where nobody asks.
+    pub only_these_frames: bool,
     /// Picture size.
     pub size: Size,
     /// Name of the camera; `None` is the first.
@@ -220,6 +222,7 @@ impl Default for RenderSettings {
             name: String::from("sunfleck"),
             frame_rate: FrameRate { numerator: 24, denominator: 1 },
             frames: 1..=1,
+            only_these_frames: false,
             size: Size { width: 960, height: 540 },
             camera: None,
             sampling: Sampling::Until { tolerance: 0.02, most: Sampling::MOST },

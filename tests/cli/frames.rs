@@ -22,6 +22,21 @@ fn a_scene_is_rendered_too() {
     assert_eq!(studio.frame("still.exr").frame.full, Size { width: 16, height: 9 });
 }
 
+/// What moves in a scene by itself is seen at any frame; of a sequence those that it names.
+#[test]
+fn a_scene_by_itself_has_every_frame() {
+    let studio = Studio::new();
+    studio.succeed("render scene.ron --size 32x18 --samples 2 --frames 7,30 --out a/");
+    assert_eq!(studio.names("a"), ["scene.0007.exr", "scene.0030.exr"]);
+    studio.succeed("render tiny.ron --frames 7 --out b/");
+    assert_eq!(studio.frame("a/scene.0007.exr").frame, studio.frame("b/tiny.0007.exr").frame);
+    studio.fail("render tiny.ron --frames 30 --out b/", 2);
+    studio.succeed("preview scene.ron --size 16x9 --frames 2-3 --out c/");
+    assert_eq!(studio.names("c"), ["scene.0002.png", "scene.0003.png"]);
+    studio.succeed("render scene.ron --size 16x9 --samples 1 --out d/");
+    assert_eq!(studio.names("d"), ["scene.0001.exr"]);
+}
+
 #[test]
 fn a_frame_says_how_good_it_is() {
     let studio = Studio::new();

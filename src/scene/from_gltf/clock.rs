@@ -118,6 +118,7 @@ pub(super) fn settings(
         report.error(at("frame_end"), format!("frame {end} comes before frame {start}"), "the last frame");
     }
     settings.frames = start as i64..=end as i64;
+    settings.only_these_frames = true;
     let is_animated = first < last;
     if is_animated && (end < first || last < start) {
         let found =

@@ -21,6 +21,7 @@ pub(in crate::scene) fn apply_sequence(
     }
     if let Some(Frames(first, last)) = fields.frames {
         settings.frames = first..=last;
+        settings.only_these_frames = true;
         outside_animation(&settings, scene, &mut problems);
     }
     if let Some((Whole(width), Whole(height))) = fields.size {
