@@ -45,6 +45,21 @@ fn the_name_says_what_is_made() {
     }
 }
 
+/// 23.976 is near several rates: the one that is meant has to be written as it is.
+#[test]
+fn rates_of_film_are_fractions() {
+    let studio = Studio::new();
+    for command in ["preview", "render"] {
+        let refused = studio.fail(&format!("{command} tiny.ron --frames 1-2 --size 16x9 --fps 23.976"), 2);
+        assert!(refused.contains("--fps") && refused.contains("24000/1001"), "{refused}");
+    }
+    assert_eq!(studio.names("out"), [""; 0]);
+    studio.succeed("preview tiny.ron --frames 1-2 --size 16x9 --fps 24000/1001 --out a.apng");
+    let file = png::Decoder::new(Cursor::new(studio.bytes("a.apng"))).read_info().unwrap();
+    let control = file.info().frame_control.unwrap();
+    assert_eq!((control.delay_num, control.delay_den), (1001, 24000));
+}
+
 #[test]
 fn frames_that_are_there_are_shown_as_they_are() {
     let studio = Studio::new();
