@@ -143,7 +143,9 @@ pub fn measure(plan: &ScalingPlan, quantity: Quantity) -> Growth {
             let mut ladder: Vec<f64> =
                 (0..).map(|n| 1_usize << n).take_while(|&n| n < most).map(|n| n as f64).collect();
             ladder.push(most as f64);
-            ladder_of(plan, &ladder, |count| wall_s(plan, count as usize))
+            // More threads take no longer than the first, which is waited for anyway.
+            let patient = ScalingPlan { longest_s: f64::INFINITY, ..*plan };
+            ladder_of(&patient, &ladder, |count| wall_s(plan, count as usize))
         }
     };
     Growth::new(quantity, points)

@@ -168,3 +168,13 @@ fn what_cannot_be_measured_is_refused_with_a_remedy() {
         assert!(refusal.contains(told), "{flags}: {refusal}");
     }
 }
+
+/// However long one thread takes: more of them take no longer.
+#[test]
+fn threads_are_counted_to_the_last() {
+    let studio = Studio::new();
+    let line = "bench scene.ron --size 8x6 --rounds 1 --longest 1e-9 --scaling=threads";
+    studio.succeed(&format!("{line} --csv threads.csv --svg threads.svg"));
+    let most = std::thread::available_parallelism().map_or(1, usize::from);
+    assert_eq!(number(rows(&studio, "threads.csv").last().unwrap(), "value"), most as f64);
+}
