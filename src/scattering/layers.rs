@@ -3,8 +3,7 @@
 //! given back than is received if the surface keeps to that.
 //!
 //! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`, as KHR_materials_sheen
-//! says of sheen ("Albedo scaling"), and a little more at grazing angles, so that no error gives light.
-//! KHR_materials_clearcoat takes `F(v)` from what lies beneath, which is not reciprocal.
+//! says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`, which is not reciprocal.
 
 use super::{Gloss, Sheen};
 use crate::color::Rgb;
@@ -28,10 +27,6 @@ pub struct Clearcoat {
     pub gloss: Gloss,
 }
 
-/// By how much more a coat is taken to reflect at grazing angles than it does: one that a normal map tilts reflects from
-/// below its own horizon, too.
-const SAFETY: f64 = 0.04;
-
 impl Clearcoat {
     /// A coat with the refractive index of 1.5 that covers `share` of the surface.
     pub fn new(normal: DVec3, share: f64, roughness: f64) -> Self {
@@ -39,8 +34,7 @@ impl Clearcoat {
     }
 
     fn albedo(&self, direction: DVec3) -> f64 {
-        let cos = self.normal.dot(direction).abs();
-        (self.gloss.albedo(cos).x * (1.0 + SAFETY * (1.0 - cos).max(0.0).powi(4))).min(1.0)
+        self.gloss.albedo(self.normal.dot(direction).abs()).x
     }
 }
 
@@ -94,9 +88,9 @@ mod tests {
         (DVec2::from_angle(angle) * (1.0 - cos * cos).sqrt()).extend(cos)
     }
 
-    /// The integral over the hemisphere; `power` crowds directions about the horizon.
+    /// The integral over the hemisphere, with directions that crowd about the horizon: there a coat shines in a narrow range of azimuths.
     fn over_lights(f: impl Fn(DVec3) -> f64) -> f64 {
-        let (rings, around) = (800, 256);
+        let (rings, around) = (400, 512);
         let mut sum = 0.0;
         for ring in 0..rings {
             let s = (f64::from(ring) + 0.5) / f64::from(rings);
@@ -157,8 +151,7 @@ mod tests {
         }
     }
 
-    /// What a coat takes from what lies beneath is never less than what it reflects, by directions picked where it shines,
-    /// and not much more.
+    /// What a coat takes from what lies beneath is what it reflects, by directions picked where it shines.
     #[test]
     fn coats_take_what_they_reflect() {
         for roughness in [0.03, 0.045, 0.08, 0.2, 0.5, 1.0] {
@@ -176,10 +169,7 @@ mod tests {
                 }
                 reflected /= f64::from(count * count);
                 let taken = coat.albedo(to_eye);
-                assert!(
-                    taken > reflected - 1e-3 && taken < 1.05 * reflected + 1e-3,
-                    "{roughness} {cos}: {taken} {reflected}"
-                );
+                assert!((taken - reflected).abs() < 1e-3, "{roughness} {cos}: {taken} {reflected}");
             }
         }
     }
