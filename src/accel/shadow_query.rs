@@ -193,6 +193,11 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
+        // As in slices: the plane passes many by whose boxes it crosses.
+        let out_of_plane = self.plane.functions.out_of_plane.pulled_back(&instance.relative_from_mesh);
+        if !may_vanish(&out_of_plane, mesh.tree.bounds) {
+            return;
+        }
         let here = self.plane.functions.pulled_back(&instance.relative_from_mesh);
         let box_region = shadowing(simd, &here, self.plane.t_range, mesh.tree.bounds);
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
