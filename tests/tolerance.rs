@@ -6,10 +6,11 @@ mod common;
 use common::{INSTANT, add_light, camera_at};
 use glam::DVec3;
 use std::path::Path;
+use std::sync::Arc;
 use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
 use sunfleck::render::{Job, Placement, Rendered, Watch, render};
-use sunfleck::scene::{LightKind, Pass, Sampling, Scene, Size, Window};
+use sunfleck::scene::{LightKind, Pass, Sampling, Scene, Size, SunPicture, SunShows, Texture, Window, Wrap};
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Transport, VolumeMethod};
 use sunfleck::{description, scene};
@@ -146,6 +147,32 @@ fn rays_have_the_error_that_is_estimated() {
 fn a_canopy_has_the_error_that_is_estimated() {
     let window = Window { x: 40, y: 0, width: 48, height: 40 };
     assert_honest(&judge(&load("canopy20k/scene.ron"), &Job { window, ..until(0.1) }, 512, 2), 0.1);
+}
+
+/// A slice sees one point of this sun, in one half of it: where its luminance is right already, its hue is not.
+#[test]
+fn suns_of_two_hues_have_the_error_that_is_estimated() {
+    // The fractal sun of `one_leaf` with halves as bright as each other in its set's place.
+    let [red, cyan] = [Rgb::new(0.9, 0.09, 0.09), Rgb::new(0.04, 0.32, 0.4)];
+    let [red, cyan] = [red, cyan].map(|color| 0.2 / luminance(color) * color);
+    let size = 32;
+    let half = |texel: usize| if texel % size < size / 2 { red } else { cyan };
+    let image = Texture {
+        name: String::new(),
+        width: size,
+        height: size,
+        texels: (0..size * size).map(|texel| half(texel).as_vec3().extend(1.0).to_array()).collect(),
+        wrap: [Wrap::Clamp; 2],
+    };
+    let mut scene = load("../../scenes/one_leaf/scene.ron");
+    let LightKind::SunDisc(disc) = &mut scene.lights[0].kind else { panic!("a disc") };
+    disc.picture = SunPicture::new(SunShows::Image(Arc::new(image)), 0.0);
+    disc.picture_rotation = 0.0.into();
+    let size = Size { width: 96, height: 54 };
+    let job = Job { size, window: Window::whole(size), sampling: Sampling::Exactly(16), ..until(0.05) };
+    let by_estimate = judge(&scene, &job, 512, 2).by_estimate;
+    let median = quantile(&by_estimate, 0.5);
+    assert!((0.65..1.3).contains(&median), "true by estimated: {median:.2} of {} blocks", by_estimate.len());
 }
 
 /// Stopping when samples happen to agree could favour the dark or the bright.
