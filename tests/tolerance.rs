@@ -197,7 +197,7 @@ fn a_picture_without_noise_takes_one_pass() {
         assert_eq!((statistics.passes, statistics.unconverged_blocks), (1, 0), "{lights} lights");
         assert!(statistics.error.is_some_and(|error| error < 1e-12), "{lights} lights: {statistics:?}");
         let per_pixel = statistics.samples as f64 / luminances(&frame).len() as f64;
-        assert!((3.9..4.1).contains(&per_pixel), "{per_pixel}");
+        assert!((7.9..8.1).contains(&per_pixel), "{per_pixel}");
         add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.2, -1.0, -0.3), Rgb::ONE);
     }
 }
@@ -216,9 +216,9 @@ fn fewer_and_fewer_blocks_go_on() {
             let statistics = picture(&scene, &until(tolerance)).statistics;
             assert!(statistics.error.expect("judged") <= tolerance);
             let a_pixel = statistics.samples as f64 / (SIZE.width * SIZE.height) as f64;
-            // Had all blocks gone on, each stage would have doubled the four samples of the first.
+            // Had all blocks gone on, each stage would have doubled the eight samples of the first.
             let stages = [1, 2, 2, 3, 4, 4, 5, 6, 6, 7, 8, 8][statistics.passes as usize - 1];
-            let all = f64::from(4 << (stages - 1));
+            let all = f64::from(8 << (stages - 1));
             assert!(statistics.passes == 1 || a_pixel < 0.7 * all, "{a_pixel} of {all} at {tolerance}");
             a_pixel
         })
@@ -229,7 +229,7 @@ fn fewer_and_fewer_blocks_go_on() {
 #[test]
 fn no_pixel_has_more_samples_than_it_may() {
     let mut job = until(1e-6);
-    for (most, taken) in [(2, 2), (7, 4), (8, 8)] {
+    for (most, taken) in [(2, 2), (7, 7), (8, 8), (20, 16)] {
         job.sampling = Sampling::Until { tolerance: 1e-6, most };
         let statistics = picture(&leaves500(), &job).statistics;
         let a_pixel = statistics.samples as f64 / (SIZE.width * SIZE.height) as f64;

@@ -16,8 +16,7 @@ const DARKEST: f64 = 0.1;
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
 
-/// How a block's error falls with the number of samples, as a power: about so where slices have draws of their
-/// own, faster where not. Only the time that is left is told by it.
+/// How a block's error falls with the number of samples of one pass, as a power: about so where slices have draws of their own, faster where not.
 const CONVERGENCE: f64 = 0.75;
 
 /// A light's part of a picture, or all of it.
@@ -81,7 +80,9 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
     let pass = Pass { level: 0, number: 0, samples, before: 0, wanted: &wanted, fresh: Fresh::Half };
     picture.add_pass(&pass, &mut film, watch);
     picture.fill_holes(&mut film, watch);
-    let estimates = if job.is_judged() { judge(&film.estimates(), &film, &blocks) } else { Vec::new() };
+    let is_of_one_pass = vec![true; window.width * window.height];
+    let estimates =
+        if job.is_judged() { judge(&estimates(&film, &is_of_one_pass), &film, &blocks) } else { Vec::new() };
     let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, passes: 1 }
 }
@@ -101,6 +102,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     let mut variances = vec![f64::INFINITY; blocks.count()];
     let mut goes_on = vec![true; blocks.count()];
     let mut mask = Mask::all(blocks.window());
+    let mut is_of_one_pass = vec![true; mask.count()];
     let (mut work, mut worst, mut passes) = (Work::default(), None, 0);
     for number in 0.. {
         let stage = stage(number, goal.most, &mask);
@@ -115,7 +117,12 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
         }
         let samples = last.before + last.samples;
 
-        let pixels = film.estimates();
+        if number > 0 {
+            for (is_of_one_pass, (x, y)) in is_of_one_pass.iter_mut().zip(film.window().pixels()) {
+                *is_of_one_pass &= !mask.contains(x, y);
+            }
+        }
+        let pixels = estimates(&film, &is_of_one_pass);
         let estimates = judge(&pixels, &film, &blocks);
         let excess = |block: usize| {
             if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
@@ -149,6 +156,22 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     }
     picture.fill_holes(&mut film, watch);
     Refined { film, blocks, variances, passes }
+}
+
+/// What each pixel's samples say of it, where those of some are of one pass.
+///
+/// Halves of one pass complete one another. If its error falls as samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then
+/// (A + B) / 2 varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
+fn estimates(film: &Film, is_of_one_pass: &[bool]) -> Vec<Option<PixelEstimate>> {
+    let completion = (4.0_f64.powf(CONVERGENCE) - 1.0).recip();
+    let completed = |(estimate, &is_of_one_pass): (Option<PixelEstimate>, &bool)| {
+        let factor = if is_of_one_pass { completion } else { 1.0 };
+        estimate.map(|PixelEstimate { luminance, variance }| PixelEstimate {
+            luminance,
+            variance: variance.map(|variance| factor * variance),
+        })
+    };
+    film.estimates().into_iter().zip(is_of_one_pass).map(completed).collect()
 }
 
 /// What its pixels say of each block.
