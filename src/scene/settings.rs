@@ -94,7 +94,7 @@ pub enum Sampling {
 
 impl Sampling {
     /// Where a tolerance stops that comes without a number of samples. Edges in a picture err as about the power -3/4
-    /// of the number: so many take an error of 5 %, at four samples, below 0.1 %.
+    /// of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
     pub const MOST: u32 = 1024;
 
     /// What somebody asks for who may name a number of samples, a tolerance, both or neither: who names
