@@ -6,6 +6,7 @@ mod choice;
 mod draws;
 mod lattice;
 mod passes;
+mod places;
 mod refine;
 mod rings;
 mod slices;

@@ -46,7 +46,7 @@ impl Sampler {
 }
 
 /// An integer hash (Wellons 2018, "lowbias32").
-fn mix(mut x: u32) -> u32 {
+pub(super) fn mix(mut x: u32) -> u32 {
     x = x.wrapping_add(0x9e37_79b9);
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);

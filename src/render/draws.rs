@@ -6,22 +6,19 @@
 //! short run of draws is spread. A Sobol sequence keeps each aligned run of `2^k` even, in two dimensions as well as in one, and
 //! Owen's scrambling leaves no pattern from one run to the next: additive recurrences, which have one, showed as hatching.
 
-use super::passes::Pass;
-use crate::math::Sampler;
+use crate::math::PlacedPoints;
 use crate::snapshot::{Exposure, FrozenLight, Snapshot};
 use glam::DVec2;
 
 /// How many draws show how far the fans wander.
 const PROBES: usize = 64;
 
-/// The draws of one pass over one light's part of the picture.
+/// The draws for one light's part of the picture.
 pub(super) struct Draws<'a, 'scene> {
     exposure: &'a Exposure<'scene>,
     /// The light, as its index in the snapshots.
     light: usize,
     seed: u32,
-    /// Tells the pass from all others.
-    pass: u32,
 }
 
 /// A slice's own.
@@ -34,8 +31,8 @@ pub(super) struct Draw<'a, 'scene> {
 
 impl<'a, 'scene> Draws<'a, 'scene> {
     /// The draws for a light.
-    pub(super) fn new(exposure: &'a Exposure<'scene>, light: usize, seed: u32, pass: &Pass) -> Self {
-        Self { exposure, light, seed, pass: (pass.level << 8) + pass.number }
+    pub(super) fn new(exposure: &'a Exposure<'scene>, light: usize, seed: u32) -> Self {
+        Self { exposure, light, seed }
     }
 
     /// Whether there is nothing to draw: all draws are the one in the middle.
@@ -50,23 +47,25 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Draw { snapshot, lens_point: DVec2::ZERO, light: snapshot.lights[self.light].centre() }
     }
 
-    /// Slice `number`'s draw.
-    pub(super) fn get(&self, number: usize) -> Draw<'a, 'scene> {
+    /// The draw of a slice in that place.
+    pub(super) fn get(&self, place: usize) -> Draw<'a, 'scene> {
         if self.is_single() {
             return self.middle();
         }
-        // Not the numbers of any pixel.
-        let mut sampler = Sampler::new(self.seed, !(self.light as u32), self.pass, number as u32);
-        let [time, lens_u, lens_v] = sampler.next_3d();
-        let of_light = sampler.next_3d();
+        let Snapshot { view, lights, .. } = self.exposure.middle();
+        // What there is not to draw takes no coordinates: the first are the most even.
+        let mut points = PlacedPoints::new(self.seed, self.light as u32, place);
+        let [time] = if self.exposure.is_instant() { [0.5] } else { points.take() };
+        let of_lens = if view.has_lens() { points.take() } else { [0.5; 2] };
+        let of_light = if lights[self.light].is_delta() { [0.5; 3] } else { points.take() };
         let snapshot = self.exposure.at(time);
         let view = &snapshot.view;
-        let lens_point = if view.has_lens() { view.lens_point([lens_u, lens_v]) } else { DVec2::ZERO };
+        let lens_point = if view.has_lens() { view.lens_point(of_lens) } else { DVec2::ZERO };
         Draw { snapshot, lens_point, light: snapshot.lights[self.light].point(of_light) }
     }
 
     /// Some draws, to see how far they are spread; none if there is nothing to draw.
     pub(super) fn probes(&self) -> impl Iterator<Item = Draw<'a, 'scene>> {
-        (0..if self.is_single() { 0 } else { PROBES }).map(|number| self.get(number))
+        (0..if self.is_single() { 0 } else { PROBES }).map(|place| self.get(place))
     }
 }

@@ -7,9 +7,10 @@
 //! its place in the lattice. So each slice is turned so that it passes through its lattice place half way across its ring
 //! (`rings.rs`); but about the axis, and about its far side, where they wander too far for that.
 
+use super::passes::Pass;
+use super::places::Places;
 use super::rings::Layout;
 use crate::film::Mask;
-use crate::math::kronecker;
 use crate::scene::{Size, Window};
 use crate::transport::slices::{Chord, Fan, Ring, Separation, Slice};
 use std::f64::consts::{PI, TAU};
@@ -46,8 +47,7 @@ pub(super) struct Lattice {
     rings: Vec<RingLattice>,
     /// Every so many slices are a lattice for their part of the pixels.
     turns: usize,
-    /// Slices of one turn that a pixel sees, to the next power of two.
-    run: usize,
+    places: Places,
     /// See [`Chord::even_pieces`].
     even_pieces: Option<u32>,
 }
@@ -56,10 +56,12 @@ struct RingLattice {
     ring: Ring,
     /// The angle from the axis at which slices pass through their places; without one they go by their own angles.
     anchor: Option<f64>,
-    /// First angle, and how many radians between slices.
+    /// The angle of the ring's first place, and how many radians between places.
     first_rad: f64,
-    step_rad: f64,
-    count: usize,
+    place_rad: f64,
+    /// The numbers of its first place, and of the one after its last.
+    from: usize,
+    to: usize,
     /// What a sample counts for each unit of area per radian.
     weight_per_area: f64,
     shift_along: f64,
@@ -77,27 +79,30 @@ pub(super) struct PlacedSlice {
 }
 
 impl Lattice {
-    /// About `samples` a pixel on slices of `base`, which all are the same or differ by their draws.
-    /// A pass that is not the first is for few pixels, and its slices gather all that they cut all the same: they take no turns.
-    /// `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them.
+    /// The slices of a pass, of `base`, which all are the same or differ by their draws. A pass that is not the first is for few pixels, and its slices
+    /// gather all that they cut all the same: they take no turns.
+    /// `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them: the same for
+    /// all passes of a picture.
     pub(super) fn new(
         base: &Fan,
         differing: Option<Differing>,
-        samples: f64,
-        is_first: bool,
+        pass: &Pass,
         segments: &dyn Fn(&Slice) -> usize,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let extent = base.extent();
         let is_drawn = differing.is_some();
         let Differing { deviation_rad, in_time } = differing.unwrap_or_default();
+        let samples = f64::from(pass.first_samples());
         let samples_per_slice = if is_drawn { SAMPLES_PER_DRAW } else { SAMPLES_PER_SLICE };
         let slices_per_px = (samples / samples_per_slice).max(1.0);
-        let run = (slices_per_px.ceil() as usize).next_power_of_two();
         let layout = Layout { deviation_rad, samples, slices_per_px, segments };
         let count = layout.count(base);
         let is_streaky = is_drawn && (count == 1 || in_time) && samples < NO_TURNS_FROM;
-        let turns = if is_streaky && is_first { TURNS } else { 1 };
+        let first_turns = if is_streaky { TURNS } else { 1 };
+        let turns = if pass.is_first() { first_turns } else { 1 };
+        let places = Places::new(pass, first_turns);
+        let mut from = 0;
         let rings = layout.cut(base, count).into_iter().map(|ring| {
             let separation = base.separation(ring);
             let Separation { mean_px, greatest_px, .. } =
@@ -114,48 +119,49 @@ impl Lattice {
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
             // With one slice for the width of a pixel at least, none is missed.
-            let slices_per_rad =
-                if is_drawn { turns as f64 * slices_per_px * mean_px } else { slices_per_px * greatest_px };
-            let count = (width * slices_per_rad).ceil().max(1.0);
-            let step_rad = width / count;
+            let slices_per_rad = slices_per_px * if is_drawn { mean_px } else { greatest_px };
+            let rows = (width * slices_per_rad).ceil().max(1.0);
+            let row_rad = width / rows;
+            let turn_rad = row_rad / first_turns as f64;
             let (across, along) = shift();
             // The cell of the slice before the first reaches into the picture, unless that is the last one again.
-            let is_circle = width == TAU;
-            RingLattice {
+            let first_rad = base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * turn_rad;
+            let rows = rows as usize + usize::from(width < TAU);
+            let to = from + rows * places.per_row;
+            let ring = RingLattice {
                 ring,
                 anchor: is_anchored.then_some(anchor),
-                first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * step_rad,
-                step_rad,
-                count: count as usize + usize::from(!is_circle),
-                weight_per_area: samples * turns as f64 * step_rad,
+                first_rad,
+                place_rad: row_rad / places.per_row as f64,
+                from,
+                to,
+                weight_per_area: samples * row_rad,
                 shift_along: along,
-            }
+            };
+            from = to;
+            ring
         });
-        Self { rings: rings.collect(), turns, run, even_pieces: (samples < FEWEST_CUT).then_some(1) }
+        Self { rings: rings.collect(), turns, places, even_pieces: (samples < FEWEST_CUT).then_some(1) }
     }
 
     /// How many slices there are.
     pub(super) fn count(&self) -> usize {
-        self.rings.iter().map(|ring| ring.count).sum()
+        self.rings.last().map_or(0, |ring| ring.to / self.places.step)
     }
 
     /// Slice `number`, in a fan of its own; `None` if it misses the picture.
-    pub(super) fn slice(&self, base: &Fan, own: &Fan, mut number: usize) -> Option<PlacedSlice> {
+    pub(super) fn slice(&self, base: &Fan, own: &Fan, number: usize) -> Option<PlacedSlice> {
         let Self { turns, even_pieces, .. } = *self;
-        let (turn, row) = (number % turns, self.row(number));
-        let ring = self.rings.iter().find(|ring| {
-            let is_here = number < ring.count;
-            number -= if is_here { 0 } else { ring.count };
-            is_here
-        })?;
-        let angle = ring.first_rad + number as f64 * ring.step_rad;
+        let place = self.places.of(number);
+        let ring = self.rings.iter().find(|ring| place < ring.to)?;
+        let angle = ring.first_rad + (place - ring.from) as f64 * ring.place_rad;
         // Where slices are turned their angles crowd or thin out, and so must their samples.
         let (angle, crowding) =
             ring.anchor.map_or((angle, 1.0), |anchor| own.angle_through(base, angle, anchor));
         let slice = own.slice(angle, ring.ring)?;
-        let [phase] = kronecker([ring.shift_along], row);
+        let phase = (ring.shift_along + self.places.phase(place)).fract();
         let weight_per_area = ring.weight_per_area * crowding;
-        Some(PlacedSlice { slice, turns, turn, phase, weight_per_area, even_pieces })
+        Some(PlacedSlice { slice, turns, turn: number % turns, phase, weight_per_area, even_pieces })
     }
 
     /// The number of a slice among those of its turn.
@@ -163,11 +169,9 @@ impl Lattice {
         number / self.turns
     }
 
-    /// Which draw is slice `number`'s. Draws are spread evenly in aligned runs of a power of two: each turn gets its own run, and
-    /// all turns together one run too.
-    pub(super) fn draw(&self, number: usize) -> usize {
-        let block = number - number % (self.turns * self.run);
-        block + number % self.turns * self.run + self.row(number - block)
+    /// The place of slice `number` among all that any pass may have.
+    pub(super) fn place(&self, number: usize) -> usize {
+        self.places.of(number)
     }
 }
 
@@ -197,19 +201,4 @@ fn turn_of(x: usize, y: usize, turns: usize) -> usize {
 /// sequences").
 fn dither(x: usize, y: usize) -> f64 {
     (x as f64 * 0.754_877_666_246_692_7 + y as f64 * 0.569_840_290_998_053_2).fract()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The draws are those of all numbers, and those of one turn in one aligned run.
-    #[test]
-    fn turns_get_runs_of_draws() {
-        let lattice = Lattice { rings: Vec::new(), turns: 2, run: 4, even_pieces: None };
-        let draws: Vec<usize> = (8..16).map(|number| lattice.draw(number)).collect();
-        assert_eq!(draws, [8, 12, 9, 13, 10, 14, 11, 15]);
-        let single = Lattice { rings: Vec::new(), turns: 1, run: 4, even_pieces: None };
-        assert!((0..20).all(|number| single.draw(number) == number));
-    }
 }

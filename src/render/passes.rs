@@ -4,60 +4,53 @@
 use super::{Progress, Watch};
 use crate::film::{Film, Mask};
 
-/// One sampling of some pixels.
+/// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
+/// together are spread as evenly as one with all their samples would be.
 #[derive(Clone, Copy)]
 pub(super) struct Pass<'a> {
-    /// Passes of one level have the same density, and together are spread as evenly as one.
-    pub(super) level: u32,
-    /// Which of its level.
+    /// How many passes there were before.
     pub(super) number: u32,
+    /// How many there may be after the first, so that it leaves places for their samples between its own.
+    pub(super) doublings: u32,
     /// Samples a pixel, at least 1.
     pub(super) samples: u32,
-    /// Samples a pixel of all passes before.
-    pub(super) before: u32,
     /// Which pixels are to have them.
     pub(super) wanted: &'a Mask,
-    /// Which of them judge the others (see [`Film::estimates`]).
-    pub(super) fresh: Fresh,
 }
 
-/// Which of a pass's samples are the fresh half of all samples so far.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fresh {
-    /// All of them: there are passes before.
-    All,
-    /// Every other one, so that a pass alone can be judged.
-    Half,
-}
-
-/// Samples a pixel of level 0, with a tolerance: slices of one lattice complete one another, those of several less so. With 4 a tolerance of 0.02 takes
-/// as long for nearly twice the error, with 16 one of 0.1 twice as long (docs/decisions/tolerance.md).
-const FIRST_SAMPLES: u32 = 8;
-
-/// The passes that come first (`stage` 0), or that double the samples of the pixels wanted for the `stage`-th time;
-/// none if that would be more than `most` a pixel.
-///
-/// Four passes of a level have the density of one of the next. Dense passes are cheap where few pixels want them,
-/// for a slice is found as a whole whatever is wanted of it; several sparse ones look at more slices, and so are worth
-/// more while nobody knows how few samples will do.
-pub(super) fn stage<'a>(stage: u32, most: u32, wanted: &'a Mask) -> Vec<Pass<'a>> {
-    let first = FIRST_SAMPLES.min(most);
-    if first << stage > most {
-        return Vec::new();
+impl<'a> Pass<'a> {
+    /// The only pass of a picture.
+    pub(super) fn only(samples: u32, wanted: &'a Mask) -> Self {
+        Self { number: 0, doublings: 0, samples, wanted }
     }
-    let level = stage.saturating_sub(1) / 2;
-    let samples = first << (2 * level);
-    let (numbers, before, fresh) = match stage {
-        0 => (0..1, 0, Fresh::Half),
-        // Number 0 of a level is what all levels below add up to.
-        _ if stage % 2 == 1 => (1..2, first << (stage - 1), Fresh::All),
-        _ => (2..4, first << (stage - 1), Fresh::All),
-    };
-    let before = |number| before + (number - numbers.start) * samples;
-    numbers
-        .clone()
-        .map(|number| Pass { level, number, samples, before: before(number), wanted, fresh })
-        .collect()
+
+    /// Pass `number` of those that double the `first` samples of the pixels wanted; `None` if that would be more than `most` a pixel.
+    pub(super) fn of_doublings(number: u32, first: u32, most: u32, wanted: &'a Mask) -> Option<Self> {
+        let first = first.min(most);
+        let doublings = (most / first).ilog2();
+        let samples = first << number.saturating_sub(1);
+        (number <= doublings).then_some(Self { number, doublings, samples, wanted })
+    }
+
+    /// Samples a pixel of all passes before.
+    pub(super) fn before(&self) -> u32 {
+        if self.is_first() { 0 } else { self.samples }
+    }
+
+    /// Whether there are no passes before.
+    pub(super) fn is_first(&self) -> bool {
+        self.number == 0
+    }
+
+    /// Samples a pixel of the first pass.
+    pub(super) fn first_samples(&self) -> u32 {
+        self.samples >> self.refinement()
+    }
+
+    /// How many times as dense as the first this pass is, as a power of two.
+    pub(super) fn refinement(&self) -> u32 {
+        self.number.saturating_sub(1)
+    }
 }
 
 /// A picture that is rendered in passes: all of it, or one light's part.
@@ -96,21 +89,16 @@ mod tests {
     use crate::scene::Window;
 
     #[test]
-    fn every_stage_doubles_the_samples() {
+    fn every_pass_doubles_the_samples() {
         let mask = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
         for most in [1, 3, 4, 100, 1024, 65536] {
             let mut before = 0;
             for number in 0.. {
-                let passes = stage(number, most, &mask);
-                if passes.is_empty() {
-                    break;
-                }
-                let start = before;
-                for pass in passes {
-                    assert_eq!(pass.before, before);
-                    before += pass.samples;
-                }
-                assert!(number == 0 || before == 2 * start, "{start} {before}");
+                let Some(pass) = Pass::of_doublings(number, 8, most, &mask) else { break };
+                assert_eq!(pass.before(), before);
+                assert!(number == 0 || pass.samples == before, "{before}");
+                assert_eq!(pass.first_samples(), most.min(8));
+                before += pass.samples;
             }
             assert!(before <= most && most < 2 * before, "{before} of {most}");
         }

@@ -3,7 +3,7 @@
 //! its block's samples and on the first pass of the blocks next to it alone, so that a part of a picture has
 //! the pixels of the whole.
 
-use super::passes::{Fresh, Pass, Picture, stage};
+use super::passes::{Pass, Picture};
 use super::survey::Survey;
 use super::{Job, Watch};
 use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
@@ -16,8 +16,17 @@ const DARKEST: f64 = 0.1;
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
 
-/// How a block's error falls with the number of samples of one pass, as a power: about so where slices have draws of their own, faster where not.
+/// How a block's error falls with the number of samples, as a power: about so where slices have draws of their own, faster where not.
 const CONVERGENCE: f64 = 0.75;
+
+/// Samples a pixel of the first pass: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
+const FIRST_SAMPLES: u32 = 8;
+
+/// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
+const FIRST_SAMPLES_LOOSE: u32 = 4;
+
+/// See [`FIRST_SAMPLES_LOOSE`].
+const LOOSE: f64 = 0.25;
 
 /// A light's part of a picture, or all of it.
 pub(super) struct Refined {
@@ -77,19 +86,16 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
     let window = if job.is_judged() { blocks.window() } else { job.window };
     let mut film = Film::new(job.size, window, &job.passes);
     let wanted = Mask::all(window);
-    let pass = Pass { level: 0, number: 0, samples, before: 0, wanted: &wanted, fresh: Fresh::Half };
-    picture.add_pass(&pass, &mut film, watch);
+    picture.add_pass(&Pass::only(samples, &wanted), &mut film, watch);
     picture.fill_holes(&mut film, watch);
-    let is_of_one_pass = vec![true; window.width * window.height];
-    let estimates =
-        if job.is_judged() { judge(&estimates(&film, &is_of_one_pass), &film, &blocks) } else { Vec::new() };
+    let estimates = if job.is_judged() { judge(&estimates(&film), &film, &blocks) } else { Vec::new() };
     let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, passes: 1 }
 }
 
 /// Renders passes until every block of the window reaches the goal, or its pixels have all the samples they may.
 ///
-/// Each stage doubles the samples of the pixels that take part in it, and its samples judge those before.
+/// Each pass doubles the samples of the pixels that take part in it, and its samples judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
     let window_blocks = Blocks::covering(job.window, job.size);
     // Their first pass tells whether a block at the window's rim goes on.
@@ -102,27 +108,19 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     let mut variances = vec![f64::INFINITY; blocks.count()];
     let mut goes_on = vec![true; blocks.count()];
     let mut mask = Mask::all(blocks.window());
-    let mut is_of_one_pass = vec![true; mask.count()];
     let (mut work, mut worst, mut passes) = (Work::default(), None, 0);
     for number in 0.. {
-        let stage = stage(number, goal.most, &mask);
         let active = mask.count() as f64;
-        let Some(last) = stage.last().filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
+        let pass = Pass::of_doublings(number, goal.first_samples(), goal.most, &mask);
+        let Some(pass) = pass.filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
 
         film.let_fresh_be_known(&mask);
-        for pass in &stage {
-            let part = work.next(active * f64::from(pass.samples));
-            watch.part(part, worst, |watch| picture.add_pass(pass, &mut film, watch));
-            passes += 1;
-        }
-        let samples = last.before + last.samples;
+        let part = work.next(active * f64::from(pass.samples));
+        watch.part(part, worst, |watch| picture.add_pass(&pass, &mut film, watch));
+        passes += 1;
+        let samples = pass.before() + pass.samples;
 
-        if number > 0 {
-            for (is_of_one_pass, (x, y)) in is_of_one_pass.iter_mut().zip(film.window().pixels()) {
-                *is_of_one_pass &= !mask.contains(x, y);
-            }
-        }
-        let pixels = estimates(&film, &is_of_one_pass);
+        let pixels = estimates(&film);
         let estimates = judge(&pixels, &film, &blocks);
         let excess = |block: usize| {
             if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
@@ -158,20 +156,17 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     Refined { film, blocks, variances, passes }
 }
 
-/// What each pixel's samples say of it, where those of some are of one pass.
+/// What each pixel's samples say of it.
 ///
-/// Halves of one pass complete one another. If its error falls as samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then
-/// (A + B) / 2 varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
-fn estimates(film: &Film, is_of_one_pass: &[bool]) -> Vec<Option<PixelEstimate>> {
+/// Its halves complete one another: slices of the one lie between those of the other. If the error falls as samples to the power -p, the whole varies by 4^-p of what
+/// each half, A or B, does; then (A + B) / 2 varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
+fn estimates(film: &Film) -> Vec<Option<PixelEstimate>> {
     let completion = (4.0_f64.powf(CONVERGENCE) - 1.0).recip();
-    let completed = |(estimate, &is_of_one_pass): (Option<PixelEstimate>, &bool)| {
-        let factor = if is_of_one_pass { completion } else { 1.0 };
-        estimate.map(|PixelEstimate { luminance, variance }| PixelEstimate {
-            luminance,
-            variance: variance.map(|variance| factor * variance),
-        })
+    let completed = |PixelEstimate { luminance, variance }| PixelEstimate {
+        luminance,
+        variance: variance.map(|variance| completion * variance),
     };
-    film.estimates().into_iter().zip(is_of_one_pass).map(completed).collect()
+    film.estimates().into_iter().map(|estimate| estimate.map(completed)).collect()
 }
 
 /// What its pixels say of each block.
@@ -183,6 +178,11 @@ fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<
 }
 
 impl Goal<'_> {
+    /// Samples a pixel of the first pass.
+    fn first_samples(&self) -> u32 {
+        if self.tolerance < LOOSE { FIRST_SAMPLES } else { FIRST_SAMPLES_LOOSE }
+    }
+
     /// The standard error of a block, by what it may be.
     fn excess(&self, estimate: &BlockEstimate, block: usize) -> f64 {
         if estimate.variance == 0.0 {

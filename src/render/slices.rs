@@ -4,7 +4,7 @@
 
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
-use super::passes::{Fresh, Pass, Picture};
+use super::passes::{Pass, Picture};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
@@ -19,9 +19,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const BATCH: usize = 128;
 
 /// One light's part of a picture, in passes of a lattice each.
-///
-/// A pass shifts its lattice, across and along the slices, by a point of a sequence whose first 2 and 4 points are
-/// evenly spread (Owen-scrambled Sobol): so many passes together are almost as good as one fine lattice.
 pub(super) struct LightPicture<'a> {
     pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
@@ -75,16 +72,15 @@ impl Picture for LightPicture<'_> {
 /// Adds a pass's samples to the film.
 fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch) {
     let LightPicture { exposure, job, light, tally } = *picture;
-    let mut sampler = Sampler::new(job.seed, light as u32, pass.level, pass.number);
-    let draws = Draws::new(exposure, light, job.seed, pass);
+    let mut sampler = Sampler::new(job.seed, light as u32, 0, 0);
+    let draws = Draws::new(exposure, light, job.seed);
     let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
     let Some(base) = fan_of(&draws.middle()) else { return };
     let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
     let differing = (!draws.is_single())
         .then(|| Differing { deviation_rad: wanders.fold(0.0, f64::max), in_time: !exposure.is_instant() });
     let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
-    let (samples, is_first) = (f64::from(pass.samples), pass.before == 0);
-    let lattice = Lattice::new(&base, differing, samples, is_first, &segments, || sampler.next_2d());
+    let lattice = Lattice::new(&base, differing, pass, &segments, || sampler.next_2d());
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
@@ -98,8 +94,8 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
             |scratch, (index, samples)| {
                 let number = first + index;
                 // Of a lattice's rows every other one is a lattice too.
-                samples.start(pass.fresh == Fresh::All || lattice.row(number) % 2 == 1);
-                let draw = draws.get(lattice.draw(number));
+                samples.start(!pass.is_first() || lattice.row(number) % 2 == 1);
+                let draw = draws.get(lattice.place(number));
                 let Some(own) = fan_of(&draw) else { return };
                 let Some(placed) = lattice.slice(&base, &own, number) else { return };
                 let slice_job = SliceJob {

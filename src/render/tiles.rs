@@ -1,6 +1,6 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
-use super::passes::{Fresh, Pass, Picture};
+use super::passes::{Pass, Picture};
 use super::{Job, Watch, camera_ray};
 use crate::film::Film;
 use crate::math::Sampler;
@@ -54,7 +54,7 @@ impl RayPicture<'_> {
         let Self { exposure, job, part } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
             for number in 0..pass.samples {
-                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before + number);
+                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before() + number);
                 let (right, down) = match job.sampling {
                     Sampling::Exactly(1) => (0.5, 0.5),
                     _ => sampler.next_2d(),
@@ -68,7 +68,7 @@ impl RayPicture<'_> {
                 };
                 let from_centre = (right - 0.5).hypot(down - 0.5);
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
-                if pass.fresh == Fresh::All || 2 * number >= pass.samples {
+                if !pass.is_first() || 2 * number >= pass.samples {
                     film.add_fresh(x, y, 1.0, from_centre, &value);
                 } else {
                     film.add(x, y, 1.0, from_centre, &value);
