@@ -10,7 +10,9 @@ use std::sync::Arc;
 use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
 use sunfleck::render::{Job, Placement, Rendered, Watch, render};
-use sunfleck::scene::{LightKind, Pass, Sampling, Scene, Size, SunPicture, SunShows, Texture, Window, Wrap};
+use sunfleck::scene::{
+    LightKind, Pass, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
+};
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Transport, VolumeMethod};
 use sunfleck::{description, scene};
@@ -173,6 +175,21 @@ fn suns_of_two_hues_have_the_error_that_is_estimated() {
     let by_estimate = judge(&scene, &job, 512, 2).by_estimate;
     let median = quantile(&by_estimate, 0.5);
     assert!((0.65..1.3).contains(&median), "true by estimated: {median:.2} of {} blocks", by_estimate.len());
+}
+
+/// Passes of 8, 8 and 16 samples share one lattice and one sequence of draws; if each had its own, they would err by half as much again.
+#[test]
+fn passes_err_no_more_than_all_their_samples_at_once() {
+    let (sharp, mut soft) = (leaves500(), leaves500());
+    soft.lights[0].kind = LightKind::SunDisc(SunDisc::even(0.53_f64.to_radians().into()));
+    for (scene, name) in [(sharp, "a direction"), (soft, "a disc"), (load("canopy20k/scene.ron"), "a canopy")]
+    {
+        let window = Window { x: 32, y: 8, width: 64, height: 48 };
+        let job = Job { window, ..until(1e-9) };
+        let [passes, once] = [Sampling::Until { tolerance: 1e-9, most: 32 }, Sampling::Exactly(32)]
+            .map(|sampling| judge(&scene, &Job { sampling, ..job.clone() }, 384, 2).rmse);
+        assert!(passes < 1.25 * once, "{name}: {passes:.5} in passes, {once:.5} at once");
+    }
 }
 
 /// Stopping when samples happen to agree could favour the dark or the bright.

@@ -74,8 +74,14 @@ impl PlaneFunctions {
     /// The same functions of positions in the space that `to_here` maps from.
     #[inline(always)]
     pub(super) fn pulled_back(&self, to_here: &DAffine3) -> Self {
+        self.pulled_back_with(self.out_of_plane.pulled_back(to_here), to_here)
+    }
+
+    /// The same where `out_of_plane` is known already.
+    #[inline(always)]
+    pub(super) fn pulled_back_with(&self, out_of_plane: Functional, to_here: &DAffine3) -> Self {
         Self {
-            out_of_plane: self.out_of_plane.pulled_back(to_here),
+            out_of_plane,
             along: self.along.pulled_back(to_here),
             depth: self.depth.pulled_back(to_here),
             towards_light: self.towards_light.pulled_back(to_here),

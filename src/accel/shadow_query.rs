@@ -198,7 +198,7 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
         if !may_vanish(&out_of_plane, mesh.tree.bounds) {
             return;
         }
-        let here = self.plane.functions.pulled_back(&instance.relative_from_mesh);
+        let here = self.plane.functions.pulled_back_with(out_of_plane, &instance.relative_from_mesh);
         let box_region = shadowing(simd, &here, self.plane.t_range, mesh.tree.bounds);
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
         // the mesh's magnitude.
