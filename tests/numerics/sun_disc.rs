@@ -73,7 +73,8 @@ fn the_whole_disc() {
             }
             expected /= f64::from(PLACES * grid * grid);
             for placement in [Placement::Slices, Placement::Pixels] {
-                let found = mean(&picture(&scene, size, 256, placement).0);
+                // Of 256 samples so few pixels under a quarter of the sky still differ by 3e-3 from seed to seed.
+                let found = mean(&picture(&scene, size, 1024, placement).0);
                 let error = (found / expected - 1.0).abs();
                 println!("whole disc of {diameter_deg} degrees, {to_sun}, {placement:?}: {error:.1e}");
                 assert!(error < 5e-3, "{diameter_deg} degrees, {to_sun}, {placement:?}: {found} {expected}");
