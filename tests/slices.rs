@@ -12,7 +12,7 @@ use sunfleck::scene::{
     Track,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Chord, Fan, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
 use sunfleck::{description, scene};
 
@@ -52,8 +52,8 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         let angle = fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.4) / 41.0;
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
-        let chords = areas.map(Chord::ray);
-        solve(&job, &slice, chords, &mut scratch, |_, place, _, value| {
+        let chords = areas.map(|area| slice.ray(area));
+        solve(&job, &slice, chords, &mut scratch, |Piece { place, .. }, value| {
             let film = place.film_px;
             let (x, y) = (film.x / SIZE.width as f64, film.y / SIZE.height as f64);
             let ray = snapshot.view.ray_from(lens_point, x, y);

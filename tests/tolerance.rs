@@ -228,7 +228,7 @@ fn black_is_not_refined_forever() {
 #[test]
 fn fewer_and_fewer_blocks_go_on() {
     let scene = leaves500();
-    let samples: Vec<f64> = [0.2, 0.1, 0.05]
+    let samples: Vec<f64> = [0.1, 0.05, 0.025]
         .map(|tolerance| {
             let statistics = picture(&scene, &until(tolerance)).statistics;
             assert!(statistics.error.expect("judged") <= tolerance);

@@ -24,7 +24,7 @@ pub use estimate::{BlockEstimate, PixelEstimate};
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 pub use mask::Mask;
 pub use mattes::MATTE_LAYER;
-pub use splats::Splats;
+pub use splats::{Splat, Splats};
 
 /// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.
 #[derive(Clone, Debug)]
@@ -105,8 +105,8 @@ impl Film {
         sample: &Sample,
     ) {
         let Some(pixel) = self.window.index(x, y) else { return };
-        let place =
-            SplatPlace { weight, pixel: pixel as u32, from_centre_px: distance_from_centre_px as f32 };
+        let from_centre_px = distance_from_centre_px as f32;
+        let place = SplatPlace { weight, pixel: pixel as u32, from_centre_px, sample: 0 };
         let (mut packed, mut count) = ([0.0; MOST_CHANNELS], 0);
         self.passes.pack(sample, |channels| {
             packed[count..][..channels.len()].copy_from_slice(channels);

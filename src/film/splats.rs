@@ -74,6 +74,7 @@ pub struct Splats {
     /// Whether they belong to the fresh half, see [`Film::add_fresh`](super::Film::add_fresh).
     pub(super) is_fresh: bool,
     places: Vec<SplatPlace>,
+    samples: u32,
     /// The channels of each sample, one after the other.
     values: Vec<f32>,
 }
@@ -85,35 +86,53 @@ pub(super) struct SplatPlace {
     /// Counted within the film's window.
     pub(super) pixel: u32,
     pub(super) from_centre_px: f32,
+    /// Which of the samples it is.
+    pub(super) sample: u32,
+}
+
+/// What a sample counts in one pixel of the full picture; see [`Film::add`](super::Film::add).
+#[derive(Clone, Copy, Debug)]
+pub struct Splat {
+    /// Column and row.
+    pub pixel: (usize, usize),
+    /// Its share of the pixel, in any unit.
+    pub weight: f64,
+    /// From the pixel's centre.
+    pub from_centre_px: f64,
 }
 
 impl Splats {
     pub(super) fn new(window: Window, passes: KeptPasses) -> Self {
-        Self { window, passes, is_fresh: false, places: Vec::new(), values: Vec::new() }
+        Self { window, passes, is_fresh: false, places: Vec::new(), samples: 0, values: Vec::new() }
     }
 
     /// Starts over with samples that all belong to the fresh half, or none.
     pub fn start(&mut self, is_fresh: bool) {
         self.is_fresh = is_fresh;
         self.places.clear();
+        self.samples = 0;
         self.values.clear();
     }
 
-    /// The arguments are those of [`Film::add`](super::Film::add).
-    pub fn add(&mut self, x: usize, y: usize, weight: f64, distance_from_centre_px: f64, sample: &Sample) {
-        let Some(pixel) = self.window.index(x, y) else { return };
-        self.places.push(SplatPlace {
-            weight,
-            pixel: pixel as u32,
-            from_centre_px: distance_from_centre_px as f32,
-        });
-        let Self { passes, values, .. } = self;
-        passes.pack(sample, |channels| values.extend_from_slice(channels));
+    /// Adds a sample wherever it counts. Pixels outside the window are none of the film's business.
+    pub fn add(&mut self, sample: &Sample, splats: impl Iterator<Item = Splat>) {
+        let sample_number = self.samples;
+        for Splat { pixel: (x, y), weight, from_centre_px } in splats {
+            let Some(pixel) = self.window.index(x, y) else { continue };
+            let (pixel, from_centre_px) = (pixel as u32, from_centre_px as f32);
+            self.places.push(SplatPlace { weight, pixel, from_centre_px, sample: sample_number });
+            self.samples = sample_number + 1;
+        }
+        if self.samples > sample_number {
+            let Self { passes, values, .. } = self;
+            passes.pack(sample, |channels| values.extend_from_slice(channels));
+        }
     }
 
-    /// Each sample's place and channels.
+    /// Each place and its sample's channels.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&SplatPlace, &[f32])> {
-        self.places.iter().zip(self.values.chunks_exact(self.passes.packed()))
+        let packed = self.passes.packed();
+        self.places.iter().map(move |place| (place, &self.values[place.sample as usize * packed..][..packed]))
     }
 }
 

@@ -12,7 +12,7 @@ use super::places::Places;
 use super::rings::Layout;
 use crate::film::Mask;
 use crate::scene::{Size, Window};
-use crate::transport::slices::{Chord, Fan, Ring, Separation, Slice};
+use crate::transport::slices::{Chord, Crossing, Fan, Ring, Separation, Slice};
 use std::f64::consts::{PI, TAU};
 
 /// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
@@ -75,6 +75,8 @@ pub(super) struct PlacedSlice {
     /// Where in their pieces its samples lie, but for the dither of pixels.
     phase: f64,
     weight_per_area: f64,
+    /// By how much the next slices of its pass are turned, if all of them have samples in the same pixels.
+    turned_rad: Option<f64>,
     even_pieces: Option<u32>,
 }
 
@@ -161,7 +163,16 @@ impl Lattice {
         let slice = own.slice(angle, ring.ring)?;
         let phase = (ring.shift_along + self.places.phase(place)).fract();
         let weight_per_area = ring.weight_per_area * crowding;
-        Some(PlacedSlice { slice, turns, turn: number % turns, phase, weight_per_area, even_pieces })
+        let turned_rad = (turns == 1).then_some(crowding * ring.place_rad * self.places.step as f64);
+        Some(PlacedSlice {
+            slice,
+            turns,
+            turn: number % turns,
+            phase,
+            weight_per_area,
+            turned_rad,
+            even_pieces,
+        })
     }
 
     /// The number of a slice among those of its turn.
@@ -184,10 +195,12 @@ impl PlacedSlice {
             }
             wanted.unwanted_around(x, y)
         };
-        let Self { weight_per_area, even_pieces, .. } = *self;
-        self.slice.crossings(size, unwanted_around).map(move |((x, y), start, end)| {
-            let phase = (self.phase + dither(x, y)).fract();
-            Chord { pixel: (x, y), start, end, phase, weight_per_area, even_pieces }
+        let Self { weight_per_area, turned_rad, even_pieces, .. } = *self;
+        self.slice.crossings(size, unwanted_around).map(move |crossing| {
+            let Crossing { pixel, areas: [start, end], slopes, .. } = crossing;
+            let phase = (self.phase + dither(pixel.0, pixel.1)).fract();
+            let swath = turned_rad.and_then(|turned_rad| self.slice.swath(&crossing, turned_rad));
+            Chord { pixel, start, end, slopes, phase, weight_per_area, swath, even_pieces }
         })
     }
 }

@@ -2,7 +2,7 @@
 //! the order and of the pixel, so that leaving pixels out changes no other pixel.
 
 use super::{Progress, Watch};
-use crate::film::{Film, Mask};
+use crate::film::{BLOCK_SIDE, Film, Mask};
 
 /// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
 /// together are spread as evenly as one with all their samples would be.
@@ -45,6 +45,13 @@ impl<'a> Pass<'a> {
     /// Samples a pixel of the first pass.
     pub(super) fn first_samples(&self) -> u32 {
         self.samples >> self.refinement()
+    }
+
+    /// Whether what is seen in one pixel may count in another beside it. After the first pass only within a block, so that none depends on
+    /// how far others go on.
+    pub(super) fn may_share(&self, (from_x, from_y): (usize, usize), (x, y): (usize, usize)) -> bool {
+        let is_same_block = from_x / BLOCK_SIDE == x / BLOCK_SIDE && from_y / BLOCK_SIDE == y / BLOCK_SIDE;
+        self.is_first() || is_same_block && self.wanted.contains(x, y)
     }
 
     /// How many times as dense as the first this pass is, as a power of two.

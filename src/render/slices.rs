@@ -6,10 +6,11 @@ use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
 use super::passes::{Pass, Picture};
 use super::{Job, Watch, camera_ray};
-use crate::film::{Film, Splats};
+use crate::film::{Film, Mask, Splat, Splats};
 use crate::math::Sampler;
+use crate::scene::Size;
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Chord, Fan, Place, Slice, SliceJob, SliceScratch, count_segments, solve};
+use crate::transport::slices::{Fan, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -83,6 +84,9 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
     let lattice = Lattice::new(&base, differing, pass, &segments, || sampler.next_2d());
     let count = lattice.count();
 
+    // What lies next to the film reaches into it.
+    let with_rim = Mask::all(film.window().with_rim(job.size));
+
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
     let mut solved: Vec<Splats> = vec![film.splats(); BATCH];
     for first in (0..count).step_by(BATCH) {
@@ -105,12 +109,8 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     self_luminous: light == 0,
                     fan: &own,
                 };
-                let add = |chord: &Chord, place: &Place, weight: f64, value: &Sample| {
-                    let (x, y) = chord.pixel;
-                    let from_centre = place.film_px - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    samples.add(x, y, weight, from_centre.length(), value);
-                };
-                let chords = placed.chords(job.size, pass.wanted);
+                let add = |piece: &Piece, value: &Sample| samples.add(value, splats(pass, job.size, piece));
+                let chords = placed.chords(job.size, if pass.is_first() { &with_rim } else { pass.wanted });
                 if let Some(segments) = solve(&slice_job, &placed.slice, chords, scratch, add) {
                     tally.add(segments);
                 }
@@ -119,4 +119,23 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
         film.add_all(&solved);
         watch.tell(count.min(first + BATCH) as f64 / count as f64);
     }
+}
+
+/// Where a piece's sample counts, and how much: in its own pixel, and beside it as much as its swath reaches into pixels that may share it.
+fn splats(pass: &Pass, size: Size, piece: &Piece) -> impl Iterator<Item = Splat> {
+    let &Piece { chord, ref place, range, weight } = piece;
+    let splat = |(x, y): (usize, usize), share: f64| {
+        let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        Splat { pixel: (x, y), weight: share * weight, from_centre_px: place.film_px.distance(centre) }
+    };
+    let mut own = 1.0;
+    let beside = chord.swath.map_or([None; 2], |swath| {
+        swath.shares_beside(chord.pixel, range).map(|(pixel, share)| {
+            let is_in_picture = pixel.0 < size.width && pixel.1 < size.height;
+            let is_shared = share > 0.0 && is_in_picture && pass.may_share(chord.pixel, pixel);
+            own -= if is_shared { share } else { 0.0 };
+            is_shared.then(|| splat(pixel, share))
+        })
+    });
+    [Some(splat(chord.pixel, own.max(0.0))), beside[0], beside[1]].into_iter().flatten()
 }

@@ -56,7 +56,7 @@ impl Window {
     /// Where pixel (`x`, `y`) of the full picture stands in a channel; `None` outside the window.
     pub fn index(self, x: usize, y: usize) -> Option<usize> {
         let (column, row) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
-        (column < self.width && row < self.height).then_some(row * self.width + column)
+        (column < self.width && row < self.height).then(|| row * self.width + column)
     }
 
     /// The pixel of the full picture that stands at `index` in a channel.
@@ -70,6 +70,17 @@ impl Window {
             |at: usize, from: usize, count: usize| at.saturating_sub(1).max(from)..(at + 2).min(from + count);
         let columns = near(x, self.x, self.width);
         near(y, self.y, self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+    }
+
+    /// It and the pixels next to it, as far as the picture reaches.
+    pub fn with_rim(self, full: Size) -> Self {
+        let near = |from: usize, count: usize, all: usize| {
+            let first = from.saturating_sub(1);
+            (first, (from + count + 1).min(all) - first)
+        };
+        let (x, width) = near(self.x, self.width, full.width);
+        let (y, height) = near(self.y, self.height, full.height);
+        Self { x, y, width, height }
     }
 
     /// Its pixels in the order of a channel's values.

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use sunfleck::math::{Ray, Sampler, gauss_legendre};
 use sunfleck::scene::{Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Chord, Fan, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Scratch, radiance};
 
 const SLATS: u32 = 100_000;
@@ -115,8 +115,8 @@ fn in_a_slice() {
         let areas = (0..7).map(|index| slice.area_per_rad * (f64::from(index) + 0.37) / 7.0);
         let (mut squares, mut sum, mut rays) = (0.0, 0.0, 0);
         let mut scratch = Scratch::default();
-        let chords = areas.map(Chord::ray);
-        solve(&job, &slice, chords, &mut SliceScratch::default(), |_, place, _, value| {
+        let chords = areas.map(|area| slice.ray(area));
+        solve(&job, &slice, chords, &mut SliceScratch::default(), |Piece { place, .. }, value| {
             let ray = Ray { origin: DVec3::ZERO, direction: place.direction };
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let own = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut scratch);

@@ -8,7 +8,7 @@ use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{LightKind, Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Chord, Fan, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
 use sunfleck::transport::{Sample, Scratch, radiance};
 
 const ALBEDO: f64 = 0.8;
@@ -145,8 +145,8 @@ fn slices() {
                 let angle = fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.5) / 9.0;
                 let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
                 let areas = (0..9).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 9.0);
-                let chords = areas.map(Chord::ray);
-                solve(&job, &slice, chords, &mut scratch, |_, place, _, value| {
+                let chords = areas.map(|area| slice.ray(area));
+                solve(&job, &slice, chords, &mut scratch, |Piece { place, .. }, value| {
                     let direction = place.direction;
                     let error = error(value, layer.look(y, direction, to_sun));
                     if error > worst.0 || error.is_nan() {

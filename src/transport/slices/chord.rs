@@ -2,6 +2,7 @@
 //! the other. Invariant: the chords of all pixels are the whole slice, without a gap or a part twice.
 
 use super::fan::Slice;
+use super::swath::Swath;
 use crate::scene::{Size, Window};
 use std::iter;
 
@@ -14,30 +15,54 @@ pub struct Chord {
     pub start: f64,
     /// See `start`. A chord that ends where it starts is a single ray.
     pub end: f64,
+    /// The slopes of the rays at the start and at the end.
+    pub slopes: [f64; 2],
     /// Where in each of the chord's pieces its sample lies, `0..1`.
     pub phase: f64,
     /// What a sample counts for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
+    /// What the slice stands for if that is more than a part of the pixel.
+    pub swath: Option<Swath>,
     /// How many pieces of one size it is cut in; if none is said, at the edges of what it sees.
     pub even_pieces: Option<u32>,
 }
 
-impl Chord {
-    /// A single ray, wherever it belongs.
-    pub fn ray(area_per_rad: f64) -> Self {
-        let (start, end) = (area_per_rad, area_per_rad);
-        Self { pixel: (0, 0), start, end, phase: 0.0, weight_per_area: 1.0, even_pieces: Some(1) }
-    }
+/// A pixel that a slice crosses, and what it has passed where it enters and where it leaves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Column and row of the full picture.
+    pub pixel: (usize, usize),
+    /// Of its length in the image plane at distance 1.
+    pub lengths: [f64; 2],
+    /// Of its area, per radian.
+    pub areas: [f64; 2],
+    /// The slopes of its rays there.
+    pub slopes: [f64; 2],
 }
 
 impl Slice {
-    /// Pixels of a picture that it crosses, and the areas per radian that it has passed where it enters and leaves each. Those pixels
+    /// A single ray, wherever it belongs, where the slice has passed so much of its area per radian.
+    pub fn ray(&self, area_per_rad: f64) -> Chord {
+        let slope = self.slope_at(self.length_at(area_per_rad));
+        Chord {
+            pixel: (0, 0),
+            start: area_per_rad,
+            end: area_per_rad,
+            slopes: [slope; 2],
+            phase: 0.0,
+            weight_per_area: 1.0,
+            swath: None,
+            even_pieces: Some(1),
+        }
+    }
+
+    /// Pixels of a picture that it crosses. Those
     /// around one that `unwanted_around` says nobody wants are passed over.
     pub fn crossings(
         &self,
         size: Size,
         unwanted_around: impl Fn(usize, usize) -> Option<Window>,
-    ) -> impl Iterator<Item = ((usize, usize), f64, f64)> {
+    ) -> impl Iterator<Item = Crossing> {
         let (start_px, along_px) = self.line_px();
         // From border to border, by counting (Amanatides & Woo 1987): a line almost along a border must not be caught between two
         // pixels by rounding.
@@ -65,8 +90,15 @@ impl Slice {
                     column.look(at, passed.x, passed.width);
                 }
                 if unwanted.is_none() {
-                    let (start, end) = (self.area_at(enter), self.area_at(at.min(self.length)));
-                    return Some(((x, y), start, end.max(start)));
+                    let lengths = [enter, at.min(self.length)];
+                    let [start, end] = lengths.map(|length| self.area_at(length));
+                    let areas = [start, end.max(start)];
+                    return Some(Crossing {
+                        pixel: (x, y),
+                        lengths,
+                        areas,
+                        slopes: lengths.map(|length| self.slope_at(length)),
+                    });
                 }
             }
             None
@@ -149,7 +181,7 @@ mod tests {
             let size = Size { width, height };
             for slice in slices(size, to_light, 9) {
                 let mut at = 0.0;
-                for ((x, y), start, end) in slice.crossings(size, |_, _| None) {
+                for Crossing { pixel: (x, y), areas: [start, end], .. } in slice.crossings(size, |_, _| None) {
                     prop_assert!(start == at && end >= start, "{at} {start} {end}");
                     let middle = slice.place(0.5 * (start + end)).film_px;
                     let from_pixel = (middle - DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).abs().max_element();
@@ -167,14 +199,16 @@ mod tests {
             let hole = |x: usize, y: usize| rectangle.index(x, y).map(|_| rectangle);
             for slice in slices(size, to_light, 9) {
                 let inside = |(x, y): (usize, usize)| rectangle.index(x, y).is_some();
-                let wanted = slice.crossings(size, |_, _| None).filter(|(pixel, ..)| !inside(*pixel));
+                let is_long = |Crossing { areas: [start, end], .. }: &Crossing| end - start > 1e-6 * slice.area_per_rad;
+                let wanted = slice.crossings(size, |_, _| None).filter(|crossing| !inside(crossing.pixel));
                 let found: Vec<_> = slice.crossings(size, hole).collect();
-                let expected: Vec<_> = wanted.filter(|(_, start, end)| end - start > 1e-6 * slice.area_per_rad).collect();
+                let expected: Vec<_> = wanted.filter(is_long).collect();
                 let found_long: Vec<_> =
-                    found.iter().copied().filter(|(_, start, end)| end - start > 1e-6 * slice.area_per_rad).collect();
+                    found.iter().copied().filter(is_long).collect();
                 prop_assert_eq!(found_long.len(), expected.len());
                 for (a, b) in found_long.iter().zip(&expected) {
-                    prop_assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-6 && (a.2 - b.2).abs() < 1e-6, "{a:?} {b:?}");
+                    let is_same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) < 1e-6;
+                    prop_assert!(a.pixel == b.pixel && is_same(a.areas, b.areas), "{a:?} {b:?}");
                 }
             }
         }

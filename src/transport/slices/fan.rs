@@ -3,6 +3,8 @@
 //! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
 //! picture, beside it, behind the camera or at infinity.
 
+use super::chord::Crossing;
+use super::swath::Swath;
 use crate::scattering::Source;
 use crate::scene::Size;
 use crate::snapshot::View;
@@ -229,9 +231,17 @@ impl Slice {
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
-    /// The slope of the ray at the place at which the slice has passed so much of its area per radian.
-    pub(super) fn slope_at(&self, area_per_rad: f64) -> f64 {
-        let passed = self.length_at(area_per_rad);
+    /// What the slice stands for where it crosses a pixel, if the next slices are turned by so much; `None` if that lies in the pixel.
+    pub fn swath(&self, crossing: &Crossing, turned_rad: f64) -> Option<Swath> {
+        let (density, growth) = self.density;
+        let [enter, leave] = crossing.lengths;
+        let density = density + growth * 0.5 * (enter + leave);
+        let ends_px = crossing.lengths.map(|length| self.picture.film_px(self.start + length * self.along));
+        Swath::new(crossing.pixel, ends_px, self.along, turned_rad * density / self.picture.pixels_per_unit)
+    }
+
+    /// The slope of the ray after a length of the slice.
+    pub(super) fn slope_at(&self, passed: f64) -> f64 {
         // Rounding must not put a ray along the axis on the other side of it.
         let reach = (self.reach.0 + passed * self.reach.1).max(LEAST_SPREAD);
         (self.height.0 + passed * self.height.1) / reach
@@ -262,7 +272,7 @@ impl Slice {
     }
 
     /// After which length the slice has passed so much of its area per radian.
-    fn length_at(&self, area_per_rad: f64) -> f64 {
+    pub(super) fn length_at(&self, area_per_rad: f64) -> f64 {
         let (density, growth) = self.density;
         // density x + growth x^2 / 2 = area, in the form that does not cancel.
         let root = (density * density + 2.0 * growth * area_per_rad).max(0.0).sqrt();

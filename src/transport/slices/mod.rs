@@ -16,10 +16,12 @@ mod lit_cells;
 mod sight;
 mod solve;
 mod stretch;
+mod swath;
 mod sweep;
 mod thinning_fog;
 mod veiled;
 
-pub use chord::Chord;
+pub use chord::{Chord, Crossing};
 pub use fan::{Fan, Place, Ring, Separation, Slice, pixel};
-pub use solve::{SliceJob, SliceScratch, count_segments, solve};
+pub use solve::{Piece, SliceJob, SliceScratch, count_segments, solve};
+pub use swath::{Share, Swath};

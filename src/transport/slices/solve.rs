@@ -43,8 +43,19 @@ pub struct SliceJob<'a> {
     pub fan: &'a Fan,
 }
 
-/// Calls back with the place, the weight and the value, of the slice's light alone, of each sample along a slice, away from the light: one
-/// in each piece of the chords, in whose order they come. Rays that blended surfaces touch
+/// A part of a chord all of which sees the same things, and the sample that stands for it.
+pub struct Piece<'a> {
+    /// The chord.
+    pub chord: &'a Chord,
+    /// Where the sample lies.
+    pub place: Place,
+    /// Between which parts of the chord's area it lies, `0..=1`.
+    pub range: [f64; 2],
+    /// What it counts, as the area does that it stands for.
+    pub weight: f64,
+}
+
+/// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its sample sees by the slice's light alone. Rays that blended surfaces touch
 /// are followed by themselves. Returns how many segments
 /// the slice gathered; `None` if there is no chord, and so nothing done.
 pub fn solve(
@@ -52,7 +63,7 @@ pub fn solve(
     slice: &Slice,
     of_slice: impl Iterator<Item = Chord>,
     scratch: &mut SliceScratch,
-    mut sample: impl FnMut(&Chord, &Place, f64, &Sample),
+    mut sample: impl FnMut(&Piece, &Sample),
 ) -> Option<usize> {
     let (snapshot, light, eye) = (job.snapshot, job.light, job.fan.eye);
     let light_rays = match *light {
@@ -64,7 +75,7 @@ pub fn solve(
     chords.clear();
     chords.extend(of_slice);
     lowest_slopes.clear();
-    lowest_slopes.extend(chords.iter().map(|chord| slice.slope_at(chord.end)));
+    lowest_slopes.extend(chords.iter().map(|chord| chord.slopes[1]));
     let lowest_slope = *lowest_slopes.last()?;
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
     cuts.clear();
@@ -84,11 +95,12 @@ pub fn solve(
     };
 
     let mut met: Option<Facet> = None;
-    for (chord, &lowest_slope) in chords.iter().zip(lowest_slopes.iter()) {
-        let highest_slope = slice.slope_at(chord.start);
+    for chord in chords.iter() {
+        let [highest_slope, lowest_slope] = chord.slopes;
         sweep.enter(highest_slope, |start, end| darken(fog, start, end));
         veils.enter(highest_slope);
         let mut piece_start = chord.start;
+        let chord_area = chord.end - chord.start;
         let ends = edges.pieces(chord, slice, [sweep, &veils.sweep], light_rays, highest_slope..lowest_slope);
         for (number, &piece_end) in ends.iter().enumerate() {
             let [phase] = kronecker([chord.phase], number);
@@ -117,7 +129,8 @@ pub fn solve(
             } else {
                 sight.value(sweep, has_profile.then_some(&mut *fog), followed)
             };
-            sample(chord, &place, chord.weight_per_area * area, &value);
+            let range = [piece_start, piece_end].map(|end| (end - chord.start) / chord_area);
+            sample(&Piece { chord, place, range, weight: chord.weight_per_area * area }, &value);
             piece_start = piece_end;
         }
     }
@@ -126,7 +139,7 @@ pub fn solve(
 
 /// How many segments a whole slice would gather of what is not blended.
 pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
-    let lowest_slope = slice.slope_at(slice.area_per_rad);
+    let lowest_slope = slice.slope_at(slice.length);
     let half_plane = HalfPlane { eye: fan.eye, axis: fan.axis, outward: slice.outward, lowest_slope };
     let mut cuts = Vec::new();
     snapshot.tree.add_cuts(&half_plane, &mut cuts);
