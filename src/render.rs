@@ -2,6 +2,7 @@
 //! Invariant: every picture is a pure function of (exposure, job), so neither the number of threads
 //! nor their order reaches it.
 
+mod bearings;
 mod choice;
 mod draws;
 mod lattice;

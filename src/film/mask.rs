@@ -53,6 +53,18 @@ impl Mask {
         self.window.index(x, y).is_some_and(|index| self.wanted[index])
     }
 
+    /// Blocks of the picture that hold some of them.
+    pub fn inhabited_blocks(&self) -> impl Iterator<Item = Window> {
+        let inhabited =
+            self.blocks.pixels().zip(&self.is_inhabited).filter(|(_, is_inhabited)| **is_inhabited);
+        inhabited.map(|((column, row), _)| Window {
+            x: column * BLOCK_SIDE,
+            y: row * BLOCK_SIDE,
+            width: BLOCK_SIDE,
+            height: BLOCK_SIDE,
+        })
+    }
+
     /// Pixels around one that is not wanted, of which none is either: its block, or it alone. `None` if it is wanted.
     pub fn unwanted_around(&self, x: usize, y: usize) -> Option<Window> {
         let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);

@@ -7,6 +7,7 @@
 //! its place in the lattice. So each slice is turned so that it passes through its lattice place half way across its ring
 //! (`rings.rs`); but about the axis, and about its far side, where they wander too far for that.
 
+use super::bearings::Bearings;
 use super::passes::Pass;
 use super::places::Places;
 use super::rings::Layout;
@@ -65,6 +66,8 @@ struct RingLattice {
     /// What a sample counts for each unit of area per radian.
     weight_per_area: f64,
     shift_along: f64,
+    /// Where its slices may meet pixels that are wanted; none if all do.
+    bearings: Option<Bearings>,
 }
 
 /// A slice that is to be solved.
@@ -139,6 +142,8 @@ impl Lattice {
                 to,
                 weight_per_area: samples * row_rad,
                 shift_along: along,
+                bearings: (!pass.is_first())
+                    .then(|| Bearings::new(base, ring, 1.5 * deviation_rad, pass.wanted, margin)),
             };
             from = to;
             ring
@@ -151,12 +156,23 @@ impl Lattice {
         self.rings.last().map_or(0, |ring| ring.to / self.places.step)
     }
 
+    /// Whether slice `number` may meet pixels that are wanted, whatever it is seen with.
+    pub(super) fn is_wanted(&self, number: usize) -> bool {
+        let place = self.places.of(number);
+        let Some(ring) = self.ring(place) else { return false };
+        ring.bearings.as_ref().is_none_or(|bearings| bearings.hold(ring.angle(place)))
+    }
+
+    fn ring(&self, place: usize) -> Option<&RingLattice> {
+        self.rings.iter().find(|ring| place < ring.to)
+    }
+
     /// Slice `number`, in a fan of its own; `None` if it misses the picture.
     pub(super) fn slice(&self, base: &Fan, own: &Fan, number: usize) -> Option<PlacedSlice> {
         let Self { turns, even_pieces, .. } = *self;
         let place = self.places.of(number);
-        let ring = self.rings.iter().find(|ring| place < ring.to)?;
-        let angle = ring.first_rad + (place - ring.from) as f64 * ring.place_rad;
+        let ring = self.ring(place)?;
+        let angle = ring.angle(place);
         // Where slices are turned their angles crowd or thin out, and so must their samples.
         let (angle, crowding) =
             ring.anchor.map_or((angle, 1.0), |anchor| own.angle_through(base, angle, anchor));
@@ -183,6 +199,13 @@ impl Lattice {
     /// The place of slice `number` among all that any pass may have.
     pub(super) fn place(&self, number: usize) -> usize {
         self.places.of(number)
+    }
+}
+
+impl RingLattice {
+    /// At which angle of the base fan a place lies.
+    fn angle(&self, place: usize) -> f64 {
+        self.first_rad + (place - self.from) as f64 * self.place_rad
     }
 }
 

@@ -99,6 +99,9 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                 let number = first + index;
                 // Of a lattice's rows every other one is a lattice too.
                 samples.start(!pass.is_first() || lattice.row(number) % 2 == 1);
+                if !lattice.is_wanted(number) {
+                    return;
+                }
                 let draw = draws.get(lattice.place(number));
                 let Some(own) = fan_of(&draw) else { return };
                 let Some(placed) = lattice.slice(&base, &own, number) else { return };

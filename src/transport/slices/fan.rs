@@ -6,7 +6,7 @@
 use super::chord::Crossing;
 use super::swath::Swath;
 use crate::scattering::Source;
-use crate::scene::Size;
+use crate::scene::{Size, Window};
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};
 use std::cmp::Ordering;
@@ -96,18 +96,49 @@ impl Fan {
         let zero = axis.any_orthonormal_vector();
         let quarter = axis.cross(zero);
         let mut fan = Self { eye, axis, zero, quarter, picture, angles: (0.0, TAU) };
-        if !picture.sees(axis) && !picture.sees(-axis) {
-            // A convex picture that does not hold the axis is seen from it under less than half a turn.
-            let middle = fan.angle(picture.direction(0.5 * (picture.low + picture.high)));
-            let turns = picture.corners().map(|corner| {
-                let turn = fan.angle(picture.direction(corner)) - middle;
-                turn - TAU * (turn / TAU).round()
-            });
-            let low = turns.into_iter().fold(PI, f64::min);
-            let high = turns.into_iter().fold(-PI, f64::max);
-            fan.angles = (middle + low, high - low);
-        }
+        fan.angles = fan.angles_between(picture.low, picture.high);
         Some(fan)
+    }
+
+    /// The angles of all slices that meet some pixels: the first, and how many radians.
+    pub fn angles_across(&self, pixels: Window) -> (f64, f64) {
+        let (low, high) = self.corners_of(pixels);
+        self.angles_between(low, high)
+    }
+
+    /// Least and greatest angle from the axis of those pixels, or a little less and more.
+    pub fn extent_of(&self, pixels: Window) -> (f64, f64) {
+        let (low, high) = self.corners_of(pixels);
+        let picture = Picture { low, high, ..self.picture };
+        let middle = picture.direction(0.5 * (low + high));
+        let reach = picture.corners().map(|corner| picture.direction(corner).angle_between(middle));
+        let (from_axis, reach) = (middle.angle_between(self.axis), reach.into_iter().fold(0.0, f64::max));
+        (from_axis - reach, from_axis + reach)
+    }
+
+    /// The rectangle of the image plane that pixels are.
+    fn corners_of(&self, pixels: Window) -> (DVec2, DVec2) {
+        let [x, y] = [(pixels.x, pixels.width), (pixels.y, pixels.height)]
+            .map(|(from, count)| [from, from + count].map(|px| px as f64 / self.picture.pixels_per_unit));
+        let corner = self.picture.corner;
+        (corner + DVec2::new(x[0], -y[1]), corner + DVec2::new(x[1], -y[0]))
+    }
+
+    /// The angles of all slices that meet a rectangle of the image plane.
+    fn angles_between(&self, low: DVec2, high: DVec2) -> (f64, f64) {
+        let picture = Picture { low, high, ..self.picture };
+        if picture.sees(self.axis) || picture.sees(-self.axis) {
+            return (0.0, TAU);
+        }
+        // A convex rectangle that does not hold the axis is seen from it under less than half a turn.
+        let middle = self.angle(picture.direction(0.5 * (low + high)));
+        let turns = picture.corners().map(|corner| {
+            let turn = self.angle(picture.direction(corner)) - middle;
+            turn - TAU * (turn / TAU).round()
+        });
+        let low = turns.into_iter().fold(PI, f64::min);
+        let high = turns.into_iter().fold(-PI, f64::max);
+        (middle + low, high - low)
     }
 
     /// Least and greatest angle between the axis and what the picture shows.

@@ -1,0 +1,118 @@
+//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels, out comes whether a slice in a place
+//! need be looked at. Invariant: no slice that crosses one is left out, however its own fan differs from the centre's.
+//!
+//! A late pass has many slices for few pixels: what is in the place of each but for those few is drawn in vain, which took most of the time of a sun with a picture on it.
+
+use crate::film::Mask;
+use crate::scene::Window;
+use crate::transport::slices::{Fan, Ring};
+use std::f64::consts::TAU;
+
+/// In so many parts a turn is marked: by each a slice leads through a pixel at the rim of a picture of a thousand.
+const PARTS: usize = 4096;
+
+/// Directions about the axis of a fan.
+pub(super) struct Bearings {
+    is_wanted: Vec<bool>,
+}
+
+impl Bearings {
+    /// Those of the slices of `base` that meet pixels which are wanted in a ring, and `margin_rad` to either side. Slices may have axes that are up to
+    /// `deviation_rad` away from that of `base`.
+    pub(super) fn new(base: &Fan, ring: Ring, deviation_rad: f64, wanted: &Mask, margin_rad: f64) -> Self {
+        let mut is_wanted = vec![false; PARTS];
+        let is_in_ring = |block: &Window| {
+            let (least, greatest) = base.extent_of(*block);
+            least <= ring.1 + deviation_rad && ring.0 - deviation_rad <= greatest
+        };
+        for block in wanted.inhabited_blocks().filter(is_in_ring) {
+            let (first, width) = base.angles_across(block);
+            let (low, high) = (part_at(first - margin_rad), part_at(first + width + margin_rad));
+            // One more on either side, for rounding; a whole turn at most.
+            let count = (high - low + 3.0).min(PARTS as f64) as usize;
+            let from = (low - 1.0).rem_euclid(PARTS as f64) as usize;
+            for part in from..from + count {
+                is_wanted[part % PARTS] = true;
+            }
+        }
+        Self { is_wanted }
+    }
+
+    /// Whether a slice that passes through its place at an angle of the fan may meet any.
+    pub(super) fn hold(&self, angle: f64) -> bool {
+        self.is_wanted[part_at(angle).rem_euclid(PARTS as f64) as usize % PARTS]
+    }
+}
+
+/// The part that an angle lies in, before whole turns are taken off.
+fn part_at(angle: f64) -> f64 {
+    (angle / TAU * PARTS as f64).floor()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scattering::Source;
+    use crate::scene::{Camera, Lens, Size, Track};
+    use crate::snapshot::View;
+    use glam::{DAffine3, DVec2, DVec3};
+    use proptest::prelude::*;
+    use std::f64::consts::PI;
+
+    const SIZE: Size = Size { width: 48, height: 27 };
+
+    /// A picture along -z by a pinhole, and a sun there.
+    fn fan(elevation_deg: f64, azimuth_deg: f64) -> Fan {
+        let lens = Lens::Perspective { fov_y: Track::from(0.7) };
+        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let view = View::new(&camera, DAffine3::IDENTITY, SIZE.width as f64 / SIZE.height as f64, 0.0);
+        let (sin, cos) = elevation_deg.to_radians().sin_cos();
+        let (to_side, ahead) = azimuth_deg.to_radians().sin_cos();
+        let to_sun = DVec3::new(cos * to_side, sin, -cos * ahead);
+        Fan::new(&view, SIZE, DVec2::ZERO, Source::Towards(to_sun)).unwrap()
+    }
+
+    fn meets(wanted: &Mask, fan: &Fan, angle: f64, ring: Ring) -> bool {
+        let slice = fan.slice(angle, ring);
+        slice.is_some_and(|slice| slice.crossings(SIZE, |x, y| wanted.unwanted_around(x, y)).next().is_some())
+    }
+
+    proptest! {
+        /// Slices in the order of one fan, and those of fans that differ from it, in a ring that they are kept in order in.
+        #[test]
+        fn no_slice_that_meets_wanted_pixels_is_left_out(
+            (elevation_deg, azimuth_deg) in (-89.0..89.0_f64, -180.0..180.0_f64),
+            wanted in prop::collection::hash_set((0..SIZE.width, 0..SIZE.height), 1..4),
+            wander_deg in prop::array::uniform2(-0.3..0.3_f64),
+        ) {
+            let base = fan(elevation_deg, azimuth_deg);
+            let wanted = Mask::from_fn(Window::whole(SIZE), |x, y| wanted.contains(&(x, y)));
+            let angle = |number: u32| base.angles.0 + base.angles.1 * f64::from(number) / 500.0;
+            let bearings = Bearings::new(&base, Ring::WHOLE, 0.0, &wanted, 0.0);
+            for angle in (0..500).map(angle) {
+                prop_assert!(bearings.hold(angle) || !meets(&wanted, &base, angle, Ring::WHOLE), "{angle}");
+            }
+
+            let own = fan(elevation_deg + wander_deg[0], azimuth_deg + wander_deg[1]);
+            let extent = base.extent();
+            let ring = Ring(extent.0.max(0.02), extent.1.min(PI - 0.02));
+            prop_assume!(ring.0 < ring.1);
+            let turn = (base.wander(&own).sin() / ring.0.sin().min(ring.1.sin())).min(1.0).asin();
+            let bearings = Bearings::new(&base, ring, base.wander(&own), &wanted, 1.5 * turn);
+            for angle in (0..500).map(angle) {
+                let (own_angle, _) = own.angle_through(&base, angle, 0.5 * (ring.0 + ring.1));
+                prop_assert!(bearings.hold(angle) || !meets(&wanted, &own, own_angle, ring), "{angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pixel_far_from_the_axis_is_met_by_few() {
+        let base = fan(60.0, 0.0);
+        let wanted = Mask::from_fn(Window::whole(SIZE), |x, y| (x, y) == (40, 20));
+        let bearings = Bearings::new(&base, Ring::WHOLE, 0.0, &wanted, 0.0);
+        let held = (0..1000).filter(|&number| bearings.hold(TAU * f64::from(number) / 1000.0)).count();
+        assert!((1..200).contains(&held), "{held}");
+    }
+}
