@@ -59,7 +59,7 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
         size: settings.size,
         window: Window::whole(settings.size),
         passes: Vec::new(),
-        sampling: Sampling::Exactly(2),
+        sampling: Sampling::Exactly(4),
         seed: settings.seed,
         transport,
         placement: Placement::Auto,
@@ -164,7 +164,7 @@ const SEEDS: std::ops::Range<u32> = 0..6;
 // Keys in single precision move leaves by up to a millionth of a metre.
 const SAME: f64 = 3e-5;
 
-/// A pixel that differs by more, over the mean, has a sample on the other side of an edge. With two samples a pixel
+/// A pixel that differs by more, over the mean, has a sample on the other side of an edge. With four samples a pixel, one slice to its width,
 /// such a sample shows whole; where there is none no pixel differs by a third of this.
 const EDGE: f64 = 1e-3;
 

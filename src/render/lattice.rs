@@ -23,8 +23,8 @@ const SAMPLES_PER_SLICE: f64 = 4.0;
 /// The same where slices have draws of their own, of which one tells little.
 const SAMPLES_PER_DRAW: f64 = 2.0;
 
-/// Of fewer samples slices are not cut: for a quick look one ray a chord must do.
-const FEWEST_CUT: f64 = 2.0;
+/// Slices to a pixel's width, at least: their swaths still leave no pixel out.
+const FEWEST_SLICES_PER_PX: f64 = 0.5;
 
 /// What one draw has wrong shows as a line along its slice: as long as a leaf that flies, and as half shadows if rings do not cut it short.
 /// So slices with draws of their own take turns: of this many, side by side, each has samples only in pixels of its own, and neighbouring pixels
@@ -49,8 +49,6 @@ pub(super) struct Lattice {
     /// Every so many slices are a lattice for their part of the pixels.
     turns: usize,
     places: Places,
-    /// See [`Chord::even_pieces`].
-    even_pieces: Option<u32>,
 }
 
 struct RingLattice {
@@ -80,7 +78,6 @@ pub(super) struct PlacedSlice {
     weight_per_area: f64,
     /// By how much the next slices of its pass are turned, if all of them have samples in the same pixels.
     turned_rad: Option<f64>,
-    even_pieces: Option<u32>,
 }
 
 impl Lattice {
@@ -100,7 +97,7 @@ impl Lattice {
         let Differing { deviation_rad, in_time } = differing.unwrap_or_default();
         let samples = f64::from(pass.first_samples());
         let samples_per_slice = if is_drawn { SAMPLES_PER_DRAW } else { SAMPLES_PER_SLICE };
-        let slices_per_px = (samples / samples_per_slice).max(1.0);
+        let slices_per_px = (samples / samples_per_slice).max(FEWEST_SLICES_PER_PX);
         let layout = Layout { deviation_rad, samples, slices_per_px, segments };
         let count = layout.count(base);
         let is_streaky = is_drawn && (count == 1 || in_time) && samples < NO_TURNS_FROM;
@@ -123,7 +120,6 @@ impl Lattice {
                 _ => PI,
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
-            // With one slice for the width of a pixel at least, none is missed.
             let slices_per_rad = slices_per_px * if is_drawn { mean_px } else { greatest_px };
             let rows = (width * slices_per_rad).ceil().max(1.0);
             let row_rad = width / rows;
@@ -148,7 +144,7 @@ impl Lattice {
             from = to;
             ring
         });
-        Self { rings: rings.collect(), turns, places, even_pieces: (samples < FEWEST_CUT).then_some(1) }
+        Self { rings: rings.collect(), turns, places }
     }
 
     /// How many slices there are.
@@ -169,7 +165,7 @@ impl Lattice {
 
     /// Slice `number`, in a fan of its own; `None` if it misses the picture.
     pub(super) fn slice(&self, base: &Fan, own: &Fan, number: usize) -> Option<PlacedSlice> {
-        let Self { turns, even_pieces, .. } = *self;
+        let turns = self.turns;
         let place = self.places.of(number);
         let ring = self.ring(place)?;
         let angle = ring.angle(place);
@@ -180,15 +176,7 @@ impl Lattice {
         let phase = (ring.shift_along + self.places.phase(place)).fract();
         let weight_per_area = ring.weight_per_area * crowding;
         let turned_rad = (turns == 1).then_some(crowding * ring.place_rad * self.places.step as f64);
-        Some(PlacedSlice {
-            slice,
-            turns,
-            turn: number % turns,
-            phase,
-            weight_per_area,
-            turned_rad,
-            even_pieces,
-        })
+        Some(PlacedSlice { slice, turns, turn: number % turns, phase, weight_per_area, turned_rad })
     }
 
     /// The number of a slice among those of its turn.
@@ -218,12 +206,12 @@ impl PlacedSlice {
             }
             wanted.unwanted_around(x, y)
         };
-        let Self { weight_per_area, turned_rad, even_pieces, .. } = *self;
+        let Self { weight_per_area, turned_rad, .. } = *self;
         self.slice.crossings(size, unwanted_around).map(move |crossing| {
             let Crossing { pixel, areas: [start, end], slopes, .. } = crossing;
             let phase = (self.phase + dither(pixel.0, pixel.1)).fract();
             let swath = turned_rad.and_then(|turned_rad| self.slice.swath(&crossing, turned_rad));
-            Chord { pixel, start, end, slopes, phase, weight_per_area, swath, even_pieces }
+            Chord { pixel, start, end, slopes, phase, weight_per_area, swath }
         })
     }
 }

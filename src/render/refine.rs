@@ -23,7 +23,7 @@ const CONVERGENCE: f64 = 0.75;
 const FIRST_SAMPLES: u32 = 8;
 
 /// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
-const FIRST_SAMPLES_LOOSE: u32 = 4;
+const FIRST_SAMPLES_LOOSE: u32 = 3;
 
 /// See [`FIRST_SAMPLES_LOOSE`].
 const LOOSE: f64 = 0.25;

@@ -23,8 +23,6 @@ pub struct Chord {
     pub weight_per_area: f64,
     /// What the slice stands for if that is more than a part of the pixel.
     pub swath: Option<Swath>,
-    /// How many pieces of one size it is cut in; if none is said, at the edges of what it sees.
-    pub even_pieces: Option<u32>,
 }
 
 /// A pixel that a slice crosses, and what it has passed where it enters and where it leaves it.
@@ -52,7 +50,6 @@ impl Slice {
             phase: 0.0,
             weight_per_area: 1.0,
             swath: None,
-            even_pieces: Some(1),
         }
     }
 

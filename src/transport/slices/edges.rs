@@ -51,18 +51,22 @@ impl Edges {
         self.slopes.clear();
         self.areas.clear();
         let area = chord.end - chord.start;
+        if area <= 0.0 {
+            self.areas.push(chord.end);
+            return &self.areas;
+        }
         let segments: usize = sweeps.iter().map(|sweep| sweep.active().len()).sum();
-        let mut even_pieces = chord.even_pieces.or((segments > CROWD).then_some(CROWD_PIECES));
-        if even_pieces.is_none() {
+        let mut is_crowded = segments > CROWD;
+        if !is_crowded {
             for sweep in sweeps {
                 self.add_edges(sweep, light_rays, slopes.clone());
             }
             self.slopes.sort_unstable_by(|a, b| b.total_cmp(a));
-            even_pieces = (self.slopes.len() >= MOST_PIECES).then_some(CROWD_PIECES);
+            is_crowded = self.slopes.len() >= MOST_PIECES;
         }
-        if let Some(pieces) = even_pieces {
-            let end = |piece: u32| chord.start + area * f64::from(piece) / f64::from(pieces);
-            self.areas.extend((1..pieces).map(end));
+        if is_crowded {
+            let end = |piece: u32| chord.start + area * f64::from(piece) / f64::from(CROWD_PIECES);
+            self.areas.extend((1..CROWD_PIECES).map(end));
         } else {
             let mut start = chord.start;
             for edge in self.slopes.drain(..).map(|slope| slice.area_at_slope(slope)) {
