@@ -26,6 +26,9 @@ const SAMPLES_PER_DRAW: f64 = 2.0;
 /// Slices to a pixel's width, at least: their swaths still leave no pixel out.
 const FEWEST_SLICES_PER_PX: f64 = 0.5;
 
+/// The same where slices have draws of their own: those that take turns stand for no more than the pixels that they cross.
+const FEWEST_DRAWS_PER_PX: f64 = 1.0;
+
 /// What one draw has wrong shows as a line along its slice: as long as a leaf that flies, and as half shadows if rings do not cut it short.
 /// So slices with draws of their own take turns: of this many, side by side, each has samples only in pixels of its own, and neighbouring pixels
 /// mostly belong to different ones.
@@ -96,8 +99,12 @@ impl Lattice {
         let is_drawn = differing.is_some();
         let Differing { deviation_rad, in_time } = differing.unwrap_or_default();
         let samples = f64::from(pass.first_samples());
-        let samples_per_slice = if is_drawn { SAMPLES_PER_DRAW } else { SAMPLES_PER_SLICE };
-        let slices_per_px = (samples / samples_per_slice).max(FEWEST_SLICES_PER_PX);
+        let (samples_per_slice, fewest) = if is_drawn {
+            (SAMPLES_PER_DRAW, FEWEST_DRAWS_PER_PX)
+        } else {
+            (SAMPLES_PER_SLICE, FEWEST_SLICES_PER_PX)
+        };
+        let slices_per_px = (samples / samples_per_slice).max(fewest);
         let layout = Layout { deviation_rad, samples, slices_per_px, segments };
         let count = layout.count(base);
         let is_streaky = is_drawn && (count == 1 || in_time) && samples < NO_TURNS_FROM;
