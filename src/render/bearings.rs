@@ -1,14 +1,14 @@
 //! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels, out comes whether a slice in a place
 //! need be looked at. Invariant: no slice that crosses one is left out, however its own fan differs from the centre's.
 //!
-//! A late pass has many slices for few pixels: what is in the place of each but for those few is drawn in vain, which took most of the time of a sun with a picture on it.
+//! A late pass has many slices and few pixels, and most slices meet none of these: to draw them all the same took most of its time under a sun with a picture on it.
 
 use crate::film::Mask;
 use crate::scene::Window;
 use crate::transport::slices::{Fan, Ring};
 use std::f64::consts::TAU;
 
-/// In so many parts a turn is marked: by each a slice leads through a pixel at the rim of a picture of a thousand.
+/// In so many parts a turn is marked: each is about a pixel wide at the rim of a picture of a thousand.
 const PARTS: usize = 4096;
 
 /// Directions about the axis of a fan.
