@@ -10,6 +10,7 @@ mod passes;
 mod places;
 mod refine;
 mod rings;
+mod shares;
 mod slices;
 mod sum;
 mod survey;
@@ -17,7 +18,7 @@ mod tiles;
 
 use crate::film::{Film, Frame};
 use crate::math::{Ray, Sampler};
-use crate::scene::{Pass, Sampling, Size, Window};
+use crate::scene::{Pass, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{Part, Transport};
 pub use choice::{Choice, Reason, choose};
@@ -37,6 +38,8 @@ pub struct Job {
     pub passes: Vec<Pass>,
     /// How many samples a pixel gets.
     pub sampling: Sampling,
+    /// By what weights a pixel is the mean of them.
+    pub filter: PixelFilter,
     /// Seed of the sample points.
     pub seed: u32,
     /// How rays are followed.

@@ -10,8 +10,8 @@ use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Extend, Instance, Key, LightKind, Material, Mesh, Motion, Pass, Rotation, Sampling, Scene, Segment, Size,
-    Track, Triangle, Window,
+    Extend, Instance, Key, LightKind, Material, Mesh, Motion, Pass, PixelFilter, Rotation, Sampling, Scene,
+    Segment, Size, Track, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 
@@ -59,6 +59,7 @@ fn picture(scene: &Scene, placement: Placement, seed: u32) -> Frame {
         window: Window::whole(SIZE),
         passes: vec![Pass::Depth, Pass::Position, Pass::LeafId],
         sampling: Sampling::Exactly(16),
+        filter: PixelFilter::Box,
         seed,
         transport: EXACT,
         placement,

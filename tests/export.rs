@@ -60,6 +60,7 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
         window: Window::whole(settings.size),
         passes: Vec::new(),
         sampling: Sampling::Exactly(4),
+        filter: settings.filter,
         seed: settings.seed,
         transport,
         placement: Placement::Auto,

@@ -9,8 +9,8 @@ use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Aperture, Extend, Key, LightKind, Motion, Rotation, Sampling, Scene, Segment, Size, SunDisc, Track,
-    Window,
+    Aperture, Extend, Key, LightKind, Motion, PixelFilter, Rotation, Sampling, Scene, Segment, Size, SunDisc,
+    Track, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::{description, scene};
@@ -86,6 +86,7 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, placement: 
         window: Window::whole(SIZE),
         passes: vec![],
         sampling: Sampling::Exactly(samples),
+        filter: PixelFilter::Box,
         seed,
         transport: common::EXACT,
         placement,

@@ -214,6 +214,7 @@ const CASES: &[(&str, &str)] = &[
     ("skin_weight_negative.gltf", "WEIGHTS_0: error: a weight of vertex 0 is negative"),
     ("skin_weights_fewer.gltf", "attributes.WEIGHTS_0: error: there are 3 positions and 2 of these"),
     ("skin_without_joints.gltf", "skins[0].joints: error: the skin has no joints"),
+    ("filter_unknown.gltf", "sunfleck.filter: error: `gauss` is no filter"),
     ("resolution_huge.gltf", "resolution[0]: error: 65537 is not usable"),
     ("resolution_zero.gltf", "0 is not usable"),
     ("root_is_a_child_too.gltf", "node 1 is a root of the scene and a child too"),

@@ -9,8 +9,8 @@ use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    AlphaMode, Extend, Instance, Key, LightKind, Material, Mesh, Motion, Pass, Rotation, Sampling, Scene,
-    Segment, Size, Track, Triangle, Window, matte_id,
+    AlphaMode, Extend, Instance, Key, LightKind, Material, Mesh, Motion, Pass, PixelFilter, Rotation,
+    Sampling, Scene, Segment, Size, Track, Triangle, Window, matte_id,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 
@@ -50,6 +50,7 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, placement: Placement) 
         window: Window::whole(SIZE),
         passes: vec![Pass::Cryptomatte],
         sampling: Sampling::Exactly(samples),
+        filter: PixelFilter::Box,
         seed: 0,
         transport: EXACT,
         placement,

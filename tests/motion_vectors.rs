@@ -8,8 +8,8 @@ use std::path::Path;
 use sunfleck::math::Ray;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Extend, Instance, Key, Lens, Mesh, Motion, Pass, Rotation, Sampling, Scene, Segment, Size, Track,
-    Triangle, Window,
+    Extend, Instance, Key, Lens, Mesh, Motion, Pass, PixelFilter, Rotation, Sampling, Scene, Segment, Size,
+    Track, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, MotionField, Shutter, Snapshot};
 use sunfleck::{description, scene};
@@ -60,6 +60,7 @@ fn pictures(scene: &Scene, open_s: f64) -> Vec<([f64; 4], f64)> {
         window: Window::whole(SIZE),
         passes: vec![Pass::Motion, Pass::Depth],
         sampling: Sampling::Exactly(if open_s > 0.0 { 16 } else { 1 }),
+        filter: PixelFilter::Box,
         seed: 0,
         transport: EXACT,
         placement: Placement::Pixels,

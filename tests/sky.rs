@@ -14,8 +14,8 @@ use sunfleck::math::{Ray, Sampler, gauss_legendre};
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scattering::henyey_greenstein;
 use sunfleck::scene::{
-    Coat, Instance, Lens, LightKind, Material, Mesh, Pass, Sampling, Scene, Size, Sky, SkyLight, SkyPicture,
-    Texture, Triangle, Window, Wrap,
+    Coat, Instance, Lens, LightKind, Material, Mesh, Pass, PixelFilter, Sampling, Scene, Size, Sky, SkyLight,
+    SkyPicture, Texture, Triangle, Window, Wrap,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Sample, Scratch, radiance};
@@ -267,7 +267,16 @@ fn picture(scene: &Scene, samples: u32, placement: Placement) -> Frame {
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 16.0 / 9.0, INSTANT);
     let (window, sampling) = (Window::whole(SIZE), Sampling::Exactly(samples));
     let passes = vec![Pass::Shafts, Pass::Transmittance];
-    let job = Job { size: SIZE, window, passes, sampling, seed: 3, transport: EXACT, placement };
+    let job = Job {
+        size: SIZE,
+        window,
+        passes,
+        sampling,
+        filter: PixelFilter::Box,
+        seed: 3,
+        transport: EXACT,
+        placement,
+    };
     render(&exposure, &job, &Watch::NOBODY).frame
 }
 
@@ -393,6 +402,7 @@ fn pixels_equal_those_of_mitsuba() {
                 window: Window::whole(size),
                 passes: vec![],
                 sampling: Sampling::Exactly(1024),
+                filter: PixelFilter::Box,
                 seed,
                 transport: EXACT,
                 placement: Placement::Pixels,

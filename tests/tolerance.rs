@@ -11,7 +11,7 @@ use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
 use sunfleck::render::{Job, Placement, Rendered, Watch, render};
 use sunfleck::scene::{
-    LightKind, Pass, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
+    LightKind, Pass, PixelFilter, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Transport, VolumeMethod};
@@ -36,6 +36,7 @@ fn until(tolerance: f64) -> Job {
         window: Window::whole(SIZE),
         passes: vec![Pass::Error],
         sampling: Sampling::Until { tolerance, most: 1024 },
+        filter: PixelFilter::Box,
         seed: 0,
         transport: Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false },
         placement: Placement::Slices,

@@ -8,7 +8,7 @@ use sunfleck::description;
 use sunfleck::film::Frame;
 use sunfleck::frame_file::{self, Errors, compare, net_rmse};
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{self, Sampling, Scene, Size, Window};
+use sunfleck::scene::{self, PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
 
@@ -143,6 +143,7 @@ fn job(samples: u32, seed: u32, placement: Placement) -> Job {
         window: Window::whole(SIZE),
         passes: vec![],
         sampling: Sampling::Exactly(samples),
+        filter: PixelFilter::Box,
         seed,
         transport,
         placement,

@@ -6,7 +6,7 @@ use sunfleck::color::luminance;
 use sunfleck::film::Frame;
 use sunfleck::math::Sampler;
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{Sampling, Scene, Size, Window};
+use sunfleck::scene::{PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, FrozenLight, MeshTrees, Shutter};
 use sunfleck::transport::{Transport, VolumeMethod};
 
@@ -18,6 +18,7 @@ fn luminances(exposure: &Exposure, samples: u32, seed: u32, placement: Placement
         window: Window::whole(SIZE),
         passes: vec![],
         sampling: Sampling::Exactly(samples),
+        filter: PixelFilter::Box,
         seed,
         transport: Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false },
         placement,

@@ -3,7 +3,7 @@
 
 use crate::film::Frame;
 use crate::render::{Job, Placement, Watch, render};
-use crate::scene::{Sampling, Size, Window};
+use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use cpu_time::ProcessTime;
@@ -152,6 +152,7 @@ impl Method {
                 Some(tolerance) => Sampling::Until { tolerance, most: effort.samples },
                 None => Sampling::Exactly(effort.samples),
             },
+            filter: PixelFilter::Box,
             seed,
             transport: Transport {
                 volume: self.volume(effort, stage),

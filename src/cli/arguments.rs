@@ -1,7 +1,7 @@
 //! The command line's grammar. Invariant: flags work in any order; unknown ones are refused.
 
 use crate::color::{Curve, Display};
-use crate::scene::{LightUnits, Pass, Size};
+use crate::scene::{LightUnits, Pass, PixelFilter, Size};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -53,6 +53,9 @@ pub(super) struct RenderArguments {
     /// Exactly so many samples a pixel; beside --tolerance, at most [default: the sequence's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), allow_negative_numbers = true)]
     pub(super) samples: Option<u32>,
+    /// By what weights a pixel is the mean of the picture around it [default: the sequence's, else box].
+    #[arg(long, value_enum)]
+    pub(super) filter: Option<FilterArgument>,
     /// How light in fog is found.
     #[arg(long, value_enum, default_value_t)]
     pub(super) volume: Volume,
@@ -351,6 +354,14 @@ pub(super) enum PassArgument {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FilterArgument {
+    /// The pixel itself, everywhere alike.
+    Box,
+    /// A window 1.5 pixels wide, as Blender has it.
+    BlackmanHarris,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum LightUnitsArgument {
     /// Lux and candela (Blender's default).
     Spec,
@@ -411,6 +422,15 @@ impl DisplayArguments {
             CurveArgument::Raw => Curve::Raw,
         };
         Display { curve, exposure_stops: self.exposure }
+    }
+}
+
+impl From<FilterArgument> for PixelFilter {
+    fn from(argument: FilterArgument) -> Self {
+        match argument {
+            FilterArgument::Box => Self::Box,
+            FilterArgument::BlackmanHarris => Self::BlackmanHarris,
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file;
-use crate::scene::{self, RenderSettings, Scene, Size};
+use crate::scene::{self, PixelFilter, RenderSettings, Scene, Size};
 use crate::snapshot::{Exposure, MeshTrees, Shutter};
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
@@ -71,6 +71,9 @@ pub(super) fn fitting(size: Size, most: f64) -> f64 {
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     let subject = pool(arguments.threads.unwrap_or(0) as usize)?.install(|| Subject::new(arguments))?;
+    if !arguments.skips && subject.settings.filter != PixelFilter::Box {
+        tell(&format!("pixels are boxes here, not filtered by `{}`", subject.settings.filter.name()));
+    }
     if arguments.skips {
         skips::run(arguments, &subject)
     } else if let Some(quantities) = &arguments.scaling {

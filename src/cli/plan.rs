@@ -56,6 +56,7 @@ impl Plan {
         }
         settings.sampling =
             Sampling::said(arguments.samples, arguments.tolerance).unwrap_or(settings.sampling);
+        settings.filter = arguments.filter.map_or(settings.filter, Into::into);
         settings.seed = arguments.seed.unwrap_or(settings.seed);
         settings.shutter = arguments.shutter.unwrap_or(settings.shutter);
         settings.shutter_position = arguments.shutter_position.unwrap_or(settings.shutter_position);
@@ -71,6 +72,7 @@ impl Plan {
             window,
             passes: settings.passes.clone(),
             sampling: settings.sampling,
+            filter: settings.filter,
             seed: settings.seed,
             transport: Transport {
                 volume,
@@ -123,10 +125,11 @@ impl fmt::Display for Plan {
         let Size { width, height } = self.job.size;
         writeln!(
             f,
-            "{} frame{} of {width}x{height} pixels, {}, --volume {}, {}",
+            "{} frame{} of {width}x{height} pixels, {}, --filter {}, --volume {}, {}",
             frames.len(),
             if frames.len() == 1 { "" } else { "s" },
             self.job.sampling,
+            self.job.filter.name(),
             volume_word(&self.job),
             super::pass_names(&self.job.passes)
         )?;

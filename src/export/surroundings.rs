@@ -86,6 +86,7 @@ impl Writer<'_> {
             "light_units": "spec",
             "shutter": settings.shutter,
             "shutter_offset": settings.shutter_around(0.0)[0],
+            "filter": settings.filter.name(),
             "seed": settings.seed,
             "mirror_depth": settings.mirror_depth,
             "passes": settings.passes.iter().map(|pass| pass.name()).collect::<Vec<_>>(),

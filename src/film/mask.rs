@@ -1,7 +1,7 @@
 //! Which pixels of a picture want samples. Invariant: pixels outside the window never do.
 
 use super::BLOCK_SIDE;
-use crate::scene::Window;
+use crate::scene::{Size, Window};
 
 /// A set of pixels of the full picture.
 #[derive(Clone, Debug)]
@@ -36,6 +36,13 @@ impl Mask {
             is_wanted
         });
         Self { window, wanted: wanted.collect(), blocks, is_inhabited }
+    }
+
+    /// They and the pixels next to them, as far as the picture reaches.
+    pub fn with_rim(&self, full: Size) -> Self {
+        Self::from_fn(self.window.with_rim(full), |x, y| {
+            Window::whole(full).around(x, y).any(|(x, y)| self.contains(x, y))
+        })
     }
 
     /// The rectangle that they lie in.
@@ -89,6 +96,20 @@ mod tests {
         assert!(!mask.contains(3, 3) && !mask.contains(0, 3) && !mask.contains(6, 3) && !mask.contains(2, 5));
         assert!(Mask::all(window).contains(5, 4) && !Mask::all(window).contains(6, 4));
         assert_eq!((mask.count(), Mask::all(window).count()), (4, 8));
+    }
+
+    #[test]
+    fn a_rim_ends_at_the_picture() {
+        let full = Size { width: 9, height: 5 };
+        let two = Mask::from_fn(Window { x: 2, y: 0, width: 7, height: 3 }, |x, y| {
+            (x, y) == (2, 2) || (x, y) == (8, 0)
+        });
+        let grown = two.with_rim(full);
+        let is_near = |x: usize, y: usize| x.abs_diff(2) <= 1 && y.abs_diff(2) <= 1 || x >= 7 && y <= 1;
+        for (x, y) in Window::whole(full).pixels() {
+            assert_eq!(grown.contains(x, y), is_near(x, y), "{x}, {y}");
+        }
+        assert_eq!(grown.window(), Window { x: 1, y: 0, width: 8, height: 4 });
     }
 
     #[test]

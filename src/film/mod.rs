@@ -5,6 +5,7 @@
 
 mod blocks;
 mod estimate;
+pub mod filter;
 mod frame;
 mod holes;
 mod mask;

@@ -92,6 +92,7 @@ impl Lattice {
         base: &Fan,
         differing: Option<Differing>,
         pass: &Pass,
+        seen: &Mask,
         segments: &dyn Fn(&Slice) -> usize,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
@@ -146,7 +147,7 @@ impl Lattice {
                 weight_per_area: samples * row_rad,
                 shift_along: along,
                 bearings: (!pass.is_first())
-                    .then(|| Bearings::new(base, ring, 1.5 * deviation_rad, pass.wanted, margin)),
+                    .then(|| Bearings::new(base, ring, 1.5 * deviation_rad, seen, margin)),
             };
             from = to;
             ring
@@ -205,6 +206,13 @@ impl RingLattice {
 }
 
 impl PlacedSlice {
+    /// How far the swath that it stands for reaches to either side, pixels, where it has passed so much of its area per radian; 0 without one.
+    pub(super) fn half_swath_px(&self, area_per_rad: f64) -> f64 {
+        let turned_rad = self.turned_rad.unwrap_or(0.0);
+        // No filter sees farther.
+        (0.5 * turned_rad * self.slice.separation_px_per_rad_at(area_per_rad)).min(1.0)
+    }
+
     /// Its chords in those pixels that are wanted.
     pub(super) fn chords(&self, size: Size, wanted: &Mask) -> impl Iterator<Item = Chord> {
         let unwanted_around = move |x: usize, y: usize| {

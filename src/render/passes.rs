@@ -3,6 +3,7 @@
 
 use super::{Progress, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
+use crate::scene::{PixelFilter, Size};
 
 /// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
 /// together are spread as evenly as one with all their samples would be.
@@ -52,6 +53,15 @@ impl<'a> Pass<'a> {
     pub(super) fn may_share(&self, (from_x, from_y): (usize, usize), (x, y): (usize, usize)) -> bool {
         let is_same_block = from_x / BLOCK_SIDE == x / BLOCK_SIDE && from_y / BLOCK_SIDE == y / BLOCK_SIDE;
         self.is_first() || is_same_block && self.wanted.contains(x, y)
+    }
+
+    /// The pixels whose samples count somewhere: those that are wanted, and those next to them as far as the filter reaches. What lies next to the film
+    /// reaches into it.
+    pub(super) fn seen(&self, full: Size, filter: PixelFilter) -> Mask {
+        match filter {
+            PixelFilter::Box if !self.is_first() => self.wanted.clone(),
+            PixelFilter::Box | PixelFilter::BlackmanHarris => self.wanted.with_rim(full),
+        }
     }
 
     /// How many times as dense as the first this pass is, as a power of two.

@@ -5,10 +5,11 @@
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
 use super::passes::{Pass, Picture};
+use super::shares::Shares;
 use super::{Job, Watch, camera_ray};
-use crate::film::{Film, Mask, Splat, Splats};
+use crate::film::{Film, Splats};
 use crate::math::Sampler;
-use crate::scene::Size;
+use crate::scene::PixelFilter;
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
@@ -81,11 +82,9 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
     let differing = (!draws.is_single())
         .then(|| Differing { deviation_rad: wanders.fold(0.0, f64::max), in_time: !exposure.is_instant() });
     let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
-    let lattice = Lattice::new(&base, differing, pass, &segments, || sampler.next_2d());
+    let seen = pass.seen(job.size, job.filter);
+    let lattice = Lattice::new(&base, differing, pass, &seen, &segments, || sampler.next_2d());
     let count = lattice.count();
-
-    // What lies next to the film reaches into it.
-    let with_rim = Mask::all(film.window().with_rim(job.size));
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
     let mut solved: Vec<Splats> = vec![film.splats(); BATCH];
@@ -112,8 +111,12 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
                     self_luminous: light == 0,
                     fan: &own,
                 };
-                let add = |piece: &Piece, value: &Sample| samples.add(value, splats(pass, job.size, piece));
-                let chords = placed.chords(job.size, if pass.is_first() { &with_rim } else { pass.wanted });
+                let shares = Shares { pass, size: job.size, placed: &placed };
+                let add = |piece: &Piece, value: &Sample| match job.filter {
+                    PixelFilter::Box => samples.add(value, shares.by_swath(piece)),
+                    PixelFilter::BlackmanHarris => samples.add(value, shares.by_window(piece)),
+                };
+                let chords = placed.chords(job.size, &seen);
                 if let Some(segments) = solve(&slice_job, &placed.slice, chords, scratch, add) {
                     tally.add(segments);
                 }
@@ -122,23 +125,4 @@ fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch)
         film.add_all(&solved);
         watch.tell(count.min(first + BATCH) as f64 / count as f64);
     }
-}
-
-/// Where a piece's sample counts, and how much: in its own pixel, and beside it as much as its swath reaches into pixels that may share it.
-fn splats(pass: &Pass, size: Size, piece: &Piece) -> impl Iterator<Item = Splat> {
-    let &Piece { chord, ref place, range, weight } = piece;
-    let splat = |(x, y): (usize, usize), share: f64| {
-        let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        Splat { pixel: (x, y), weight: share * weight, from_centre_px: place.film_px.distance(centre) }
-    };
-    let mut own = 1.0;
-    let beside = chord.swath.map_or([None; 2], |swath| {
-        swath.shares_beside(chord.pixel, range).map(|(pixel, share)| {
-            let is_in_picture = pixel.0 < size.width && pixel.1 < size.height;
-            let is_shared = share > 0.0 && is_in_picture && pass.may_share(chord.pixel, pixel);
-            own -= if is_shared { share } else { 0.0 };
-            is_shared.then(|| splat(pixel, share))
-        })
-    });
-    [Some(splat(chord.pixel, own.max(0.0))), beside[0], beside[1]].into_iter().flatten()
 }

@@ -2,9 +2,9 @@
 
 use super::passes::{Pass, Picture};
 use super::{Job, Watch, camera_ray};
-use crate::film::Film;
+use crate::film::{Film, filter};
 use crate::math::Sampler;
-use crate::scene::{Sampling, Window};
+use crate::scene::{PixelFilter, Sampling, Window};
 use crate::snapshot::Exposure;
 use crate::transport::{Part, Scratch, radiance, radiance_of_part};
 use glam::DVec2;
@@ -55,18 +55,19 @@ impl RayPicture<'_> {
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
             for number in 0..pass.samples {
                 let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before() + number);
-                let (right, down) = match job.sampling {
-                    Sampling::Exactly(1) => (0.5, 0.5),
-                    _ => sampler.next_2d(),
+                let from_centre = match (job.sampling, job.filter) {
+                    (Sampling::Exactly(1), _) => DVec2::ZERO,
+                    (_, PixelFilter::Box) => DVec2::from(sampler.next_2d()) - 0.5,
+                    (_, PixelFilter::BlackmanHarris) => DVec2::from(sampler.next_2d()).map(filter::offset_px),
                 };
-                let film_px = DVec2::new(x as f64 + right, y as f64 + down);
+                let film_px = DVec2::new(x as f64, y as f64) + 0.5 + from_centre;
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
                 let transport = &job.transport;
                 let value = match part {
                     None => radiance(snapshot, transport, &ray, &mut sampler, scratch),
                     Some(part) => radiance_of_part(part, snapshot, transport, &ray, &mut sampler, scratch),
                 };
-                let from_centre = (right - 0.5).hypot(down - 0.5);
+                let from_centre = from_centre.length();
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
                 if !pass.is_first() || 2 * number >= pass.samples {
                     film.add_fresh(x, y, 1.0, from_centre, &value);

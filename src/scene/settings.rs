@@ -130,6 +130,29 @@ impl fmt::Display for Sampling {
     }
 }
 
+/// By what weights a pixel is the mean of the picture around it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PixelFilter {
+    /// The pixel itself, everywhere alike.
+    #[default]
+    Box,
+    /// A window of Blackman and Harris, 1.5 pixels wide: Blender's default.
+    BlackmanHarris,
+}
+
+impl PixelFilter {
+    /// Every filter there is.
+    pub const ALL: [Self; 2] = [Self::Box, Self::BlackmanHarris];
+
+    /// What it is called where a person names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::BlackmanHarris => "blackman-harris",
+        }
+    }
+}
+
 /// What a frame can hold beside its beauty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {
@@ -204,6 +227,8 @@ pub struct RenderSettings {
     pub camera: Option<String>,
     /// How many samples a pixel gets.
     pub sampling: Sampling,
+    /// By what weights a pixel is a mean.
+    pub filter: PixelFilter,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
     /// Seed of the sample points.
@@ -237,6 +262,7 @@ impl Default for RenderSettings {
             size: Size { width: 960, height: 540 },
             camera: None,
             sampling: Sampling::Until { tolerance: 0.02, most: Sampling::MOST },
+            filter: PixelFilter::Box,
             passes: Vec::new(),
             seed: 0,
             shutter: 0.0,

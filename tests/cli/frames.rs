@@ -133,9 +133,13 @@ fn sizes_may_be_percentages_of_the_sequence() {
 #[test]
 fn a_crop_is_a_part_of_the_whole() {
     let studio = Studio::new();
-    for method in
-        ["segments --samples 1", "slices --samples 1", "slices --samples 5", "slices --tolerance 0.1"]
-    {
+    for method in [
+        "segments --samples 1",
+        "slices --samples 1",
+        "slices --samples 5",
+        "slices --tolerance 0.1",
+        "slices --tolerance 0.1 --filter blackman-harris",
+    ] {
         let flags = format!("render tiny.ron --frames 1 --volume {method}");
         studio.succeed(&format!("{flags} --out whole.exr"));
         studio.succeed(&format!("{flags} --crop 4,3,20,12 --out part.exr"));

@@ -11,7 +11,7 @@ fn inspect_tells_people_what_an_input_holds() {
     for part in [
         "tiny.ron: `tiny`",
         "1 to 12 at 24 a second; frame 1 is 0.041667 s, frame 12 is 0.500000 s",
-        "32 x 18, 2 samples a pixel, seed 0, beauty alone",
+        "32 x 18, 2 samples a pixel, filter box, seed 0, beauty alone",
         "2 meshes placed 2 times",
         "camera   `main`",
         "sun      `sun`",
@@ -59,6 +59,25 @@ fn who_names_samples_or_a_tolerance_has_said_both() {
     let answer = studio.succeed("inspect good.ron --json").out;
     let answer: Value = serde_json::from_str(&answer).unwrap();
     assert_eq!((&answer["tolerance"], &answer["samples"]), (&0.1.into(), &64.into()));
+}
+
+#[test]
+fn who_names_a_filter_gets_it() {
+    let studio = Studio::new();
+    let sequence = r#"Sequence(version: 1, scene: "scene.ron", filter: BlackmanHarris)"#;
+    std::fs::write(studio.path("soft.ron"), sequence).unwrap();
+    for (line, part) in [
+        ("scene.ron", ", --filter box,"),
+        ("soft.ron", ", --filter blackman-harris,"),
+        ("soft.ron --filter box", ", --filter box,"),
+        ("scene.ron --filter blackman-harris", ", --filter blackman-harris,"),
+    ] {
+        let answer = studio.succeed(&format!("render --dry-run {line}")).out;
+        assert!(answer.contains(part), "{line}: `{part}` is not in\n{answer}");
+    }
+    let answer = studio.succeed("inspect soft.ron --json").out;
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(answer["filter"], "blackman-harris");
 }
 
 #[test]

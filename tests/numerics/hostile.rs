@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{Pass, Sampling, Scene, Size, Window};
+use sunfleck::scene::{Pass, PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees};
 
 /// A place of the grid in front of the camera; some of its planes go through the camera.
@@ -106,6 +106,7 @@ proptest! {
             window: Window::whole(size),
             passes: vec![Pass::Transmittance, Pass::Shafts],
             sampling: Sampling::Exactly(samples),
+            filter: PixelFilter::Box,
             seed: 3,
             transport: EXACT,
             placement,

@@ -8,7 +8,7 @@ use crate::scenes::{Frame, HIGH_SUN, LAMP, Lamp, fog, grove, spread};
 use glam::DVec3;
 use sunfleck::film::Frame as Picture;
 use sunfleck::render::{Choice, Job, Placement, Reason, Watch, choose, render};
-use sunfleck::scene::{Lens, Sampling, Scene, Size, Track, Window};
+use sunfleck::scene::{Lens, PixelFilter, Sampling, Scene, Size, Track, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees};
 
 /// In front of the camera, so that the light's image is in the picture however narrow.
@@ -27,6 +27,7 @@ pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, placement: Placem
         window: Window::whole(size),
         passes: Vec::new(),
         sampling: Sampling::Exactly(samples),
+        filter: PixelFilter::Box,
         seed: 1,
         transport: EXACT,
         placement,

@@ -27,6 +27,7 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
             window: Window::whole(subject.size),
             passes: Vec::new(),
             sampling: Sampling::Exactly(4),
+            filter: subject.settings.filter,
             seed: subject.settings.seed,
             transport,
             placement: Placement::Slices,

@@ -23,6 +23,7 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
         "size": [settings.size.width, settings.size.height],
         "samples": samples,
         "tolerance": tolerance,
+        "filter": settings.filter.name(),
         "instances": scene.instances.len(),
         "triangles": scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum::<usize>(),
         "remarks": scene.remarks.0.iter().map(ToString::to_string).collect::<Vec<_>>(),

@@ -45,10 +45,11 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
     let size = settings.size;
     writeln!(
         out,
-        "  picture    {} x {}, {}, seed {}, {}",
+        "  picture    {} x {}, {}, filter {}, seed {}, {}",
         size.width,
         size.height,
         settings.sampling,
+        settings.filter.name(),
         settings.seed,
         pass_names(&settings.passes)
     )?;

@@ -35,7 +35,7 @@ pub use number::{
     Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
-pub use sequence_file::{FrameRate, Frames, March, Pass, SequenceFields};
+pub use sequence_file::{FrameRate, Frames, March, Pass, PixelFilter, SequenceFields};
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
 

@@ -27,6 +27,8 @@ pub struct SequenceFields {
     pub samples: Option<Whole<1, 65536>>,
     /// The relative error of a block of pixels that is good enough.
     pub tolerance: Option<Number<RelativeError>>,
+    /// By what weights a pixel is a mean.
+    pub filter: Option<PixelFilter>,
     /// Passes beside the beauty.
     pub passes: Option<Vec<Pass>>,
     /// Seed of the sample points.
@@ -49,6 +51,15 @@ pub struct March {
     pub depth_m: Number<Positive>,
     /// By how much a step.
     pub step_m: Number<Positive>,
+}
+
+/// By what weights a pixel is the mean of the picture around it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+pub enum PixelFilter {
+    /// The pixel itself, everywhere alike.
+    Box,
+    /// A window 1.5 pixels wide.
+    BlackmanHarris,
 }
 
 /// What a frame can hold beside its beauty.

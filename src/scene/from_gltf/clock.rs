@@ -5,7 +5,7 @@ use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{FrameRate, Pass, RenderSettings, Sampling, Size};
+use crate::scene::{FrameRate, Pass, PixelFilter, RenderSettings, Sampling, Size};
 
 /// Frames a second of a file that does not say.
 const DEFAULT_FPS: u32 = 24;
@@ -128,6 +128,16 @@ pub(super) fn settings(
                 "frames among the keys: before the first and after the last everything keeps still",
             ),
         );
+    }
+    if let Some(name) = &sunfleck.filter {
+        match PixelFilter::ALL.into_iter().find(|filter| filter.name() == name) {
+            Some(filter) => settings.filter = filter,
+            None => report.error(
+                at("filter"),
+                format!("`{name}` is no filter"),
+                &format!("one of {}", PixelFilter::ALL.map(PixelFilter::name).join(", ")),
+            ),
+        }
     }
     read_passes(sunfleck, &mut settings, at, report);
     read_shutter(sunfleck, &mut settings, at, report);

@@ -35,6 +35,8 @@ pub(super) struct Sunfleck {
     pub(super) light_units: Option<String>,
     pub(super) samples: Option<f64>,
     pub(super) tolerance: Option<f64>,
+    /// As the command line names it.
+    pub(super) filter: Option<String>,
     pub(super) seed: Option<f64>,
     pub(super) mirror_depth: Option<f64>,
     /// As the command line names them.

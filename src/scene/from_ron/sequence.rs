@@ -4,7 +4,7 @@ use super::problems::Problems;
 use crate::description::ron::{self, Frames, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
 use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rotation, Sampling, Scene};
-use crate::scene::{Size, Track};
+use crate::scene::{PixelFilter, Size, Track};
 use std::collections::BTreeMap;
 
 /// Applies what the sequence says to the settings of its scene.
@@ -49,6 +49,12 @@ pub(in crate::scene) fn apply_sequence(
     let samples = fields.samples.map(|Whole(samples)| samples);
     settings.sampling = Sampling::said(samples, fields.tolerance.map(|tolerance| tolerance.si()))
         .unwrap_or(settings.sampling);
+    if let Some(filter) = fields.filter {
+        settings.filter = match filter {
+            ron::PixelFilter::Box => PixelFilter::Box,
+            ron::PixelFilter::BlackmanHarris => PixelFilter::BlackmanHarris,
+        };
+    }
     settings.seed = fields.seed.unwrap_or(settings.seed);
     settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
     settings.shutter_position = fields.shutter_position.map_or(settings.shutter_position, |at| at.si());

@@ -264,11 +264,20 @@ impl Slice {
 
     /// What the slice stands for where it crosses a pixel, if the next slices are turned by so much; `None` if that lies in the pixel.
     pub fn swath(&self, crossing: &Crossing, turned_rad: f64) -> Option<Swath> {
-        let (density, growth) = self.density;
         let [enter, leave] = crossing.lengths;
-        let density = density + growth * 0.5 * (enter + leave);
         let ends_px = crossing.lengths.map(|length| self.picture.film_px(self.start + length * self.along));
-        Swath::new(crossing.pixel, ends_px, self.along, turned_rad * density / self.picture.pixels_per_unit)
+        let separation_px = turned_rad * self.separation_px_per_rad(0.5 * (enter + leave));
+        Swath::new(crossing.pixel, ends_px, self.along, separation_px)
+    }
+
+    /// How far away a slice lies that is turned by one radian, pixels, where this one has passed so much of its area per radian.
+    pub fn separation_px_per_rad_at(&self, area_per_rad: f64) -> f64 {
+        self.separation_px_per_rad(self.length_at(area_per_rad))
+    }
+
+    fn separation_px_per_rad(&self, passed: f64) -> f64 {
+        let (density, growth) = self.density;
+        (density + growth * passed) / self.picture.pixels_per_unit
     }
 
     /// The slope of the ray after a length of the slice.

@@ -25,6 +25,7 @@ def of_scene(scene, path=None):
         "frame_end": scene.frame_end,
         "resolution": [max(1, round(side * percent)) for side in (render.resolution_x, render.resolution_y)],
         "light_units": "spec",
+        "filter": own.filter,
         "seed": own.seed,
         "passes": sorted(own.passes),
         "shutter": 0.0,

@@ -34,6 +34,7 @@ class SUNFLECK_PT_render(ScenePanel, bpy.types.Panel):
         own, column = context.scene.sunfleck_settings, self.column()
         column.prop(own, "use_samples")
         column.prop(own, "samples" if own.use_samples else "tolerance")
+        column.prop(own, "filter")
         column.prop(own, "seed")
         column.prop(own, "passes")
         row = self.layout.row(align=True)

@@ -17,6 +17,10 @@ PASSES = [
 ]
 
 
+FILTERS = [
+    ("box", "Box", "The pixel itself, everywhere alike"),
+    ("blackman-harris", "Blackman-Harris", "A window 1.5 pixels wide: what Cycles has unless told otherwise"),
+]
 SKY_LIGHTS = [
     ("nothing", "Nothing", "It is a background"),
     ("surfaces", "Surfaces", "It lights surfaces"),
@@ -66,6 +70,10 @@ class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
     )
     use_samples: BoolProperty(name="Fixed samples", description="A number of samples instead of a tolerance")
     samples: IntProperty(name="Samples", default=16, min=1, max=65536)
+    filter: EnumProperty(
+        name="Filter", description="By what weights a pixel is the mean of the picture around it", items=FILTERS,
+        default="box",
+    )
     seed: IntProperty(name="Seed", default=0, min=0)
     passes: EnumProperty(name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"shafts", "depth", "leaf-id"})
     use_fog: BoolProperty(name="Fog everywhere", description="Fog without bounds that thins out with height")

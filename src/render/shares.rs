@@ -1,0 +1,87 @@
+//! In which pixels a piece of a slice counts, and how much. In goes the piece, out come its pixels and weights. Invariant: a pixel gets no share
+//! from a pass that does not want it, and what a piece counts in it does not depend on which others are wanted.
+
+use super::lattice::PlacedSlice;
+use super::passes::Pass;
+use crate::film::{Splat, filter};
+use crate::math::gauss_legendre;
+use crate::scene::Size;
+use crate::transport::slices::Piece;
+use glam::DVec2;
+
+/// How many points of a line tell the filter's mean over it to 0.002 of its peak, by Gauss and Legendre: found by trying, for lines of up to 1.4 pixels.
+fn points_of(length_px: f64) -> usize {
+    1 + ((length_px - 0.1) / 0.34).ceil().clamp(0.0, 4.0) as usize
+}
+
+/// What the pieces of a slice have in common.
+pub(super) struct Shares<'a> {
+    pub(super) pass: &'a Pass<'a>,
+    pub(super) size: Size,
+    pub(super) placed: &'a PlacedSlice,
+}
+
+impl Shares<'_> {
+    /// By the pixel's own area: a piece counts in its own pixel, and beside it as much as its swath reaches into pixels that may share it.
+    pub(super) fn by_swath(&self, piece: &Piece) -> impl Iterator<Item = Splat> {
+        let &Piece { chord, range, .. } = piece;
+        let mut own = 1.0;
+        let beside = chord.swath.map_or([None; 2], |swath| {
+            swath.shares_beside(chord.pixel, range).map(|(pixel, share)| {
+                let is_shared = share > 0.0 && self.holds(pixel) && self.pass.may_share(chord.pixel, pixel);
+                own -= if is_shared { share } else { 0.0 };
+                is_shared.then(|| splat(piece, pixel, share))
+            })
+        });
+        [Some(splat(piece, chord.pixel, own.max(0.0))), beside[0], beside[1]].into_iter().flatten()
+    }
+
+    /// By the filter that is wider than a pixel: its mean over what the piece stands for, in each pixel that it reaches.
+    pub(super) fn by_window(&self, piece: &Piece) -> impl Iterator<Item = Splat> {
+        let &Piece { chord, range, .. } = piece;
+        let (x, y) = chord.pixel;
+        let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let areas = range.map(|part| chord.start + part * (chord.end - chord.start));
+        let [start, end] = areas.map(|area| self.placed.slice.place(area).film_px - centre);
+        let (middle, along) = (0.5 * (start + end), 0.5 * (end - start));
+        let across =
+            along.perp().normalize_or_zero() * self.placed.half_swath_px(0.5 * (areas[0] + areas[1]));
+        let [points_along, points_across] =
+            [along, across].map(|half| gauss_legendre(points_of(2.0 * half.length())));
+        let mut shares = [[0.0; 3]; 3];
+        for (u, weight_along) in points_along {
+            for (v, weight_across) in points_across {
+                let point = middle + *u * along + *v * across;
+                // By axis: of the pixels before, at and after the piece's own.
+                let [columns, rows] =
+                    point.to_array().map(|at| [-1.0, 0.0, 1.0].map(|pixel| filter::weight(at - pixel)));
+                for (shares, row) in shares.iter_mut().zip(rows) {
+                    for (share, column) in shares.iter_mut().zip(columns) {
+                        *share += 0.25 * weight_along * weight_across * row * column;
+                    }
+                }
+            }
+        }
+        let pixels = (0..9).map(move |number| (number % 3, number / 3));
+        pixels.filter_map(move |(right, down)| {
+            let (pixel, share) =
+                (((x + right).wrapping_sub(1), (y + down).wrapping_sub(1)), shares[down][right]);
+            let is_wanted = share > 0.0 && self.pass.wanted.contains(pixel.0, pixel.1);
+            is_wanted.then(|| splat(piece, pixel, share))
+        })
+    }
+
+    fn holds(&self, (x, y): (usize, usize)) -> bool {
+        x < self.size.width && y < self.size.height
+    }
+}
+
+/// A share of what a piece counts, in a pixel.
+fn splat(piece: &Piece, (x, y): (usize, usize), share: f64) -> Splat {
+    let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+    Splat {
+        pixel: (x, y),
+        weight: share * piece.weight,
+        from_centre_px: piece.place.film_px.distance(centre),
+    }
+}
