@@ -193,7 +193,7 @@ struct Watched<'a, P> {
 }
 
 impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
-    fn add_pass(&self, pass: &passes::Pass, film: &mut Film, watch: &Watch) {
+    fn add_pass(&self, pass: &passes::SamplePass, film: &mut Film, watch: &Watch) {
         self.picture.add_pass(pass, film, watch);
         if let Some(look) = watch.look {
             let mut so_far = film.resolve();

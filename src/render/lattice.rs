@@ -8,7 +8,7 @@
 //! (`rings.rs`); but about the axis, and about its far side, where they wander too far for that.
 
 use super::bearings::Bearings;
-use super::passes::Pass;
+use super::passes::SamplePass;
 use super::places::Places;
 use super::rings::Layout;
 use crate::film::Mask;
@@ -91,7 +91,7 @@ impl Lattice {
     pub(super) fn new(
         base: &Fan,
         differing: Option<Differing>,
-        pass: &Pass,
+        pass: &SamplePass,
         seen: &Mask,
         segments: &dyn Fn(&Slice) -> usize,
         mut shift: impl FnMut() -> (f64, f64),

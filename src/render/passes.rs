@@ -8,7 +8,7 @@ use crate::scene::{PixelFilter, Size};
 /// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
 /// together are spread as evenly as one with all their samples would be.
 #[derive(Clone, Copy)]
-pub(super) struct Pass<'a> {
+pub(super) struct SamplePass<'a> {
     /// How many passes there were before.
     pub(super) number: u32,
     /// How many there may be after the first, so that it leaves places for their samples between its own.
@@ -19,7 +19,7 @@ pub(super) struct Pass<'a> {
     pub(super) wanted: &'a Mask,
 }
 
-impl<'a> Pass<'a> {
+impl<'a> SamplePass<'a> {
     /// The only pass of a picture.
     pub(super) fn only(samples: u32, wanted: &'a Mask) -> Self {
         Self { number: 0, doublings: 0, samples, wanted }
@@ -73,7 +73,7 @@ impl<'a> Pass<'a> {
 /// A picture that is rendered in passes: all of it, or one light's part.
 pub(super) trait Picture {
     /// Adds the samples of a pass.
-    fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch);
+    fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch);
 
     /// Gives every pixel that got no sample from the passes one of its own.
     fn fill_holes(&self, film: &mut Film, watch: &Watch);
@@ -111,7 +111,7 @@ mod tests {
         for most in [1, 3, 4, 100, 1024, 65536] {
             let mut before = 0;
             for number in 0.. {
-                let Some(pass) = Pass::of_doublings(number, 8, most, &mask) else { break };
+                let Some(pass) = SamplePass::of_doublings(number, 8, most, &mask) else { break };
                 assert_eq!(pass.before(), before);
                 assert!(number == 0 || pass.samples == before, "{before}");
                 assert_eq!(pass.first_samples(), most.min(8));

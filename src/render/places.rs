@@ -1,7 +1,7 @@
 //! Which places slices have among all that any pass may ask for. In goes a slice's number, out come its place and where along it its samples lie. Invariant: slices of a pass lie half way
 //! between those of the passes before, so all passes together are one lattice, as even as if it had been rendered at once.
 
-use super::passes::Pass;
+use super::passes::SamplePass;
 
 /// Of a single pass: places and phases are a lattice in two dimensions, and none of few points is more even.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
@@ -28,7 +28,7 @@ pub(super) struct Places {
 
 impl Places {
     /// Those of a pass, if slices of the first take so many turns, a power of two.
-    pub(super) fn new(pass: &Pass, turns: usize) -> Self {
+    pub(super) fn new(pass: &SamplePass, turns: usize) -> Self {
         // As many as the last pass wants.
         let per_turn = 1 << pass.doublings;
         let per_row = turns * per_turn;
@@ -63,7 +63,8 @@ mod tests {
     /// The places of the first eight rows in a pass, if three passes come after the first.
     fn of_pass(number: u32, turns: usize) -> (Places, Vec<usize>) {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
-        let pass = Pass { number, doublings: 3, samples: 8 << number.saturating_sub(1), wanted: &wanted };
+        let pass =
+            SamplePass { number, doublings: 3, samples: 8 << number.saturating_sub(1), wanted: &wanted };
         let places = Places::new(&pass, turns);
         assert_eq!(places.per_row, 8 * turns);
         (places, (places.first..8 * places.per_row).step_by(places.step).collect())
@@ -92,7 +93,7 @@ mod tests {
     #[test]
     fn a_single_pass_has_its_slices_in_their_order() {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
-        let places = Places::new(&Pass::only(8, &wanted), 1);
+        let places = Places::new(&SamplePass::only(8, &wanted), 1);
         assert!((0..20).all(|number| places.of(number) == number));
     }
 
@@ -110,7 +111,7 @@ mod tests {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
         for doublings in 0..14 {
             for turns in [1, 2] {
-                let places = Places::new(&Pass { doublings, ..Pass::only(8, &wanted) }, turns);
+                let places = Places::new(&SamplePass { doublings, ..SamplePass::only(8, &wanted) }, turns);
                 for rows in [2, 4, 8] {
                     let slices = (rows * places.per_row).min(512) as f64;
                     let evenness = evenness(&places, slices);

@@ -3,7 +3,7 @@
 //! its block's samples and on the first pass of the blocks next to it alone, so that a part of a picture has
 //! the pixels of the whole.
 
-use super::passes::{Pass, Picture};
+use super::passes::{Picture, SamplePass};
 use super::survey::Survey;
 use super::{Job, Watch};
 use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
@@ -86,7 +86,7 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
     let window = if job.is_judged() { blocks.window() } else { job.window };
     let mut film = Film::new(job.size, window, &job.passes);
     let wanted = Mask::all(window);
-    picture.add_pass(&Pass::only(samples, &wanted), &mut film, watch);
+    picture.add_pass(&SamplePass::only(samples, &wanted), &mut film, watch);
     picture.fill_holes(&mut film, watch);
     let estimates = if job.is_judged() { judge(&estimates(&film), &film, &blocks) } else { Vec::new() };
     let variances = estimates.iter().map(|block| block.variance).collect();
@@ -111,7 +111,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     let (mut work, mut worst, mut passes) = (Work::default(), None, 0);
     for number in 0.. {
         let active = mask.count() as f64;
-        let pass = Pass::of_doublings(number, goal.first_samples(), goal.most, &mask);
+        let pass = SamplePass::of_doublings(number, goal.first_samples(), goal.most, &mask);
         let Some(pass) = pass.filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
 
         film.let_fresh_be_known(&mask);

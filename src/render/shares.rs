@@ -2,7 +2,7 @@
 //! from a pass that does not want it, and what a piece counts in it does not depend on which others are wanted.
 
 use super::lattice::PlacedSlice;
-use super::passes::Pass;
+use super::passes::SamplePass;
 use crate::film::{Splat, filter};
 use crate::math::gauss_legendre;
 use crate::scene::Size;
@@ -16,7 +16,7 @@ fn points_of(length_px: f64) -> usize {
 
 /// What the pieces of a slice have in common.
 pub(super) struct Shares<'a> {
-    pub(super) pass: &'a Pass<'a>,
+    pub(super) pass: &'a SamplePass<'a>,
     pub(super) size: Size,
     pub(super) placed: &'a PlacedSlice,
 }

@@ -4,7 +4,7 @@
 
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
-use super::passes::{Pass, Picture};
+use super::passes::{Picture, SamplePass};
 use super::shares::Shares;
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
@@ -49,7 +49,7 @@ impl Tally {
 }
 
 impl Picture for LightPicture<'_> {
-    fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
+    fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
         add_pass(self, pass, film, watch);
     }
 
@@ -72,7 +72,7 @@ impl Picture for LightPicture<'_> {
 }
 
 /// Adds a pass's samples to the film.
-fn add_pass(picture: &LightPicture, pass: &Pass, film: &mut Film, watch: &Watch) {
+fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &Watch) {
     let LightPicture { exposure, job, light, tally } = *picture;
     let mut sampler = Sampler::new(job.seed, light as u32, 0, 0);
     let draws = Draws::new(exposure, light, job.seed);

@@ -1,6 +1,6 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
-use super::passes::{Pass, Picture};
+use super::passes::{Picture, SamplePass};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, filter};
 use crate::math::Sampler;
@@ -23,7 +23,7 @@ pub(super) struct RayPicture<'a> {
 }
 
 impl Picture for RayPicture<'_> {
-    fn add_pass(&self, pass: &Pass, film: &mut Film, watch: &Watch) {
+    fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
         let tiles: Vec<Window> = tiles(film.window())
             .into_iter()
             .filter(|tile| tile.pixels().any(|(x, y)| pass.wanted.contains(x, y)))
@@ -50,7 +50,7 @@ impl Picture for RayPicture<'_> {
 }
 
 impl RayPicture<'_> {
-    fn render_tile(&self, pass: &Pass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
+    fn render_tile(&self, pass: &SamplePass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
         let Self { exposure, job, part } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
             for number in 0..pass.samples {

@@ -4,7 +4,7 @@
 //! over what an exponential fall-off lets through. Invariant: unbiased.
 
 use super::march::scattered_at;
-use super::visibility::Layer;
+use super::visibility::BlendedHit;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -16,7 +16,7 @@ pub(super) fn in_scattered(
     ray: &Ray,
     distance: f64,
     light: &FrozenLight,
-    layers: &[Layer],
+    blended: &[BlendedHit],
     sampler: &mut Sampler,
 ) -> Rgb {
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
@@ -31,7 +31,7 @@ pub(super) fn in_scattered(
                 exponential(start, end, tau / (end - start), u)
             }
         };
-        sum += scattered_at(snapshot, ray, t, light, layers) / pdf_per_m;
+        sum += scattered_at(snapshot, ray, t, light, blended) / pdf_per_m;
     }
     sum / f64::from(points)
 }

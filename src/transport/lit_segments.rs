@@ -5,7 +5,7 @@
 use super::near_light::NearLight;
 use super::sun_stretch::SunStretch;
 use super::veils::Veils;
-use super::visibility::Layer;
+use super::visibility::BlendedHit;
 use crate::accel::LightPlane;
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray};
@@ -58,14 +58,14 @@ impl LitSegments {
         self.find_through(snapshot, ray, light, range, &[]);
     }
 
-    /// The same of a ray that is seen through `layers`.
+    /// The same of a ray that is seen through `blended`.
     pub(super) fn find_through(
         &mut self,
         snapshot: &Snapshot,
         ray: &Ray,
         light: &FrozenLight,
         range: (f64, f64),
-        layers: &[Layer],
+        blended: &[BlendedHit],
     ) {
         self.start(ray, light, range);
         let plane = match *light {
@@ -73,7 +73,7 @@ impl LitSegments {
             FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
         };
         if snapshot.has_blended() {
-            self.veils.find(snapshot, ray, light, plane.as_ref(), range, layers);
+            self.veils.find(snapshot, ray, light, plane.as_ref(), range, blended);
         }
         match plane {
             Some(plane) => snapshot.tree.add_shadows(&plane, &mut self.shadows),

@@ -2,7 +2,7 @@
 //! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness,
 //! but for one number a ray where the steps are jittered.
 
-use super::visibility::{Layer, visibility};
+use super::visibility::{BlendedHit, visibility};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::scattering::exp_minus;
@@ -32,7 +32,7 @@ pub(super) fn in_scattered(
     ray: &Ray,
     distance: f64,
     light: &FrozenLight,
-    layers: &[Layer],
+    blended: &[BlendedHit],
     sampler: &mut Sampler,
 ) -> Rgb {
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
@@ -61,7 +61,7 @@ pub(super) fn in_scattered(
         if t >= end {
             break;
         }
-        sum += step * scattered_at(snapshot, ray, t, light, layers);
+        sum += step * scattered_at(snapshot, ray, t, light, blended);
     }
     sum
 }
@@ -72,7 +72,7 @@ pub(super) fn scattered_at(
     ray: &Ray,
     t: f64,
     light: &FrozenLight,
-    layers: &[Layer],
+    blended: &[BlendedHit],
 ) -> Rgb {
     let point = ray.at(t);
     let (to_light, light_distance, arriving) = light.arriving_at(point);
@@ -84,8 +84,8 @@ pub(super) fn scattered_at(
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let seen_through = layers.iter().filter(|layer| layer.t < t);
-    let visible = seen_through.fold(visible, |product, layer| product * layer.point.see_through);
+    let seen_through = blended.iter().filter(|hit| hit.t < t);
+    let visible = seen_through.fold(visible, |product, hit| product * hit.point.see_through);
     let medium = &snapshot.medium;
     let tau = medium.optical_depth(point, to_light, light_distance)
         + medium.optical_depth(ray.origin, ray.direction, t);

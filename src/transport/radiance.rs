@@ -3,7 +3,7 @@
 
 use super::lit_segments::LitSegments;
 use super::shafts::{VolumeMethod, in_scattered};
-use super::visibility::{Layer, layers};
+use super::visibility::{BlendedHit, blended_hits};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, sky_light};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -177,25 +177,26 @@ pub(super) fn follow(
     let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
     let surface = hit.map(|hit| snapshot.surface(ray, &hit));
 
-    let layers = layers(snapshot, ray, distance, leaving);
+    let blended = blended_hits(snapshot, ray, distance, leaving);
     let (shafts, fog) = if snapshot.medium.is_empty() {
         (Rgb::ZERO, Rgb::ONE)
     } else {
         let lights =
-            in_scattered(snapshot, transport.volume, light.lights, ray, distance, &layers, sampler, scratch);
+            in_scattered(snapshot, transport.volume, light.lights, ray, distance, &blended, sampler, scratch);
         let sky = snapshot.sky.as_ref().filter(|sky| light.sky && sky.lights_fog());
-        let sky = sky
-            .map_or(Rgb::ZERO, |sky| sky_light::in_scattered(snapshot, sky, ray, distance, &layers, sampler));
+        let sky = sky.map_or(Rgb::ZERO, |sky| {
+            sky_light::in_scattered(snapshot, sky, ray, distance, &blended, sampler)
+        });
         (lights + sky, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
     };
-    // Front to back: what each layer shows itself, and what all of them let through.
+    // Front to back: what each blended surface shows itself, and what all of them let through.
     let (mut radiance, mut seen_through) = (shafts, Rgb::ONE);
-    for layer in &layers {
-        let own = light.scattered(snapshot, &layer.point, sampler)
-            + own_and_mirrored(snapshot, transport, light, ray, &layer.point, mirrors_left, sampler, scratch);
-        let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, layer.t);
-        radiance += seen_through * through_fog * layer.point.alpha * own;
-        seen_through *= layer.point.see_through;
+    for hit in &blended {
+        let own = light.scattered(snapshot, &hit.point, sampler)
+            + own_and_mirrored(snapshot, transport, light, ray, &hit.point, mirrors_left, sampler, scratch);
+        let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
+        radiance += seen_through * through_fog * hit.point.alpha * own;
+        seen_through *= hit.point.see_through;
     }
     let transmittance = fog * seen_through;
     let behind_fog = surface.map_or_else(
@@ -206,22 +207,22 @@ pub(super) fn follow(
         },
     );
     radiance += behind_fog * transmittance;
-    let solid = layers.iter().map(|layer| layer.point).find(|point| point.alpha >= SOLID_ALPHA);
-    let mattes = mattes(snapshot, &layers, surface.as_ref());
+    let solid = blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
+    let mattes = mattes(snapshot, &blended, surface.as_ref());
     Leg { radiance, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface), mattes }
 }
 
 /// Which objects a ray sees, and how much of each past those before it.
 pub(super) fn mattes(
     snapshot: &Snapshot,
-    layers: &[Layer],
+    blended: &[BlendedHit],
     surface: Option<&SurfacePoint>,
 ) -> [Matte; MATTES_OF_A_SAMPLE] {
     let mut mattes = [Matte::default(); MATTES_OF_A_SAMPLE];
     if snapshot.mattes.is_none() {
         return mattes;
     }
-    let points = layers.iter().map(|layer| &layer.point).chain(surface);
+    let points = blended.iter().map(|hit| &hit.point).chain(surface);
     let mut left = 1.0;
     for (matte, point) in mattes.iter_mut().zip(points) {
         let id = snapshot.matte_id(point.primitive);

@@ -4,7 +4,7 @@
 use super::equiangular;
 use super::march::{self, MarchSteps};
 use super::radiance::Scratch;
-use super::visibility::Layer;
+use super::visibility::BlendedHit;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -23,7 +23,7 @@ pub enum VolumeMethod {
     },
 }
 
-/// Radiance scattered into the ray by all `lights`, up to `distance`, seen through `layers`, W m^-2 sr^-1.
+/// Radiance scattered into the ray by all `lights`, up to `distance`, seen through `blended`, W m^-2 sr^-1.
 #[allow(clippy::too_many_arguments, reason = "what a method may need, in one call")]
 pub(super) fn in_scattered(
     snapshot: &Snapshot,
@@ -31,7 +31,7 @@ pub(super) fn in_scattered(
     lights: &[FrozenLight],
     ray: &Ray,
     distance: f64,
-    layers: &[Layer],
+    blended: &[BlendedHit],
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Rgb {
@@ -42,14 +42,14 @@ pub(super) fn in_scattered(
                 let Scratch { lit, cuts, stretches, .. } = scratch;
                 let Some(range) = snapshot.medium.range(ray, distance) else { continue };
                 snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
-                lit.find_through(snapshot, ray, light, range, layers);
+                lit.find_through(snapshot, ray, light, range, blended);
                 lit.integrate(&snapshot.medium, stretches, ray, light)
             }
             VolumeMethod::March(steps) => {
-                march::in_scattered(snapshot, steps, ray, distance, light, layers, sampler)
+                march::in_scattered(snapshot, steps, ray, distance, light, blended, sampler)
             }
             VolumeMethod::Equiangular { points } => {
-                equiangular::in_scattered(snapshot, points, ray, distance, light, layers, sampler)
+                equiangular::in_scattered(snapshot, points, ray, distance, light, blended, sampler)
             }
         };
     }

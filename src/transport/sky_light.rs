@@ -6,7 +6,7 @@
 //! "Optimally combining sampling techniques for Monte Carlo rendering", section 3.3).
 
 use super::direct::scattered_per_radiance;
-use super::visibility::{Layer, visibility};
+use super::visibility::{BlendedHit, visibility};
 use crate::color::{Rgb, luminance};
 use crate::math::{Ray, Sampler, disc_from_square};
 use crate::scattering::{Medium, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
@@ -46,13 +46,13 @@ pub(super) fn scattered(
     scattered * visible * fog / density
 }
 
-/// Radiance that fog scatters into the ray, up to `distance`, seen through `layers`, W m^-2 sr^-1.
+/// Radiance that fog scatters into the ray, up to `distance`, seen through `blended`, W m^-2 sr^-1.
 pub(super) fn in_scattered(
     snapshot: &Snapshot,
     sky: &FrozenSky,
     ray: &Ray,
     distance: f64,
-    layers: &[Layer],
+    blended: &[BlendedHit],
     sampler: &mut Sampler,
 ) -> Rgb {
     let medium = &snapshot.medium;
@@ -78,8 +78,8 @@ pub(super) fn in_scattered(
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let seen_through = layers.iter().filter(|layer| layer.t < t);
-    let visible = seen_through.fold(visible, |product, layer| product * layer.point.see_through);
+    let seen_through = blended.iter().filter(|hit| hit.t < t);
+    let visible = seen_through.fold(visible, |product, hit| product * hit.point.see_through);
     let tau = medium.optical_depth(point, to_sky, f64::INFINITY)
         + medium.optical_depth(ray.origin, ray.direction, t);
     scattered * exp_minus(tau) * visible / (density * density_per_m)

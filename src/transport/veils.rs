@@ -2,7 +2,7 @@
 //! go intervals with a transmittance, out come the pieces of the ray on which their product is
 //! constant. Invariant: the order in which veils are added does not show, to the last bit.
 
-use super::visibility::Layer;
+use super::visibility::BlendedHit;
 use crate::accel::{LightPlane, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -42,10 +42,10 @@ impl Veils {
         light: &FrozenLight,
         plane: Option<&LightPlane>,
         range: (f64, f64),
-        layers: &[Layer],
+        blended: &[BlendedHit],
     ) {
-        for layer in layers {
-            self.add(layer.t, f64::INFINITY, layer.point.see_through);
+        for hit in blended {
+            self.add(hit.t, f64::INFINITY, hit.point.see_through);
         }
         let Some(plane) = plane else {
             self.find_in_line(snapshot, ray, light, range);
@@ -67,7 +67,7 @@ impl Veils {
         self.resolve();
     }
 
-    /// Where ray and light are in one line, every layer on it hides the light from what lies beyond.
+    /// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond.
     fn find_in_line(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         let light_at = match *light {
             FrozenLight::Sun { to_light, .. } => f64::INFINITY.copysign(to_light.dot(ray.direction)),
@@ -75,10 +75,10 @@ impl Veils {
         };
         for sign in [1.0, -1.0] {
             let line = Ray { origin: ray.at(range.0), direction: sign * ray.direction };
-            for layer in super::visibility::layers(snapshot, &line, f64::INFINITY, None) {
-                let t = range.0 + sign * layer.t;
+            for hit in super::visibility::blended_hits(snapshot, &line, f64::INFINITY, None) {
+                let t = range.0 + sign * hit.t;
                 let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
-                self.add(start, end, layer.point.see_through);
+                self.add(start, end, hit.point.see_through);
             }
         }
     }

@@ -1,5 +1,5 @@
 //! What gets from one place to another past all surfaces. In go a ray and a distance, out comes a
-//! transmittance or the layers that it is the product of. Invariant: scenes without blended surfaces
+//! transmittance or the blended surfaces that it is the product of. Invariant: scenes without blended surfaces
 //! ask one question of one tree, as if there were no such thing.
 
 use crate::accel::PrimitiveId;
@@ -9,7 +9,7 @@ use crate::snapshot::{Snapshot, SurfacePoint};
 
 /// A blended surface on a ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Layer {
+pub(super) struct BlendedHit {
     /// Where the ray meets it, metres.
     pub(super) t: f64,
     pub(super) point: SurfacePoint,
@@ -20,16 +20,21 @@ pub(super) fn visibility(snapshot: &Snapshot, ray: &Ray, distance: f64, skip: Op
     if snapshot.tree.any_hit(ray, distance, skip) {
         return Rgb::ZERO;
     }
-    layers(snapshot, ray, distance, skip)
+    blended_hits(snapshot, ray, distance, skip)
         .iter()
-        .fold(Rgb::ONE, |product, layer| product * layer.point.see_through)
+        .fold(Rgb::ONE, |product, hit| product * hit.point.see_through)
 }
 
 /// All blended surfaces within `0 < t < distance`, in order.
-pub(super) fn layers(snapshot: &Snapshot, ray: &Ray, distance: f64, skip: Option<PrimitiveId>) -> Vec<Layer> {
-    let mut layers = Vec::new();
+pub(super) fn blended_hits(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    distance: f64,
+    skip: Option<PrimitiveId>,
+) -> Vec<BlendedHit> {
+    let mut blended = Vec::new();
     if !snapshot.has_blended() {
-        return layers;
+        return blended;
     }
     let (mut from, mut leaving) = (0.0, skip);
     loop {
@@ -38,7 +43,7 @@ pub(super) fn layers(snapshot: &Snapshot, ray: &Ray, distance: f64, skip: Option
         let point = snapshot.surface(&rest, &hit);
         from += hit.t;
         leaving = Some(hit.primitive);
-        layers.push(Layer { t: from, point });
+        blended.push(BlendedHit { t: from, point });
     }
-    layers
+    blended
 }
