@@ -31,6 +31,7 @@ enum Source {
 
 /// A scene to be drawn.
 struct Drawn {
+    input: PathBuf,
     scene: Scene,
     trees: MeshTrees,
     camera: usize,
@@ -109,7 +110,8 @@ impl Source {
             return Err(usage("--size", found, &format!("at most {LARGEST_PICTURE} pixels")));
         }
         let trees = MeshTrees::new(&scene);
-        let drawn = Drawn { scene, trees, camera, size, settings: settings.clone() };
+        let input = arguments.input.clone();
+        let drawn = Drawn { input, scene, trees, camera, size, settings: settings.clone() };
         Ok((Self::Scene(Box::new(drawn)), settings))
     }
 
@@ -154,9 +156,10 @@ impl Source {
         frames.as_slice().iter().copied().filter(exists).collect()
     }
 
+    /// What a frame comes from.
     fn path(&self, frame: i64) -> PathBuf {
         match self {
-            Self::Scene(_) => PathBuf::new(),
+            Self::Scene(drawn) => drawn.input.clone(),
             Self::Files(files) => files[&frame].clone(),
         }
     }
