@@ -56,7 +56,8 @@ impl Window {
     /// Where pixel (`x`, `y`) of the full picture stands in a channel; `None` outside the window.
     pub fn index(self, x: usize, y: usize) -> Option<usize> {
         let (column, row) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
-        (column < self.width && row < self.height).then_some(row * self.width + column)
+        // Far outside the index would overflow.
+        (column < self.width && row < self.height).then(|| row * self.width + column)
     }
 
     /// The pixel of the full picture that stands at `index` in a channel.
