@@ -167,7 +167,7 @@ impl Source {
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
             Self::Scene(drawn) => {
-                let Drawn { scene, trees, camera, size, settings } = &**drawn;
+                let Drawn { scene, trees, camera, size, settings, .. } = &**drawn;
                 let aspect = size.width as f64 / size.height as f64;
                 let shutter = Shutter::of(settings, frame as f64);
                 Ok(scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), *size))
