@@ -86,7 +86,7 @@ pub(super) struct PlacedSlice {
 impl Lattice {
     /// The slices of a pass, of `base`, which all are the same or differ by their draws. A pass that is not the first is for few pixels, and its slices
     /// gather all that they cut all the same: they take no turns.
-    /// `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them: the same for
+    /// `seen` are the pixels in which chords are wanted, `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them: the same for
     /// all passes of a picture.
     pub(super) fn new(
         base: &Fan,
@@ -213,13 +213,13 @@ impl PlacedSlice {
         (0.5 * turned_rad * self.slice.separation_px_per_rad_at(area_per_rad)).min(1.0)
     }
 
-    /// Its chords in those pixels that are wanted.
-    pub(super) fn chords(&self, size: Size, wanted: &Mask) -> impl Iterator<Item = Chord> {
+    /// Its chords in those pixels that are to be seen.
+    pub(super) fn chords(&self, size: Size, seen: &Mask) -> impl Iterator<Item = Chord> {
         let unwanted_around = move |x: usize, y: usize| {
             if self.turns > 1 && turn_of(x, y, self.turns) != self.turn {
                 return Some(Window { x, y, width: 1, height: 1 });
             }
-            wanted.unwanted_around(x, y)
+            seen.unwanted_around(x, y)
         };
         let Self { weight_per_area, turned_rad, .. } = *self;
         self.slice.crossings(size, unwanted_around).map(move |crossing| {
