@@ -96,8 +96,9 @@ mod tests {
     }
 
     proptest! {
+        /// But for the outermost entries of the table, between which places are not so well known.
         #[test]
-        fn samples_are_as_dense_as_the_weight(number in 1e-3..0.999_f64) {
+        fn samples_are_as_dense_as_the_weight(number in 0.01..0.99_f64) {
             let step = 1e-3;
             let density = step / (offset_px(number + 0.5 * step) - offset_px(number - 0.5 * step));
             let expected = weight(offset_px(number));

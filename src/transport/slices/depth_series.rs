@@ -230,7 +230,10 @@ mod tests {
                 shadows.for_each_gap(from, from + width, |a, b| cells.darken(a, b));
                 shadows.insert(from, from + width);
             }
-            let found = series.lit_integral(end, &cells, &shadows, &IntervalSet::default()).expect("few pieces");
+            let found = series.lit_integral(end, &cells, &shadows, &IntervalSet::default());
+            // Left to the per-ray method if it would take too many pieces, as it rarely does.
+            prop_assume!(found.is_some());
+            let found = found.unwrap_or_default();
 
             let truth = Truth { start, ray, way, heights, sigma_t };
             let mut expected = Rgb::ZERO;
