@@ -126,7 +126,7 @@ fn slices_see_the_same_light_as_rays() {
             let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
             let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
             let chords = areas.map(|area| slice.ray(area));
-            solve(&job, &slice, chords, &mut slices, |Piece { place, .. }, value| {
+            solve(&job, &slice, chords, None, &mut slices, |Piece { place, .. }, value| {
                 let film = place.film_px / DVec2::new(160.0, 90.0);
                 let ray = snapshot.view.ray(film.x, film.y);
                 let mut sampler = Sampler::new(0, 0, 0, 0);

@@ -114,19 +114,20 @@ impl Splats {
         self.values.clear();
     }
 
-    /// Adds a sample wherever it counts. Pixels outside the window are none of the film's business.
-    pub fn add(&mut self, sample: &Sample, splats: impl Iterator<Item = Splat>) {
-        let sample_number = self.samples;
-        for Splat { pixel: (x, y), weight, from_centre_px } in splats {
-            let Some(pixel) = self.window.index(x, y) else { continue };
-            let (pixel, from_centre_px) = (pixel as u32, from_centre_px as f32);
-            self.places.push(SplatPlace { weight, pixel, from_centre_px, sample: sample_number });
-            self.samples = sample_number + 1;
-        }
-        if self.samples > sample_number {
-            let Self { passes, values, .. } = self;
-            passes.pack(sample, |channels| values.extend_from_slice(channels));
-        }
+    /// Keeps a sample, and tells its number.
+    pub fn keep(&mut self, sample: &Sample) -> u32 {
+        let Self { passes, values, .. } = self;
+        passes.pack(sample, |channels| values.extend_from_slice(channels));
+        self.samples += 1;
+        self.samples - 1
+    }
+
+    /// Counts a kept sample in a pixel. Pixels outside the window are none of the film's business.
+    pub fn add(&mut self, sample: u32, splat: &Splat) {
+        let &Splat { pixel: (x, y), weight, from_centre_px } = splat;
+        let Some(pixel) = self.window.index(x, y) else { return };
+        let (pixel, from_centre_px) = (pixel as u32, from_centre_px as f32);
+        self.places.push(SplatPlace { weight, pixel, from_centre_px, sample });
     }
 
     /// Each place and its sample's channels.

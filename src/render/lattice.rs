@@ -15,6 +15,7 @@ use crate::film::Mask;
 use crate::scene::{Size, Window};
 use crate::transport::slices::{Chord, Crossing, Fan, Ring, Separation, Slice};
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
 /// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
 /// as evenly between its neighbours as can be.
@@ -28,6 +29,10 @@ const FEWEST_SLICES_PER_PX: f64 = 0.5;
 
 /// The same where slices have draws of their own: those that take turns stand for no more than the pixels that they cross.
 const FEWEST_DRAWS_PER_PX: f64 = 1.0;
+
+/// A swath counts by so many lines to a pixel's width, and by so many at least and at most.
+const LINES_PER_PX: f64 = 5.0;
+const LINES: RangeInclusive<f64> = 3.0..=8.0;
 
 /// What one draw has wrong shows as a line along its slice: as long as a leaf that flies, and as half shadows if rings do not cut it short.
 /// So slices with draws of their own take turns: of this many, side by side, each has samples only in pixels of its own, and neighbouring pixels
@@ -74,6 +79,9 @@ struct RingLattice {
 /// A slice that is to be solved.
 pub(super) struct PlacedSlice {
     pub(super) slice: Slice,
+    /// Of the slice in its fan.
+    angle: f64,
+    ring: Ring,
     turns: usize,
     turn: usize,
     /// Where in their pieces its samples lie, but for the dither of pixels.
@@ -184,7 +192,16 @@ impl Lattice {
         let phase = (ring.shift_along + self.places.phase(place)).fract();
         let weight_per_area = ring.weight_per_area * crowding;
         let turned_rad = (turns == 1).then_some(crowding * ring.place_rad * self.places.step as f64);
-        Some(PlacedSlice { slice, turns, turn: number % turns, phase, weight_per_area, turned_rad })
+        Some(PlacedSlice {
+            slice,
+            angle,
+            ring: ring.ring,
+            turns,
+            turn: number % turns,
+            phase,
+            weight_per_area,
+            turned_rad,
+        })
     }
 
     /// The number of a slice among those of its turn.
@@ -213,6 +230,23 @@ impl PlacedSlice {
         (0.5 * turned_rad * self.slice.separation_px_per_rad_at(area_per_rad)).min(1.0)
     }
 
+    /// Whether it stands for what lies between it and the next slices.
+    pub(super) fn has_swath(&self) -> bool {
+        self.turned_rad.is_some()
+    }
+
+    /// The slices of its fan `own` that its swath is made of, by how much they are turned, radians, and what they count for each unit of area per radian.
+    pub(super) fn swath(&self, own: &Fan) -> impl Iterator<Item = (Slice, f64, f64)> {
+        let turned_rad = self.turned_rad.unwrap_or(0.0);
+        let width_px = turned_rad * self.slice.greatest_separation_px_per_rad();
+        let lines = (LINES_PER_PX * width_px).ceil().clamp(*LINES.start(), *LINES.end());
+        let weight_per_area = self.weight_per_area / lines;
+        (0..lines as u32).filter_map(move |line| {
+            let turn = turned_rad * ((f64::from(line) + 0.5) / lines - 0.5);
+            Some((own.slice(self.angle + turn, self.ring)?, turn, weight_per_area))
+        })
+    }
+
     /// Its chords in those pixels that are to be seen.
     pub(super) fn chords(&self, size: Size, seen: &Mask) -> impl Iterator<Item = Chord> {
         let unwanted_around = move |x: usize, y: usize| {
@@ -221,12 +255,11 @@ impl PlacedSlice {
             }
             seen.unwanted_around(x, y)
         };
-        let Self { weight_per_area, turned_rad, .. } = *self;
+        let weight_per_area = self.weight_per_area;
         self.slice.crossings(size, unwanted_around).map(move |crossing| {
             let Crossing { pixel, areas: [start, end], slopes, .. } = crossing;
             let phase = (self.phase + dither(pixel.0, pixel.1)).fract();
-            let swath = turned_rad.and_then(|turned_rad| self.slice.swath(&crossing, turned_rad));
-            Chord { pixel, start, end, slopes, phase, weight_per_area, swath }
+            Chord { pixel, start, end, slopes, phase, weight_per_area }
         })
     }
 }

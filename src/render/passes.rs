@@ -4,6 +4,10 @@
 use super::{Progress, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Size};
+use crate::transport::slices::FARTHEST_SHIFT_PX;
+
+/// From how far away what is seen may count in a pixel: its edges move along their slices, and a swath reaches into the next pixel.
+const REACH_PX: usize = FARTHEST_SHIFT_PX as usize + 1;
 
 /// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
 /// together are spread as evenly as one with all their samples would be.
@@ -60,7 +64,8 @@ impl<'a> SamplePass<'a> {
     pub(super) fn seen(&self, full: Size, filter: PixelFilter) -> Mask {
         match filter {
             PixelFilter::Box if !self.is_first() => self.wanted.clone(),
-            PixelFilter::Box | PixelFilter::BlackmanHarris => self.wanted.with_rim(full),
+            PixelFilter::Box => (0..REACH_PX).fold(self.wanted.clone(), |mask, _| mask.with_rim(full)),
+            PixelFilter::BlackmanHarris => self.wanted.with_rim(full),
         }
     }
 

@@ -6,7 +6,7 @@ use super::passes::SamplePass;
 use crate::film::{Splat, filter};
 use crate::math::gauss_legendre;
 use crate::scene::Size;
-use crate::transport::slices::Piece;
+use crate::transport::slices::{Fan, Outline, Piece};
 use glam::DVec2;
 
 /// How many points of a line tell the filter's mean over it to 0.002 of its peak, by Gauss and Legendre: found by trying, for lines of up to 1.4 pixels.
@@ -22,18 +22,30 @@ pub(super) struct Shares<'a> {
 }
 
 impl Shares<'_> {
-    /// By the pixel's own area: a piece counts in its own pixel, and beside it as much as its swath reaches into pixels that may share it.
-    pub(super) fn by_swath(&self, piece: &Piece) -> impl Iterator<Item = Splat> {
-        let &Piece { chord, range, .. } = piece;
-        let mut own = 1.0;
-        let beside = chord.swath.map_or([None; 2], |swath| {
-            swath.shares_beside(chord.pixel, range).map(|(pixel, share)| {
-                let is_shared = share > 0.0 && self.holds(pixel) && self.pass.may_share(chord.pixel, pixel);
-                own -= if is_shared { share } else { 0.0 };
-                is_shared.then(|| splat(piece, pixel, share))
-            })
-        });
-        [Some(splat(piece, chord.pixel, own.max(0.0))), beside[0], beside[1]].into_iter().flatten()
+    /// All in its own pixel.
+    pub(super) fn by_chord(&self, piece: &Piece) -> Splat {
+        splat(piece.place.film_px, piece.chord.pixel, piece.weight)
+    }
+
+    /// By the pixels' own areas: the pieces of a slice, and its outline, count wherever its swath reaches.
+    pub(super) fn by_swath(
+        &self,
+        own: &Fan,
+        pieces: &[PlacedPiece],
+        outline: &mut Outline,
+        mut add: impl FnMut(u32, &Splat),
+    ) {
+        let Self { pass, size, placed } = *self;
+        let unwanted_around = |x: usize, y: usize| pass.wanted.unwanted_around(x, y);
+        for (line, turned_rad, weight_per_area) in placed.swath(own) {
+            outline.parts(&line, turned_rad, size, unwanted_around, |part| {
+                let piece = &pieces[part.piece];
+                if pass.may_share(piece.pixel, part.pixel) {
+                    let weight = weight_per_area * part.area_per_rad;
+                    add(piece.sample, &splat(piece.film_px, part.pixel, weight));
+                }
+            });
+        }
     }
 
     /// By the filter that is wider than a pixel: its mean over what the piece stands for, in each pixel that it reaches.
@@ -67,21 +79,27 @@ impl Shares<'_> {
             let (pixel, share) =
                 (((x + right).wrapping_sub(1), (y + down).wrapping_sub(1)), shares[down][right]);
             let is_wanted = share > 0.0 && self.pass.wanted.contains(pixel.0, pixel.1);
-            is_wanted.then(|| splat(piece, pixel, share))
+            is_wanted.then(|| splat(piece.place.film_px, pixel, share * piece.weight))
         })
-    }
-
-    fn holds(&self, (x, y): (usize, usize)) -> bool {
-        x < self.size.width && y < self.size.height
     }
 }
 
-/// A share of what a piece counts, in a pixel.
-fn splat(piece: &Piece, (x, y): (usize, usize), share: f64) -> Splat {
-    let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-    Splat {
-        pixel: (x, y),
-        weight: share * piece.weight,
-        from_centre_px: piece.place.film_px.distance(centre),
+/// A piece whose sample is kept.
+pub(super) struct PlacedPiece {
+    /// The sample's number.
+    sample: u32,
+    pixel: (usize, usize),
+    film_px: DVec2,
+}
+
+impl PlacedPiece {
+    pub(super) fn new(piece: &Piece, sample: u32) -> Self {
+        Self { sample, pixel: piece.chord.pixel, film_px: piece.place.film_px }
     }
+}
+
+/// What a sample at a place of the film counts in a pixel.
+fn splat(film_px: DVec2, (x, y): (usize, usize), weight: f64) -> Splat {
+    let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+    Splat { pixel: (x, y), weight, from_centre_px: film_px.distance(centre) }
 }

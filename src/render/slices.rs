@@ -5,13 +5,13 @@
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
 use super::passes::{Picture, SamplePass};
-use super::shares::Shares;
+use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
 use crate::scene::PixelFilter;
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Fan, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
+use crate::transport::slices::{Fan, Outline, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -93,8 +93,8 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
             break;
         }
         solved.par_iter_mut().enumerate().for_each_init(
-            SliceScratch::default,
-            |scratch, (index, samples)| {
+            || (SliceScratch::default(), Outline::default(), Vec::new()),
+            |(scratch, outline, pieces), (index, samples)| {
                 let number = first + index;
                 // Of a lattice's rows every other one is a lattice too.
                 samples.start(!pass.is_first() || lattice.row(number) % 2 == 1);
@@ -112,13 +112,25 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
                     fan: &own,
                 };
                 let shares = Shares { pass, size: job.size, placed: &placed };
-                let add = |piece: &Piece, value: &Sample| match job.filter {
-                    PixelFilter::Box => samples.add(value, shares.by_swath(piece)),
-                    PixelFilter::BlackmanHarris => samples.add(value, shares.by_window(piece)),
-                };
                 let chords = placed.chords(job.size, &seen);
-                if let Some(segments) = solve(&slice_job, &placed.slice, chords, scratch, add) {
+                pieces.clear();
+                let has_outline = placed.has_swath() && job.filter == PixelFilter::Box;
+                let add = |piece: &Piece, value: &Sample| {
+                    let sample = samples.keep(value);
+                    match job.filter {
+                        PixelFilter::Box if has_outline => pieces.push(PlacedPiece::new(piece, sample)),
+                        PixelFilter::Box => samples.add(sample, &shares.by_chord(piece)),
+                        PixelFilter::BlackmanHarris => {
+                            shares.by_window(piece).for_each(|splat| samples.add(sample, &splat));
+                        }
+                    }
+                };
+                let outlined = has_outline.then_some(&mut *outline);
+                if let Some(segments) = solve(&slice_job, &placed.slice, chords, outlined, scratch, add) {
                     tally.add(segments);
+                    if has_outline {
+                        shares.by_swath(&own, pieces, outline, |sample, splat| samples.add(sample, splat));
+                    }
                 }
             },
         );

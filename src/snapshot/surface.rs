@@ -120,6 +120,16 @@ impl Snapshot<'_> {
         }
     }
 
+    /// The corners of a triangle, in relative space.
+    pub fn corners(&self, primitive: PrimitiveId) -> [DVec3; 3] {
+        let placed = &self.placed[primitive.instance as usize];
+        let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
+        let positions = placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions);
+        let vertices = mesh.triangles[primitive.triangle as usize].vertices;
+        vertices
+            .map(|vertex| placed.relative_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))
+    }
+
     /// Whether alpha may differ from place to place on a triangle.
     pub fn is_textured(&self, primitive: PrimitiveId) -> bool {
         let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];

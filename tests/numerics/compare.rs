@@ -231,7 +231,7 @@ pub(crate) fn by_slices_through(
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = plan.areas.iter().map(|share| share * slice.area_per_rad);
         let chords = areas.map(|area| slice.ray(area));
-        solve(&job, &slice, chords, &mut scratch, |Piece { place, .. }, value| {
+        solve(&job, &slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
             let ray = Ray { origin: fan.eye, direction: place.direction };
             errors.add(&truth, &ray, snapshot.view.depth(ray.direction), value);
         });

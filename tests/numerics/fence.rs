@@ -116,7 +116,7 @@ fn in_a_slice() {
         let (mut squares, mut sum, mut rays) = (0.0, 0.0, 0);
         let mut scratch = Scratch::default();
         let chords = areas.map(|area| slice.ray(area));
-        solve(&job, &slice, chords, &mut SliceScratch::default(), |Piece { place, .. }, value| {
+        solve(&job, &slice, chords, None, &mut SliceScratch::default(), |Piece { place, .. }, value| {
             let ray = Ray { origin: DVec3::ZERO, direction: place.direction };
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let own = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut scratch);

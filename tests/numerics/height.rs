@@ -146,7 +146,7 @@ fn slices() {
                 let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
                 let areas = (0..9).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 9.0);
                 let chords = areas.map(|area| slice.ray(area));
-                solve(&job, &slice, chords, &mut scratch, |Piece { place, .. }, value| {
+                solve(&job, &slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
                     let direction = place.direction;
                     let error = error(value, layer.look(y, direction, to_sun));
                     if error > worst.0 || error.is_nan() {

@@ -2,7 +2,6 @@
 //! the other. Invariant: the chords of all pixels are the whole slice, without a gap or a part twice.
 
 use super::fan::Slice;
-use super::swath::Swath;
 use crate::scene::{Size, Window};
 use std::iter;
 
@@ -21,8 +20,6 @@ pub struct Chord {
     pub phase: f64,
     /// What a sample counts for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
-    /// What the slice stands for if that is more than a part of the pixel.
-    pub swath: Option<Swath>,
 }
 
 /// A pixel that a slice crosses, and what it has passed where it enters and where it leaves it.
@@ -49,7 +46,6 @@ impl Slice {
             slopes: [slope; 2],
             phase: 0.0,
             weight_per_area: 1.0,
-            swath: None,
         }
     }
 

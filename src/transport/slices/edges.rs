@@ -5,7 +5,8 @@
 
 use super::chord::Chord;
 use super::fan::Slice;
-use super::sweep::{LightRays, Segment, Sweep, ordered};
+use super::sweep::{CutEnd, LightRays, Segment, Sweep, ordered};
+use crate::accel::PrimitiveId;
 use glam::DVec2;
 use std::ops::Range;
 use std::ptr;
@@ -27,18 +28,37 @@ const SAME_PLACE: f64 = 1e-5;
 /// Where a surface bends by less than an angle of this sine between two of its triangles, it looks alike on both sides.
 const LEAST_BEND: f64 = 0.1;
 
+/// What makes an edge: the border of a triangle, or its shadow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EdgeOrigin {
+    /// Where the slice cuts the border.
+    pub(super) border: CutEnd,
+    /// On which triangle its shadow lies, if the edge is one of a shadow.
+    pub(super) shaded: Option<PrimitiveId>,
+}
+
+/// Where a piece of a chord ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PieceEnd {
+    /// How much of its area the slice has passed there, per radian.
+    pub(super) area: f64,
+    /// Of the ray there.
+    pub(super) slope: f64,
+    /// What makes the edge there; `None` at the end of the chord, too.
+    pub(super) origin: Option<EdgeOrigin>,
+}
+
 /// The pieces of one chord, and memory to find them.
 #[derive(Default)]
 pub(super) struct Edges {
     ends: Vec<f64>,
-    /// Of rays through edges.
-    slopes: Vec<f64>,
-    /// At which pieces end.
-    areas: Vec<f64>,
+    /// Of rays through edges, and what makes these.
+    slopes: Vec<(f64, Option<EdgeOrigin>)>,
+    piece_ends: Vec<PieceEnd>,
 }
 
 impl Edges {
-    /// The areas at which the pieces of the chord end that some sweeps have entered, each over things of its own; its rays are those
+    /// Where the pieces of the chord end that some sweeps have entered, each over things of its own; its rays are those
     /// between two slopes.
     pub(super) fn pieces(
         &mut self,
@@ -47,13 +67,13 @@ impl Edges {
         sweeps: [&Sweep; 2],
         light_rays: LightRays,
         slopes: Range<f64>,
-    ) -> &[f64] {
+    ) -> &[PieceEnd] {
         self.slopes.clear();
-        self.areas.clear();
+        self.piece_ends.clear();
         let area = chord.end - chord.start;
         if area <= 0.0 {
-            self.areas.push(chord.end);
-            return &self.areas;
+            self.piece_ends.push(PieceEnd { area: chord.end, slope: slopes.end, origin: None });
+            return &self.piece_ends;
         }
         let segments: usize = sweeps.iter().map(|sweep| sweep.active().len()).sum();
         let mut is_crowded = segments > CROWD;
@@ -61,23 +81,27 @@ impl Edges {
             for sweep in sweeps {
                 self.add_edges(sweep, light_rays, slopes.clone());
             }
-            self.slopes.sort_unstable_by(|a, b| b.total_cmp(a));
+            self.slopes.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
             is_crowded = self.slopes.len() >= MOST_PIECES;
         }
         if is_crowded {
-            let end = |piece: u32| chord.start + area * f64::from(piece) / f64::from(CROWD_PIECES);
-            self.areas.extend((1..CROWD_PIECES).map(end));
+            let end = |piece: u32| {
+                let area = chord.start + area * f64::from(piece) / f64::from(CROWD_PIECES);
+                PieceEnd { area, slope: slice.slope_at(slice.length_at(area)), origin: None }
+            };
+            self.piece_ends.extend((1..CROWD_PIECES).map(end));
         } else {
             let mut start = chord.start;
-            for edge in self.slopes.drain(..).map(|slope| slice.area_at_slope(slope)) {
+            for (slope, origin) in self.slopes.drain(..) {
+                let edge = slice.area_at_slope(slope);
                 if edge - start > LEAST_PIECE * area && chord.end - edge > LEAST_PIECE * area {
-                    self.areas.push(edge);
+                    self.piece_ends.push(PieceEnd { area: edge, slope, origin });
                     start = edge;
                 }
             }
         }
-        self.areas.push(chord.end);
-        &self.areas
+        self.piece_ends.push(PieceEnd { area: chord.end, slope: slopes.end, origin: None });
+        &self.piece_ends
     }
 
     /// Adds the slopes of a sweep's edges.
@@ -104,7 +128,7 @@ impl Edges {
                     add_shadow_edges(seen, since..from, sweep, light_rays, slopes);
                 }
                 if from < start && !seen.zip(nearest).is_some_and(|(seen, next)| goes_on(seen, next)) {
-                    slopes.push(from);
+                    slopes.push((from, border(seen, nearest, from)));
                 }
                 (seen, since) = (nearest, from);
             }
@@ -123,6 +147,14 @@ fn nearest(segments: &[Segment], slope: f64) -> Option<&Segment> {
     reaches.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(segment, _)| segment)
 }
 
+/// The border of a triangle where what is seen changes, at a slope; none where two of them lie through each other.
+fn border(before: Option<&Segment>, after: Option<&Segment>, slope: f64) -> Option<EdgeOrigin> {
+    let ended = before.map(|segment| (segment, segment.lower)).filter(|(_, end)| end.slope == slope);
+    let begun = after.map(|segment| (segment, segment.upper)).filter(|(_, end)| end.slope == slope);
+    let (segment, end) = ended.or(begun)?;
+    Some(EdgeOrigin { border: segment.cut_end(end), shaded: None })
+}
+
 /// Whether a surface goes on from one of its triangles to the next without an edge between them.
 fn goes_on(before: &Segment, after: &Segment) -> bool {
     let (end, start) = (before.lower.point, after.upper.point);
@@ -138,7 +170,7 @@ fn add_shadow_edges(
     seen: Range<f64>,
     sweep: &Sweep,
     light_rays: LightRays,
-    slopes: &mut Vec<f64>,
+    slopes: &mut Vec<(f64, Option<EdgeOrigin>)>,
 ) {
     let name_at = |slope: f64| light_rays.through(segment.crossing(DVec2::new(1.0, slope)));
     let (from, to) = ordered(name_at(seen.start), name_at(seen.end));
@@ -147,10 +179,13 @@ fn add_shadow_edges(
         let point = segment.point_on(light_rays, name);
         point.y / point.x
     };
+    let shadow_of = |border| EdgeOrigin { border, shaded: Some(segment.primitive) };
     let passed = sweep.passed_shadows();
     let first = passed.as_slice().partition_point(|&(_, end)| end <= from);
     for &(start, end) in passed.as_slice()[first..].iter().take_while(|(start, _)| *start < to) {
-        slopes.extend([start, end].into_iter().filter(is_within).map(slope_at));
+        for name in [start, end].into_iter().filter(is_within) {
+            slopes.push((slope_at(name), sweep.passed_end(name).map(shadow_of)));
+        }
     }
     for other in sweep.active().iter().filter(|other| !ptr::eq(*other, segment)) {
         for end in [other.upper, other.lower] {
@@ -158,7 +193,7 @@ fn add_shadow_edges(
                 let slope = slope_at(end.name);
                 // Nearer to the light.
                 if end.slope > slope {
-                    slopes.push(slope);
+                    slopes.push((slope, Some(shadow_of(other.cut_end(end)))));
                 }
             }
         }
@@ -202,7 +237,7 @@ mod tests {
                 let slope = highest + (lowest - highest) * f64::from(step) / f64::from(steps);
                 let seen = sweep.advance(&ray(slope), light_rays, |_, _| {}).map(|met| (met.primitive, met.is_lit));
                 if let Some((last, last_seen)) = before {
-                    let has_edge = edges.slopes.iter().any(|edge| slope - 1e-6 <= *edge && *edge <= last + 1e-6);
+                    let has_edge = edges.slopes.iter().any(|(edge, _)| slope - 1e-6 <= *edge && *edge <= last + 1e-6);
                     prop_assert!(seen == last_seen || has_edge, "{last}: {last_seen:?}, {slope}: {seen:?}, {:?}", edges.slopes);
                 }
                 before = Some((slope, seen));
@@ -225,7 +260,7 @@ mod tests {
             sweep.enter(1.0, |_, _| {});
             let mut edges = Edges::default();
             edges.add_edges(&sweep, LightRays::Parallel, 1.0..-1.0);
-            edges.slopes
+            edges.slopes.iter().map(|(slope, _)| *slope).collect::<Vec<_>>()
         };
         // From its upper end to its lower one.
         assert_eq!(edges_of(DVec2::new(0.0, -1.0)), [0.5, -0.5]);

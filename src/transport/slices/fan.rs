@@ -3,8 +3,6 @@
 //! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
 //! picture, beside it, behind the camera or at infinity.
 
-use super::chord::Crossing;
-use super::swath::Swath;
 use crate::scattering::Source;
 use crate::scene::{Size, Window};
 use crate::snapshot::View;
@@ -262,17 +260,14 @@ impl Slice {
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
-    /// What the slice stands for where it crosses a pixel, if the next slices are turned by so much; `None` if that lies in the pixel.
-    pub fn swath(&self, crossing: &Crossing, turned_rad: f64) -> Option<Swath> {
-        let [enter, leave] = crossing.lengths;
-        let ends_px = crossing.lengths.map(|length| self.picture.film_px(self.start + length * self.along));
-        let separation_px = turned_rad * self.separation_px_per_rad(0.5 * (enter + leave));
-        Swath::new(crossing.pixel, ends_px, self.along, separation_px)
-    }
-
     /// How far away a slice lies that is turned by one radian, pixels, where this one has passed so much of its area per radian.
     pub fn separation_px_per_rad_at(&self, area_per_rad: f64) -> f64 {
         self.separation_px_per_rad(self.length_at(area_per_rad))
+    }
+
+    /// How far away such a slice lies at most.
+    pub fn greatest_separation_px_per_rad(&self) -> f64 {
+        self.separation_px_per_rad(0.0).max(self.separation_px_per_rad(self.length))
     }
 
     fn separation_px_per_rad(&self, passed: f64) -> f64 {
@@ -289,9 +284,19 @@ impl Slice {
 
     /// How much of its area the slice has passed, per radian, where its rays have a slope: of those of its axis by those outward.
     pub(super) fn area_at_slope(&self, slope: f64) -> f64 {
+        self.area_at(self.length_at_slope(slope))
+    }
+
+    /// After which length of the slice its rays have a slope, or nearly.
+    pub(super) fn length_at_slope(&self, slope: f64) -> f64 {
         let passed = (self.height.0 - slope * self.reach.0) / (slope * self.reach.1 - self.height.1);
         // Not a number only if all its rays have that slope.
-        self.area_at(passed.max(0.0).min(self.length))
+        passed.max(0.0).min(self.length)
+    }
+
+    /// So many pixels in the unit of its length.
+    pub(super) fn length_of_px(&self, px: f64) -> f64 {
+        px / self.picture.pixels_per_unit
     }
 
     /// How much of its area the slice has passed, per radian, after a length of it.

@@ -1,10 +1,12 @@
 //! One slice, solved. In go the slice and where its samples lie, out come the samples' values.
 //! Invariant: each value is what the per-ray method finds for the same ray, to rounding.
 
+use super::border::Borders;
 use super::chord::Chord;
 use super::edges::Edges;
 use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
 use super::fog_profile::FogProfile;
+use super::outline::Outline;
 use super::sight::Sight;
 use super::sweep::{LightRays, PlanarRay, Sweep};
 use super::veiled::VeilSweep;
@@ -56,12 +58,13 @@ pub struct Piece<'a> {
 }
 
 /// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its sample sees by the slice's light alone. Rays that blended surfaces touch
-/// are followed by themselves. Returns how many segments
+/// are followed by themselves. Notes the outline of what is seen if it is given one. Returns how many segments
 /// the slice gathered; `None` if there is no chord, and so nothing done.
 pub fn solve(
     job: &SliceJob,
     slice: &Slice,
     of_slice: impl Iterator<Item = Chord>,
+    mut outline: Option<&mut Outline>,
     scratch: &mut SliceScratch,
     mut sample: impl FnMut(&Piece, &Sample),
 ) -> Option<usize> {
@@ -95,6 +98,10 @@ pub fn solve(
     };
 
     let mut met: Option<Facet> = None;
+    let borders = Borders::new(snapshot, job.fan, slice, light_rays);
+    if let Some(outline) = &mut outline {
+        outline.clear();
+    }
     for chord in chords.iter() {
         let [highest_slope, lowest_slope] = chord.slopes;
         sweep.enter(highest_slope, |start, end| darken(fog, start, end));
@@ -102,7 +109,9 @@ pub fn solve(
         let mut piece_start = chord.start;
         let chord_area = chord.end - chord.start;
         let ends = edges.pieces(chord, slice, [sweep, &veils.sweep], light_rays, highest_slope..lowest_slope);
-        for (number, &piece_end) in ends.iter().enumerate() {
+        let mut piece_slope = highest_slope;
+        for (number, end) in ends.iter().enumerate() {
+            let piece_end = end.area;
             let [phase] = kronecker([chord.phase], number);
             let area = piece_end - piece_start;
             let place = slice.place(piece_start + phase * area);
@@ -131,7 +140,13 @@ pub fn solve(
             };
             let range = [piece_start, piece_end].map(|end| (end - chord.start) / chord_area);
             sample(&Piece { chord, place, range, weight: chord.weight_per_area * area }, &value);
-            piece_start = piece_end;
+            if let Some(outline) = &mut outline {
+                outline.add(piece_slope, end.slope);
+                if number + 1 < ends.len() {
+                    outline.end(end.origin.and_then(|origin| borders.of(&origin)));
+                }
+            }
+            (piece_start, piece_slope) = (piece_end, end.slope);
         }
     }
     Some(blended_cuts + cuts.len())

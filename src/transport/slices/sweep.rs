@@ -84,6 +84,14 @@ pub(super) struct Segment {
     pub(super) lower: End,
 }
 
+/// An end of a segment, with its triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutEnd {
+    pub(super) primitive: PrimitiveId,
+    /// Reach and height.
+    pub(super) point: DVec2,
+}
+
 /// An end of a segment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
@@ -121,12 +129,17 @@ impl Segment {
         a + (origin - a).perp_dot(direction) / (b - a).perp_dot(direction) * (b - a)
     }
 
+    pub(super) fn cut_end(&self, end: End) -> CutEnd {
+        CutEnd { primitive: self.primitive, point: end.point }
+    }
+
     fn length(&self) -> f64 {
         self.upper.point.distance(self.lower.point)
     }
 
-    fn shadow(&self) -> (f64, f64) {
-        ordered(self.upper.name, self.lower.name)
+    /// Between which ends its shadow lies, by their names.
+    fn shadow_ends(&self) -> [End; 2] {
+        if self.upper.name <= self.lower.name { [self.upper, self.lower] } else { [self.lower, self.upper] }
     }
 }
 
@@ -145,6 +158,9 @@ pub(super) struct Sweep {
     active: Vec<Segment>,
     /// What the segments above the current ray shadow.
     shadows: IntervalSet,
+    /// Names of the light's rays at which parts of that began and ended as they were added, and the ends of segments there.
+    passed_names: Vec<f64>,
+    passed_ends: Vec<CutEnd>,
     /// The active segments that the current ray meets.
     crossings: Vec<Crossing>,
     own_union: IntervalSet,
@@ -187,6 +203,8 @@ impl Sweep {
         self.next = 0;
         self.active.clear();
         self.shadows.clear();
+        self.passed_names.clear();
+        self.passed_ends.clear();
     }
 
     /// Goes on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken` is told between which of the
@@ -202,6 +220,11 @@ impl Sweep {
         &self.active
     }
 
+    /// The end of a segment at which one of those shadows begins or ends.
+    pub(super) fn passed_end(&self, name: f64) -> Option<CutEnd> {
+        self.passed_names.iter().position(|passed| *passed == name).map(|index| self.passed_ends[index])
+    }
+
     /// What those that all its rays have passed shadow.
     pub(super) fn passed_shadows(&self) -> &IntervalSet {
         &self.shadows
@@ -209,19 +232,27 @@ impl Sweep {
 
     /// What lies wholly above a slope goes to the shadows.
     fn pass(&mut self, slope: f64, mut darken: impl FnMut(f64, f64)) {
-        let union = &mut self.shadows;
-        let mut add = |(start, end): (f64, f64)| union.insert_and_tell(start, end, &mut darken);
+        let Self { shadows, passed_names, passed_ends, .. } = self;
+        let mut add = |ends: [(f64, CutEnd); 2]| {
+            let [(start, _), (end, _)] = ends;
+            shadows.insert_and_tell(start, end, &mut darken);
+            for (name, end) in ends {
+                passed_names.push(name);
+                passed_ends.push(end);
+            }
+        };
         // Neighbouring triangles mostly touch, and are added as one.
-        let mut pending: Option<(f64, f64)> = None;
+        let mut pending: Option<[(f64, CutEnd); 2]> = None;
         self.active.retain(|segment| {
             if !segment.is_above(slope) {
                 return true;
             }
-            let shadow = segment.shadow();
+            let shadow = segment.shadow_ends().map(|end| (end.name, segment.cut_end(end)));
             pending = match pending {
-                Some(merged) if shadow.0 <= merged.1 && merged.0 <= shadow.1 => {
-                    Some((merged.0.min(shadow.0), merged.1.max(shadow.1)))
-                }
+                Some([start, end]) if shadow[0].0 <= end.0 && start.0 <= shadow[1].0 => Some([
+                    if shadow[0].0 < start.0 { shadow[0] } else { start },
+                    if shadow[1].0 > end.0 { shadow[1] } else { end },
+                ]),
                 before => {
                     before.into_iter().for_each(&mut add);
                     Some(shadow)
