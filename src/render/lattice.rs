@@ -31,8 +31,8 @@ const FEWEST_SLICES_PER_PX: f64 = 0.5;
 const FEWEST_DRAWS_PER_PX: f64 = 1.0;
 
 /// A swath counts by so many lines to a pixel's width, and by so many at least and at most.
-const LINES_PER_PX: f64 = 5.0;
-const LINES: RangeInclusive<f64> = 3.0..=8.0;
+const LINES_PER_PX: f64 = 4.0;
+const LINES: RangeInclusive<f64> = 3.0..=6.0;
 
 /// What one draw has wrong shows as a line along its slice: as long as a leaf that flies, and as half shadows if rings do not cut it short.
 /// So slices with draws of their own take turns: of this many, side by side, each has samples only in pixels of its own, and neighbouring pixels
@@ -257,7 +257,8 @@ impl PlacedSlice {
         };
         let weight_per_area = self.weight_per_area;
         self.slice.crossings(size, unwanted_around).map(move |crossing| {
-            let Crossing { pixel, areas: [start, end], slopes, .. } = crossing;
+            let Crossing { pixel, .. } = crossing;
+            let ([start, end], slopes) = (self.slice.areas(&crossing), self.slice.slopes(&crossing));
             let phase = (self.phase + dither(pixel.0, pixel.1)).fract();
             Chord { pixel, start, end, slopes, phase, weight_per_area }
         })

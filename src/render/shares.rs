@@ -31,7 +31,7 @@ impl Shares<'_> {
     pub(super) fn by_swath(
         &self,
         own: &Fan,
-        pieces: &[PlacedPiece],
+        pieces: &mut [PlacedPiece],
         outline: &mut Outline,
         mut add: impl FnMut(u32, &Splat),
     ) {
@@ -39,12 +39,19 @@ impl Shares<'_> {
         let unwanted_around = |x: usize, y: usize| pass.wanted.unwanted_around(x, y);
         for (line, turned_rad, weight_per_area) in placed.swath(own) {
             outline.parts(&line, turned_rad, size, unwanted_around, |part| {
-                let piece = &pieces[part.piece];
+                let piece = &mut pieces[part.piece];
                 if pass.may_share(piece.pixel, part.pixel) {
                     let weight = weight_per_area * part.area_per_rad;
-                    add(piece.sample, &splat(piece.film_px, part.pixel, weight));
+                    if let Some((pixel, weight)) = piece.count(part.pixel, weight) {
+                        add(piece.sample, &splat(piece.film_px, pixel, weight));
+                    }
                 }
             });
+        }
+        for piece in pieces {
+            for &(pixel, weight) in &piece.counts[..piece.counted] {
+                add(piece.sample, &splat(piece.film_px, pixel, weight));
+            }
         }
     }
 
@@ -90,11 +97,29 @@ pub(super) struct PlacedPiece {
     sample: u32,
     pixel: (usize, usize),
     film_px: DVec2,
+    /// Pixels in which it counts, and how much: lines of a swath mostly meet in the same ones.
+    counts: [((usize, usize), f64); 4],
+    counted: usize,
 }
 
 impl PlacedPiece {
     pub(super) fn new(piece: &Piece, sample: u32) -> Self {
-        Self { sample, pixel: piece.chord.pixel, film_px: piece.place.film_px }
+        let (pixel, film_px) = (piece.chord.pixel, piece.place.film_px);
+        Self { sample, pixel, film_px, counts: Default::default(), counted: 0 }
+    }
+
+    /// Notes that it counts in a pixel; gives that back if it counts in too many.
+    fn count(&mut self, pixel: (usize, usize), weight: f64) -> Option<((usize, usize), f64)> {
+        let noted = &mut self.counts[..self.counted];
+        if let Some((_, sum)) = noted.iter_mut().find(|(other, _)| *other == pixel) {
+            *sum += weight;
+        } else if let Some(free) = self.counts.get_mut(self.counted) {
+            *free = (pixel, weight);
+            self.counted += 1;
+        } else {
+            return Some((pixel, weight));
+        }
+        None
     }
 }
 

@@ -29,10 +29,6 @@ pub struct Crossing {
     pub pixel: (usize, usize),
     /// Of its length in the image plane at distance 1.
     pub lengths: [f64; 2],
-    /// Of its area, per radian.
-    pub areas: [f64; 2],
-    /// The slopes of its rays there.
-    pub slopes: [f64; 2],
 }
 
 impl Slice {
@@ -47,6 +43,17 @@ impl Slice {
             phase: 0.0,
             weight_per_area: 1.0,
         }
+    }
+
+    /// How much of its area it has passed where it enters and leaves a pixel, per radian.
+    pub fn areas(&self, crossing: &Crossing) -> [f64; 2] {
+        let [start, end] = crossing.lengths.map(|length| self.area_at(length));
+        [start, end.max(start)]
+    }
+
+    /// The slopes of its rays there.
+    pub fn slopes(&self, crossing: &Crossing) -> [f64; 2] {
+        crossing.lengths.map(|length| self.slope_at(length))
     }
 
     /// Pixels of a picture that it crosses. Those
@@ -83,15 +90,7 @@ impl Slice {
                     column.look(at, passed.x, passed.width);
                 }
                 if unwanted.is_none() {
-                    let lengths = [enter, at.min(self.length)];
-                    let [start, end] = lengths.map(|length| self.area_at(length));
-                    let areas = [start, end.max(start)];
-                    return Some(Crossing {
-                        pixel: (x, y),
-                        lengths,
-                        areas,
-                        slopes: lengths.map(|length| self.slope_at(length)),
-                    });
+                    return Some(Crossing { pixel: (x, y), lengths: [enter, at.min(self.length)] });
                 }
             }
             None
@@ -174,7 +173,8 @@ mod tests {
             let size = Size { width, height };
             for slice in slices(size, to_light, 9) {
                 let mut at = 0.0;
-                for Crossing { pixel: (x, y), areas: [start, end], .. } in slice.crossings(size, |_, _| None) {
+                for crossing in slice.crossings(size, |_, _| None) {
+                    let ((x, y), [start, end]) = (crossing.pixel, slice.areas(&crossing));
                     prop_assert!(start == at && end >= start, "{at} {start} {end}");
                     let middle = slice.place(0.5 * (start + end)).film_px;
                     let from_pixel = (middle - DVec2::new(x as f64 + 0.5, y as f64 + 0.5)).abs().max_element();
@@ -192,7 +192,10 @@ mod tests {
             let hole = |x: usize, y: usize| rectangle.index(x, y).map(|_| rectangle);
             for slice in slices(size, to_light, 9) {
                 let inside = |(x, y): (usize, usize)| rectangle.index(x, y).is_some();
-                let is_long = |Crossing { areas: [start, end], .. }: &Crossing| end - start > 1e-6 * slice.area_per_rad;
+                let is_long = |crossing: &Crossing| {
+                    let [start, end] = slice.areas(crossing);
+                    end - start > 1e-6 * slice.area_per_rad
+                };
                 let wanted = slice.crossings(size, |_, _| None).filter(|crossing| !inside(crossing.pixel));
                 let found: Vec<_> = slice.crossings(size, hole).collect();
                 let expected: Vec<_> = wanted.filter(is_long).collect();
@@ -201,7 +204,7 @@ mod tests {
                 prop_assert_eq!(found_long.len(), expected.len());
                 for (a, b) in found_long.iter().zip(&expected) {
                     let is_same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) < 1e-6;
-                    prop_assert!(a.pixel == b.pixel && is_same(a.areas, b.areas), "{a:?} {b:?}");
+                    prop_assert!(a.pixel == b.pixel && is_same(slice.areas(a), slice.areas(b)), "{a:?} {b:?}");
                 }
             }
         }

@@ -189,7 +189,7 @@ mod tests {
             let mut outline = Outline::default();
             let crossings: Vec<_> = slice.crossings(SIZE, |_, _| None).collect();
             for (crossing, (edge, along)) in crossings.iter().zip(&after) {
-                let [start, end] = crossing.slopes;
+                let [start, end] = slice.slopes(crossing);
                 outline.add(start, end);
                 let border = Border::through(DVec3::new(1.0, end, 0.0), DVec3::from(*along));
                 match edge {
@@ -207,8 +207,8 @@ mod tests {
             });
             // But for what lies beyond the slice's ends.
             let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
-            let end = crossings[pieces - 1].slopes[1];
-            let [low, high] = [(crossings[0].slopes[0], -farthest), (end, farthest)]
+            let end = slice.slopes(&crossings[pieces - 1])[1];
+            let [low, high] = [(slice.slopes(&crossings[0])[0], -farthest), (end, farthest)]
                 .map(|(slope, beyond)| beside.area_at((beside.length_at_slope(slope) + beyond).clamp(0.0, beside.length)));
             prop_assert!((passed - (high - low)).abs() < 1e-9 * beside.area_per_rad, "{passed} {low} {high}");
         }
