@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 const SAME_PLACE: f64 = 1e-4;
 
 /// So far beyond its corner a border is taken to go on, as a fraction of its length: outlines mostly bend there, and do not end. Found by trying on
-/// leaves500, where twice and three times as much does no better.
+/// leaves500, where three and ten times as much do no better.
 const BEYOND: f64 = 0.3;
 
 /// Where a slice and its light are: coordinates are the reach, the height along the axis and the distance from the half plane, metres.
