@@ -193,6 +193,10 @@ struct Watched<'a, P> {
 }
 
 impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
+    fn film(&self, job: &Job, window: Window) -> Film {
+        self.picture.film(job, window)
+    }
+
     fn add_pass(&self, pass: &passes::SamplePass, film: &mut Film, watch: &Watch) {
         self.picture.add_pass(pass, film, watch);
         if let Some(look) = watch.look {

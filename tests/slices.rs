@@ -44,8 +44,14 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
     let light = snapshot.lights[0].centre();
     let lens_point = snapshot.view.lens_point([0.9, 0.3]);
     let fan = Fan::new(&snapshot.view, SIZE, lens_point, light.source()).expect("a fan");
-    let job =
-        SliceJob { snapshot: &snapshot, transport: &EXACT, light: &light, self_luminous: true, fan: &fan };
+    let job = SliceJob {
+        snapshot: &snapshot,
+        transport: &EXACT,
+        light: &light,
+        hue: Rgb::ONE,
+        self_luminous: true,
+        fan: &fan,
+    };
     let (mut scratch, mut ray_scratch) = (SliceScratch::default(), Scratch::default());
     let (mut differ, mut count, mut squares, mut sum) = (0, 0, 0.0, 0.0);
     for number in 0..41 {

@@ -152,10 +152,8 @@ fn a_canopy_has_the_error_that_is_estimated() {
     assert_honest(&judge(&load("canopy20k/scene.ron"), &Job { window, ..until(0.1) }, 512, 2), 0.1);
 }
 
-/// A slice sees one point of this sun, in one half of it: where its luminance is right already, its hue is not.
-#[test]
-fn suns_of_two_hues_have_the_error_that_is_estimated() {
-    // The fractal sun of `one_leaf` with halves as bright as each other in its set's place.
+/// The leaf of `one_leaf` before its fractal sun, with halves as bright as each other in the set's place.
+fn leaf_before_two_hues() -> Scene {
     let [red, cyan] = [Rgb::new(0.9, 0.09, 0.09), Rgb::new(0.04, 0.32, 0.4)];
     let [red, cyan] = [red, cyan].map(|color| 0.2 / luminance(color) * color);
     let size = 32;
@@ -171,11 +169,58 @@ fn suns_of_two_hues_have_the_error_that_is_estimated() {
     let LightKind::SunDisc(disc) = &mut scene.lights[0].kind else { panic!("a disc") };
     disc.picture = SunPicture::new(SunShows::Image(Arc::new(image)), 0.0);
     disc.picture_rotation = 0.0.into();
-    let size = Size { width: 96, height: 54 };
-    let job = Job { size, window: Window::whole(size), sampling: Sampling::Exactly(16), ..until(0.05) };
-    let by_estimate = judge(&scene, &job, 512, 2).by_estimate;
+    scene
+}
+
+const TWO_HUES: Size = Size { width: 96, height: 54 };
+
+/// A slice sees one point of this sun, in one half of it: what is left of errors is that of shadows.
+#[test]
+fn suns_of_two_hues_have_the_error_that_is_estimated() {
+    let window = Window::whole(TWO_HUES);
+    let job = Job { size: TWO_HUES, window, sampling: Sampling::Exactly(16), ..until(0.05) };
+    let by_estimate = judge(&leaf_before_two_hues(), &job, 512, 2).by_estimate;
     let median = quantile(&by_estimate, 0.5);
     assert!((0.65..1.3).contains(&median), "true by estimated: {median:.2} of {} blocks", by_estimate.len());
+}
+
+/// Each sample is lit in one hue, and pictures of few samples have that of all the sun: as rays do that see many points each, in the leaf's half shadow too.
+#[test]
+fn few_samples_have_the_hue_of_the_whole_sun() {
+    let scene = leaf_before_two_hues();
+    // Right of the sun, which is a thousand times as bright as what it lights.
+    let window = Window { x: 56, y: 0, width: 40, height: 54 };
+    let job = Job { size: TWO_HUES, window, passes: vec![Pass::Shafts], ..until(0.05) };
+    let rays = Job { placement: Placement::Pixels, sampling: Sampling::Exactly(2048), ..job.clone() };
+    let truth = picture(&scene, &rays).frame;
+    let few = |seed: u32| picture(&scene, &Job { sampling: Sampling::Exactly(8), seed, ..job.clone() }).frame;
+    let pictures: Vec<Frame> = (0..32).map(few).collect();
+    for names in [["R", "G", "B"], ["shafts.R", "shafts.G", "shafts.B"]] {
+        for name in names {
+            let pixels = |frame: &Frame| frame.channel(name).expect("is there").pixels.clone();
+            let truth = pixels(&truth);
+            let off = |found: &[f32]| -> Vec<f64> {
+                found.iter().zip(&truth).map(|(found, truth)| f64::from(found / truth - 1.0)).collect()
+            };
+            let single: Vec<f64> = off(&pixels(&pictures[0])).into_iter().map(f64::abs).collect();
+            // By the hues of eight points, or fewer, it would be a sixth and more.
+            let median = quantile(&single, 0.5);
+            assert!(median < 0.02, "{name}: {median:.4}");
+            let mut means = vec![0.0; truth.len()];
+            for frame in &pictures {
+                for (mean, value) in means.iter_mut().zip(pixels(frame)) {
+                    *mean += value / pictures.len() as f32;
+                }
+            }
+            let off = off(&means);
+            let (bias, worst) =
+                (mean(&off), quantile(&off.iter().map(|off| off.abs()).collect::<Vec<_>>(), 0.95));
+            println!(
+                "{name}: one picture {median:.4}, the mean of many {bias:.5}, 95 % of its pixels {worst:.4}"
+            );
+            assert!(bias.abs() < 2e-3 && worst < 0.03, "{name}: {bias:.5}, {worst:.4}");
+        }
+    }
 }
 
 /// Passes of 8, 8 and 16 samples share one lattice and one sequence of draws; if each had its own, they would err by half as much again.

@@ -116,6 +116,7 @@ fn slices_see_the_same_light_as_rays() {
             snapshot: &snapshot,
             transport: &EXACT,
             light: &light,
+            hue: Rgb::ONE,
             self_luminous: true,
             fan: &fan,
         };

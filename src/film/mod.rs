@@ -8,6 +8,7 @@ mod estimate;
 pub mod filter;
 mod frame;
 mod holes;
+mod hues;
 mod mask;
 mod mattes;
 mod pass_layout;
@@ -15,6 +16,7 @@ mod splats;
 
 use crate::scene::{Pass, Size, Window};
 use crate::transport::Sample;
+use hues::HueSums;
 use mattes::MatteList;
 use pass_layout::layout;
 use rayon::prelude::*;
@@ -43,6 +45,8 @@ pub struct Film {
     nearest_distances_px: Vec<f32>,
     /// What that sample showed: the channels of the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
+    /// What each pixel's samples know of the light's hues, all of them and the fresh half; empty if it has none.
+    hues: Vec<[HueSums; 2]>,
     /// Which objects cover each pixel; empty unless somebody asks.
     mattes: Vec<MatteList>,
 }
@@ -50,7 +54,15 @@ pub struct Film {
 impl Film {
     /// An empty film for `window` of a picture of size `full`. Passes not asked for take no memory.
     pub fn new(full: Size, window: Window, passes: &[Pass]) -> Self {
-        let passes = KeptPasses::new(passes);
+        Self::of(full, window, KeptPasses::new(passes, false))
+    }
+
+    /// The same of a picture of one light whose points have hues: to its samples [`Sample::hue`] is still to come.
+    pub fn with_hues(full: Size, window: Window, passes: &[Pass]) -> Self {
+        Self::of(full, window, KeptPasses::new(passes, true))
+    }
+
+    fn of(full: Size, window: Window, passes: KeptPasses) -> Self {
         let pixels = window.width * window.height;
         let background: Vec<f32> = passes
             .nearest
@@ -66,6 +78,7 @@ impl Film {
             fresh: vec![[0.0; 4]; pixels],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
+            hues: vec![[HueSums::default(); 2]; if passes.hues { pixels } else { 0 }],
             mattes: vec![MatteList::default(); if passes.mattes { pixels } else { 0 }],
             passes,
         }
@@ -120,9 +133,12 @@ impl Film {
 
     /// All samples so far of these pixels are the known half of what comes next; other pixels keep the halves that they are judged by.
     pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
-        for ((x, y), fresh) in self.window.pixels().zip(&mut self.fresh) {
+        for (index, (x, y)) in self.window.pixels().enumerate() {
             if pixels.contains(x, y) {
-                *fresh = [0.0; 4];
+                self.fresh[index] = [0.0; 4];
+                if let Some([_, fresh]) = self.hues.get_mut(index) {
+                    *fresh = HueSums::default();
+                }
             }
         }
     }
@@ -154,6 +170,7 @@ impl Film {
         let (channels, nearest_channels) = (self.passes.mean_channels(), self.passes.nearest_channels());
         let mut distances = self.nearest_distances_px.chunks_mut(pixels);
         let mut nearest = self.nearest_values.chunks_mut((pixels * nearest_channels).max(1));
+        let mut hues = self.hues.chunks_mut(pixels);
         let mut mattes = self.mattes.chunks_mut(pixels);
         let sums = self.sums.chunks_mut(pixels * channels);
         let fresh = self.fresh.chunks_mut(pixels);
@@ -165,6 +182,7 @@ impl Film {
             fresh,
             nearest_distances_px: distances.next().unwrap_or_default(),
             nearest_values: nearest.next().unwrap_or_default(),
+            hues: hues.next().unwrap_or_default(),
             mattes: mattes.next().unwrap_or_default(),
         })
     }
@@ -186,6 +204,9 @@ impl Film {
             let added = &part.sums[from * stride..(from + 1) * stride];
             for (sum, added) in self.sums[to * stride..(to + 1) * stride].iter_mut().zip(added) {
                 *sum += added;
+            }
+            if let (Some(sums), Some(added)) = (self.hues.get_mut(to), part.hues.get(from)) {
+                sums.iter_mut().zip(added).for_each(|(sum, added)| sum.add(added));
             }
             if let (Some(list), Some(added)) = (self.mattes.get_mut(to), part.mattes.get(from)) {
                 list.append(added);
@@ -223,6 +244,13 @@ impl Film {
             .enumerate()
             .map(|(offset, (name, precision))| Channel::new(name, precision, mean(offset)))
             .collect();
+        let shafts = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts);
+        hues::correct(
+            &mut channels,
+            shafts.map(|number| BEAUTY.len() + 3 * number),
+            &self.hues,
+            &self.weights,
+        );
         let mean_channels = channels.len();
         let nearest_layouts = self.passes.nearest.iter().map(|&pass| layout(pass));
         let nearest_names = nearest_layouts
@@ -280,6 +308,8 @@ mod tests {
     fn leaf(radiance: f64, depth_m: f64, leaf_id: u32) -> Sample {
         Sample {
             radiance: Rgb::splat(radiance),
+            own: Rgb::ZERO,
+            hue: Rgb::ONE,
             shafts: Rgb::splat(0.25 * radiance),
             transmittance: Rgb::splat(0.5),
             alpha: 1.0,

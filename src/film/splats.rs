@@ -1,6 +1,7 @@
 //! Samples on their way to a film. In go samples, out come the numbers that the film keeps of each,
 //! packed. Invariant: their order is kept, and with it the rounding of sums.
 
+use super::hues::{self, HueSums};
 use super::mattes::{self, MatteList};
 use super::pass_layout::{PixelRule, layout, value};
 use crate::scene::{Pass, Window};
@@ -9,20 +10,22 @@ use crate::transport::Sample;
 /// Names of the beauty's channels, in the order of the sums.
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
-/// The most numbers that a sample can have: the beauty's, at most four for each pass, and its mattes.
-pub(super) const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + mattes::PACKED;
+/// The most numbers that a sample can have: the beauty's, at most four for each pass, its part in hues and its mattes.
+pub(super) const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + hues::PACKED + mattes::PACKED;
 
 /// Which passes a film keeps, by the rule that makes pixels of samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KeptPasses {
     pub(super) mean: Vec<Pass>,
     pub(super) nearest: Vec<Pass>,
+    /// Whether the light's points have hues.
+    pub(super) hues: bool,
     /// Whether the film lists which objects cover a pixel.
     pub(super) mattes: bool,
 }
 
 impl KeptPasses {
-    pub(super) fn new(passes: &[Pass]) -> Self {
+    pub(super) fn new(passes: &[Pass], hues: bool) -> Self {
         let mut wanted = passes.to_vec();
         wanted.sort_unstable();
         wanted.dedup();
@@ -30,7 +33,7 @@ impl KeptPasses {
             wanted.iter().copied().filter(|&pass| layout(pass).rule == rule).collect()
         };
         let mattes = !of(PixelRule::Ranked).is_empty();
-        Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), mattes }
+        Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), hues, mattes }
     }
 
     /// Channels of the beauty and of the passes that are averaged.
@@ -45,8 +48,9 @@ impl KeptPasses {
 
     /// All numbers that are kept of a sample.
     fn packed(&self) -> usize {
+        let hues = if self.hues { hues::PACKED } else { 0 };
         let mattes = if self.mattes { mattes::PACKED } else { 0 };
-        self.mean_channels() + self.nearest_channels() + mattes
+        self.mean_channels() + self.nearest_channels() + hues + mattes
     }
 
     /// Calls back with the values of all channels in order, those of the mean first, those of the mattes last.
@@ -59,6 +63,9 @@ impl KeptPasses {
         }
         for &pass in &self.nearest {
             put(&value(pass, sample).map(|value| value as f32)[..layout(pass).channels.len()]);
+        }
+        if self.hues {
+            put(&hues::packed(sample));
         }
         if self.mattes {
             put(&mattes::packed(&sample.mattes));
@@ -145,6 +152,7 @@ pub(super) struct Band<'a> {
     pub(super) fresh: &'a mut [[f64; 4]],
     pub(super) nearest_distances_px: &'a mut [f32],
     pub(super) nearest_values: &'a mut [f32],
+    pub(super) hues: &'a mut [[HueSums; 2]],
     pub(super) mattes: &'a mut [MatteList],
 }
 
@@ -158,7 +166,15 @@ impl Band<'_> {
         let channels = self.sums.len() / self.weights.len();
         let (mean, rest) = values.split_at(channels);
         let listed = if self.mattes.is_empty() { 0 } else { mattes::PACKED };
-        let (nearest, shares) = rest.split_at(rest.len() - listed);
+        let (rest, shares) = rest.split_at(rest.len() - listed);
+        let colored = if self.hues.is_empty() { 0 } else { hues::PACKED };
+        let (nearest, colors) = rest.split_at(rest.len() - colored);
+        if let Some([all, fresh]) = self.hues.get_mut(pixel) {
+            all.add_packed(colors, place.weight);
+            if is_fresh {
+                fresh.add_packed(colors, place.weight);
+            }
+        }
         if let Some(list) = self.mattes.get_mut(pixel) {
             list.add_packed(shares, place.weight);
         }

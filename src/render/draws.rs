@@ -6,6 +6,7 @@
 //! short run of draws is spread. A Sobol sequence by place keeps each aligned run of `2^k` even, in two dimensions as well as in one, whatever passes have come to it, and
 //! Owen's scrambling leaves no pattern from one run to the next: additive recurrences, which have one, showed as hatching.
 
+use crate::color::Rgb;
 use crate::math::PlacedPoints;
 use crate::snapshot::{Exposure, FrozenLight, Snapshot};
 use glam::DVec2;
@@ -27,6 +28,8 @@ pub(super) struct Draw<'a, 'scene> {
     /// Metres to the right and up from the middle of the lens.
     pub(super) lens_point: DVec2,
     pub(super) light: FrozenLight,
+    /// What its light is to be multiplied by.
+    pub(super) hue: Rgb,
 }
 
 impl<'a, 'scene> Draws<'a, 'scene> {
@@ -44,7 +47,7 @@ impl<'a, 'scene> Draws<'a, 'scene> {
     /// The draw in the middle of everything.
     pub(super) fn middle(&self) -> Draw<'a, 'scene> {
         let snapshot = self.exposure.middle();
-        Draw { snapshot, lens_point: DVec2::ZERO, light: snapshot.lights[self.light].centre() }
+        Draw { snapshot, lens_point: DVec2::ZERO, light: snapshot.lights[self.light].centre(), hue: Rgb::ONE }
     }
 
     /// The draw of a slice in that place.
@@ -61,7 +64,8 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         let snapshot = self.exposure.at(time);
         let view = &snapshot.view;
         let lens_point = if view.has_lens() { view.lens_point(of_lens) } else { DVec2::ZERO };
-        Draw { snapshot, lens_point, light: snapshot.lights[self.light].point(of_light) }
+        let (light, hue) = snapshot.lights[self.light].hued_point(of_light);
+        Draw { snapshot, lens_point, light, hue }
     }
 
     /// Some draws, to see how far they are spread; none if there is nothing to draw.

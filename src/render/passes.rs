@@ -1,9 +1,10 @@
 //! What a picture is rendered in. Invariant: a pass's samples are a pure function of its place in
 //! the order and of the pixel, so that leaving pixels out changes no other pixel.
 
-use super::{Progress, Watch};
+use super::{Job, Progress, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
-use crate::scene::{PixelFilter, Size};
+use crate::scene::{PixelFilter, Size, Window};
+use crate::snapshot::Exposure;
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
 /// From how far away what is seen may count in a pixel: its edges move along their slices, and a swath reaches into the next pixel.
@@ -77,11 +78,23 @@ impl<'a> SamplePass<'a> {
 
 /// A picture that is rendered in passes: all of it, or one light's part.
 pub(super) trait Picture {
+    /// An empty film of a window of it.
+    fn film(&self, job: &Job, window: Window) -> Film;
+
     /// Adds the samples of a pass.
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch);
 
     /// Gives every pixel that got no sample from the passes one of its own.
     fn fill_holes(&self, film: &mut Film, watch: &Watch);
+}
+
+/// An empty film for samples by one light, as its index in the snapshots.
+pub(super) fn film_of_light(exposure: &Exposure, light: usize, job: &Job, window: Window) -> Film {
+    if exposure.middle().lights[light].has_hues() {
+        Film::with_hues(job.size, window, &job.passes)
+    } else {
+        Film::new(job.size, window, &job.passes)
+    }
 }
 
 impl Watch<'_> {
@@ -108,7 +121,6 @@ impl Watch<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Window;
 
     #[test]
     fn every_pass_doubles_the_samples() {

@@ -84,7 +84,7 @@ fn visible(luminance: f64, survey: &Survey) -> f64 {
 pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watch) -> Refined {
     let blocks = Blocks::covering(job.window, job.size);
     let window = if job.is_judged() { blocks.window() } else { job.window };
-    let mut film = Film::new(job.size, window, &job.passes);
+    let mut film = picture.film(job, window);
     let wanted = Mask::all(window);
     picture.add_pass(&SamplePass::only(samples, &wanted), &mut film, watch);
     picture.fill_holes(&mut film, watch);
@@ -104,7 +104,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
         let pixels = blocks.pixels(block);
         (pixels.x, pixels.y)
     };
-    let mut film = Film::new(job.size, blocks.window(), &job.passes);
+    let mut film = picture.film(job, blocks.window());
     let mut variances = vec![f64::INFINITY; blocks.count()];
     let mut goes_on = vec![true; blocks.count()];
     let mut mask = Mask::all(blocks.window());

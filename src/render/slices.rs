@@ -4,12 +4,12 @@
 
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
-use super::passes::{Picture, SamplePass};
+use super::passes::{Picture, SamplePass, film_of_light};
 use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
-use crate::scene::PixelFilter;
+use crate::scene::{PixelFilter, Window};
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, Outline, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
@@ -49,6 +49,10 @@ impl Tally {
 }
 
 impl Picture for LightPicture<'_> {
+    fn film(&self, job: &Job, window: Window) -> Film {
+        film_of_light(self.exposure, self.light, job, window)
+    }
+
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
         add_pass(self, pass, film, watch);
     }
@@ -108,6 +112,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
                     snapshot: draw.snapshot,
                     transport: &job.transport,
                     light: &draw.light,
+                    hue: draw.hue,
                     self_luminous: light == 0,
                     fan: &own,
                 };

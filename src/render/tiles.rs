@@ -1,6 +1,6 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
-use super::passes::{Picture, SamplePass};
+use super::passes::{Picture, SamplePass, film_of_light};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, filter};
 use crate::math::Sampler;
@@ -23,6 +23,13 @@ pub(super) struct RayPicture<'a> {
 }
 
 impl Picture for RayPicture<'_> {
+    fn film(&self, job: &Job, window: Window) -> Film {
+        match self.part {
+            Some(Part::Light(light)) => film_of_light(self.exposure, light, job, window),
+            Some(Part::Sky) | None => Film::new(job.size, window, &job.passes),
+        }
+    }
+
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
         let tiles: Vec<Window> = tiles(film.window())
             .into_iter()
@@ -32,7 +39,7 @@ impl Picture for RayPicture<'_> {
         let films: Vec<Film> = tiles
             .par_iter()
             .map_init(Scratch::default, |scratch, &tile| {
-                let mut film = Film::new(self.job.size, tile, &self.job.passes);
+                let mut film = self.film(self.job, tile);
                 if !(watch.cancelled)() {
                     self.render_tile(pass, tile, scratch, &mut film);
                     watch.tell((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);

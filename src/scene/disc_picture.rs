@@ -58,6 +58,11 @@ impl DiscPicture {
         (disc_from_square(place), color / brightness(color))
     }
 
+    /// Whether all of it has one colour, brighter here and darker there, so that points differ in nothing but their place.
+    pub fn is_grey(&self) -> bool {
+        self.colors.iter().all(|[red, green, blue]| red == green && green == blue)
+    }
+
     /// The colour at a point of the disc; the mean over the disc is 1.
     pub fn color_at(&self, disc: DVec2) -> Rgb {
         self.color(self.by_brightness.cell(square_from_disc(disc)))

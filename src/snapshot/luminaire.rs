@@ -107,6 +107,11 @@ impl Luminaire {
         matches!(self.extent, Extent::None)
     }
 
+    /// Whether points differ in the hue that [`Luminaire::hued_point`] tells.
+    pub fn has_hues(&self) -> bool {
+        matches!(&self.extent, Extent::Disc { picture: Some(picture), .. } if !picture.is_grey())
+    }
+
     /// The one in the middle: where it is seen from afar, and what it costs. Not its mean.
     pub fn centre(&self) -> FrozenLight {
         self.centre
@@ -114,14 +119,25 @@ impl Luminaire {
 
     /// The one that three numbers in `[0, 1)` pick; uniform numbers make it all of the light on average.
     pub fn point(&self, u: [f64; 3]) -> FrozenLight {
+        let (mut point, hue) = self.hued_point(u);
+        match &mut point {
+            FrozenLight::Sun { irradiance: power, .. } | FrozenLight::Point { intensity: power, .. } => {
+                *power *= hue;
+            }
+        }
+        point
+    }
+
+    /// The same with all the light's colour, and its hue: what it must be multiplied by, each channel 1 on average over the light.
+    pub fn hued_point(&self, u: [f64; 3]) -> (FrozenLight, Rgb) {
         let in_square = DVec2::new(u[0], u[1]);
-        let mut color = Rgb::ONE;
+        let mut hue = Rgb::ONE;
         let offset = match &self.extent {
-            Extent::None => return self.centre,
+            Extent::None => return (self.centre, hue),
             Extent::Disc { half_axes, picture: None, .. } => span(half_axes, disc_from_square(in_square)),
             Extent::Disc { half_axes, picture: Some(picture), .. } => {
                 let place;
-                (place, color) = picture.point(in_square);
+                (place, hue) = picture.point(in_square);
                 span(half_axes, place)
             }
             Extent::Ball { radius } => *radius * in_ball(u),
@@ -130,19 +146,20 @@ impl Luminaire {
                 span(half_axes, disc_from_square(in_square))
             }
         };
-        match self.centre {
+        let point = match self.centre {
             FrozenLight::Sun { to_light, irradiance } => {
                 // Uniform over the disc's projection along its axis, whose density per steradian is cos /
                 // (pi sin^2): on a plane perpendicular to the axis every point gives the same irradiance.
                 let cos = (1.0 - offset.length_squared()).max(0.0).sqrt();
                 let to_point = (cos * to_light + offset).normalize();
-                let irradiance = irradiance * color / cos.max(f64::MIN_POSITIVE);
+                let irradiance = irradiance / cos.max(f64::MIN_POSITIVE);
                 FrozenLight::Sun { to_light: to_point, irradiance }
             }
             FrozenLight::Point { position, intensity, emission } => {
                 FrozenLight::Point { position: position + offset, intensity, emission }
             }
-        }
+        };
+        (point, hue)
     }
 
     /// Whether any ray that leaves the scene sees it.

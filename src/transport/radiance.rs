@@ -69,6 +69,8 @@ pub enum Part {
 /// One leg of a path: from its origin to the first surface.
 pub(super) struct Leg {
     pub(super) radiance: Rgb,
+    /// Of that what shines by itself.
+    pub(super) own: Rgb,
     pub(super) shafts: Rgb,
     pub(super) transmittance: Rgb,
     /// Whether an opaque surface ends it.
@@ -76,6 +78,21 @@ pub(super) struct Leg {
     /// What the data passes show.
     pub(super) surface: Option<SurfacePoint>,
     pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
+}
+
+/// What a surface shows beside the light that it scatters.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Shown {
+    pub(super) radiance: Rgb,
+    /// Of that what shines by itself, it or what is seen in it.
+    pub(super) own: Rgb,
+}
+
+impl Shown {
+    /// What shines by itself.
+    pub(super) fn own(own: Rgb) -> Self {
+        Self { radiance: own, own }
+    }
 }
 
 /// Blended surfaces show in the data passes from this alpha on.
@@ -90,11 +107,11 @@ pub fn radiance(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let wanted = Wanted { lights: 0..snapshot.lights.len(), self_luminous: true, sky: true };
+    let wanted = Wanted { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true };
     radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
 }
 
-/// The same of a part of the picture alone.
+/// The same of a part of the picture alone, its light without [`Sample::hue`].
 pub fn radiance_of_part(
     part: Part,
     snapshot: &Snapshot,
@@ -104,8 +121,10 @@ pub fn radiance_of_part(
     scratch: &mut Scratch,
 ) -> Sample {
     let wanted = match part {
-        Part::Light(light) => Wanted { lights: light..light + 1, self_luminous: light == 0, sky: false },
-        Part::Sky => Wanted { lights: 0..0, self_luminous: false, sky: true },
+        Part::Light(light) => {
+            Wanted { lights: light..light + 1, with_hues: false, self_luminous: light == 0, sky: false }
+        }
+        Part::Sky => Wanted { lights: 0..0, with_hues: false, self_luminous: false, sky: true },
     };
     radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
 }
@@ -114,6 +133,8 @@ pub fn radiance_of_part(
 struct Wanted {
     /// Indices of the snapshot's lights.
     lights: Range<usize>,
+    /// Whether light has the hues of its points.
+    with_hues: bool,
     self_luminous: bool,
     sky: bool,
 }
@@ -128,21 +149,30 @@ fn radiance_of(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let Wanted { lights: range, self_luminous, sky } = wanted;
+    let Wanted { lights: range, with_hues, self_luminous, sky } = wanted;
     let mut lights = std::mem::take(&mut scratch.lights);
     lights.clear();
-    lights.extend(snapshot.lights[range].iter().map(|luminaire| {
-        if luminaire.is_delta() { luminaire.centre() } else { luminaire.point(sampler.next_3d()) }
-    }));
+    let mut hue = Rgb::ONE;
+    for luminaire in &snapshot.lights[range] {
+        lights.push(if luminaire.is_delta() {
+            luminaire.centre()
+        } else if with_hues {
+            luminaire.point(sampler.next_3d())
+        } else {
+            let point;
+            (point, hue) = luminaire.hued_point(sampler.next_3d());
+            point
+        });
+    }
     let light = Illumination { lights: &lights, self_luminous, sky };
     let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
     scratch.lights = lights;
-    leg.sample(snapshot, transport, ray)
+    leg.sample(snapshot, transport, ray, hue)
 }
 
 impl Leg {
-    /// What the film is to know of it.
-    pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport, ray: &Ray) -> Sample {
+    /// What the film is to know of it, by light that has no hue yet.
+    pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport, ray: &Ray, hue: Rgb) -> Sample {
         let alpha = if self.covered || snapshot.has_background() {
             1.0
         } else {
@@ -156,8 +186,8 @@ impl Leg {
             leaf_id: point.leaf_id,
         });
         let motion_px = snapshot.motion_px(self.surface.as_ref(), ray.direction);
-        let Self { radiance, shafts, transmittance, mattes, .. } = self;
-        Sample { radiance, shafts, transmittance, alpha, surface, motion_px, mattes }
+        let Self { radiance, own, shafts, transmittance, mattes, .. } = self;
+        Sample { radiance, own, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
     }
 }
 
@@ -190,26 +220,32 @@ pub(super) fn follow(
         (lights + sky, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
     };
     // Front to back: what each blended surface shows itself, and what all of them let through.
-    let (mut radiance, mut seen_through) = (shafts, Rgb::ONE);
+    let (mut radiance, mut own, mut seen_through) = (shafts, Rgb::ZERO, Rgb::ONE);
     for hit in &blended {
-        let own = light.scattered(snapshot, &hit.point, sampler)
-            + own_and_mirrored(snapshot, transport, light, ray, &hit.point, mirrors_left, sampler, scratch);
+        let scattered = light.scattered(snapshot, &hit.point, sampler);
+        let shown =
+            own_and_mirrored(snapshot, transport, light, ray, &hit.point, mirrors_left, sampler, scratch);
         let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
-        radiance += seen_through * through_fog * hit.point.alpha * own;
+        let weight = seen_through * through_fog * hit.point.alpha;
+        radiance += weight * (scattered + shown.radiance);
+        own += weight * shown.own;
         seen_through *= hit.point.see_through;
     }
     let transmittance = fog * seen_through;
     let behind_fog = surface.map_or_else(
-        || light.background(snapshot, ray.direction),
+        || Shown::own(light.background(snapshot, ray.direction)),
         |point| {
-            light.scattered(snapshot, &point, sampler)
-                + own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch)
+            let scattered = light.scattered(snapshot, &point, sampler);
+            let shown =
+                own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch);
+            Shown { radiance: scattered + shown.radiance, own: shown.own }
         },
     );
-    radiance += behind_fog * transmittance;
+    radiance += behind_fog.radiance * transmittance;
+    own += behind_fog.own * transmittance;
     let solid = blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
     let mattes = mattes(snapshot, &blended, surface.as_ref());
-    Leg { radiance, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface), mattes }
+    Leg { radiance, own, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface), mattes }
 }
 
 /// Which objects a ray sees, and how much of each past those before it.
@@ -243,20 +279,21 @@ pub(super) fn own_and_mirrored(
     mirrors_left: u32,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
-) -> Rgb {
-    let own = if light.self_luminous { point.emission } else { Rgb::ZERO };
+) -> Shown {
+    let emission = if light.self_luminous { point.emission } else { Rgb::ZERO };
+    let shines = Shown::own(emission);
     if mirrors_left == 0 || point.mirror == Rgb::ZERO {
-        return own;
+        return shines;
     }
     let normal = point.shading_normal;
     let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
     // An interpolated normal may send light through the surface: no mirror does.
     let leaves = reflected.dot(point.geometric_normal) > 0.0;
     if !leaves {
-        return own;
+        return shines;
     }
     let ray = Ray { origin: point.position, direction: reflected.normalize() };
     let skip = Some(point.primitive);
     let seen = follow(snapshot, transport, light, &ray, skip, mirrors_left - 1, sampler, scratch);
-    own + point.mirror * seen.radiance
+    Shown { radiance: emission + point.mirror * seen.radiance, own: emission + point.mirror * seen.own }
 }

@@ -222,8 +222,14 @@ pub(crate) fn by_slices_through(
     let light = point(luminaire);
     let fan = Fan::new(&snapshot.view, plan.size, DVec2::ZERO, light.source()).expect("a fan");
     let truth = Truth::lit_by(scene, &snapshot, vec![light]);
-    let job =
-        SliceJob { snapshot: &snapshot, transport: &EXACT, light: &light, self_luminous: true, fan: &fan };
+    let job = SliceJob {
+        snapshot: &snapshot,
+        transport: &EXACT,
+        light: &light,
+        hue: Rgb::ONE,
+        self_luminous: true,
+        fan: &fan,
+    };
     let mut scratch = SliceScratch::default();
     let mut errors = Errors::default();
     for share in &plan.angles {

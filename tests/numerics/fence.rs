@@ -4,6 +4,7 @@ use crate::common::{EXACT, INSTANT, look};
 use crate::scenes::{Frame, Lamp, add_instance, add_mesh, empty, fog, light};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
+use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler, gauss_legendre};
 use sunfleck::scene::{Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
@@ -101,6 +102,7 @@ fn in_a_slice() {
             snapshot: &snapshot,
             transport: &EXACT,
             light: &light,
+            hue: Rgb::ONE,
             self_luminous: true,
             fan: &fan,
         };

@@ -137,6 +137,7 @@ fn slices() {
                 snapshot: &snapshot,
                 transport: &EXACT,
                 light: &light,
+                hue: Rgb::ONE,
                 self_luminous: true,
                 fan: &fan,
             };

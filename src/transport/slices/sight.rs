@@ -9,7 +9,7 @@ use crate::math::{Ray, Sampler};
 use crate::snapshot::{Facet, FrozenLight, Snapshot, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
-use crate::transport::radiance::{Illumination, Leg, Scratch, follow, mattes, own_and_mirrored};
+use crate::transport::radiance::{Illumination, Leg, Scratch, Shown, follow, mattes, own_and_mirrored};
 
 /// A ray of a slice and what it meets first.
 pub(super) struct Sight<'a> {
@@ -43,7 +43,7 @@ impl Sight<'_> {
         let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
         let mut sampler = self.sampler;
         let leg = follow(snapshot, transport, illumination, &self.ray, None, mirrors, &mut sampler, scratch);
-        leg.sample(snapshot, transport, &self.ray)
+        leg.sample(snapshot, transport, &self.ray, self.job.hue)
     }
 
     /// Its value, with the shadows of a sweep and, under a distant light, the fog of its slice.
@@ -77,19 +77,20 @@ impl Sight<'_> {
         let seen = self.meeting.filter(shows);
         let seen = seen.map(|(meeting, facet)| (facet.seen_along(ray, distance), meeting.is_lit));
         let behind_fog = match &seen {
-            None if self.meeting.is_some() => Rgb::ZERO,
-            None => self.illumination().background(snapshot, ray.direction),
+            None if self.meeting.is_some() => Shown::default(),
+            None => Shown::own(self.illumination().background(snapshot, ray.direction)),
             Some((point, is_lit)) => {
                 let to_light = fog.map(|fog| fog.transmittance_to_light(&planar, end));
                 self.reflected(point, *is_lit, to_light, scratch)
             }
         };
-        let radiance = behind_fog * transmittance + shafts;
+        let radiance = behind_fog.radiance * transmittance + shafts;
+        let own = behind_fog.own * transmittance;
         let covered = self.meeting.is_some();
         let surface = seen.map(|(point, _)| point);
         let mattes = mattes(snapshot, &[], surface.as_ref());
-        let leg = Leg { radiance, shafts, transmittance, covered, surface, mattes };
-        leg.sample(snapshot, transport, ray)
+        let leg = Leg { radiance, own, shafts, transmittance, covered, surface, mattes };
+        leg.sample(snapshot, transport, ray, self.job.hue)
     }
 
     /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the light, if that is known.
@@ -99,7 +100,7 @@ impl Sight<'_> {
         is_lit: bool,
         to_light: Option<Rgb>,
         scratch: &mut Scratch,
-    ) -> Rgb {
+    ) -> Shown {
         let SliceJob { snapshot, transport, light, .. } = *self.job;
         let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };
         let of_light = unshadowed.map_or(Rgb::ZERO, |Unshadowed { radiance, to_light: way, distance }| {
@@ -108,7 +109,7 @@ impl Sight<'_> {
         });
         let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
         let mut sampler = self.sampler;
-        let own = own_and_mirrored(
+        let shown = own_and_mirrored(
             snapshot,
             transport,
             illumination,
@@ -118,7 +119,7 @@ impl Sight<'_> {
             &mut sampler,
             scratch,
         );
-        of_light + own
+        Shown { radiance: of_light + shown.radiance, own: shown.own }
     }
 }
 

@@ -11,6 +11,7 @@ use super::sight::Sight;
 use super::sweep::{LightRays, PlanarRay, Sweep};
 use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
+use crate::color::Rgb;
 use crate::math::{Ray, Sampler, kronecker};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
@@ -39,6 +40,8 @@ pub struct SliceJob<'a> {
     pub transport: &'a Transport,
     /// The slices' light: a light of the snapshot, or a point of one.
     pub light: &'a FrozenLight,
+    /// What its light is to be multiplied by, see [`Sample::hue`].
+    pub hue: Rgb,
     /// Whether what shines by itself is counted with this light.
     pub self_luminous: bool,
     /// All slices of the light, from where they are seen.

@@ -1,0 +1,166 @@
+//! Light of many hues. In go samples by single points of a light, each with its hue, out come colours as all of the light gives them. Invariant: what does
+//! not depend on the light is left as it is, and where all points are seen alike no hue of a single one is left.
+//!
+//! A picture on a sun has points that are red and points that are blue, and a pixel has met a few of them. By how much these are redder than all of the sun is known: its
+//! own hue is 1. So what the light gives is corrected by that, in each channel on its own.
+
+use super::Channel;
+use crate::color::Rgb;
+use crate::transport::Sample;
+
+/// Numbers that a sample's part is packed in.
+pub(super) const PACKED: usize = 9;
+
+/// A pixel's weighted sums.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct HueSums {
+    hue: Rgb,
+    /// What comes from the light, without hues, and with them.
+    plain: Rgb,
+    hued: Rgb,
+    /// The same of the part that was scattered in fog.
+    plain_shafts: Rgb,
+    hued_shafts: Rgb,
+}
+
+impl HueSums {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.hue += other.hue;
+        self.plain += other.plain;
+        self.hued += other.hued;
+        self.plain_shafts += other.plain_shafts;
+        self.hued_shafts += other.hued_shafts;
+    }
+
+    /// Adds a packed sample's part.
+    pub(super) fn add_packed(&mut self, packed: &[f32], weight: f64) {
+        let color = |at: usize| Rgb::from_array([0, 1, 2].map(|i| f64::from(packed[at + i])));
+        let (hue, plain, plain_shafts) = (color(0), weight * color(3), weight * color(6));
+        let (hued, hued_shafts) = (hue * plain, hue * plain_shafts);
+        self.add(&Self { hue: weight * hue, plain, hued, plain_shafts, hued_shafts });
+    }
+
+    /// These without some of them.
+    pub(super) fn without(&self, part: &Self) -> Self {
+        Self {
+            hue: self.hue - part.hue,
+            plain: self.plain - part.plain,
+            hued: self.hued - part.hued,
+            plain_shafts: self.plain_shafts - part.plain_shafts,
+            hued_shafts: self.hued_shafts - part.hued_shafts,
+        }
+    }
+
+    /// What is to be added to the radiance of samples that weigh so much, whose light has no hue yet.
+    pub(super) fn missing(&self, weight: f64) -> Rgb {
+        by_all_hues(self.plain, self.hued, self.hue / weight) - self.plain
+    }
+
+    /// The same for the part that was scattered in fog.
+    fn missing_shafts(&self, weight: f64) -> Rgb {
+        by_all_hues(self.plain_shafts, self.hued_shafts, self.hue / weight) - self.plain_shafts
+    }
+}
+
+/// What all of a light gives, by what points of it do whose mean hue is `hue`.
+///
+/// Where these are brighter in a channel than all points together they are divided by that (the ratio estimate: Cochran 1977, "Sampling
+/// Techniques", 6.2); where they are darker, and perhaps without any light, what is missing is what would come without hues (the difference estimate, 7.1). Neither is below 0,
+/// both are right at once if all points are seen alike, and else err by what visibility and hue have in common, which falls as samples grow in number.
+fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {
+    let channel =
+        |i: usize| if hue[i] > 1.0 { hued[i] / hue[i] } else { hued[i] + plain[i] * (1.0 - hue[i]) };
+    Rgb::from_array([0, 1, 2].map(channel))
+}
+
+/// A sample's part as numbers.
+pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
+    let [h, p, s] = [sample.hue, sample.radiance - sample.own, sample.shafts].map(|color| color.to_array());
+    [h[0], h[1], h[2], p[0], p[1], p[2], s[0], s[1], s[2]].map(|value| value as f32)
+}
+
+/// Corrects the channels of a picture whose samples weigh `weights`: the first three, and those of the light scattered in fog from number `shafts` on.
+pub(super) fn correct(
+    channels: &mut [Channel],
+    shafts: Option<usize>,
+    hues: &[[HueSums; 2]],
+    weights: &[f64],
+) {
+    let known = hues.iter().zip(weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0);
+    for (pixel, ([sums, _], &weight)) in known {
+        let mut add = |first: usize, missing: Rgb| {
+            for (channel, added) in channels[first..].iter_mut().zip((missing / weight).to_array()) {
+                channel.pixels[pixel] = (f64::from(channel.pixels[pixel]) + added) as f32;
+            }
+        };
+        add(0, sums.missing(weight));
+        if let Some(first) = shafts {
+            add(first, sums.missing_shafts(weight));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::color::Rgb;
+    use crate::film::{Film, Mask};
+    use crate::scene::{Pass, Size, Window};
+    use crate::transport::Sample;
+    use proptest::prelude::*;
+
+    const ONE_PIXEL: Window = Window { x: 0, y: 0, width: 1, height: 1 };
+
+    fn film() -> Film {
+        Film::with_hues(Size { width: 1, height: 1 }, ONE_PIXEL, &[Pass::Shafts])
+    }
+
+    /// What fog and a surface give by light of a hue, before what shines by itself.
+    fn sample(shafts: Rgb, lit: Rgb, own: Rgb, hue: Rgb) -> Sample {
+        Sample { radiance: shafts + lit + own, shafts, own, hue, ..Sample::default() }
+    }
+
+    fn colors(film: &Film, names: [&str; 3]) -> Rgb {
+        let frame = film.resolve();
+        let channel = |name| frame.channel(name).map_or(f64::NAN, |channel| f64::from(channel.pixels[0]));
+        Rgb::from_array(names.map(channel))
+    }
+
+    proptest! {
+        /// Seen alike from all points, light has the colour of all of them, whichever were met; what shines by itself is the mean that it always was.
+        #[test]
+        fn no_hue_of_a_point_is_left(
+            points in prop::collection::vec((prop::array::uniform3(0.0..3.0_f64), 0.1..2.0_f64, 0.0..9.0_f64, any::<bool>()), 2..20),
+        ) {
+            let (shafts, lit) = (Rgb::new(0.3, 0.2, 0.1), Rgb::new(1.0, 0.5, 2.0));
+            let mut film = film();
+            let (mut own, mut weights) = (0.0, 0.0);
+            for &(hue, weight, shines, is_fresh) in &points {
+                let sample = sample(shafts, lit, Rgb::splat(shines), Rgb::from_array(hue));
+                if is_fresh {
+                    film.add_fresh(0, 0, weight, 0.0, &sample);
+                } else {
+                    film.add(0, 0, weight, 0.0, &sample);
+                }
+                (own, weights) = (own + weight * shines, weights + weight);
+            }
+            let whole = shafts + lit + own / weights;
+            prop_assert!((colors(&film, ["R", "G", "B"]) / whole - 1.0).abs().max_element() < 1e-5);
+            prop_assert!((colors(&film, ["shafts.R", "shafts.G", "shafts.B"]) / shafts - 1.0).abs().max_element() < 1e-5);
+        }
+    }
+
+    /// Halves that have met different hues agree if they have seen the same.
+    #[test]
+    fn hues_are_no_error() {
+        let mut film = film();
+        let [red, blue] = [Rgb::new(2.0, 0.8, 0.2), Rgb::new(0.5, 1.0, 1.5)];
+        let seen = |hue| sample(Rgb::splat(0.2), Rgb::ONE, Rgb::splat(3.0), hue);
+        film.add(0, 0, 1.0, 0.0, &seen(red));
+        film.add_fresh(0, 0, 2.0, 0.0, &seen(blue));
+        let variance = |film: &Film| film.estimates()[0].and_then(|estimate| estimate.variance);
+        assert!(variance(&film).is_some_and(|variance| variance < 1e-12), "{:?}", film.estimates());
+        film.let_fresh_be_known(&Mask::all(ONE_PIXEL));
+        film.add_fresh(0, 0, 1.0, 0.0, &seen(Rgb::ONE));
+        assert!(variance(&film).is_some_and(|variance| variance < 1e-12), "{:?}", film.estimates());
+    }
+}
