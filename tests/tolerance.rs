@@ -215,12 +215,26 @@ fn few_samples_have_the_hue_of_the_whole_sun() {
             let off = off(&means);
             let (bias, worst) =
                 (mean(&off), quantile(&off.iter().map(|off| off.abs()).collect::<Vec<_>>(), 0.95));
-            println!(
-                "{name}: one picture {median:.4}, the mean of many {bias:.5}, 95 % of its pixels {worst:.4}"
-            );
             assert!(bias.abs() < 2e-3 && worst < 0.03, "{name}: {bias:.5}, {worst:.4}");
         }
     }
+}
+
+/// What is dark beside the sun is judged by what the sun lights, whether one sees the sun itself or not.
+#[test]
+fn a_sun_that_is_seen_does_not_make_the_rest_dark() {
+    let window = Window { x: 56, y: 0, width: 40, height: 54 };
+    let job = Job { size: TWO_HUES, window, sampling: Sampling::Exactly(8), ..until(0.05) };
+    let errors = [true, false].map(|is_seen| {
+        let mut scene = leaf_before_two_hues();
+        let LightKind::SunDisc(disc) = &mut scene.lights[0].kind else { panic!("a disc") };
+        disc.visible_to_camera = is_seen;
+        let frame = picture(&scene, &job).frame;
+        mean(
+            &frame.channel("error.Y").expect("is there").pixels.iter().map(|&x| x.into()).collect::<Vec<_>>(),
+        )
+    });
+    assert!((errors[0] / errors[1] - 1.0).abs() < 1e-3, "{errors:?}");
 }
 
 /// Passes of 8, 8 and 16 samples share one lattice and one sequence of draws; if each had its own, they would err by half as much again.

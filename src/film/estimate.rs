@@ -32,22 +32,21 @@ impl Film {
     /// then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b). Halves that complete one another
     /// err in opposite directions, and the value is better than that.
     pub fn estimates(&self) -> Vec<Option<PixelEstimate>> {
-        let channels = self.sums.chunks_exact(self.stride());
-        let pixels = self.weights.iter().zip(channels).zip(&self.fresh).enumerate();
-        let estimate =
-            |(pixel, ((&all, sums), &[fresh, red, green, blue])): (usize, ((&f64, &[f64]), &[f64; 4]))| {
-                let (sum, fresh_sum) = (Rgb::new(sums[0], sums[1], sums[2]), Rgb::new(red, green, blue));
-                let known = all - fresh;
-                let [hues, fresh_hues] = self.hues.get(pixel).copied().unwrap_or_default();
-                let known_sum = sum - fresh_sum + hues.without(&fresh_hues).missing(known);
-                let (sum, fresh_sum) = (sum + hues.missing(all), fresh_sum + fresh_hues.missing(fresh));
-                let variance = (known > 0.0 && fresh > 0.0).then(|| {
-                    let difference = known_sum / known - fresh_sum / fresh;
-                    luminance(difference * difference) * known * fresh / (all * all)
-                });
-                (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum) / all, variance })
-            };
-        pixels.map(estimate).collect()
+        (0..self.weights.len()).map(|pixel| self.estimate(pixel)).collect()
+    }
+
+    fn estimate(&self, pixel: usize) -> Option<PixelEstimate> {
+        let (all, sums) = (self.weights[pixel], &self.sums[pixel * self.stride()..]);
+        let [fresh, red, green, blue] = self.fresh[pixel];
+        let (sum, fresh_sum) = (Rgb::new(sums[0], sums[1], sums[2]), Rgb::new(red, green, blue));
+        let known = all - fresh;
+        let [hues, fresh_hues] = self.hues.get(pixel).copied().unwrap_or_default();
+        let variance = (known > 0.0 && fresh > 0.0).then(|| {
+            let known_sum = sum - fresh_sum + hues.without(&fresh_hues).missing(known);
+            let difference = known_sum / known - (fresh_sum + fresh_hues.missing(fresh)) / fresh;
+            luminance(difference * difference) * known * fresh / (all * all)
+        });
+        (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum + hues.missing(all)) / all, variance })
     }
 }
 

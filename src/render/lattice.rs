@@ -10,12 +10,13 @@
 use super::bearings::Bearings;
 use super::passes::SamplePass;
 use super::places::Places;
-use super::rings::Layout;
+use super::rings::{Layout, Rings};
 use crate::film::Mask;
 use crate::scene::{Size, Window};
 use crate::transport::slices::{Chord, Crossing, Fan, Ring, Separation, Slice};
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
+use std::sync::OnceLock;
 
 /// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
 /// as evenly between its neighbours as can be.
@@ -93,7 +94,7 @@ pub(super) struct PlacedSlice {
 
 impl Lattice {
     /// The slices of a pass, of `base`, which all are the same or differ by their draws. A pass that is not the first is for few pixels, and its slices
-    /// gather all that they cut all the same: they take no turns.
+    /// gather all that they cut all the same: they take no turns. `chosen` are the picture's rings once they are chosen.
     /// `seen` are the pixels in which chords are wanted, `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them: the same for
     /// all passes of a picture.
     pub(super) fn new(
@@ -102,6 +103,7 @@ impl Lattice {
         pass: &SamplePass,
         seen: &Mask,
         segments: &dyn Fn(&Slice) -> usize,
+        chosen: &OnceLock<Rings>,
         mut shift: impl FnMut() -> (f64, f64),
     ) -> Self {
         let extent = base.extent();
@@ -115,7 +117,7 @@ impl Lattice {
         };
         let slices_per_px = (samples / samples_per_slice).max(fewest);
         let layout = Layout { deviation_rad, samples, slices_per_px, segments };
-        let count = layout.count(base);
+        let Rings { count, .. } = *chosen.get_or_init(|| layout.choose(base));
         let is_streaky = is_drawn && (count == 1 || in_time) && samples < NO_TURNS_FROM;
         let first_turns = if is_streaky { TURNS } else { 1 };
         let turns = if pass.is_first() { first_turns } else { 1 };

@@ -81,6 +81,9 @@ pub(super) trait Picture {
     /// An empty film of a window of it.
     fn film(&self, job: &Job, window: Window) -> Film;
 
+    /// How its errors fall with the number of samples, as a power.
+    fn convergence(&self) -> f64;
+
     /// Adds the samples of a pass.
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch);
 

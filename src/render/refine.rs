@@ -16,8 +16,11 @@ const DARKEST: f64 = 0.1;
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
 
-/// How a block's error falls with the number of samples, as a power: about so where slices have draws of their own, faster where not.
-const CONVERGENCE: f64 = 0.75;
+/// How a block's error falls with the number of samples, as a power: by edges faster than the root.
+pub(super) const ORDERED: f64 = 0.75;
+
+/// The same where samples have draws of their own, and know little of one another.
+pub(super) const DRAWN: f64 = 0.5;
 
 /// Samples a pixel of the first pass: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
 const FIRST_SAMPLES: u32 = 8;
@@ -88,7 +91,11 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
     let wanted = Mask::all(window);
     picture.add_pass(&SamplePass::only(samples, &wanted), &mut film, watch);
     picture.fill_holes(&mut film, watch);
-    let estimates = if job.is_judged() { judge(&estimates(&film), &film, &blocks) } else { Vec::new() };
+    let estimates = if job.is_judged() {
+        judge(&estimates(&film, picture.convergence()), &film, &blocks)
+    } else {
+        Vec::new()
+    };
     let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, passes: 1 }
 }
@@ -120,7 +127,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
         passes += 1;
         let samples = pass.before() + pass.samples;
 
-        let pixels = estimates(&film);
+        let pixels = estimates(&film, picture.convergence());
         let estimates = judge(&pixels, &film, &blocks);
         let excess = |block: usize| {
             if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
@@ -150,7 +157,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
         });
         let pixels_a_block =
             mask.count() as f64 / goes_on.iter().filter(|goes_on| **goes_on).count().max(1) as f64;
-        work.left = pixels_a_block * samples_left(&excess, samples, goal.most);
+        work.left = pixels_a_block * samples_left(&excess, samples, goal.most, picture.convergence());
     }
     picture.fill_holes(&mut film, watch);
     Refined { film, blocks, variances, passes }
@@ -160,8 +167,8 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
 ///
 /// Its halves complete one another: slices of the one lie between those of the other. If the error falls as samples to the power -p, the whole varies by 4^-p of what
 /// each half, A or B, does; then (A + B) / 2 varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
-fn estimates(film: &Film) -> Vec<Option<PixelEstimate>> {
-    let completion = (4.0_f64.powf(CONVERGENCE) - 1.0).recip();
+fn estimates(film: &Film, convergence: f64) -> Vec<Option<PixelEstimate>> {
+    let completion = (4.0_f64.powf(convergence) - 1.0).recip();
     let completed = |PixelEstimate { luminance, variance }| PixelEstimate {
         luminance,
         variance: variance.map(|variance| completion * variance),
@@ -205,9 +212,9 @@ impl Goal<'_> {
 }
 
 /// How many more samples blocks are likely to take that have so many a pixel, in blocks times samples a pixel.
-fn samples_left(excess: &[f64], samples: u32, most: u32) -> f64 {
+fn samples_left(excess: &[f64], samples: u32, most: u32, convergence: f64) -> f64 {
     let samples = f64::from(samples);
-    let wanted = |excess: &f64| (samples * excess.powf(1.0 / CONVERGENCE)).min(f64::from(most)) - samples;
+    let wanted = |excess: &f64| (samples * excess.powf(1.0 / convergence)).min(f64::from(most)) - samples;
     excess.iter().filter(|excess| **excess > 1.0).map(wanted).sum()
 }
 

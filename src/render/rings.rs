@@ -32,9 +32,27 @@ pub(super) struct Layout<'a> {
     pub(super) segments: &'a dyn Fn(&Slice) -> usize,
 }
 
+/// What was chosen: the same for all passes of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rings {
+    pub(super) count: u32,
+    /// Whether slices mostly keep their places, and so complete one another.
+    pub(super) are_ordered: bool,
+}
+
 impl Layout<'_> {
+    pub(super) fn choose(&self, base: &Fan) -> Rings {
+        let count = self.count(base);
+        let areas = self.cut(base, count).into_iter().map(|ring| {
+            let area_px = base.separation(ring).area_px;
+            (area_px, if self.passed(base, ring) < 1.0 { area_px } else { 0.0 })
+        });
+        let (all_px, ordered_px) = areas.fold((0.0, 0.0), |sums, area| (sums.0 + area.0, sums.1 + area.1));
+        Rings { count, are_ordered: ordered_px >= 0.5 * all_px }
+    }
+
     /// In how many rings the picture takes the least time for the same error.
-    pub(super) fn count(&self, base: &Fan) -> u32 {
+    fn count(&self, base: &Fan) -> u32 {
         let cost = |count| self.cut(base, count).into_iter().map(|ring| self.cost(base, ring)).sum::<f64>();
         // With little to gain nothing is asked of the scene.
         let is_ordered = self.cut(base, 1).into_iter().all(|ring| self.disorder(base, ring) < 1.1);
@@ -77,11 +95,15 @@ impl Layout<'_> {
     /// rings goes as (1 + 6 passed)^(1/4) / samples, where slices leave their places by `passed` others at the ring's borders; and as `passed`
     /// itself grows with the samples, it takes (1 + 6 passed)^(1/3) times as many.
     fn disorder(&self, base: &Fan, ring: Ring) -> f64 {
+        (1.0 + 6.0 * self.passed(base, ring).min(MOST_PASSED)).cbrt()
+    }
+
+    /// By how many places slices are off at a ring's borders.
+    fn passed(&self, base: &Fan, ring: Ring) -> f64 {
         let extent = base.extent();
         let (from, to) = (ring.0.max(extent.0), ring.1.min(extent.1));
         let turned_rad = self.deviation_rad * 0.5 * (to - from) / (0.5 * (from + to)).sin();
-        let passed = turned_rad * base.px_per_rad() * self.slices_per_px;
-        (1.0 + 6.0 * passed.min(MOST_PASSED)).cbrt()
+        turned_rad * base.px_per_rad() * self.slices_per_px
     }
 }
 
@@ -150,6 +172,18 @@ mod tests {
             Layout { samples: 24.0, slices_per_px: 1000.0, ..layout(0.9, &|_| 1000) }.count(&fan(50.0)),
             1
         );
+    }
+
+    /// A small disc in rings keeps its slices in their places; under one that wanders far no half of them completes the other.
+    #[test]
+    fn far_wanderers_are_not_ordered() {
+        for (deviation_deg, ordered) in [(0.0, true), (0.27, true), (0.9, false), (6.0, false)] {
+            assert_eq!(
+                layout(deviation_deg, &|_| 1).choose(&fan(50.0)).are_ordered,
+                ordered,
+                "{deviation_deg}"
+            );
+        }
     }
 
     #[test]

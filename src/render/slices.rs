@@ -5,6 +5,8 @@
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
 use super::passes::{Picture, SamplePass, film_of_light};
+use super::refine::{DRAWN, ORDERED};
+use super::rings::Rings;
 use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
@@ -15,6 +17,7 @@ use crate::transport::slices::{Fan, Outline, Piece, Slice, SliceJob, SliceScratc
 use crate::transport::{Part, Sample, Scratch, radiance_of_part};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
@@ -27,6 +30,8 @@ pub(super) struct LightPicture<'a> {
     /// The light, as its index in the snapshot.
     pub(super) light: usize,
     pub(super) tally: &'a Tally,
+    /// As its first pass has chosen them.
+    pub(super) rings: OnceLock<Rings>,
 }
 
 /// What the slices of a picture took, whichever thread solved them.
@@ -53,6 +58,11 @@ impl Picture for LightPicture<'_> {
         film_of_light(self.exposure, self.light, job, window)
     }
 
+    fn convergence(&self) -> f64 {
+        let are_ordered = self.rings.get().is_some_and(|rings| rings.are_ordered);
+        if are_ordered && self.exposure.is_instant() { ORDERED } else { DRAWN }
+    }
+
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
         add_pass(self, pass, film, watch);
     }
@@ -77,7 +87,7 @@ impl Picture for LightPicture<'_> {
 
 /// Adds a pass's samples to the film.
 fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &Watch) {
-    let LightPicture { exposure, job, light, tally } = *picture;
+    let LightPicture { exposure, job, light, tally, ref rings } = *picture;
     let mut sampler = Sampler::new(job.seed, light as u32, 0, 0);
     let draws = Draws::new(exposure, light, job.seed);
     let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
@@ -87,7 +97,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
         .then(|| Differing { deviation_rad: wanders.fold(0.0, f64::max), in_time: !exposure.is_instant() });
     let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
     let seen = pass.seen(job.size, job.filter);
-    let lattice = Lattice::new(&base, differing, pass, &seen, &segments, || sampler.next_2d());
+    let lattice = Lattice::new(&base, differing, pass, &seen, &segments, rings, || sampler.next_2d());
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.

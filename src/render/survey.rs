@@ -3,7 +3,7 @@
 //! Invariant: the whole picture is surveyed whatever part of it is wanted, so all parts agree.
 
 use super::Job;
-use crate::color::luminance;
+use crate::color::{Rgb, luminance};
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
 use crate::transport::{Part, Scratch, radiance_of_part};
@@ -47,17 +47,25 @@ impl Survey {
     }
 }
 
-/// Mean over the picture of a part of it.
+/// Mean over the picture of a part of it. Rays into a sun are left out, if there are others: it is a thousand times as bright as all the rest, and were it
+/// among these few rays the whole picture would count as dark.
 fn mean_luminance(snapshot: &Snapshot, job: &Job, part: Part) -> f64 {
     let (columns, rows) = RAYS;
-    let luminances: Vec<f64> = (0..columns * rows)
-        .into_par_iter()
-        .map_init(Scratch::default, |scratch, ray| {
-            let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
-            let number = ray as u32;
-            let ray = snapshot.view.ray(middle(ray % columns, columns), middle(ray / columns, rows));
-            let mut sampler = Sampler::new(job.seed, number, 0, 0);
-            luminance(radiance_of_part(part, snapshot, &job.transport, &ray, &mut sampler, scratch).radiance)
+    let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
+    let rays = (0..columns * rows).map(|number| {
+        let ray = snapshot.view.ray(middle(number % columns, columns), middle(number / columns, rows));
+        (number as u32, ray)
+    });
+    let (mut rays, into_suns): (Vec<_>, Vec<_>) =
+        rays.partition(|(_, ray)| snapshot.suns_along(ray.direction) == Rgb::ZERO);
+    if rays.is_empty() {
+        rays = into_suns;
+    }
+    let luminances: Vec<f64> = rays
+        .par_iter()
+        .map_init(Scratch::default, |scratch, (number, ray)| {
+            let mut sampler = Sampler::new(job.seed, *number, 0, 0);
+            luminance(radiance_of_part(part, snapshot, &job.transport, ray, &mut sampler, scratch).radiance)
         })
         .collect();
     luminances.iter().sum::<f64>() / luminances.len() as f64

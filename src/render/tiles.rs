@@ -1,6 +1,7 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
 use super::passes::{Picture, SamplePass, film_of_light};
+use super::refine::ORDERED;
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, filter};
 use crate::math::Sampler;
@@ -28,6 +29,10 @@ impl Picture for RayPicture<'_> {
             Some(Part::Light(light)) => film_of_light(self.exposure, light, job, window),
             Some(Part::Sky) | None => Film::new(job.size, window, &job.passes),
         }
+    }
+
+    fn convergence(&self) -> f64 {
+        ORDERED
     }
 
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {

@@ -223,9 +223,13 @@ impl<'scene> Snapshot<'scene> {
 
     /// Radiance of a ray that leaves the scene in that direction.
     pub fn radiance_beyond(&self, direction: DVec3) -> Rgb {
-        let suns: Rgb = self.lights.iter().map(|light| light.seen_along(direction)).sum();
         let sky = self.sky.as_ref().map_or(Rgb::ZERO, |sky| sky.along(direction));
-        self.background + sky + suns
+        self.background + sky + self.suns_along(direction)
+    }
+
+    /// The part of it that suns show themselves.
+    pub fn suns_along(&self, direction: DVec3) -> Rgb {
+        self.lights.iter().map(|light| light.seen_along(direction)).sum()
     }
 
     /// Whether rays that leave the scene see something, suns aside.
