@@ -151,7 +151,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
                 Part::Sky => {
-                    let picture = tiles::RayPicture { exposure, job, part: Some(part) };
+                    let picture = tiles::RayPicture { exposure, job, sky_alone: true };
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
             });
@@ -159,7 +159,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
-        let picture = tiles::RayPicture { exposure, job, part: None };
+        let picture = tiles::RayPicture { exposure, job, sky_alone: false };
         let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }

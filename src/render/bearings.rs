@@ -50,13 +50,10 @@ fn part_at(angle: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scattering::Source;
-    use crate::scene::{Camera, Lens, Size, Track};
-    use crate::snapshot::View;
-    use glam::{DAffine3, DVec2, DVec3};
+    use crate::scene::Size;
+    use glam::DVec3;
     use proptest::prelude::*;
     use std::f64::consts::PI;
 
@@ -64,13 +61,10 @@ mod tests {
 
     /// A picture along -z by a pinhole, and a sun there.
     fn fan(elevation_deg: f64, azimuth_deg: f64) -> Fan {
-        let lens = Lens::Perspective { fov_y: Track::from(0.7) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
-        let view = View::new(&camera, DAffine3::IDENTITY, SIZE.width as f64 / SIZE.height as f64, 0.0);
         let (sin, cos) = elevation_deg.to_radians().sin_cos();
         let (to_side, ahead) = azimuth_deg.to_radians().sin_cos();
         let to_sun = DVec3::new(cos * to_side, sin, -cos * ahead);
-        Fan::new(&view, SIZE, DVec2::ZERO, Source::Towards(to_sun)).unwrap()
+        Fan::of_pinhole(0.7, SIZE, to_sun)
     }
 
     fn meets(wanted: &Mask, fan: &Fan, angle: f64, ring: Ring) -> bool {

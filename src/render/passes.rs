@@ -4,7 +4,6 @@
 use super::{Job, Progress, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Size, Window};
-use crate::snapshot::Exposure;
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
 /// From how far away what is seen may count in a pixel: its edges move along their slices, and a swath reaches into the next pixel.
@@ -89,15 +88,6 @@ pub(super) trait Picture {
 
     /// Gives every pixel that got no sample from the passes one of its own.
     fn fill_holes(&self, film: &mut Film, watch: &Watch);
-}
-
-/// An empty film for samples by one light, as its index in the snapshots.
-pub(super) fn film_of_light(exposure: &Exposure, light: usize, job: &Job, window: Window) -> Film {
-    if exposure.middle().lights[light].has_hues() {
-        Film::with_hues(job.size, window, &job.passes)
-    } else {
-        Film::new(job.size, window, &job.passes)
-    }
 }
 
 impl Watch<'_> {

@@ -108,24 +108,17 @@ impl Layout<'_> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scattering::Source;
-    use crate::scene::{Camera, Lens, Size, Track};
-    use crate::snapshot::View;
-    use glam::{DAffine3, DVec2, DVec3};
+    use crate::scene::Size;
+    use glam::DVec3;
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
     /// A picture along -z by a pinhole, and a sun so high.
     fn fan(elevation_deg: f64) -> Fan {
-        let aspect = SIZE.width as f64 / SIZE.height as f64;
-        let lens = Lens::Perspective { fov_y: Track::from(0.7) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
-        let view = View::new(&camera, DAffine3::IDENTITY, aspect, 0.0);
         let (sin, cos) = elevation_deg.to_radians().sin_cos();
-        Fan::new(&view, SIZE, DVec2::ZERO, Source::Towards(DVec3::new(0.0, sin, -cos))).unwrap()
+        Fan::of_pinhole(0.7, SIZE, DVec3::new(0.0, sin, -cos))
     }
 
     /// For the sun beside the picture, in it, behind the camera, and at right angles.

@@ -4,7 +4,7 @@
 
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
-use super::passes::{Picture, SamplePass, film_of_light};
+use super::passes::{Picture, SamplePass};
 use super::refine::{DRAWN, ORDERED};
 use super::rings::Rings;
 use super::shares::{PlacedPiece, Shares};
@@ -55,7 +55,9 @@ impl Tally {
 
 impl Picture for LightPicture<'_> {
     fn film(&self, job: &Job, window: Window) -> Film {
-        film_of_light(self.exposure, self.light, job, window)
+        let has_hues = self.exposure.middle().lights[self.light].has_hues();
+        let new = if has_hues { Film::with_hues } else { Film::new };
+        new(job.size, window, &job.passes)
     }
 
     fn convergence(&self) -> f64 {

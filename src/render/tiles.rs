@@ -1,6 +1,6 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
-use super::passes::{Picture, SamplePass, film_of_light};
+use super::passes::{Picture, SamplePass};
 use super::refine::ORDERED;
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, filter};
@@ -15,20 +15,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
 const TILE: usize = 32;
 
-/// A picture of all light, or a part of it, each sample a ray of its own.
+/// A picture of all light, or of the sky's alone, each sample a ray of its own.
 pub(super) struct RayPicture<'a> {
     pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
-    /// Which part, if not all of it.
-    pub(super) part: Option<Part>,
+    /// Whether lights are left out, for they have pictures of their own.
+    pub(super) sky_alone: bool,
 }
 
 impl Picture for RayPicture<'_> {
     fn film(&self, job: &Job, window: Window) -> Film {
-        match self.part {
-            Some(Part::Light(light)) => film_of_light(self.exposure, light, job, window),
-            Some(Part::Sky) | None => Film::new(job.size, window, &job.passes),
-        }
+        Film::new(job.size, window, &job.passes)
     }
 
     fn convergence(&self) -> f64 {
@@ -63,7 +60,7 @@ impl Picture for RayPicture<'_> {
 
 impl RayPicture<'_> {
     fn render_tile(&self, pass: &SamplePass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
-        let Self { exposure, job, part } = *self;
+        let Self { exposure, job, sky_alone } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
             for number in 0..pass.samples {
                 let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before() + number);
@@ -75,9 +72,10 @@ impl RayPicture<'_> {
                 let film_px = DVec2::new(x as f64, y as f64) + 0.5 + from_centre;
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
                 let transport = &job.transport;
-                let value = match part {
-                    None => radiance(snapshot, transport, &ray, &mut sampler, scratch),
-                    Some(part) => radiance_of_part(part, snapshot, transport, &ray, &mut sampler, scratch),
+                let value = if sky_alone {
+                    radiance_of_part(Part::Sky, snapshot, transport, &ray, &mut sampler, scratch)
+                } else {
+                    radiance(snapshot, transport, &ray, &mut sampler, scratch)
                 };
                 let from_centre = from_centre.length();
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.

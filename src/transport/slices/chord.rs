@@ -135,24 +135,13 @@ impl Steps {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scattering::Source;
-    use crate::scene::{Camera, Lens, Motion, Node, Scene, Track};
-    use crate::snapshot::{MeshTrees, Shutter, Snapshot};
     use crate::transport::slices::{Fan, Ring};
-    use glam::{DAffine3, DVec2, DVec3};
+    use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
     /// All slices of a light in a direction, seen by a camera that looks along -Z.
     fn slices(size: Size, to_light: DVec3, count: u32) -> Vec<Slice> {
-        let motion = Motion::Still(DAffine3::IDENTITY);
-        let node = Node { name: String::new(), parent: None, motion, visible: Track::from(true) };
-        let lens = Lens::Perspective { fov_y: Track::from(1.0) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
-        let scene = Scene { nodes: vec![node], cameras: vec![camera], ..Scene::default() };
-        let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
-        let aspect = size.width as f64 / size.height as f64;
-        let view = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, aspect, shutter).view;
-        let fan = Fan::new(&view, size, DVec2::ZERO, Source::Towards(to_light)).expect("not at the eye");
+        let fan = Fan::of_pinhole(1.0, size, to_light);
         let angle = |number: u32| fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.5) / f64::from(count);
         (0..count).filter_map(|number| fan.slice(angle(number), Ring::WHOLE)).collect()
     }

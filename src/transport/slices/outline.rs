@@ -151,26 +151,11 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scattering::Source;
-    use crate::scene::{Camera, Lens, Motion, Node, Scene, Track};
-    use crate::snapshot::{MeshTrees, Shutter, Snapshot};
     use crate::transport::slices::{Fan, Ring};
-    use glam::{DAffine3, DVec2, DVec3};
+    use glam::DVec3;
     use proptest::prelude::*;
 
     const SIZE: Size = Size { width: 19, height: 12 };
-
-    /// The slices of a light in a direction, seen by a camera that looks along -Z.
-    fn fan(to_light: DVec3) -> Fan {
-        let motion = Motion::Still(DAffine3::IDENTITY);
-        let node = Node { name: String::new(), parent: None, motion, visible: Track::from(true) };
-        let lens = Lens::Perspective { fov_y: Track::from(1.0) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
-        let scene = Scene { nodes: vec![node], cameras: vec![camera], ..Scene::default() };
-        let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
-        let view = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 19.0 / 12.0, shutter).view;
-        Fan::new(&view, SIZE, DVec2::ZERO, Source::Towards(to_light)).expect("not at the eye")
-    }
 
     proptest! {
         /// Whatever edges do between slices.
@@ -182,7 +167,7 @@ mod tests {
             // After each piece: nothing, an edge of nothing known, or a border that leads anywhere.
             after in prop::collection::vec((0..3_u8, prop::array::uniform3(-1.0..1.0_f64)), 60),
         ) {
-            let fan = fan(to_light);
+            let fan = Fan::of_pinhole(1.0, SIZE, to_light);
             let angle = fan.angles.0 + part * fan.angles.1;
             let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + turned_rad, Ring::WHOLE));
             let (Some(slice), Some(beside)) = slices else { return Ok(()) };
