@@ -22,7 +22,7 @@ pub(super) const ORDERED: f64 = 0.75;
 /// The same where samples have draws of their own, and know little of one another.
 pub(super) const DRAWN: f64 = 0.5;
 
-/// Samples a pixel of the first pass: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
+/// Samples a pixel of the first pass, at most: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
 const FIRST_SAMPLES: u32 = 8;
 
 /// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
@@ -185,9 +185,12 @@ fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<
 }
 
 impl Goal<'_> {
-    /// Samples a pixel of the first pass.
+    /// Samples a pixel of the first pass; doubled some times they are the most that a pixel may have, or nearly.
     fn first_samples(&self) -> u32 {
-        if self.tolerance < LOOSE { FIRST_SAMPLES } else { FIRST_SAMPLES_LOOSE }
+        if self.tolerance >= LOOSE {
+            return FIRST_SAMPLES_LOOSE;
+        }
+        self.most >> self.most.div_ceil(FIRST_SAMPLES).next_power_of_two().ilog2()
     }
 
     /// The standard error of a block, by what it may be.
