@@ -6,11 +6,18 @@
 
 Every picture is a process of its own. `whole` is all that it takes: the program's start (with Blender that of Python and its
 module), reading, building, rendering, writing an EXR. `render` is that without what the same process takes for one sample a
-pixel of 16 x 9 pixels, so without start, reading and building; what is left of writing stays in, on both sides.
+pixel of 16 x 9 pixels, so without start, reading and building, and without what `--stats` says that sunfleck's writing took; Cycles' stays in, some hundredths of a second
+of a minute.
 
 Errors are root mean square differences from a reference, whose own noise is taken out. The time to an error is read off a
-straight line between two numbers of samples, both axes logarithmic; nothing is extrapolated. After each picture by Cycles
+straight line between two numbers of samples, both axes logarithmic; nothing is extrapolated: where the fewest samples err by
+less, what they take is taken, which is too much. After each picture by Cycles
 sunfleck makes all of its own, of another seed: so both have a round's load alike, and what is told of sunfleck is a mean.
+
+`--suns own,0.53,ahead` does all of it for the scene's own sun, for one with a disc of so many degrees, and for one in the middle of the picture. Of those that are not
+its own the reference is the mean of two pictures of 512 samples by sunfleck, and its noise half their difference: that such pictures are true, and those of Cycles the same, is
+shown elsewhere (`cargo bench --bench figures -- bias`, `tools/peers/compare_cycles.py`). What Cycles takes for the scene's own sun is set against all, so that seconds
+under another sun can be told in those of another machine on which Cycles was timed.
 
 Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single scattering, a box
 filter one pixel wide, no denoiser, no adaptive sampling, no clamping; beyond that its defaults. Blue noise, distance and
@@ -19,6 +26,7 @@ Both have as many threads as there are processors: with fewer a thread of Cycles
 """
 
 import argparse
+import json
 import math
 import os
 import statistics
@@ -30,10 +38,13 @@ from pathlib import Path
 import numpy
 
 from sunfleck_tools.peers.scene import read_scene
+from sunfleck_tools.peers.suns import with_sun
 from sunfleck_tools.pictures import load
 
 LEAVES500 = Path(__file__).resolve().parents[2] / "tests/data/leaves500"
 EMPTY_SIZE = "16x9"
+OWN_SUN = "own"
+REFERENCE_SAMPLES, REFERENCE_SEEDS = 512, (1001, 1002)
 
 
 def colors(path):
@@ -60,24 +71,29 @@ class Renderer:
     def __init__(self, name, samples, command):
         self.name, self.samples, self.command = name, samples, command
 
-    def cpu_s(self, size, samples, seed, target):
-        """Of a process that makes a picture, from its start to its end."""
-        command = self.command(size, samples, seed, target)
+    def cpu_s(self, source, size, samples, seed, target):
+        """Of a process that makes a picture, from its start to its end; and of that for writing, if it tells."""
+        stats = target.with_suffix(".json")
+        command = self.command(source, size, samples, seed, target)
         with subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
             said = process.stderr.read()
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             sys.exit(f"{self.name} failed:\n{said.decode(errors='replace')}")
-        return used.ru_utime + used.ru_stime
+        writing_s = json.loads(stats.read_text())["write_seconds"] if stats.exists() else 0.0
+        return used.ru_utime + used.ru_stime, writing_s
 
 
 def seconds_to(target, points):
-    """Where a line through points (error, seconds) meets an error, both axes logarithmic."""
+    """Where a line through points (error, seconds) meets an error, both axes logarithmic; the seconds of the first if it errs by less, not a
+    number where all err by more."""
+    if points[0][0] <= target:
+        return points[0][1]
     for (e0, t0), (e1, t1) in zip(points, points[1:]):
         if e0 >= target > e1:
             return t0 * (t1 / t0) ** (math.log(target / e0) / math.log(e1 / e0))
-    sys.exit(f"no two numbers of samples have an error of {target} between them: {[round(e, 5) for e, _ in points]}")
+    return math.nan
 
 
 def pair(text):
@@ -95,10 +111,12 @@ def parse():
     parser.add_argument("--reference", type=Path, default=LEAVES500 / "box.exr")
     parser.add_argument("--reference-noise", type=float, default=0.00143, help="root mean square of its standard error")
     parser.add_argument("--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01])
-    parser.add_argument("--samples", type=numbers, default=[1, 4, 8, 16], help="of sunfleck")
+    parser.add_argument("--samples", type=numbers, default=[2, 3, 4, 8], help="of sunfleck")
     parser.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
+    parser.add_argument("--sunfleck-threads", type=int, help="of sunfleck, if it shall have others")
+    parser.add_argument("--suns", type=lambda text: text.split(","), default=[OWN_SUN], help="own, degrees of a disc, ahead")
     one = parser.add_argument_group("a process for one picture by Cycles, which this program starts itself")
     one.add_argument("--picture", type=Path, help=argparse.SUPPRESS)
     one.add_argument("--size", help=argparse.SUPPRESS)
@@ -106,27 +124,42 @@ def parse():
     return parser.parse_args()
 
 
-class Session:
-    """Measures pictures against the reference, and prints them."""
+class View:
+    """The scene under one sun: measures pictures against its reference, and prints them."""
 
-    def __init__(self, arguments, reference, folder):
-        self.arguments, self.reference, self.folder = arguments, reference, folder
+    def __init__(self, sun, source, reference, reference_noise, folder):
+        self.sun, self.source, self.folder = sun, source, folder
+        self.reference, self.reference_noise = reference, reference_noise
+
+    @classmethod
+    def under(cls, sun, own, ours):
+        """Under another sun than that of `own`."""
+        target, (height, width) = own.folder / "reference.exr", own.reference.shape[:2]
+        source = with_sun(own.source, sun, own.folder / f"{sun}.glb")
+        found = []
+        for seed in REFERENCE_SEEDS:
+            ours.cpu_s(source, f"{width}x{height}", REFERENCE_SAMPLES, seed, target)
+            found.append(colors(target))
+        one, other = found
+        noise = float(numpy.mean((0.5 * (one - other)) ** 2) ** 0.5)
+        return cls(sun, source, 0.5 * (one + other), noise, own.folder)
 
     def point(self, renderer, samples, seed):
-        """Error, and seconds of the whole process."""
-        target, size = self.folder / f"{renderer.name}.exr", f"{self.reference.shape[1]}x{self.reference.shape[0]}"
-        seconds = renderer.cpu_s(size, samples, seed, target)
+        """Error, seconds of the whole process, and those without writing."""
+        target, (height, width) = self.folder / f"{renderer.name}.exr", self.reference.shape[:2]
+        seconds, writing_s = renderer.cpu_s(self.source, f"{width}x{height}", samples, seed, target)
         square = numpy.mean((colors(target) - self.reference) ** 2)
-        error = max(square - self.arguments.reference_noise**2, 0.0) ** 0.5
-        print(f"{renderer.name:9} {samples:8} {seed:5} {error:9.5f} {seconds:9.3f}", flush=True)
-        return error, seconds
+        error = max(square - self.reference_noise**2, 0.0) ** 0.5
+        print(f"{self.sun:6} {renderer.name:9} {samples:8} {seed:5} {error:9.5f} {seconds:9.3f}", flush=True)
+        return error, seconds, seconds - writing_s
 
     def empty(self, renderer, seed):
         """Seconds of a process that renders next to nothing."""
-        return renderer.cpu_s(EMPTY_SIZE, 1, seed, self.folder / f"{renderer.name}.exr")
+        seconds, _ = renderer.cpu_s(self.source, EMPTY_SIZE, 1, seed, self.folder / f"{renderer.name}.exr")
+        return seconds
 
     def round(self, ours, theirs, number):
-        """Points of both, and the seconds of their empty processes."""
+        """Of both: errors and seconds, of whole processes and of rendering."""
         points, mine, empty = [], {samples: [] for samples in ours.samples}, []
         for turn, samples in enumerate(theirs.samples):
             points.append(self.point(theirs, samples, number))
@@ -134,45 +167,69 @@ class Session:
             empty.append(self.empty(ours, seed))
             for own in ours.samples:
                 mine[own].append(self.point(ours, own, seed))
-        means = [(statistics.fmean(e * e for e, _ in found) ** 0.5, statistics.fmean(s for _, s in found)) for found in mine.values()]
-        return (means, statistics.fmean(empty)), (points, self.empty(theirs, number))
+        sides = ([mean(found) for found in mine.values()], statistics.fmean(empty)), (points, self.empty(theirs, number))
+        print("start, reading and building: " + ", ".join(f"{empty:.3f} CPU s" for _, empty in sides), flush=True)
+        return {
+            "whole": [[(error, whole) for error, whole, _ in points] for points, _ in sides],
+            "render": [[(error, unwritten - empty) for error, _, unwritten in points] for points, empty in sides],
+        }
+
+
+def mean(found):
+    """Of points with one number of samples: the error is a root of squares."""
+    errors, *seconds = zip(*found)
+    return statistics.fmean(error * error for error in errors) ** 0.5, *map(statistics.fmean, seconds)
+
+
+def renderers(arguments):
+    """Both."""
+    own_threads = arguments.sunfleck_threads or arguments.threads
+
+    def by_sunfleck(source, size, samples, seed, target):
+        given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", own_threads, "--passes", "none"]
+        return [arguments.sunfleck, "render", source, *given, "--stats", target.with_suffix(".json"), "--out", target]
+
+    def by_cycles(source, size, samples, seed, target):
+        given = ["--size", size, "--cycles-samples", samples, "--seed", seed, "--threads", arguments.threads]
+        return [sys.executable, __file__, source, *given, "--picture", target]
+
+    return Renderer("sunfleck", arguments.samples, by_sunfleck), Renderer("Cycles", arguments.cycles_samples, by_cycles)
+
+
+def compare(arguments, folder):
+    """Prints what both take, in turns."""
+    ours, theirs = renderers(arguments)
+    own = View(OWN_SUN, arguments.input, colors(arguments.reference), arguments.reference_noise, folder)
+    views = [own if sun == OWN_SUN else View.under(sun, own, ours) for sun in arguments.suns]
+    height, width = own.reference.shape[:2]
+    print(f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: {arguments.sunfleck_threads or arguments.threads}")
+    print(f"{'sun':6} {'':9} {'samples':>8} {'seed':>5} {'RMSE':>9} {'CPU s':>9}")
+    found = {}
+    for number in range(1, arguments.rounds + 1):
+        for view in views:
+            for kind, sides in view.round(ours, theirs, number).items():
+                for target in arguments.targets:
+                    found.setdefault((view.sun, target, kind), []).append([seconds_to(target, points) for points in sides])
+    for (sun, target, kind), pairs in found.items():
+        mine_s, other_s = (statistics.median(side) for side in zip(*pairs))
+        print(f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, ratio {told(pairs)}")
+        if sun != OWN_SUN and OWN_SUN in arguments.suns:
+            own_pairs = [(mine, other) for (mine, _), (_, other) in zip(pairs, found[OWN_SUN, target, kind])]
+            print(f"{'':6} by what Cycles takes under the scene's own sun: {told(own_pairs)}")
+
+
+def told(pairs):
+    """Ratios of the second to the first: their median, and from the least to the greatest."""
+    ratios = sorted(other / mine for mine, other in pairs)
+    return f"{statistics.median(ratios):5.0f} ({ratios[0]:.0f} to {ratios[-1]:.0f})"
 
 
 def main():
     arguments = parse()
     if arguments.picture is not None:
         return picture_by_cycles(arguments)
-    reference, threads = colors(arguments.reference), arguments.threads
-
-    def by_sunfleck(size, samples, seed, target):
-        given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", threads, "--passes", "none"]
-        return [arguments.sunfleck, "render", arguments.input, *given, "--out", target]
-
-    def by_cycles(size, samples, seed, target):
-        given = ["--size", size, "--cycles-samples", samples, "--seed", seed, "--threads", threads]
-        return [sys.executable, __file__, arguments.input, *given, "--picture", target]
-
-    ours, theirs = Renderer("sunfleck", arguments.samples, by_sunfleck), Renderer("Cycles", arguments.cycles_samples, by_cycles)
-    found = {(target, kind): [] for target in arguments.targets for kind in ("render", "whole")}
-    print(f"{arguments.input.name}, {reference.shape[1]} x {reference.shape[0]}, threads: {threads}")
-    print(f"{'':9} {'samples':>8} {'seed':>5} {'RMSE':>9} {'CPU s':>9}")
     with tempfile.TemporaryDirectory() as folder:
-        session = Session(arguments, reference, Path(folder))
-        for number in range(1, arguments.rounds + 1):
-            sides = session.round(ours, theirs, number)
-            print("start, reading and building: " + ", ".join(f"{empty:.3f} CPU s" for _, empty in sides))
-            for target, kind in found:
-                less = kind == "render"
-                found[target, kind].append(
-                    [seconds_to(target, [(error, seconds - less * empty) for error, seconds in points]) for points, empty in sides]
-                )
-    for (target, kind), pairs in found.items():
-        ratios = sorted(other / mine for mine, other in pairs)
-        mine_s, other_s = (statistics.median(side) for side in zip(*pairs))
-        print(
-            f"to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, "
-            f"ratio {statistics.median(ratios):5.0f} ({ratios[0]:.0f} to {ratios[-1]:.0f})"
-        )
+        compare(arguments, Path(folder))
     return 0
 
 
