@@ -15,7 +15,7 @@ from floor import make_fern, make_ground
 from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
 from maps import blemished, leaf_maps
 from mesh import Mesh, write_obj
-from outlines import SPECIES, maple, oak
+from outlines import SPECIES, beech, maple, oak
 from paint import EVEN, paint_bark, paint_leaf, paint_light_through, paint_litter, paint_normals
 from palettes import RAMPS
 from png import write_png
@@ -52,6 +52,12 @@ MORE_OAKS = {
     "d": Pose(fold_rad=0.35, curl_rad=-0.35, cup=0.60, ripple=0.028, width=0.95),
     "e": Pose(fold_rad=0.75, curl_rad=1.00, cup=0.10, ripple=0.024),
 }
+MORE_BEECHES = {
+    "b": Pose(fold_rad=0.15, curl_rad=0.40, cup=0.60, ripple=0.020),
+    "c": Pose(fold_rad=0.70, curl_rad=0.95, cup=0.15, ripple=0.016),
+    "d": Pose(fold_rad=0.30, curl_rad=-0.40, cup=0.50, ripple=0.024, width=0.88),
+    "e": Pose(fold_rad=0.55, curl_rad=0.25, cup=0.85, ripple=0.012, width=1.10),
+}
 # Ages of the pictures of each species, on its ramp of colours.
 AGES = {
     "maple": {"green": 0.12, "lime": 0.28, "yellow": 0.42, "amber": 0.56, "red": 0.78, "brown": 0.96, "turning": 0.46, "flaming": 0.60},
@@ -82,7 +88,7 @@ def leaves() -> dict[str, tuple[Mesh, Detail]]:
         if name in NEAR_MAPLES:
             meshes[f"maple_near_{name}"] = (make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose), NEAR)
         meshes[f"maple_far_{name}"] = (make_leaf(maple(name), FAR, TOLERANCES[FAR]["maple"], pose), FAR)
-    for blade, poses in ((maple, MORE_MAPLES), (oak, MORE_OAKS)):
+    for blade, poses in ((maple, MORE_MAPLES), (oak, MORE_OAKS), (beech, MORE_BEECHES)):
         for name, pose in poses.items():
             species = blade(name).name
             hanging = make_leaf(blade(name), CANOPY, TOLERANCES[CANOPY][species], pose, hangs=True)

@@ -147,11 +147,13 @@ def oak(individual: str = "") -> Blade:
     return Blade("oak", closed(right, left), veins, 0.16)
 
 
-def beech() -> Blade:
-    """Common beech: an egg with a shallow wave along its edge and straight parallel veins."""
+def beech(individual: str = "") -> Blade:
+    """Common beech: an egg with a shallow wave along its edge and straight parallel veins; another individual is wider or narrower."""
+    rng = random.Random("beech" + individual)
+    width, widest = (rng.uniform(0.26, 0.36), rng.uniform(0.38, 0.54)) if individual else (0.31, 0.46)
 
     def half_width(t: float) -> float:
-        return ovate(0.31, 0.46, 0.72, t)
+        return ovate(width, widest, 0.72, t)
 
     def side(phase: float) -> list[Point]:
         steps = 44

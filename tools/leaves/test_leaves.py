@@ -11,10 +11,10 @@ from pathlib import Path
 
 from floor import ground_height, make_fern, make_ground
 from leaf import NEAR, RELIEF, Pose, make_leaf
-from make_leaves import AGES, LIT_THROUGH, MORE_MAPLES, MORE_OAKS, leaves, make_meshes, make_textures
+from make_leaves import AGES, LIT_THROUGH, MORE_BEECHES, MORE_MAPLES, MORE_OAKS, leaves, make_meshes, make_textures
 from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
-from outlines import SPECIES, maple, oak
+from outlines import SPECIES, beech, maple, oak
 from paint import paint_leaf, paint_light_through, paint_normals
 from palettes import RAMPS
 from trees import HABITS, make_tree
@@ -25,8 +25,8 @@ LEAVES = {name: mesh for name, (mesh, _) in leaves().items()}
 
 
 def blades():
-    """Every species, and the other individuals of maple and oak."""
-    return [*(species() for species in SPECIES), *map(maple, MORE_MAPLES), *map(oak, MORE_OAKS)]
+    """Every species, and the other individuals of maple, oak and beech."""
+    return [*(species() for species in SPECIES), *map(maple, MORE_MAPLES), *map(oak, MORE_OAKS), *map(beech, MORE_BEECHES)]
 
 
 def pixels(path: Path) -> list[tuple[bytes, bytes]]:
