@@ -12,6 +12,9 @@ use crate::scene::{Size, Window};
 /// what a pixel shows must not depend on what lies far from it.
 pub const FARTHEST_SHIFT_PX: f64 = 2.0;
 
+/// Edges of which the nearer has this part of the other's distance and more may be of one outline, which ends where they meet.
+const ONE_OUTLINE: f64 = 0.99;
+
 /// The pieces of a slice between two borders: they go on from chord to chord without an edge.
 #[derive(Debug)]
 struct Run {
@@ -44,8 +47,23 @@ pub struct Outline {
     runs: Vec<Run>,
     /// Whether the next piece belongs to the last run.
     goes_on: bool,
-    /// How much of a slice beside lies before the end of each run, in its length.
-    ends: Vec<f64>,
+    /// Where runs end on a slice beside.
+    ends: Vec<End>,
+}
+
+/// Of a run, on a slice beside.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    /// How much of the slice lies before, in its length, if edges run along the slices.
+    unmoved: f64,
+    /// By how much more or less it is since its edge does not, there and on the slice that is turned as much the other way.
+    shifts: [f64; 2],
+    /// How much of that it moves, 0 to 1.
+    moved: f64,
+    /// Of what makes the edge, from the eye, metres.
+    distance: f64,
+    /// How much of the slice lies before, in its length.
+    length: f64,
 }
 
 impl Outline {
@@ -101,10 +119,10 @@ impl Outline {
             let (mut from, to) = (from.max(low), to.min(high));
             let mut passed = beside.area_at(from);
             while from < to {
-                while run < last_run && ends[run] <= from {
+                while run < last_run && ends[run].length <= from {
                     run += 1;
                 }
-                let until = if run < last_run { ends[run].min(to) } else { to };
+                let until = if run < last_run { ends[run].length.min(to) } else { to };
                 // Of the pieces of a run the one that lies beside.
                 let last_piece = runs.get(run + 1).map_or(slopes.len(), |next| next.first) - 1;
                 piece = piece.max(runs[run].first);
@@ -129,22 +147,53 @@ impl Outline {
         let turn = turned_rad.sin_cos();
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
         ends.clear();
-        for run in runs.iter() {
+        ends.extend(runs.iter().map(|run| {
             let unmoved = beside.length_at_slope(run.slope);
-            let moved = run.border.and_then(|border| border.slope_beside(turn));
-            let end = moved.map_or(unmoved, |slope| {
-                beside.length_at_slope(slope).max(unmoved - farthest).min(unmoved + farthest)
-            });
-            // What grows narrower ends where its edges meet.
-            let end = match ends.last_mut() {
-                Some(before) if end < *before => {
-                    *before = 0.5 * (*before + end);
-                    *before
-                }
-                _ => end,
+            let shift = |slope: f64| {
+                let shift = beside.length_at_slope(slope) - unmoved;
+                if slope.is_finite() { shift.clamp(-farthest, farthest) } else { 0.0 }
             };
-            ends.push(end);
+            let shifts = run.border.map_or([0.0; 2], |border| border.slopes_beside(turn).map(shift));
+            let distance = run.border.map_or(f64::INFINITY, |border| border.distance());
+            End { unmoved, shifts, moved: 1.0, distance, length: unmoved }
+        }));
+        for end in 1..ends.len() {
+            let (before, after) = ends.split_at_mut(end);
+            if let (Some(before), Some(after)) = (before.last_mut(), after.first_mut()) {
+                stop_where_they_meet(before, after);
+            }
         }
+        for end in 0..ends.len() {
+            let (before, after) = ends.split_at_mut(end);
+            let Some(own) = after.first_mut() else { break };
+            own.length = own.unmoved + own.moved * own.shifts[0];
+            let Some(last) = before.last() else { continue };
+            if own.distance < last.distance {
+                for hidden in before.iter_mut().rev().take_while(|hidden| hidden.length > own.length) {
+                    hidden.length = own.length;
+                }
+            } else {
+                own.length = own.length.max(last.length);
+            }
+        }
+    }
+}
+
+/// Two edges that move towards each other do so until they meet, or the farther until the nearer hides it. On the other side, where they part, they
+/// move as far and no farther. So what slices beside gain and lose is the same in the mean over all slices, and the mean of many pictures is right.
+fn stop_where_they_meet(before: &mut End, after: &mut End) {
+    let gap = after.unmoved - before.unmoved;
+    let closing = [0, 1].map(|side| before.shifts[side] - after.shifts[side]);
+    let most = closing[0].max(closing[1]);
+    if most <= gap {
+        return;
+    }
+    let moved = (gap / most).max(0.0);
+    if before.distance >= ONE_OUTLINE * after.distance {
+        before.moved = before.moved.min(moved);
+    }
+    if after.distance >= ONE_OUTLINE * before.distance {
+        after.moved = after.moved.min(moved);
     }
 }
 
@@ -196,6 +245,35 @@ mod tests {
             let [low, high] = [(slice.slopes(&crossings[0])[0], -farthest), (end, farthest)]
                 .map(|(slope, beyond)| beside.area_at((beside.length_at_slope(slope) + beyond).clamp(0.0, beside.length)));
             prop_assert!((passed - (high - low)).abs() < 1e-9 * beside.area_per_rad, "{passed} {low} {high}");
+        }
+
+        /// Whether they meet beside the slice or not.
+        #[test]
+        fn what_lies_between_two_edges_has_its_length_in_the_mean(
+            to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),
+            part in 0.2..0.8_f64,
+            along in prop::array::uniform2(prop::array::uniform2(-1.0..1.0_f64)),
+            gap_per_rad in 0.05..1.0_f64,
+        ) {
+            let turned_rad = 1e-3;
+            let fan = Fan::of_pinhole(1.0, SIZE, to_light);
+            let angle = fan.angles.0 + part * fan.angles.1;
+            let slice_at = |turn: f64| fan.slice(angle + turn, Ring::WHOLE);
+            let (Some(own), Some(left), Some(right)) = (slice_at(0.0), slice_at(-turned_rad), slice_at(turned_rad)) else { return Ok(()) };
+            let middle = own.slope_at(0.5 * own.length);
+            let slopes = [middle, middle - gap_per_rad * turned_rad];
+            let mut outline = Outline::default();
+            for (slope, [x, y]) in slopes.into_iter().zip(along) {
+                outline.add(slope + 1.0, slope);
+                outline.end(Some(Border::through(DVec3::new(1.0, slope, 0.0), DVec3::new(x, y, 1.0))));
+            }
+            let gap = |ends: [f64; 2]| ends[1] - ends[0];
+            let beside = [(left, -turned_rad), (right, turned_rad)].map(|(slice, turn)| {
+                outline.move_ends(&slice, turn);
+                gap([0, 1].map(|end| outline.ends[end].length))
+            });
+            let unmoved = gap(slopes.map(|slope| own.length_at_slope(slope)));
+            prop_assert!((0.5 * (beside[0] + beside[1]) - unmoved).abs() < 0.05 * unmoved, "{beside:?} {unmoved}");
         }
     }
 }
