@@ -172,13 +172,13 @@ fn radiance_of(
 
 impl Leg {
     /// What the film is to know of it, by light that has no hue yet.
-    pub(super) fn sample(self, snapshot: &Snapshot, transport: &Transport, ray: &Ray, hue: Rgb) -> Sample {
+    pub(super) fn sample(&self, snapshot: &Snapshot, transport: &Transport, ray: &Ray, hue: Rgb) -> Sample {
         let alpha = if self.covered || snapshot.has_background() {
             1.0
         } else {
             1.0 - self.transmittance.element_sum() / 3.0
         };
-        let surface = self.surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
+        let surface = self.surface.as_ref().filter(|_| transport.features).map(|point| SurfaceFeatures {
             depth_m: snapshot.view.depth(point.position),
             normal: point.shading_normal,
             position: snapshot.world_from_relative(point.position),
@@ -186,7 +186,7 @@ impl Leg {
             leaf_id: point.leaf_id,
         });
         let motion_px = snapshot.motion_px(self.surface.as_ref(), ray.direction);
-        let Self { radiance, own, shafts, transmittance, mattes, .. } = self;
+        let Self { radiance, own, shafts, transmittance, mattes, .. } = *self;
         Sample { radiance, own, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
     }
 }

@@ -102,7 +102,7 @@ impl Border {
                 };
                 point += normal.dot(on - point) / normal.dot(way) * way;
             }
-            point.y / point.x.hypot(point.z)
+            point.y / (point.x * point.x + point.z * point.z).sqrt()
         })
     }
 }

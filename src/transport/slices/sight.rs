@@ -75,19 +75,19 @@ impl Sight<'_> {
             meeting.is_lit || facet.shines_or_mirrors() || transport.features
         };
         let seen = self.meeting.filter(shows);
-        let seen = seen.map(|(meeting, facet)| (facet.seen_along(ray, distance), meeting.is_lit));
-        let behind_fog = match &seen {
+        let is_lit = seen.is_some_and(|(meeting, _)| meeting.is_lit);
+        let surface = seen.map(|(_, facet)| facet.seen_along(ray, distance));
+        let behind_fog = match &surface {
             None if self.meeting.is_some() => Shown::default(),
             None => Shown::own(self.illumination().background(snapshot, ray.direction)),
-            Some((point, is_lit)) => {
+            Some(point) => {
                 let to_light = fog.map(|fog| fog.transmittance_to_light(&planar, end));
-                self.reflected(point, *is_lit, to_light, scratch)
+                self.reflected(point, is_lit, to_light, scratch)
             }
         };
         let radiance = behind_fog.radiance * transmittance + shafts;
         let own = behind_fog.own * transmittance;
         let covered = self.meeting.is_some();
-        let surface = seen.map(|(point, _)| point);
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg { radiance, own, shafts, transmittance, covered, surface, mattes };
         leg.sample(snapshot, transport, ray, self.job.hue)

@@ -115,7 +115,7 @@ pub fn solve(
         let mut piece_slope = highest_slope;
         for (number, end) in ends.iter().enumerate() {
             let piece_end = end.area;
-            let [phase] = kronecker([chord.phase], number);
+            let phase = kronecker(chord.phase, number);
             let area = piece_end - piece_start;
             let place = slice.place(piece_start + phase * area);
             let planar = planar(&place);
