@@ -66,7 +66,7 @@ pub enum Part {
     Sky,
 }
 
-/// One leg of a path: from its origin to the first surface.
+/// One leg of a path, from its origin to the first surface: its light.
 pub(super) struct Leg {
     pub(super) radiance: Rgb,
     /// Of that what shines by itself.
@@ -75,8 +75,6 @@ pub(super) struct Leg {
     pub(super) transmittance: Rgb,
     /// Whether an opaque surface ends it.
     pub(super) covered: bool,
-    /// What the data passes show.
-    pub(super) surface: Option<SurfacePoint>,
     pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
@@ -165,33 +163,41 @@ fn radiance_of(
         });
     }
     let light = Illumination { lights: &lights, self_luminous, sky };
-    let leg = follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
+    let (leg, surface) =
+        follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
     scratch.lights = lights;
-    leg.sample(snapshot, transport, ray, hue)
+    leg.sample(surface.as_ref(), snapshot, transport, ray, hue)
 }
 
 impl Leg {
-    /// What the film is to know of it, by light that has no hue yet.
-    pub(super) fn sample(&self, snapshot: &Snapshot, transport: &Transport, ray: &Ray, hue: Rgb) -> Sample {
+    /// What the film is to know of it, by light that has no hue yet; `surface` is what the data passes show.
+    pub(super) fn sample(
+        &self,
+        surface: Option<&SurfacePoint>,
+        snapshot: &Snapshot,
+        transport: &Transport,
+        ray: &Ray,
+        hue: Rgb,
+    ) -> Sample {
         let alpha = if self.covered || snapshot.has_background() {
             1.0
         } else {
             1.0 - self.transmittance.element_sum() / 3.0
         };
-        let surface = self.surface.as_ref().filter(|_| transport.features).map(|point| SurfaceFeatures {
+        let motion_px = snapshot.motion_px(surface, ray.direction);
+        let surface = surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
             depth_m: snapshot.view.depth(point.position),
             normal: point.shading_normal,
             position: snapshot.world_from_relative(point.position),
             albedo: point.albedo,
             leaf_id: point.leaf_id,
         });
-        let motion_px = snapshot.motion_px(self.surface.as_ref(), ray.direction);
         let Self { radiance, own, shafts, transmittance, mattes, .. } = *self;
         Sample { radiance, own, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
     }
 }
 
-/// To the first surface and, by mirrors, beyond.
+/// To the first surface and, by mirrors, beyond; with it comes the surface that data passes show.
 #[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
 pub(super) fn follow(
     snapshot: &Snapshot,
@@ -202,7 +208,7 @@ pub(super) fn follow(
     mirrors_left: u32,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
-) -> Leg {
+) -> (Leg, Option<SurfacePoint>) {
     let hit = snapshot.tree.nearest_hit(ray, f64::INFINITY, leaving);
     let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
     let surface = hit.map(|hit| snapshot.surface(ray, &hit));
@@ -245,7 +251,8 @@ pub(super) fn follow(
     own += behind_fog.own * transmittance;
     let solid = blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
     let mattes = mattes(snapshot, &blended, surface.as_ref());
-    Leg { radiance, own, shafts, transmittance, covered: hit.is_some(), surface: solid.or(surface), mattes }
+    let leg = Leg { radiance, own, shafts, transmittance, covered: hit.is_some(), mattes };
+    (leg, solid.or(surface))
 }
 
 /// Which objects a ray sees, and how much of each past those before it.
@@ -294,6 +301,6 @@ pub(super) fn own_and_mirrored(
     }
     let ray = Ray { origin: point.position, direction: reflected.normalize() };
     let skip = Some(point.primitive);
-    let seen = follow(snapshot, transport, light, &ray, skip, mirrors_left - 1, sampler, scratch);
+    let (seen, _) = follow(snapshot, transport, light, &ray, skip, mirrors_left - 1, sampler, scratch);
     Shown { radiance: emission + point.mirror * seen.radiance, own: emission + point.mirror * seen.own }
 }

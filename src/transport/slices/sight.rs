@@ -42,8 +42,9 @@ impl Sight<'_> {
         let SliceJob { snapshot, transport, .. } = *self.job;
         let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
         let mut sampler = self.sampler;
-        let leg = follow(snapshot, transport, illumination, &self.ray, None, mirrors, &mut sampler, scratch);
-        leg.sample(snapshot, transport, &self.ray, self.job.hue)
+        let (leg, surface) =
+            follow(snapshot, transport, illumination, &self.ray, None, mirrors, &mut sampler, scratch);
+        leg.sample(surface.as_ref(), snapshot, transport, &self.ray, self.job.hue)
     }
 
     /// Its value, with the shadows of a sweep and, under a distant light, the fog of its slice.
@@ -89,8 +90,8 @@ impl Sight<'_> {
         let own = behind_fog.own * transmittance;
         let covered = self.meeting.is_some();
         let mattes = mattes(snapshot, &[], surface.as_ref());
-        let leg = Leg { radiance, own, shafts, transmittance, covered, surface, mattes };
-        leg.sample(snapshot, transport, ray, self.job.hue)
+        let leg = Leg { radiance, own, shafts, transmittance, covered, mattes };
+        leg.sample(surface.as_ref(), snapshot, transport, ray, self.job.hue)
     }
 
     /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the light, if that is known.
