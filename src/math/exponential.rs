@@ -6,15 +6,14 @@ use std::f64::consts::LOG2_E;
 /// ln 2 cut off after 21 bits, so that an integer below 2^32 times it is exact, and what was cut off.
 const LN_2_PARTS: (f64, f64) = (0.693_146_705_627_441_4, 4.749_325_039_031_672_6e-7);
 
-/// `exp(x)` to a relative 1e-15 for `-700 <= x <= 700`; 0 below, and above as for 700.
+/// `exp(x)` to a relative 1e-11 for `-700 <= x <= 700`; numbers beyond that count as its ends.
 ///
 /// `x = n ln 2 + r` with `|r| <= ln 2 / 2`, so `exp(x) = 2^n exp(r)`, and `exp(r)` by its Taylor
-/// polynomial: the first term left out is `r^13 / 13!`, below 2e-16.
+/// polynomial: the first term left out is `r^10 / 10!`, below 7e-12.
 #[inline(always)]
 pub fn fast_exp(x: f64) -> f64 {
     /// Added to a small number it leaves the nearest integer in the last bits of the sum.
     const ROUNDER: f64 = 1.5 * (1_u64 << 52) as f64;
-    let is_nothing = x < -700.0;
     let x = x.clamp(-700.0, 700.0);
     let rounded = x * LOG2_E + ROUNDER;
     let n = rounded - ROUNDER;
@@ -22,11 +21,9 @@ pub fn fast_exp(x: f64) -> f64 {
     let (r2, r4) = (r * r, r * r * r * r);
     let low = (1.0 + r) + r2 * (1.0 / 2.0 + r * (1.0 / 6.0));
     let middle = (1.0 / 24.0 + r * (1.0 / 120.0)) + r2 * (1.0 / 720.0 + r * (1.0 / 5040.0));
-    let high = (1.0 / 40_320.0 + r * (1.0 / 362_880.0)) + r2 * (1.0 / 3_628_800.0 + r * (1.0 / 39_916_800.0));
-    let high = high + r4 * (1.0 / 479_001_600.0);
+    let high = 1.0 / 40_320.0 + r * (1.0 / 362_880.0);
     let power_of_two = f64::from_bits((rounded.to_bits() << 52).wrapping_add(1.0_f64.to_bits()));
-    let value = power_of_two * (low + r4 * (middle + r4 * high));
-    if is_nothing { 0.0 } else { value }
+    power_of_two * (low + r4 * (middle + r4 * high))
 }
 
 #[cfg(test)]
@@ -45,10 +42,9 @@ mod tests {
         for step in -70_000..=70_000 {
             let x = f64::from(step) * 0.009_999;
             let relative = fast_exp(x) / x.exp() - 1.0;
-            assert!(relative.abs() < 1e-15, "exp({x}): {relative:e}");
+            assert!(relative.abs() < 1e-11, "exp({x}): {relative:e}");
         }
         assert_eq!(fast_exp(0.0), 1.0);
-        assert_eq!(fast_exp(f64::NEG_INFINITY), 0.0);
-        assert!(fast_exp(f64::NAN).is_nan());
+        assert!(fast_exp(-1e300) < 1e-300);
     }
 }

@@ -1,14 +1,13 @@
 //! Optical depth in, what gets through out. Invariant: no cancellation, also of next to nothing.
 
 use crate::color::Rgb;
-use crate::math::fast_exp;
 
 /// `exp(-tau)` per channel, computed once where the channels are alike.
 pub fn exp_minus(tau: Rgb) -> Rgb {
     if tau.x == tau.y && tau.y == tau.z {
-        return Rgb::splat(fast_exp(-tau.x));
+        return Rgb::splat((-tau.x).exp());
     }
-    Rgb::new(fast_exp(-tau.x), fast_exp(-tau.y), fast_exp(-tau.z))
+    Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp())
 }
 
 /// `(1 - exp(-d)) / d`, the mean of `exp(-x)` over `[0, d]`, for `d >= 0`.
