@@ -13,7 +13,7 @@ use super::places::Places;
 use super::rings::{Layout, Rings};
 use crate::film::Mask;
 use crate::scene::{Size, Window};
-use crate::transport::slices::{Chord, Crossing, Fan, Ring, Separation, Slice};
+use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 use std::sync::OnceLock;
@@ -116,7 +116,7 @@ impl Lattice {
             (SAMPLES_PER_SLICE, FEWEST_SLICES_PER_PX)
         };
         let slices_per_px = (samples / samples_per_slice).max(fewest);
-        let layout = Layout { deviation_rad, samples, slices_per_px, segments };
+        let layout = Layout { is_drawn, deviation_rad, samples, slices_per_px, segments };
         let Rings { count, .. } = *chosen.get_or_init(|| layout.choose(base));
         let is_streaky = is_drawn && (count == 1 || in_time) && samples < NO_TURNS_FROM;
         let first_turns = if is_streaky { TURNS } else { 1 };
@@ -124,9 +124,6 @@ impl Lattice {
         let places = Places::new(pass, first_turns);
         let mut from = 0;
         let rings = layout.cut(base, count).into_iter().map(|ring| {
-            let separation = base.separation(ring);
-            let Separation { mean_px, greatest_px, .. } =
-                if separation.area_px > 0.0 { separation } else { base.separation(Ring::WHOLE) };
             let (low, high) = (ring.0.max(extent.0), ring.1.min(extent.1));
             let anchor = 0.5 * (low + high);
             let turn = (deviation_rad.sin() / low.sin().min(high.sin()).max(0.0)).min(1.0).asin();
@@ -138,8 +135,7 @@ impl Lattice {
                 _ => PI,
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
-            let slices_per_rad = slices_per_px * if is_drawn { mean_px } else { greatest_px };
-            let rows = (width * slices_per_rad).ceil().max(1.0);
+            let rows = (width * layout.slices_per_rad(base, ring)).ceil().max(1.0);
             let row_rad = width / rows;
             let turn_rad = row_rad / first_turns as f64;
             let (across, along) = shift();

@@ -1,10 +1,12 @@
-//! In which rings about the axis slices with draws of their own are laid out. In go the fan of the light's centre, how far others
+//! In which rings about the axis slices are laid out, and how densely. In go the fan of the light's centre, how far others
 //! wander and what slices cut, out come rings. Invariant: the choice is the whole picture's, whichever part of it is wanted.
 //!
-//! Such a slice passes through its place half way across its ring, and is the farther from where it belongs the farther one looks from
+//! A slice with draws of its own passes through its place half way across its ring, and is the farther from where it belongs the farther one looks from
 //! there: then pixels see now more slices, now fewer. In narrow rings all stay in order, but each ring gathers anew what its slices cut.
+//!
+//! Slices that share a fan are always in order, but crowd about its axis, and most of them tell nothing there that others do not: fewer do.
 
-use crate::transport::slices::{Fan, Ring, Slice};
+use crate::transport::slices::{Fan, Ring, Separation, Slice};
 use std::f64::consts::PI;
 
 /// In how many rings the picture may be cut: 16 are hardly better than 8.
@@ -20,8 +22,17 @@ const MOST_PASSED: f64 = 20.0;
 /// How many slices of a ring are asked what they cut.
 const PROBES: u32 = 3;
 
+/// Slices that share a fan crowd within this part of the way from its axis to where they lie farthest apart. With the sun amid leaves500 a ninth of the time
+/// is spent there, on a hundredth of the square of the error.
+const CROWD: f64 = 0.1;
+
+/// At its rim they still lie so many times as close as there. With all of them it would be ten times, so a quarter are left.
+const CLOSER_AT_RIM: f64 = 2.5;
+
 /// What decides about rings, beside the fan.
 pub(super) struct Layout<'a> {
+    /// Whether slices have draws of their own.
+    pub(super) is_drawn: bool,
     /// How far fans wander at most.
     pub(super) deviation_rad: f64,
     /// Samples a pixel.
@@ -63,13 +74,14 @@ impl Layout<'_> {
         costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(1, |(count, _)| count)
     }
 
-    /// The picture in so many rings, and what lies about the axis and about its far side in others: there slices wander too far to be kept in any place.
+    /// The picture in so many rings, and what lies about the axis and about its far side in others: there slices wander too far to be kept in any place, or crowd.
     pub(super) fn cut(&self, base: &Fan, count: u32) -> Vec<Ring> {
         let extent = base.extent();
-        let (low, high) = (2.0 * self.deviation_rad, PI - 2.0 * self.deviation_rad);
+        let about_axis_rad = if self.is_drawn { 2.0 * self.deviation_rad } else { crowd_rad(base) };
+        let (low, high) = (about_axis_rad, PI - about_axis_rad);
         let (from, to) = (extent.0.max(low), extent.1.min(high));
         let mut borders = Vec::new();
-        if self.deviation_rad > 0.0 && from < to {
+        if about_axis_rad > 0.0 && from < to {
             let between = |part: u32| from + (to - from) * f64::from(part) / f64::from(count);
             borders.extend((extent.0 < low).then_some(low));
             borders.extend((1..count).map(between));
@@ -78,6 +90,14 @@ impl Layout<'_> {
         borders.push(PI);
         let starts = std::iter::once(0.0).chain(borders.iter().copied());
         starts.zip(&borders).map(|(from, &to)| Ring(from, to)).collect()
+    }
+
+    /// How many slices a radian of a ring has.
+    pub(super) fn slices_per_rad(&self, base: &Fan, ring: Ring) -> f64 {
+        let (whole, own) = (base.separation(Ring::WHOLE), base.separation(ring));
+        let Separation { mean_px, greatest_px, .. } = if own.area_px > 0.0 { own } else { whole };
+        let px = if self.is_drawn { mean_px } else { whole.greatest_px.min(CLOSER_AT_RIM * greatest_px) };
+        self.slices_per_px * px
     }
 
     /// What a ring costs for an error, in segments: what its slices gather, and samples.
@@ -107,6 +127,12 @@ impl Layout<'_> {
     }
 }
 
+/// How far from the axis slices that share a fan crowd.
+fn crowd_rad(base: &Fan) -> f64 {
+    let greatest_px = base.separation(Ring::WHOLE).greatest_px;
+    (CROWD * greatest_px / base.px_per_rad()).min(1.0).asin()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,7 +153,14 @@ mod tests {
     }
 
     fn layout(deviation_deg: f64, segments: &dyn Fn(&Slice) -> usize) -> Layout<'_> {
-        Layout { deviation_rad: deviation_deg.to_radians(), samples: 16.0, slices_per_px: 8.0, segments }
+        let is_drawn = deviation_deg > 0.0;
+        Layout {
+            is_drawn,
+            deviation_rad: deviation_deg.to_radians(),
+            samples: 16.0,
+            slices_per_px: 8.0,
+            segments,
+        }
     }
 
     #[test]
@@ -176,6 +209,23 @@ mod tests {
                 ordered,
                 "{deviation_deg}"
             );
+        }
+    }
+
+    /// If that, or its far side, is in the picture.
+    #[test]
+    fn a_crowd_about_the_axis_is_thinned() {
+        let layout = layout(0.0, &|_| 1);
+        for (elevation_deg, crowd) in [(50.0, None), (5.0, Some(0)), (175.0, Some(1)), (90.0, None)] {
+            let fan = fan(elevation_deg);
+            let all_per_rad = layout.slices_per_px * fan.separation(Ring::WHOLE).greatest_px;
+            let rings = layout.cut(&fan, 1);
+            assert_eq!(rings.len(), if crowd.is_some() { 2 } else { 1 }, "{rings:?}");
+            for (number, &ring) in rings.iter().enumerate() {
+                let share = layout.slices_per_rad(&fan, ring) / all_per_rad;
+                let expected = if crowd == Some(number) { 0.25 } else { 1.0 };
+                assert!((share / expected - 1.0).abs() < 0.15, "{elevation_deg}: {share} in {ring:?}");
+            }
         }
     }
 
