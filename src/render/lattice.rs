@@ -122,6 +122,7 @@ impl Lattice {
         let first_turns = if is_streaky { TURNS } else { 1 };
         let turns = if pass.is_first() { first_turns } else { 1 };
         let places = Places::new(pass, first_turns);
+        let first_shift = shift();
         let mut from = 0;
         let rings = layout.cut(base, count).into_iter().map(|ring| {
             let (low, high) = (ring.0.max(extent.0), ring.1.min(extent.1));
@@ -138,7 +139,8 @@ impl Lattice {
             let rows = (width * layout.slices_per_rad(base, ring)).ceil().max(1.0);
             let row_rad = width / rows;
             let turn_rad = row_rad / first_turns as f64;
-            let (across, along) = shift();
+            // Rings of one fan share them, so that a crowd about the axis changes nothing elsewhere.
+            let (across, along) = if is_drawn && from > 0 { shift() } else { first_shift };
             // The cell of the slice before the first reaches into the picture, unless that is the last one again.
             let first_rad = base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * turn_rad;
             let rows = rows as usize + usize::from(width < TAU);
