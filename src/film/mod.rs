@@ -51,6 +51,12 @@ pub struct Film {
     mattes: Vec<MatteList>,
 }
 
+/// Zeros in memory that has been written to: a sum reads its memory first, for which the system would show a page of zeros and then, for the
+/// write, another.
+fn written_zeros(count: usize) -> Vec<f64> {
+    std::iter::repeat_n(std::hint::black_box(0.0), count).collect()
+}
+
 impl Film {
     /// An empty film for `window` of a picture of size `full`. Passes not asked for take no memory.
     pub fn new(full: Size, window: Window, passes: &[Pass]) -> Self {
@@ -73,8 +79,8 @@ impl Film {
         Self {
             full,
             window,
-            weights: vec![0.0; pixels],
-            sums: vec![0.0; pixels * passes.mean_channels()],
+            weights: written_zeros(pixels),
+            sums: written_zeros(pixels * passes.mean_channels()),
             fresh: vec![[0.0; 4]; pixels],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),

@@ -20,8 +20,8 @@ use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Slices solved before their samples go to the film: enough for all threads, few enough for memory.
-const BATCH: usize = 128;
+/// Slices that a thread solves before its samples go to the film: enough for threads to end together, few enough for the caches.
+const BATCH_PER_THREAD: usize = 16;
 
 /// One light's part of a picture, in passes of a lattice each.
 pub(super) struct LightPicture<'a> {
@@ -103,8 +103,9 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
-    let mut solved: Vec<Splats> = vec![film.splats(); BATCH];
-    for first in (0..count).step_by(BATCH) {
+    let batch = BATCH_PER_THREAD * rayon::current_num_threads();
+    let mut solved: Vec<Splats> = vec![film.splats(); batch];
+    for first in (0..count).step_by(batch) {
         if (watch.cancelled)() {
             break;
         }
@@ -112,8 +113,8 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
             || (SliceScratch::default(), Outline::default(), Vec::new()),
             |(scratch, outline, pieces), (index, samples)| {
                 let number = first + index;
-                // Of a lattice's rows every other one is a lattice too.
-                samples.start(!pass.is_first() || lattice.row(number) % 2 == 1);
+                // Of a lattice's rows every other one is a lattice too; what nobody judges has no halves.
+                samples.start(job.is_judged() && (!pass.is_first() || lattice.row(number) % 2 == 1));
                 if !lattice.is_wanted(number) {
                     return;
                 }
@@ -152,6 +153,6 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
             },
         );
         film.add_all(&solved);
-        watch.tell(count.min(first + BATCH) as f64 / count as f64);
+        watch.tell(count.min(first + batch) as f64 / count as f64);
     }
 }
