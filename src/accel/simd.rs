@@ -60,6 +60,9 @@ pub(super) trait Simd: Copy {
     fn load(self, values: &Eight) -> Self::Lanes;
     /// To memory.
     fn store(self, lanes: Self::Lanes) -> [f32; WIDTH];
+    /// Begins to fetch what is soon to be read.
+    #[inline(always)]
+    fn prefetch<T>(self, _soon_read: &T) {}
 }
 
 /// Which implementation serves this processor.

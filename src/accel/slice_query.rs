@@ -88,6 +88,11 @@ struct SliceQuery<'a> {
 
 impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
     #[inline(always)]
+    fn expect(&self, simd: S, leaf: u32) {
+        simd.prefetch(&self.instances[leaf as usize]);
+    }
+
+    #[inline(always)]
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
