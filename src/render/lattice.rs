@@ -15,7 +15,6 @@ use crate::film::Mask;
 use crate::scene::{Size, Window};
 use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
 use std::f64::consts::{PI, TAU};
-use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 
 /// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
@@ -31,9 +30,8 @@ const FEWEST_SLICES_PER_PX: f64 = 0.5;
 /// The same where slices have draws of their own: those that take turns stand for no more than the pixels that they cross.
 const FEWEST_DRAWS_PER_PX: f64 = 1.0;
 
-/// A swath counts by so many lines to a pixel's width, and by so many at least and at most.
-const LINES_PER_PX: f64 = 4.0;
-const LINES: RangeInclusive<f64> = 3.0..=6.0;
+/// A swath counts by its slice and one line on either side of it, or two where it is wider than so many pixels.
+const WIDE_SWATH_PX: f64 = 0.8;
 
 /// What one draw has wrong shows as a line along its slice: as long as a leaf that flies, and as half shadows if rings do not cut it short.
 /// So slices with draws of their own take turns: of this many, side by side, each has samples only in pixels of its own, and neighbouring pixels
@@ -87,7 +85,8 @@ pub(super) struct PlacedSlice {
     turn: usize,
     /// Where in their pieces its samples lie, but for the dither of pixels.
     phase: f64,
-    weight_per_area: f64,
+    /// What a sample counts for each unit of area per radian that it stands for.
+    pub(super) weight_per_area: f64,
     /// By how much the next slices of its pass are turned, if all of them have samples in the same pixels.
     turned_rad: Option<f64>,
 }
@@ -235,15 +234,20 @@ impl PlacedSlice {
         self.turned_rad.is_some()
     }
 
-    /// The slices of its fan `own` that its swath is made of, by how much they are turned, radians, and what they count for each unit of area per radian.
-    pub(super) fn swath(&self, own: &Fan) -> impl Iterator<Item = (Slice, f64, f64)> {
-        let turned_rad = self.turned_rad.unwrap_or(0.0);
-        let width_px = turned_rad * self.slice.greatest_separation_px_per_rad();
-        let lines = (LINES_PER_PX * width_px).ceil().clamp(*LINES.start(), *LINES.end());
-        let weight_per_area = self.weight_per_area / lines;
-        (0..lines as u32).filter_map(move |line| {
-            let turn = turned_rad * ((f64::from(line) + 0.5) / lines - 0.5);
-            Some((own.slice(self.angle + turn, self.ring)?, turn, weight_per_area))
+    /// By how many lines its swath counts, of which it is the middle one.
+    pub(super) fn swath_lines(&self) -> i32 {
+        let width_px = self.turned_rad.unwrap_or(0.0) * self.slice.greatest_separation_px_per_rad();
+        if width_px < WIDE_SWATH_PX { 3 } else { 5 }
+    }
+
+    /// The others: slices of its fan `own`, and by how much they are turned, radians.
+    pub(super) fn swath_beside(&self, own: &Fan) -> impl Iterator<Item = (Slice, f64)> {
+        let lines = self.swath_lines();
+        let line_rad = self.turned_rad.unwrap_or(0.0) / f64::from(lines);
+        let beside = (0..lines).map(move |line| line - lines / 2).filter(|line| *line != 0);
+        beside.filter_map(move |line| {
+            let turn = line_rad * f64::from(line);
+            Some((own.slice(self.angle + turn, self.ring)?, turn))
         })
     }
 

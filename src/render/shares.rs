@@ -37,7 +37,12 @@ impl Shares<'_> {
     ) {
         let Self { pass, size, placed } = *self;
         let unwanted_around = |x: usize, y: usize| pass.wanted.unwanted_around(x, y);
-        for (line, turned_rad, weight_per_area) in placed.swath(own) {
+        let share = 1.0 / f64::from(placed.swath_lines());
+        for piece in pieces.iter_mut().filter(|piece| pass.may_share(piece.pixel, piece.pixel)) {
+            piece.count(piece.pixel, share * piece.weight);
+        }
+        let weight_per_area = share * placed.weight_per_area;
+        for (line, turned_rad) in placed.swath_beside(own) {
             outline.parts(&line, turned_rad, size, unwanted_around, |part| {
                 let piece = &mut pieces[part.piece];
                 if pass.may_share(piece.pixel, part.pixel) {
@@ -95,6 +100,8 @@ impl Shares<'_> {
 pub(super) struct PlacedPiece {
     /// The sample's number.
     sample: u32,
+    /// What it counts by its chord.
+    weight: f64,
     pixel: (usize, usize),
     film_px: DVec2,
     /// Pixels in which it counts, and how much: lines of a swath mostly meet in the same ones.
@@ -105,7 +112,7 @@ pub(super) struct PlacedPiece {
 impl PlacedPiece {
     pub(super) fn new(piece: &Piece, sample: u32) -> Self {
         let (pixel, film_px) = (piece.chord.pixel, piece.place.film_px);
-        Self { sample, pixel, film_px, counts: Default::default(), counted: 0 }
+        Self { sample, weight: piece.weight, pixel, film_px, counts: Default::default(), counted: 0 }
     }
 
     /// Notes that it counts in a pixel; gives that back if it counts in too many.

@@ -66,19 +66,22 @@ impl Slice {
         let (start_px, along_px) = self.line_px();
         // From border to border, by counting (Amanatides & Woo 1987): a line almost along a border must not be caught between two
         // pixels by rounding.
-        let [mut column, mut row] = [
-            Steps { start_px: start_px.x, along_px: along_px.x, count: size.width, at: 0 },
-            Steps { start_px: start_px.y, along_px: along_px.y, count: size.height, at: 0 },
-        ];
-        column.look(0.0, 0, size.width);
-        row.look(0.0, 0, size.height);
+        let mut column = Steps::new(start_px.x, along_px.x, size.width);
+        let mut row = Steps::new(start_px.y, along_px.y, size.height);
         let mut at = 0.0_f64;
         iter::from_fn(move || {
             while at < self.length {
                 let (x, y) = (column.at, row.at);
-                let unwanted = unwanted_around(x, y);
-                let passed = unwanted.unwrap_or(Window { x, y, width: 1, height: 1 });
                 let enter = at;
+                let Some(passed) = unwanted_around(x, y) else {
+                    at = column.until.min(row.until).max(at);
+                    if column.until <= row.until {
+                        column.step(x, 1);
+                    } else {
+                        row.step(y, 1);
+                    }
+                    return Some(Crossing { pixel: (x, y), lengths: [enter, at.min(self.length)] });
+                };
                 let across = column.exit(passed.x, passed.width);
                 let down = row.exit(passed.y, passed.height);
                 at = across.min(down).max(at);
@@ -88,9 +91,6 @@ impl Slice {
                 } else {
                     row.step(passed.y, passed.height);
                     column.look(at, passed.x, passed.width);
-                }
-                if unwanted.is_none() {
-                    return Some(Crossing { pixel: (x, y), lengths: [enter, at.min(self.length)] });
                 }
             }
             None
@@ -104,11 +104,18 @@ struct Steps {
     start_px: f64,
     along_px: f64,
     count: usize,
-    /// Which it is in.
+    /// Which it is in, and the length after which it leaves that.
     at: usize,
+    until: f64,
 }
 
 impl Steps {
+    fn new(start_px: f64, along_px: f64, count: usize) -> Self {
+        let mut steps = Self { start_px, along_px, count, at: 0, until: 0.0 };
+        steps.look(0.0, 0, count);
+        steps
+    }
+
     /// The length after which it leaves a range of them; without end at the picture's borders, where the slice ends by itself.
     fn exit(&self, low: usize, width: usize) -> f64 {
         if self.along_px > 0.0 && low + width < self.count {
@@ -122,13 +129,18 @@ impl Steps {
 
     /// Goes on to the next beyond a range.
     fn step(&mut self, low: usize, width: usize) {
-        self.at = if self.along_px > 0.0 { low + width } else { low.saturating_sub(1) };
+        self.enter(if self.along_px > 0.0 { low + width } else { low.saturating_sub(1) });
     }
 
     /// Finds in which of a range it is, after a length.
     fn look(&mut self, length: f64, low: usize, width: usize) {
         let place = self.start_px + if self.along_px == 0.0 { 0.0 } else { length * self.along_px };
-        self.at = (place.max(0.0) as usize).clamp(low, (low + width).min(self.count) - 1);
+        self.enter((place.max(0.0) as usize).clamp(low, (low + width).min(self.count) - 1));
+    }
+
+    fn enter(&mut self, at: usize) {
+        self.at = at;
+        self.until = self.exit(at, 1);
     }
 }
 
