@@ -24,6 +24,7 @@ use crate::transport::{Part, Transport};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use refine::{Budget, Goal, Refined};
+use std::sync::OnceLock;
 use sum::Sum;
 use survey::Survey;
 
@@ -145,7 +146,8 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
             let before = sum.frame();
             let developed = watch.part(range, None, |watch| match part {
                 Part::Light(light) => {
-                    let picture = slices::LightPicture { exposure, job, light, tally: &tally };
+                    let picture =
+                        slices::LightPicture { exposure, job, light, tally: &tally, rings: OnceLock::new() };
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
                 Part::Sky => {

@@ -1,5 +1,5 @@
-//! Which slices may cross pixels that are wanted. In go a fan and the pixels, out comes whether its slice at an angle
-//! need be looked at. Invariant: no slice that crosses one is left out.
+//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels, out comes whether a slice in a place
+//! need be looked at. Invariant: no slice that crosses one is left out, however its own fan differs from the centre's.
 //!
 //! A late pass has many slices and few pixels, and most slices meet none of these: to draw them all the same took most of its time under a sun with a picture on it.
 
@@ -17,16 +17,17 @@ pub(super) struct Bearings {
 }
 
 impl Bearings {
-    /// Those of the slices of a fan that meet pixels which are wanted, in a ring.
-    pub(super) fn new(fan: &Fan, ring: Ring, wanted: &Mask) -> Self {
+    /// Those of the slices of `base` that meet pixels which are wanted in a ring, and `margin_rad` to either side. Slices may have axes that are up to
+    /// `deviation_rad` away from that of `base`.
+    pub(super) fn new(base: &Fan, ring: Ring, deviation_rad: f64, wanted: &Mask, margin_rad: f64) -> Self {
         let mut is_wanted = vec![false; PARTS];
         let is_in_ring = |block: &Window| {
-            let (least, greatest) = fan.extent_of(*block);
-            least <= ring.1 && ring.0 <= greatest
+            let (least, greatest) = base.extent_of(*block);
+            least <= ring.1 + deviation_rad && ring.0 - deviation_rad <= greatest
         };
         for block in wanted.inhabited_blocks().filter(is_in_ring) {
-            let (first, width) = fan.angles_across(block);
-            let (low, high) = (part_at(first), part_at(first + width));
+            let (first, width) = base.angles_across(block);
+            let (low, high) = (part_at(first - margin_rad), part_at(first + width + margin_rad));
             // One more on either side, for rounding; a whole turn at most.
             let count = (high - low + 3.0).min(PARTS as f64) as usize;
             let from = (low - 1.0).rem_euclid(PARTS as f64) as usize;
@@ -37,7 +38,7 @@ impl Bearings {
         Self { is_wanted }
     }
 
-    /// Whether the fan's slice at an angle may meet any.
+    /// Whether a slice that passes through its place at an angle of the fan may meet any.
     pub(super) fn hold(&self, angle: f64) -> bool {
         self.is_wanted[part_at(angle).rem_euclid(PARTS as f64) as usize % PARTS]
     }
@@ -72,19 +73,30 @@ mod tests {
     }
 
     proptest! {
+        /// Slices in the order of one fan, and those of fans that differ from it, in a ring that they are kept in order in.
         #[test]
         fn no_slice_that_meets_wanted_pixels_is_left_out(
             (elevation_deg, azimuth_deg) in (-89.0..89.0_f64, -180.0..180.0_f64),
             wanted in prop::collection::hash_set((0..SIZE.width, 0..SIZE.height), 1..4),
-            (from, to) in (0.0..1.5_f64, 1.5..PI),
+            wander_deg in prop::array::uniform2(-0.3..0.3_f64),
         ) {
-            let fan = fan(elevation_deg, azimuth_deg);
+            let base = fan(elevation_deg, azimuth_deg);
             let wanted = Mask::from_fn(Window::whole(SIZE), |x, y| wanted.contains(&(x, y)));
-            for ring in [Ring::WHOLE, Ring(from, to)] {
-                let bearings = Bearings::new(&fan, ring, &wanted);
-                for angle in (0..500).map(|number| fan.angles.0 + fan.angles.1 * f64::from(number) / 500.0) {
-                    prop_assert!(bearings.hold(angle) || !meets(&wanted, &fan, angle, ring), "{angle}");
-                }
+            let angle = |number: u32| base.angles.0 + base.angles.1 * f64::from(number) / 500.0;
+            let bearings = Bearings::new(&base, Ring::WHOLE, 0.0, &wanted, 0.0);
+            for angle in (0..500).map(angle) {
+                prop_assert!(bearings.hold(angle) || !meets(&wanted, &base, angle, Ring::WHOLE), "{angle}");
+            }
+
+            let own = fan(elevation_deg + wander_deg[0], azimuth_deg + wander_deg[1]);
+            let extent = base.extent();
+            let ring = Ring(extent.0.max(0.02), extent.1.min(PI - 0.02));
+            prop_assume!(ring.0 < ring.1);
+            let turn = (base.wander(&own).sin() / ring.0.sin().min(ring.1.sin())).min(1.0).asin();
+            let bearings = Bearings::new(&base, ring, base.wander(&own), &wanted, 1.5 * turn);
+            for angle in (0..500).map(angle) {
+                let (own_angle, _) = own.angle_through(&base, angle, 0.5 * (ring.0 + ring.1));
+                prop_assert!(bearings.hold(angle) || !meets(&wanted, &own, own_angle, ring), "{angle}");
             }
         }
     }
@@ -93,7 +105,7 @@ mod tests {
     fn a_pixel_far_from_the_axis_is_met_by_few() {
         let base = fan(60.0, 0.0);
         let wanted = Mask::from_fn(Window::whole(SIZE), |x, y| (x, y) == (40, 20));
-        let bearings = Bearings::new(&base, Ring::WHOLE, &wanted);
+        let bearings = Bearings::new(&base, Ring::WHOLE, 0.0, &wanted, 0.0);
         let held = (0..1000).filter(|&number| bearings.hold(TAU * f64::from(number) / 1000.0)).count();
         assert!((1..200).contains(&held), "{held}");
     }

@@ -1,14 +1,18 @@
-//! What slices are seen with: a moment of the shutter, a point of the lens and a point of the
-//! light. In goes a number, out comes a draw. Invariant: the first draws, however many, are
-//! spread evenly over all that there is, and what has no extent is not drawn at all.
+//! What each slice is seen with: a moment of the shutter, a point of the lens and a point of the
+//! light. In goes a slice's place, out comes its draw. Invariant: draws of neighbouring slices are
+//! spread evenly over all that there is, after each pass, and what has no extent is not drawn at all.
 //!
-//! Each draw has a fan of slices of its own over all of the picture, and a picture is the mean of theirs. So pixels side by side have seen the same points of
-//! the light, and what these have wrong is as smooth as what they light: no grain, and the same in every frame.
+//! A pixel sees as many slices as it has samples, one beside the other, so what counts is how evenly every
+//! short run of draws is spread. A Sobol sequence by place keeps each aligned run of `2^k` even, in two dimensions as well as in one, whatever passes have come to it, and
+//! Owen's scrambling leaves no pattern from one run to the next: additive recurrences, which have one, showed as hatching.
 
 use crate::color::Rgb;
-use crate::math::SobolPoint;
+use crate::math::PlacedPoints;
 use crate::snapshot::{Exposure, FrozenLight, Snapshot};
 use glam::DVec2;
+
+/// How many draws show how far the fans wander.
+const PROBES: usize = 64;
 
 /// The draws for one light's part of the picture.
 pub(super) struct Draws<'a, 'scene> {
@@ -18,7 +22,7 @@ pub(super) struct Draws<'a, 'scene> {
     seed: u32,
 }
 
-/// What the slices of a fan are seen with.
+/// A slice's own.
 pub(super) struct Draw<'a, 'scene> {
     pub(super) snapshot: &'a Snapshot<'scene>,
     /// Metres to the right and up from the middle of the lens.
@@ -26,8 +30,6 @@ pub(super) struct Draw<'a, 'scene> {
     pub(super) light: FrozenLight,
     /// What its light is to be multiplied by.
     pub(super) hue: Rgb,
-    /// By which part of the way to the next one its slices are shifted, and the samples in each of their pieces.
-    pub(super) shift: [f64; 2],
 }
 
 impl<'a, 'scene> Draws<'a, 'scene> {
@@ -36,24 +38,38 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Self { exposure, light, seed }
     }
 
-    /// Whether there is nothing to draw: all draws are the same but for their shifts.
+    /// Whether there is nothing to draw: all draws are the one in the middle.
     pub(super) fn is_single(&self) -> bool {
         let Snapshot { view, lights, .. } = self.exposure.middle();
         self.exposure.is_instant() && !view.has_lens() && lights[self.light].is_delta()
     }
 
-    /// Draw number so many.
-    pub(super) fn get(&self, number: usize) -> Draw<'a, 'scene> {
+    /// The draw in the middle of everything.
+    pub(super) fn middle(&self) -> Draw<'a, 'scene> {
+        let snapshot = self.exposure.middle();
+        Draw { snapshot, lens_point: DVec2::ZERO, light: snapshot.lights[self.light].centre(), hue: Rgb::ONE }
+    }
+
+    /// The draw of that place, which slices in others may share.
+    pub(super) fn get(&self, place: usize) -> Draw<'a, 'scene> {
+        if self.is_single() {
+            return self.middle();
+        }
         let Snapshot { view, lights, .. } = self.exposure.middle();
-        let mut point = SobolPoint::new(self.seed, self.light as u32, number);
         // What there is not to draw takes no coordinates: the first are the most even.
-        let of_light = if lights[self.light].is_delta() { [0.5; 3] } else { point.take() };
-        let of_lens = if view.has_lens() { point.take() } else { [0.5; 2] };
-        let [time] = if self.exposure.is_instant() { [0.5] } else { point.take() };
+        let mut points = PlacedPoints::new(self.seed, self.light as u32, place);
+        let [time] = if self.exposure.is_instant() { [0.5] } else { points.take() };
+        let of_lens = if view.has_lens() { points.take() } else { [0.5; 2] };
+        let of_light = if lights[self.light].is_delta() { [0.5; 3] } else { points.take() };
         let snapshot = self.exposure.at(time);
         let view = &snapshot.view;
         let lens_point = if view.has_lens() { view.lens_point(of_lens) } else { DVec2::ZERO };
         let (light, hue) = snapshot.lights[self.light].hued_point(of_light);
-        Draw { snapshot, lens_point, light, hue, shift: point.take() }
+        Draw { snapshot, lens_point, light, hue }
+    }
+
+    /// Some draws, to see how far they are spread; none if there is nothing to draw.
+    pub(super) fn probes(&self) -> impl Iterator<Item = Draw<'a, 'scene>> {
+        (0..if self.is_single() { 0 } else { PROBES }).map(|place| self.get(place))
     }
 }

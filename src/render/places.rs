@@ -1,4 +1,4 @@
-//! Which places slices of a fan have among all that any pass may ask for. In goes a slice's number, out come its place and where along it its samples lie. Invariant: slices of a pass lie half way
+//! Which places slices have among all that any pass may ask for. In goes a slice's number, out come its place and where along it its samples lie. Invariant: slices of a pass lie half way
 //! between those of the passes before, so all passes together are one lattice, as even as if it had been rendered at once.
 
 use super::passes::SamplePass;
@@ -16,7 +16,7 @@ const FINEST: f64 = 16384.0;
 
 /// The places of a pass.
 ///
-/// A *row* is what lies between a slice of the first pass and the next; all rows have as many places.
+/// A *row* is what lies between a slice of the first pass and the next of the same turn; all rows have as many places.
 #[derive(Clone, Copy)]
 pub(super) struct Places {
     /// A power of two.
@@ -27,18 +27,16 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// Of a fan that has all its slices in one pass.
-    pub(super) const ALL: Self = Self { per_row: 1, step: 1, first: 0 };
-
-    /// Those of a pass over a fan to which later passes come back.
-    pub(super) fn of_pass(pass: &SamplePass) -> Self {
+    /// Those of a pass, if slices of the first take so many turns, a power of two.
+    pub(super) fn new(pass: &SamplePass, turns: usize) -> Self {
         // As many as the last pass wants.
-        let per_row = 1 << pass.doublings;
+        let per_turn = 1 << pass.doublings;
+        let per_row = turns * per_turn;
         if pass.is_first() {
-            return Self { per_row, step: per_row, first: 0 };
+            return Self { per_row, step: per_turn, first: 0 };
         }
-        let first = per_row >> pass.number;
-        Self { per_row, step: 2 * first, first }
+        let first = per_turn >> pass.number;
+        Self { per_row, step: 2 * first * turns, first }
     }
 
     /// The place of slice `number` of this pass.
@@ -62,26 +60,40 @@ mod tests {
     use crate::film::Mask;
     use crate::scene::Window;
 
+    /// The places of the first eight rows in a pass, if three passes come after the first.
+    fn of_pass(number: u32, turns: usize) -> (Places, Vec<usize>) {
+        let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
+        let pass =
+            SamplePass { number, doublings: 3, samples: 8 << number.saturating_sub(1), wanted: &wanted };
+        let places = Places::new(&pass, turns);
+        assert_eq!(places.per_row, 8 * turns);
+        (places, (places.first..8 * places.per_row).step_by(places.step).collect())
+    }
+
     #[test]
     fn passes_put_their_slices_between_those_before() {
-        let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
         let mut all = Vec::new();
         for number in 0..4 {
-            let samples = 8 << number.saturating_sub(1);
-            let pass = SamplePass { number, doublings: 3, samples, wanted: &wanted };
-            let places = Places::of_pass(&pass);
-            assert_eq!(places.per_row, 8);
-            all.extend((places.first..64).step_by(places.step));
+            all.extend(of_pass(number, 1).1);
             all.sort_unstable();
             let even: Vec<usize> = (0..64).step_by(8 >> number).collect();
             assert_eq!(all, even);
         }
     }
 
+    /// Slices of a turn are twice as far apart; those of later passes serve the pixels of both turns.
+    #[test]
+    fn slices_in_turns_leave_their_places_to_others() {
+        assert_eq!(of_pass(0, 2).1[..4], [0, 8, 16, 24]);
+        assert_eq!(of_pass(1, 2).1[..4], [4, 20, 36, 52]);
+        assert_eq!(of_pass(2, 2).1[..4], [2, 10, 18, 26]);
+        assert_eq!(of_pass(3, 2).1[..4], [1, 5, 9, 13]);
+    }
+
     #[test]
     fn a_single_pass_has_its_slices_in_their_order() {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
-        let places = Places::of_pass(&SamplePass::only(8, &wanted));
+        let places = Places::new(&SamplePass::only(8, &wanted), 1);
         assert!((0..20).all(|number| places.of(number) == number));
     }
 
@@ -98,11 +110,16 @@ mod tests {
     fn phases_are_even_whatever_passes_there_may_be() {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
         for doublings in 0..14 {
-            let places = Places::of_pass(&SamplePass { doublings, ..SamplePass::only(8, &wanted) });
-            for rows in [2, 4, 8] {
-                let slices = (rows * places.per_row).min(512) as f64;
-                let evenness = evenness(&places, slices);
-                assert!(evenness > 0.6, "{doublings} doublings, {slices} slices: {evenness:.2}");
+            for turns in [1, 2] {
+                let places = Places::new(&SamplePass { doublings, ..SamplePass::only(8, &wanted) }, turns);
+                for rows in [2, 4, 8] {
+                    let slices = (rows * places.per_row).min(512) as f64;
+                    let evenness = evenness(&places, slices);
+                    assert!(
+                        evenness > 0.6,
+                        "{doublings} doublings, {turns} turns, {slices} slices: {evenness:.2}"
+                    );
+                }
             }
         }
     }

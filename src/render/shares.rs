@@ -22,6 +22,11 @@ pub(super) struct Shares<'a> {
 }
 
 impl Shares<'_> {
+    /// All in its own pixel.
+    pub(super) fn by_chord(&self, piece: &Piece) -> Splat {
+        splat(piece.place.film_px, piece.chord.pixel, piece.weight)
+    }
+
     /// By the pixels' own areas: the pieces of a slice, and its outline, count wherever its swath reaches.
     pub(super) fn by_swath(
         &self,

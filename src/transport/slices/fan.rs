@@ -144,6 +144,24 @@ impl Fan {
         self.picture.angles_from(self.axis)
     }
 
+    /// How far from this fan's axis another's appears to be in the picture, radians.
+    pub fn wander(&self, other: &Self) -> f64 {
+        self.picture.reframed(&other.picture, other.axis).angle_between(self.axis)
+    }
+
+    /// The angle of this fan's slice that passes through a place of the picture, and how many radians
+    /// it turns for each that the place turns. The place lies in another fan over the same picture, on
+    /// its slice at `angle`, `from_axis` radians from its axis.
+    pub fn angle_through(&self, other: &Self, angle: f64, from_axis: f64) -> (f64, f64) {
+        let ((sin, cos), (far, near)) = (angle.sin_cos(), from_axis.sin_cos());
+        let place = near * other.axis + far * (cos * other.zero + sin * other.quarter);
+        let change = far * (cos * other.quarter - sin * other.zero);
+        let [place, change] = [place, change].map(|v| self.picture.reframed(&other.picture, v));
+        let components = |v: DVec3| DVec2::new(v.dot(self.zero), v.dot(self.quarter));
+        let (place, change) = (components(place), components(change));
+        (place.y.atan2(place.x), place.perp_dot(change) / place.length_squared())
+    }
+
     /// How far apart slices lie in the part of the picture in a ring.
     pub fn separation(&self, ring: Ring) -> Separation {
         // Area per radian over length, found from a few slices.
@@ -347,6 +365,15 @@ impl Picture {
     /// Towards a point of the image plane; not of unit length.
     fn direction(&self, point: DVec2) -> DVec3 {
         self.vector(point) + self.forward
+    }
+
+    /// The direction that lies in this picture where `direction` lies in another of the same size;
+    /// linear, so that it goes on beyond the picture and behind the camera.
+    fn reframed(&self, other: &Self, direction: DVec3) -> DVec3 {
+        let depth = direction.dot(other.forward);
+        let point = DVec2::new(direction.dot(other.right), direction.dot(other.up)) - depth * other.corner;
+        let scale = other.pixels_per_unit / self.pixels_per_unit;
+        self.vector(scale * point + depth * self.corner) + depth * self.forward
     }
 
     /// Least and greatest angle between a direction and those of the picture.

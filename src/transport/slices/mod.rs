@@ -32,4 +32,4 @@ mod veiled;
 pub use chord::{Chord, Crossing};
 pub use fan::{Fan, Place, Ring, Separation, Slice, pixel};
 pub use outline::{FARTHEST_SHIFT_PX, Outline, Part};
-pub use solve::{Piece, SliceJob, SliceScratch, solve};
+pub use solve::{Piece, SliceJob, SliceScratch, count_segments, solve};

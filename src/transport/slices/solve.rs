@@ -155,6 +155,15 @@ pub fn solve(
     Some(blended_cuts + cuts.len())
 }
 
+/// How many segments a whole slice would gather of what is not blended.
+pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
+    let lowest_slope = slice.slope_at(slice.length);
+    let half_plane = HalfPlane { eye: fan.eye, axis: fan.axis, outward: slice.outward, lowest_slope };
+    let mut cuts = Vec::new();
+    snapshot.tree.add_cuts(&half_plane, &mut cuts);
+    cuts.len()
+}
+
 fn planar(fan: &Fan, slice: &Slice, place: &Place) -> PlanarRay {
     // Rounding must not put a ray along the axis on the other side of it.
     let reach = place.direction.dot(slice.outward).max(LEAST_SPREAD);
