@@ -51,6 +51,9 @@ const SHARED_DRAWS_FROM: u32 = 16;
 /// With more than so many every slice has a draw of its own: what swaths of a pixel's width blur would be most of the error.
 const SHARED_DRAWS_TO: u32 = 128;
 
+/// Swaths of shared draws are no wider: what counts in a pixel must not lie farther away than a crop looks (`passes.rs`).
+const WIDEST_SWATH_PX: f64 = 2.0;
+
 /// In what slices with draws of their own differ.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Differing {
@@ -130,18 +133,19 @@ impl Lattice {
         };
         let slices_per_px = (samples / samples_per_slice).max(fewest);
         let layout = Layout { is_drawn, deviation_rad, samples, slices_per_px, segments };
-        let Rings { count, .. } = *chosen.get_or_init(|| layout.choose(base));
+        let Rings { count, are_ordered } = *chosen.get_or_init(|| layout.choose(base));
         let in_all = pass.first_samples() << pass.doublings;
         let are_shared = is_drawn
             && count == 1
-            && !(in_time || in_brightness)
+            && !(are_ordered || in_time || in_brightness)
             && (SHARED_DRAWS_FROM..=SHARED_DRAWS_TO).contains(&in_all);
         let is_streaky = is_drawn && !are_shared && (count == 1 || in_time) && samples < NO_TURNS_FROM;
         let first_turns = if is_streaky { TURNS } else { 1 };
         let turns = if pass.is_first() { first_turns } else { 1 };
         let places = Places::new(pass, first_turns);
         // Each draw has a slice to a pixel's width, when all passes are done.
-        let draws = are_shared.then(|| slices_per_px.round() as usize * places.per_row);
+        let rows_per_px = slices_per_px.round() as usize;
+        let draws = are_shared.then_some(rows_per_px * places.per_row);
         let first_shift = shift();
         let mut from = 0;
         let rings = layout.cut(base, count).into_iter().map(|ring| {
@@ -157,6 +161,8 @@ impl Lattice {
             };
             let width = (base.angles.1 + 2.0 * margin).min(TAU);
             let rows = (width * layout.slices_per_rad(base, ring)).ceil().max(1.0);
+            // All the way round the last slice of a draw lies as far from its first one as from the one before.
+            let rows = if are_shared { (rows as usize).next_multiple_of(rows_per_px) as f64 } else { rows };
             let row_rad = width / rows;
             let turn_rad = row_rad / first_turns as f64;
             // Rings of one fan share them, so that a crowd about the axis changes nothing elsewhere.
@@ -211,9 +217,15 @@ impl Lattice {
         let slice = own.slice(angle, ring.ring)?;
         let phase = (ring.shift_along + self.places.phase(place)).fract();
         let weight_per_area = ring.weight_per_area * crowding;
-        // To the next slice of the same draw.
-        let swath_places = self.draws.unwrap_or(self.places.step) as f64;
-        let turned_rad = (turns == 1).then_some(crowding * ring.place_rad * swath_places);
+        let place_rad = crowding * ring.place_rad;
+        let turned_rad = match self.draws {
+            // To the next slice of the same draw.
+            Some(draws) => {
+                let widest_rad = WIDEST_SWATH_PX / slice.greatest_separation_px_per_rad();
+                Some((place_rad * draws as f64).min(widest_rad))
+            }
+            None => (turns == 1).then_some(place_rad * self.places.step as f64),
+        };
         Some(PlacedSlice {
             slice,
             angle,
@@ -341,7 +353,7 @@ mod tests {
         let (draws, swaths) = drawn(Differing { deviation_rad: 0.016, ..Differing::default() });
         assert!(draws.into_iter().eq(0..12));
         // By the mean one, at the widest place somewhat more.
-        assert!(swaths.iter().all(|width| (1.0..2.0).contains(width)), "{swaths:?}");
+        assert!(swaths.iter().all(|width| (1.0..=2.000001).contains(width)), "{swaths:?}");
     }
 
     #[test]
