@@ -6,8 +6,9 @@ use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Size, Window};
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
-/// From how far away what is seen may count in a pixel: its edges move along their slices, and a swath reaches into the next pixel.
-const REACH_PX: usize = FARTHEST_SHIFT_PX as usize + 1;
+/// From how far away what is seen may count in a pixel: its edges move along their slices, but no farther than to where they meet the next, which moves as far, and a
+/// swath reaches into the next pixel.
+const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 
 /// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
 /// together are spread as evenly as one with all their samples would be.
@@ -52,11 +53,17 @@ impl<'a> SamplePass<'a> {
         self.samples >> self.refinement()
     }
 
-    /// Whether what is seen in one pixel may count in another beside it. After the first pass only within a block, so that none depends on
-    /// how far others go on.
-    pub(super) fn may_share(&self, (from_x, from_y): (usize, usize), (x, y): (usize, usize)) -> bool {
-        let is_same_block = from_x / BLOCK_SIDE == x / BLOCK_SIDE && from_y / BLOCK_SIDE == y / BLOCK_SIDE;
-        self.is_first() || is_same_block && self.wanted.contains(x, y)
+    /// What is seen in one pixel may count in another beside it if both lie in one square of so many pixels, and where edges go on is known as far: after the
+    /// first pass a block, so that none depends on how far others go on.
+    pub(super) fn region_side(&self) -> usize {
+        if self.is_first() { usize::MAX } else { BLOCK_SIDE }
+    }
+
+    /// See [`SamplePass::region_side`].
+    pub(super) fn may_share(&self, from: (usize, usize), to: (usize, usize)) -> bool {
+        let side = self.region_side();
+        let region = |(x, y): (usize, usize)| (x / side, y / side);
+        self.is_first() || region(from) == region(to) && self.wanted.contains(to.0, to.1)
     }
 
     /// The pixels whose samples count somewhere: those that are wanted, and those next to them as far as the filter reaches. What lies next to the film

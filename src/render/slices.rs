@@ -147,6 +147,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
                         }
                     }
                 };
+                outline.start(pass.region_side());
                 let outlined = has_outline.then_some(&mut *outline);
                 if let Some(segments) = solve(&slice_job, &placed.slice, chords, outlined, scratch, add) {
                     tally.add(segments);

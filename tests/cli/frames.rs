@@ -132,25 +132,29 @@ fn sizes_may_be_percentages_of_the_sequence() {
 
 #[test]
 fn a_crop_is_a_part_of_the_whole() {
-    let studio = Studio::new();
-    for method in [
-        "segments --samples 1",
-        "slices --samples 1",
-        "slices --samples 5",
-        "slices --tolerance 0.1",
-        "slices --tolerance 0.1 --filter blackman-harris",
+    // Many blocks of the leaves stop where others go on.
+    let leaves = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/leaves500/leaves500.glb");
+    for (input, volume, [x0, y0, x1, y1]) in [
+        ("tiny.ron", "segments --samples 1", [4, 3, 20, 12]),
+        ("tiny.ron", "slices --samples 1", [4, 3, 20, 12]),
+        ("tiny.ron", "slices --samples 5", [4, 3, 20, 12]),
+        ("tiny.ron", "slices --tolerance 0.1", [4, 3, 20, 12]),
+        ("tiny.ron", "slices --tolerance 0.1 --filter blackman-harris", [4, 3, 20, 12]),
+        (leaves, "slices --tolerance 0.02", [100, 52, 300, 150]),
     ] {
-        let flags = format!("render tiny.ron --frames 1 --volume {method}");
+        let studio = Studio::new();
+        let flags = format!("render {input} --frames 1 --volume {volume}");
         studio.succeed(&format!("{flags} --out whole.exr"));
-        studio.succeed(&format!("{flags} --crop 4,3,20,12 --out part.exr"));
+        studio.succeed(&format!("{flags} --crop {x0},{y0},{x1},{y1} --out part.exr"));
         let (whole, part) = (studio.frame("whole.exr").frame, studio.frame("part.exr").frame);
         assert_eq!(part.full, whole.full);
-        assert_eq!((part.window.x, part.window.y, part.window.width, part.window.height), (4, 3, 16, 9));
+        let window = part.window;
+        assert_eq!([window.x, window.y, window.x + window.width, window.y + window.height], [x0, y0, x1, y1]);
         let pixel = |frame: &sunfleck::film::Frame, x, y| {
             frame.channel("R").unwrap().pixels[frame.window.index(x, y).unwrap()]
         };
         for (x, y) in part.window.pixels() {
-            assert_eq!(pixel(&part, x, y), pixel(&whole, x, y), "{method}, ({x}, {y})");
+            assert_eq!(pixel(&part, x, y), pixel(&whole, x, y), "{input} {volume}, ({x}, {y})");
         }
     }
 }

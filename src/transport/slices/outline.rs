@@ -7,6 +7,7 @@
 use super::border::Border;
 use super::fan::Slice;
 use crate::scene::{Size, Window};
+use std::ops::Range;
 
 /// No edge moves farther than this along a slice beside, pixels: how far those that lie almost along the slice go on is not known, and
 /// what a pixel shows must not depend on what lies far from it.
@@ -14,6 +15,17 @@ pub const FARTHEST_SHIFT_PX: f64 = 2.0;
 
 /// Edges of which the nearer has this part of the other's distance and more may be of one outline, which ends where they meet.
 const ONE_OUTLINE: f64 = 0.99;
+
+/// The pieces of a slice that know of one another: those in one region of the picture.
+#[derive(Debug)]
+struct Stretch {
+    /// Column and row of the region.
+    region: (usize, usize),
+    /// The first of its runs.
+    first_run: usize,
+    /// Of the rays at which its first piece begins and its last one ends.
+    slopes: [f64; 2],
+}
 
 /// The pieces of a slice between two borders: they go on from chord to chord without an edge.
 #[derive(Debug)]
@@ -38,12 +50,13 @@ pub struct Part {
 }
 
 /// The pieces of one slice, in their order.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Outline {
-    /// Of the ray at which the first piece begins.
-    start_slope: f64,
-    /// Of those at which pieces end.
+    /// Regions of the picture are squares of so many pixels.
+    region_side: usize,
+    /// Of the rays at which pieces end.
     slopes: Vec<f64>,
+    stretches: Vec<Stretch>,
     runs: Vec<Run>,
     /// Whether the next piece belongs to the last run.
     goes_on: bool,
@@ -66,17 +79,30 @@ struct End {
     length: f64,
 }
 
+impl Default for Outline {
+    /// Without pieces, all the picture one region.
+    fn default() -> Self {
+        let (slopes, stretches, runs, ends) = Default::default();
+        Self { region_side: usize::MAX, slopes, stretches, runs, goes_on: false, ends }
+    }
+}
+
 impl Outline {
-    pub(super) fn clear(&mut self) {
+    /// Begins another slice. In each square of so many pixels, counted from the picture's corner, parts will depend on nothing but the pieces in it.
+    pub fn start(&mut self, region_side: usize) {
+        self.region_side = region_side;
         self.slopes.clear();
+        self.stretches.clear();
         self.runs.clear();
         self.goes_on = false;
     }
 
-    /// Adds a piece that begins and ends at slopes, without an edge before unless the one before has ended.
-    pub(super) fn add(&mut self, start: f64, end: f64) {
-        if self.slopes.is_empty() {
-            self.start_slope = start;
+    /// Adds a piece in a pixel that begins and ends at slopes, without an edge before unless the one before has ended.
+    pub(super) fn add(&mut self, pixel: (usize, usize), start: f64, end: f64) {
+        let region = self.region(pixel);
+        if self.stretches.last().is_none_or(|stretch| stretch.region != region) {
+            self.stretches.push(Stretch { region, first_run: self.runs.len(), slopes: [start; 2] });
+            self.goes_on = false;
         }
         let is_next = self.slopes.last() == Some(&start);
         if !(self.goes_on && is_next) {
@@ -84,8 +110,8 @@ impl Outline {
         }
         self.slopes.push(end);
         self.goes_on = true;
-        if let Some(run) = self.runs.last_mut() {
-            run.slope = end;
+        if let (Some(stretch), Some(run)) = (self.stretches.last_mut(), self.runs.last_mut()) {
+            (stretch.slopes[1], run.slope) = (end, end);
         }
     }
 
@@ -97,8 +123,24 @@ impl Outline {
         }
     }
 
-    /// Calls back with the parts of a slice that is turned by so much, not farther from the slice's ends than an edge may move, in pixels
-    /// of a picture that are not said to be unwanted, as [`Slice::crossings`] is told.
+    fn region(&self, (x, y): (usize, usize)) -> (usize, usize) {
+        (x / self.region_side, y / self.region_side)
+    }
+
+    /// The runs of a stretch.
+    fn runs_of(&self, stretch: usize) -> Range<usize> {
+        let end = self.stretches.get(stretch + 1).map_or(self.runs.len(), |next| next.first_run);
+        self.stretches[stretch].first_run..end
+    }
+
+    /// The pieces of a run.
+    fn pieces_of(&self, run: usize) -> Range<usize> {
+        let end = self.runs.get(run + 1).map_or(self.slopes.len(), |next| next.first);
+        self.runs[run].first..end
+    }
+
+    /// Calls back with the parts of a slice that is turned by so much, not farther from the ends of what the slice has in a region than an edge may move, in
+    /// pixels of a picture that are not said to be unwanted, as [`Slice::crossings`] is told.
     pub fn parts(
         &mut self,
         beside: &Slice,
@@ -108,27 +150,40 @@ impl Outline {
         mut call: impl FnMut(Part),
     ) {
         self.move_ends(beside, turned_rad);
-        let Self { start_slope, slopes, runs, ends, .. } = self;
-        let Some((last_run, end_slope)) = runs.len().checked_sub(1).zip(slopes.last()) else { return };
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
-        let [low, high] = [(*start_slope, -farthest), (*end_slope, farthest)]
-            .map(|(slope, beyond)| beside.length_at_slope(slope) + beyond);
-        let (mut run, mut piece) = (0, 0);
+        // Of the stretch in the region at hand: its runs that are still to come, and where it begins and ends.
+        let (mut stretch, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
+        let mut piece = 0;
         for crossing in beside.crossings(size, unwanted_around) {
+            let region = self.region(crossing.pixel);
+            if stretch.is_none_or(|stretch: usize| self.stretches[stretch].region != region) {
+                // Slices side by side meet regions in the same order, but for corners that one of them misses.
+                let next = stretch.map_or(0, |stretch| stretch + 1);
+                let Some(skipped) =
+                    self.stretches[next..].iter().position(|stretch| stretch.region == region)
+                else {
+                    continue;
+                };
+                let found = next + skipped;
+                let [start, end] = self.stretches[found].slopes.map(|slope| beside.length_at_slope(slope));
+                (stretch, runs, low, high) =
+                    (Some(found), self.runs_of(found), start - farthest, end + farthest);
+            }
             let [from, to] = crossing.lengths;
             let (mut from, to) = (from.max(low), to.min(high));
             let mut passed = beside.area_at(from);
             while from < to {
-                while run < last_run && ends[run].length <= from {
-                    run += 1;
+                while runs.len() > 1 && self.ends[runs.start].length <= from {
+                    runs.start += 1;
                 }
-                let until = if run < last_run { ends[run].length.min(to) } else { to };
+                let run = runs.start;
+                let until = if runs.len() > 1 { self.ends[run].length.min(to) } else { to };
                 // Of the pieces of a run the one that lies beside.
-                let last_piece = runs.get(run + 1).map_or(slopes.len(), |next| next.first) - 1;
-                piece = piece.max(runs[run].first);
-                if piece < last_piece {
+                let pieces = self.pieces_of(run);
+                piece = piece.max(pieces.start);
+                if piece + 1 < pieces.end {
                     let slope = beside.slope_at(0.5 * (from + until));
-                    while piece < last_piece && slopes[piece] > slope {
+                    while piece + 1 < pieces.end && self.slopes[piece] > slope {
                         piece += 1;
                     }
                 }
@@ -143,11 +198,10 @@ impl Outline {
 
     /// Finds where runs end on a slice that is turned.
     fn move_ends(&mut self, beside: &Slice, turned_rad: f64) {
-        let Self { runs, ends, .. } = self;
         let turn = turned_rad.sin_cos();
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
-        ends.clear();
-        ends.extend(runs.iter().map(|run| {
+        self.ends.clear();
+        self.ends.extend(self.runs.iter().map(|run| {
             let unmoved = beside.length_at_slope(run.slope);
             let shift = |slope: f64| {
                 let shift = beside.length_at_slope(slope) - unmoved;
@@ -157,24 +211,32 @@ impl Outline {
             let distance = run.border.map_or(f64::INFINITY, |border| border.distance());
             End { unmoved, shifts, moved: 1.0, distance, length: unmoved }
         }));
-        for end in 1..ends.len() {
-            let (before, after) = ends.split_at_mut(end);
-            if let (Some(before), Some(after)) = (before.last_mut(), after.first_mut()) {
-                stop_where_they_meet(before, after);
-            }
+        for stretch in 0..self.stretches.len() {
+            let runs = self.runs_of(stretch);
+            put_in_order(&mut self.ends[runs]);
         }
-        for end in 0..ends.len() {
-            let (before, after) = ends.split_at_mut(end);
-            let Some(own) = after.first_mut() else { break };
-            own.length = own.unmoved + own.moved * own.shifts[0];
-            let Some(last) = before.last() else { continue };
-            if own.distance < last.distance {
-                for hidden in before.iter_mut().rev().take_while(|hidden| hidden.length > own.length) {
-                    hidden.length = own.length;
-                }
-            } else {
-                own.length = own.length.max(last.length);
+    }
+}
+
+/// Where the runs of a stretch end if they stop where they meet, and hide what lies behind.
+fn put_in_order(ends: &mut [End]) {
+    for end in 1..ends.len() {
+        let (before, after) = ends.split_at_mut(end);
+        if let (Some(before), Some(after)) = (before.last_mut(), after.first_mut()) {
+            stop_where_they_meet(before, after);
+        }
+    }
+    for end in 0..ends.len() {
+        let (before, after) = ends.split_at_mut(end);
+        let Some(own) = after.first_mut() else { break };
+        own.length = own.unmoved + own.moved * own.shifts[0];
+        let Some(last) = before.last() else { continue };
+        if own.distance < last.distance {
+            for hidden in before.iter_mut().rev().take_while(|hidden| hidden.length > own.length) {
+                hidden.length = own.length;
             }
+        } else {
+            own.length = own.length.max(last.length);
         }
     }
 }
@@ -224,7 +286,7 @@ mod tests {
             let crossings: Vec<_> = slice.crossings(SIZE, |_, _| None).collect();
             for (crossing, (edge, along)) in crossings.iter().zip(&after) {
                 let [start, end] = slice.slopes(crossing);
-                outline.add(start, end);
+                outline.add(crossing.pixel, start, end);
                 let border = Border::through(DVec3::new(1.0, end, 0.0), DVec3::from(*along));
                 match edge {
                     0 => {}
@@ -247,6 +309,47 @@ mod tests {
             prop_assert!((passed - (high - low)).abs() < 1e-9 * beside.area_per_rad, "{passed} {low} {high}");
         }
 
+        /// With or without the pieces in every other region, as a crop is, and a pass that fewer pixels take part in.
+        #[test]
+        fn parts_depend_on_nothing_beyond_their_region(
+            to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),
+            part in 0.05..0.95_f64,
+            turned_rad in -0.02..0.02_f64,
+            after in prop::collection::vec(prop::option::of(prop::array::uniform3(-1.0..1.0_f64)), 60),
+        ) {
+            let fan = Fan::of_pinhole(1.0, SIZE, to_light);
+            let angle = fan.angles.0 + part * fan.angles.1;
+            let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + turned_rad, Ring::WHOLE));
+            let (Some(slice), Some(beside)) = slices else { return Ok(()) };
+            let is_kept = |(x, y): (usize, usize)| (x / 4 + y / 4) % 2 == 0;
+            let parts = |only_kept: bool| {
+                let mut outline = Outline::default();
+                outline.start(4);
+                let mut of_piece = Vec::new();
+                for (crossing, along) in slice.crossings(SIZE, |_, _| None).zip(&after) {
+                    if only_kept && !is_kept(crossing.pixel) {
+                        continue;
+                    }
+                    let [start, end] = slice.slopes(&crossing);
+                    outline.add(crossing.pixel, start, end);
+                    if let Some(along) = along {
+                        outline.end(Some(Border::through(DVec3::new(1.0, end, 0.0), DVec3::from(*along))));
+                    }
+                    of_piece.push(crossing.pixel);
+                }
+                let mut parts = Vec::new();
+                outline.parts(&beside, turned_rad, SIZE, |_, _| None, |part| {
+                    if is_kept(part.pixel) {
+                        parts.push((of_piece[part.piece], part.pixel, part.area_per_rad));
+                    }
+                });
+                parts
+            };
+            let whole = parts(false);
+            prop_assert!(whole.iter().all(|((x, y), pixel, _)| (x / 4, y / 4) == (pixel.0 / 4, pixel.1 / 4)));
+            prop_assert_eq!(whole, parts(true));
+        }
+
         /// Whether they meet beside the slice or not.
         #[test]
         fn what_lies_between_two_edges_has_its_length_in_the_mean(
@@ -264,7 +367,7 @@ mod tests {
             let slopes = [middle, middle - gap_per_rad * turned_rad];
             let mut outline = Outline::default();
             for (slope, [x, y]) in slopes.into_iter().zip(along) {
-                outline.add(slope + 1.0, slope);
+                outline.add((0, 0), slope + 1.0, slope);
                 outline.end(Some(Border::through(DVec3::new(1.0, slope, 0.0), DVec3::new(x, y, 1.0))));
             }
             let gap = |ends: [f64; 2]| ends[1] - ends[0];

@@ -61,7 +61,7 @@ pub struct Piece<'a> {
 }
 
 /// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its sample sees by the slice's light alone. Rays that blended surfaces touch
-/// are followed by themselves. Notes the outline of what is seen if it is given one. Returns how many segments
+/// are followed by themselves. Notes the outline of what is seen if it is given one, begun by the caller. Returns how many segments
 /// the slice gathered; `None` if there is no chord, and so nothing done.
 pub fn solve(
     job: &SliceJob,
@@ -102,9 +102,6 @@ pub fn solve(
 
     let mut met: Option<Facet> = None;
     let borders = Borders::new(snapshot, job.fan, slice, light_rays);
-    if let Some(outline) = &mut outline {
-        outline.clear();
-    }
     for chord in chords.iter() {
         let [highest_slope, lowest_slope] = chord.slopes;
         sweep.enter(highest_slope, |start, end| darken(fog, start, end));
@@ -144,7 +141,7 @@ pub fn solve(
             let range = [piece_start, piece_end].map(|end| (end - chord.start) / chord_area);
             sample(&Piece { chord, place, range, weight: chord.weight_per_area * area }, &value);
             if let Some(outline) = &mut outline {
-                outline.add(piece_slope, end.slope);
+                outline.add(chord.pixel, piece_slope, end.slope);
                 if number + 1 < ends.len() {
                     outline.end(end.origin.and_then(|origin| borders.of(&origin)));
                 }
