@@ -203,6 +203,10 @@ impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
         self.picture.convergence()
     }
 
+    fn fewest_samples(&self) -> u32 {
+        self.picture.fewest_samples()
+    }
+
     fn add_pass(&self, pass: &passes::SamplePass, film: &mut Film, watch: &Watch) {
         self.picture.add_pass(pass, film, watch);
         if let Some(look) = watch.look {

@@ -279,6 +279,17 @@ fn a_picture_without_noise_takes_one_pass() {
     }
 }
 
+/// A few points of a large sun throw a few sharp shadows, between which nothing tells that they are wrong: no block ends with so few.
+#[test]
+fn half_shadows_are_not_judged_by_a_few_points_of_the_sun() {
+    let scene = leaf_before_two_hues();
+    for (tolerance, fewest) in [(0.2, 16.0), (0.3, 3.0)] {
+        let Rendered { frame, statistics } = picture(&scene, &until(tolerance));
+        let a_pixel = statistics.samples as f64 / luminances(&frame).len() as f64;
+        assert!((0.99 * fewest..2.0 * fewest).contains(&a_pixel), "{a_pixel} to {tolerance}");
+    }
+}
+
 #[test]
 fn black_is_not_refined_forever() {
     let statistics = picture(&camera_at(DVec3::ZERO), &until(1e-6)).statistics;

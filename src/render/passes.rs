@@ -90,6 +90,9 @@ pub(super) trait Picture {
     /// How its errors fall with the number of samples, as a power.
     fn convergence(&self) -> f64;
 
+    /// With fewer samples a pixel what they have wrong may be the same all over a block, and its halves agree by chance.
+    fn fewest_samples(&self) -> u32;
+
     /// Adds the samples of a pass.
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch);
 

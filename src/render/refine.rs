@@ -1,6 +1,6 @@
 //! Passes until a picture is good enough. In goes a picture to be rendered in passes, out comes its
 //! film and what its blocks are still in error by. Invariant: whether a block or a pixel goes on depends on
-//! its block's samples and on the first pass of the blocks next to it alone, so that a part of a picture has
+//! its block's samples and on those with which the blocks next to it are first judged alone, so that a part of a picture has
 //! the pixels of the whole.
 
 use super::passes::{Picture, SamplePass};
@@ -105,7 +105,7 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
 /// Each pass doubles the samples of the pixels that take part in it, and its samples judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
     let window_blocks = Blocks::covering(job.window, job.size);
-    // Their first pass tells whether a block at the window's rim goes on.
+    // What they show when they are first judged tells whether a block at the window's rim goes on.
     let blocks = window_blocks.with_neighbours();
     let corner = |block: usize| {
         let pixels = blocks.pixels(block);
@@ -115,7 +115,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     let mut variances = vec![f64::INFINITY; blocks.count()];
     let mut goes_on = vec![true; blocks.count()];
     let mut mask = Mask::all(blocks.window());
-    let (mut work, mut worst, mut passes) = (Work::default(), None, 0);
+    let (mut work, mut worst, mut passes, mut was_judged) = (Work::default(), None, 0, false);
     for number in 0.. {
         let active = mask.count() as f64;
         let pass = SamplePass::of_doublings(number, goal.first_samples(), goal.most, &mask);
@@ -133,6 +133,8 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
             if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
         };
         let excess: Vec<f64> = (0..blocks.count()).map(excess).collect();
+        let is_first_judged = !was_judged;
+        was_judged = goal.tolerance >= LOOSE || samples >= picture.fewest_samples();
         for block in 0..blocks.count() {
             if !goes_on[block] {
                 continue;
@@ -141,18 +143,19 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
             let (x, y) = corner(block);
             // An edge that one block has missed by chance may show in the next.
             let near_excess = blocks.neighbourhood(block).any(|near| excess[near] > 1.0);
-            goes_on[block] = window_blocks.index(x, y).is_some()
-                && if number == 0 { near_excess } else { excess[block] > 1.0 };
+            goes_on[block] = !was_judged
+                || window_blocks.index(x, y).is_some()
+                    && if is_first_judged { near_excess } else { excess[block] > 1.0 };
         }
         worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
         // A pixel that has missed an edge by chance lies next to one that has not.
         mask = Mask::from_fn(blocks.window(), |x, y| {
             blocks.index(x, y).filter(|&block| goes_on[block]).is_some_and(|block| {
                 let near = film.window().around(x, y);
-                let near = near.filter(|&(x, y)| number == 0 || blocks.index(x, y) == Some(block));
+                let near = near.filter(|&(x, y)| is_first_judged || blocks.index(x, y) == Some(block));
                 let variances = near.filter_map(|(x, y)| pixels[film.window().index(x, y)?]?.variance);
                 let greatest = variances.reduce(f64::max).unwrap_or(f64::INFINITY);
-                greatest > NEGLIGIBLE * goal.variance(&estimates[block], block)
+                !was_judged || greatest > NEGLIGIBLE * goal.variance(&estimates[block], block)
             })
         });
         let pixels_a_block =

@@ -24,6 +24,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Slices that a thread solves before its samples go to the film: enough for threads to end together, few enough for the caches.
 const BATCH_PER_THREAD: usize = 16;
 
+/// Samples a pixel before those of slices with draws of their own are judged: a few points of a light throw a few shadows, each as sharp as if there were
+/// no half shadow, and between those all halves agree (docs/decisions/tolerance.md).
+const FEWEST_DRAWN_SAMPLES: u32 = 16;
+
 /// One light's part of a picture, in passes of a lattice each.
 pub(super) struct LightPicture<'a> {
     pub(super) exposure: &'a Exposure<'a>,
@@ -64,6 +68,10 @@ impl Picture for LightPicture<'_> {
     fn convergence(&self) -> f64 {
         let are_ordered = self.rings.get().is_some_and(|rings| rings.are_ordered);
         if are_ordered && self.exposure.is_instant() { ORDERED } else { DRAWN }
+    }
+
+    fn fewest_samples(&self) -> u32 {
+        if self.convergence() == ORDERED { 1 } else { FEWEST_DRAWN_SAMPLES }
     }
 
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {

@@ -32,6 +32,11 @@ impl Picture for RayPicture<'_> {
         ORDERED
     }
 
+    /// Rays have draws of their own in every pixel.
+    fn fewest_samples(&self) -> u32 {
+        1
+    }
+
     fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
         let tiles: Vec<Window> = tiles(film.window())
             .into_iter()
