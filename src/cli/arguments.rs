@@ -133,6 +133,9 @@ pub(super) struct DisplayArguments {
     /// Brightens those pictures by so many powers of two, -100 to 100.
     #[arg(long, value_parser = parse_exposure, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(super) exposure: f64,
+    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens does that is not clean.
+    #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
+    pub(super) bloom: f64,
 }
 
 #[derive(Args, Debug)]
@@ -421,7 +424,7 @@ impl DisplayArguments {
             CurveArgument::Srgb => Curve::Srgb,
             CurveArgument::Raw => Curve::Raw,
         };
-        Display { curve, exposure_stops: self.exposure }
+        Display { curve, exposure_stops: self.exposure, bloom: self.bloom }
     }
 }
 
@@ -516,6 +519,13 @@ fn parse_exposure(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
         _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright".into()),
+    }
+}
+
+fn parse_bloom(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("expected a share of the light from 0 to 1, such as 0.05".into()),
     }
 }
 

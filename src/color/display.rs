@@ -22,6 +22,8 @@ pub struct Display {
     pub curve: Curve,
     /// Brightens by powers of two before that.
     pub exposure_stops: f64,
+    /// The share of a picture's light that a lens scatters over it before all that, `0..=1`; of a single colour nothing is known of it.
+    pub bloom: f64,
 }
 
 /// Light beyond this is white under every curve, and its logarithm still finite.
@@ -68,7 +70,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const AGX: Display = Display { curve: Curve::Agx, exposure_stops: 0.0 };
+    const AGX: Display = Display { curve: Curve::Agx, exposure_stops: 0.0, bloom: 0.0 };
 
     /// Colours, and what Blender 5.0.1 shows of them: view AgX, display sRGB, saved with 16 bits
     /// (`tools/display/against_blender.py` prints these).
@@ -96,7 +98,7 @@ mod tests {
     #[test]
     fn black_is_black_and_glare_is_white() {
         for curve in [Curve::Agx, Curve::Srgb, Curve::Raw] {
-            let display = Display { curve, exposure_stops: 0.0 };
+            let display = Display { curve, ..AGX };
             assert_eq!(display.bytes(Rgb::ZERO, 3, 5), [0; 3], "{curve:?}");
             for glare in [1e4, f64::MAX, f64::INFINITY] {
                 assert_eq!(display.bytes(Rgb::splat(glare), 0, 0), [255; 3], "{curve:?} {glare}");
@@ -112,7 +114,7 @@ mod tests {
         // How far green stands between the least and the most: 0 is red, 1 is yellow.
         let yellowness = |shown: Rgb| (shown.y - shown.min_element()) / (shown.x - shown.min_element());
         let at = |display: Display, stops: f64| yellowness(display.encode(orange * stops.exp2()));
-        let cut_off = Display { curve: Curve::Srgb, exposure_stops: 0.0 };
+        let cut_off = Display { curve: Curve::Srgb, ..AGX };
         assert!(at(cut_off, 3.0) > 0.99, "{}", at(cut_off, 3.0));
         for stops in 0..=5 {
             let yellowness = at(AGX, f64::from(stops));
@@ -135,7 +137,7 @@ mod tests {
         #[test]
         fn grey_stays_grey_and_brightens(stops in -12.0..12.0_f64, more in 0.01..2.0_f64) {
             for curve in [Curve::Agx, Curve::Srgb, Curve::Raw] {
-                let at = |exposure_stops: f64| Display { curve, exposure_stops }.encode(Rgb::splat(0.18));
+                let at = |exposure_stops: f64| Display { curve, exposure_stops, ..AGX }.encode(Rgb::splat(0.18));
                 let (dark, bright) = (at(stops), at(stops + more));
                 prop_assert!(dark.abs_diff_eq(Rgb::splat(dark.x), 2e-6), "{dark}");
                 prop_assert!(bright.x >= dark.x - 1e-7, "{dark} {bright}");

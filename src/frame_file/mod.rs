@@ -33,6 +33,7 @@ mod animated_png;
 mod animated_webp;
 mod animation;
 mod atomic;
+mod bloom;
 mod compare;
 mod cryptomatte;
 mod encode;

@@ -1,9 +1,10 @@
 //! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes, whether it was just
 //! rendered or is read from its file; the EXR stays the picture, this is a look at it.
 
+use super::bloom::bloom;
 use super::{FrameFileError, atomic};
 use crate::color::{Display, Rgb, dithered};
-use crate::film::{Channel, Frame};
+use crate::film::Frame;
 use crate::scene::{Size, Window};
 use image::ExtendedColorType;
 use image::ImageEncoder;
@@ -31,18 +32,21 @@ impl Picture {
     /// # Errors
     /// With the reason if the frame has no colour.
     pub fn of(frame: &Frame, display: &Display) -> Result<Self, String> {
-        let channel =
-            |name: &str| frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"));
-        let colors = [channel("R")?, channel("G")?, channel("B")?];
         let Window { x, y, width, height } = frame.window;
+        let plane = |name: &str| {
+            let channel = frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"))?;
+            let mut plane: Vec<f32> =
+                channel.pixels.iter().map(|value| channel.precision.stored(*value)).collect();
+            bloom(&mut plane, width, frame.full.height, display.bloom);
+            Ok::<_, String>(plane)
+        };
+        let planes = [plane("R")?, plane("G")?, plane("B")?];
         let mut bytes = vec![0; 3 * width * height];
         bytes.par_chunks_mut((3 * width).max(1)).enumerate().for_each(|(row, bytes)| {
             // Neighbours often have the same colour.
             let (mut last, mut shown) = (Rgb::ZERO, display.encode(Rgb::ZERO));
             for (column, pixel) in bytes.chunks_exact_mut(3).enumerate() {
-                let stored =
-                    |channel: &Channel| channel.precision.stored(channel.pixels[row * width + column]);
-                let color = Rgb::from(colors.map(|channel| f64::from(stored(channel))));
+                let color = Rgb::from([0, 1, 2].map(|plane| f64::from(planes[plane][row * width + column])));
                 if color != last {
                     (last, shown) = (color, display.encode(color));
                 }
@@ -96,7 +100,7 @@ pub fn write_preview(path: &Path, frame: &Frame, display: &Display) -> Result<()
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::film::Precision;
+    use crate::film::{Channel, Precision};
 
     #[test]
     fn a_picture_is_what_the_display_shows_of_each_pixel() {

@@ -73,3 +73,24 @@ fn frames_that_are_there_are_shown_as_they_are() {
     assert!(studio.fail("preview a --size 50%", 2).contains("--size"));
     assert!(studio.fail("preview b", 2).contains("remedy"));
 }
+
+/// What a lens scatters makes edges half as high, but for what stays close by, and the frame beside it knows nothing of it.
+#[test]
+fn bloom_is_in_pictures_for_eyes_alone() {
+    let studio = Studio::new();
+    let render = "render tiny.ron --frames 1 --size 512x288 --samples 1 --preview png --display raw";
+    studio.succeed(&format!("{render} --out a/"));
+    studio.succeed(&format!("{render} --out b/ --bloom 0.5"));
+    assert_eq!(studio.frame("a/tiny.0001.exr").frame, studio.frame("b/tiny.0001.exr").frame);
+    // By how much neighbours differ.
+    let sharpness = |name: &str| {
+        let picture = picture(&studio, name);
+        let green = |x, y| f64::from(picture.get_pixel(x, y).0[1]);
+        let places = (1..512).flat_map(|x| (0..288).map(move |y| (x, y)));
+        places.map(|(x, y)| (green(x, y) - green(x - 1, y)).powi(2)).sum::<f64>()
+    };
+    let [sharp, soft] = ["a/tiny.0001.png", "b/tiny.0001.png"].map(sharpness);
+    assert!((0.25..0.5).contains(&(soft / sharp)), "{soft} {sharp}");
+    let refused = studio.fail("preview a/ --bloom 1.5", 2);
+    assert!(refused.contains("--bloom") && refused.contains("from 0 to 1"), "{refused}");
+}

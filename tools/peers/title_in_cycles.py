@@ -160,7 +160,7 @@ def main():
     parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
     parser.add_argument("--frame", type=int, default=24)
     parser.add_argument("--size", default="240x135")
-    parser.add_argument("--samples", type=int, default=16, help="of sunfleck: the sequence's")
+    parser.add_argument("--samples", type=int, default=16, help="of sunfleck, a pixel")
     parser.add_argument("--reference-samples", type=int, default=256)
     parser.add_argument("--cycles-samples", type=int, default=64)
     arguments = parser.parse_args()

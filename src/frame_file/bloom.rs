@@ -1,0 +1,143 @@
+//! The glare of a lens, in pictures for eyes. In goes a plane of linear light and how much of it the lens scatters, out comes the
+//! plane with that share around where it was. Invariant: a plane of one value stays as it is, and so does any of whose light nothing is scattered.
+
+use rayon::prelude::*;
+
+/// The widths of what is scattered, standard deviations in parts of the picture's height. Each has as much light as the next, which is half as
+/// wide, so together they fall as the square of the distance: between the powers 2 and 3 by which eyes and lenses scatter (Spencer et al. 1995,
+/// "Physically-based glare effects for digital images", section 2).
+const WIDTHS: [f64; 6] = [1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
+
+/// So many box filters in a row are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian filters by cascaded uniform filters").
+const BOXES: usize = 3;
+
+/// Light beyond this is scattered as if it were this: what is not a number, or has no end, would be all over the picture.
+const BRIGHTEST: f32 = 1e9;
+
+/// Scatters a share of the light, `0..=1`, of a plane of rows of `width` pixels. `height_px` is the height of the whole picture, of which the plane may be a
+/// part: what lies beyond it scatters nothing into it.
+pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, share: f64) {
+    if share == 0.0 || plane.is_empty() {
+        return;
+    }
+    let light: Vec<f32> =
+        plane.iter().map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, BRIGHTEST) }).collect();
+    plane.iter_mut().for_each(|value| *value *= (1.0 - share) as f32);
+    for relative in WIDTHS {
+        let scattered = blurred(&light, width, relative * height_px as f64);
+        let part = (share / WIDTHS.len() as f64) as f32;
+        plane.iter_mut().zip(scattered).for_each(|(value, scattered)| *value += part * scattered);
+    }
+}
+
+/// A plane through a Gaussian of a standard deviation in pixels, along rows and along columns.
+fn blurred(plane: &[f32], width: usize, deviation_px: f64) -> Vec<f32> {
+    // Boxes of 2 r + 1 pixels each have a variance of ((2 r + 1)^2 - 1) / 12.
+    let box_px = (12.0 / BOXES as f64 * deviation_px * deviation_px + 1.0).sqrt();
+    let radius = (0.5 * (box_px - 1.0)).round() as usize;
+    let mut across = plane.to_vec();
+    blur_rows(&mut across, width, radius);
+    let mut down = transposed(&across, width);
+    blur_rows(&mut down, plane.len() / width, radius);
+    transposed(&down, plane.len() / width)
+}
+
+fn blur_rows(plane: &mut [f32], width: usize, radius: usize) {
+    plane.par_chunks_exact_mut(width).for_each_init(
+        || vec![0.0; width + 1],
+        |sums, row| {
+            for _ in 0..BOXES {
+                for (column, value) in row.iter().enumerate() {
+                    sums[column + 1] = sums[column] + f64::from(*value);
+                }
+                for (column, value) in row.iter_mut().enumerate() {
+                    // At the rim, of what there is.
+                    let (from, to) = (column.saturating_sub(radius), (column + radius + 1).min(width));
+                    *value = ((sums[to] - sums[from]) / (to - from) as f64) as f32;
+                }
+            }
+        },
+    );
+}
+
+fn transposed(plane: &[f32], width: usize) -> Vec<f32> {
+    let height = plane.len() / width;
+    let mut columns = vec![0.0; plane.len()];
+    columns.par_chunks_exact_mut(height).enumerate().for_each(|(column, values)| {
+        for (row, value) in values.iter_mut().enumerate() {
+            *value = plane[row * width + column];
+        }
+    });
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 301;
+    const HEIGHT: usize = 257;
+
+    /// A picture that is dark but for a point in its middle, and what a lens makes of it.
+    fn of_a_point(light: f32, share: f64) -> Vec<f32> {
+        let mut plane = vec![0.0; WIDTH * HEIGHT];
+        plane[HEIGHT / 2 * WIDTH + WIDTH / 2] = light;
+        bloom(&mut plane, WIDTH, HEIGHT, share);
+        plane
+    }
+
+    /// Of a row through the middle, so many pixels beside it.
+    fn beside(plane: &[f32], distance_px: usize) -> f64 {
+        f64::from(plane[HEIGHT / 2 * WIDTH + WIDTH / 2 + distance_px])
+    }
+
+    #[test]
+    fn light_is_spread_and_none_is_lost() {
+        let plane = of_a_point(1000.0, 0.3);
+        let all: f64 = plane.iter().map(|value| f64::from(*value)).sum();
+        assert!((all - 1000.0).abs() < 5.0, "{all}");
+        assert!(beside(&plane, 0) > 700.0);
+        let down = HEIGHT / 2 + 20;
+        assert!(
+            (f64::from(plane[down * WIDTH + WIDTH / 2]) / beside(&plane, 20) - 1.0).abs() < 1e-4,
+            "as far down as across"
+        );
+    }
+
+    /// By the square of the distance, from the narrowest to the widest.
+    #[test]
+    fn it_falls_by_the_square_of_the_distance() {
+        let plane = of_a_point(1000.0, 0.3);
+        for distance_px in [4, 8, 16] {
+            let fall = beside(&plane, distance_px) / beside(&plane, 2 * distance_px);
+            assert!((3.0..5.5).contains(&fall), "{fall} at {distance_px}");
+        }
+    }
+
+    #[test]
+    fn one_colour_stays_and_so_does_everything_without_a_share() {
+        let mut plane = vec![0.25; WIDTH * HEIGHT];
+        bloom(&mut plane, WIDTH, HEIGHT, 0.5);
+        assert!(plane.iter().all(|value| (value - 0.25).abs() < 1e-6));
+        let mut plane = vec![f32::NAN, f32::INFINITY, -1.0, 0.5];
+        bloom(&mut plane, 2, 2, 0.0);
+        assert!(plane[0].is_nan() && plane[1..] == [f32::INFINITY, -1.0, 0.5]);
+    }
+
+    #[test]
+    fn what_is_no_number_stays_where_it_is() {
+        let mut plane = vec![0.5; 64 * 64];
+        plane[0] = f32::NAN;
+        bloom(&mut plane, 64, 64, 0.1);
+        assert!(plane[0].is_nan() && plane[1..].iter().all(|value| (0.4..=0.5001).contains(value)));
+    }
+
+    #[test]
+    fn pictures_of_any_size_are_taken() {
+        for (width, height) in [(1, 1), (1, 50), (50, 1), (3, 2), (0, 0)] {
+            let mut plane = vec![1.0; width * height];
+            bloom(&mut plane, width, height, 1.0);
+            assert!(plane.iter().all(|value| (value - 1.0).abs() < 1e-6));
+        }
+    }
+}
