@@ -327,15 +327,21 @@ fn no_pixel_has_more_samples_than_it_may() {
     }
 }
 
+/// Of one light or several, each judged by those before.
 #[test]
 fn a_part_has_the_pixels_of_the_whole() {
-    let scene = leaves500();
-    for placement in [Placement::Slices, Placement::Pixels] {
-        let job = Job { placement, size: Size { width: 64, height: 36 }, ..until(0.1) };
-        let part = Window { x: 21, y: 9, width: 19, height: 14 };
-        let whole = picture(&scene, &Job { window: Window::whole(job.size), ..job.clone() }).frame;
-        let part = picture(&scene, &Job { window: part, ..job }).frame;
-        assert_eq!(part, whole.part(part.window), "{placement:?}");
+    let mut scene = leaves500();
+    for lights in [1, 2] {
+        for placement in [Placement::Slices, Placement::Pixels] {
+            let job = Job { placement, ..until(0.03) };
+            let whole = picture(&scene, &job).frame;
+            for (x, y) in [(13, 31), (21, 9), (45, 42), (69, 31)] {
+                let window = Window { x, y, width: 19, height: 14 };
+                let part = picture(&scene, &Job { window, ..job.clone() }).frame;
+                assert!(part == whole.part(window), "{placement:?}, {lights} lights, from ({x}, {y})");
+            }
+        }
+        add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, 0.4), Rgb::splat(10.0));
     }
 }
 

@@ -141,8 +141,10 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
             }
             variances[block] = estimates[block].variance;
             let (x, y) = corner(block);
-            // An edge that one block has missed by chance may show in the next.
-            let near_excess = blocks.neighbourhood(block).any(|near| excess[near] > 1.0);
+            // An edge that one block has missed by chance may show in the next. What pictures before know of that one depends on how far it went on, so this
+            // block's own has to do.
+            let exceeds = |near: usize| goal.excess(&estimates[near], block) > 1.0;
+            let near_excess = is_first_judged && blocks.neighbourhood(block).any(exceeds);
             goes_on[block] = !was_judged
                 || window_blocks.index(x, y).is_some()
                     && if is_first_judged { near_excess } else { excess[block] > 1.0 };
