@@ -36,7 +36,7 @@ impl Picture {
         let plane = |name: &str| {
             let channel = frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"))?;
             let mut plane: Vec<f32> =
-                channel.pixels.iter().map(|value| channel.precision.stored(*value)).collect();
+                channel.pixels.par_iter().map(|value| channel.precision.stored(*value)).collect();
             bloom(&mut plane, width, frame.full.height, display.bloom);
             Ok::<_, String>(plane)
         };
