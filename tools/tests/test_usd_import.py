@@ -273,7 +273,7 @@ class OtherPrograms(ImportCase):
             sky = self.load(stage).extras.member("sunfleck_env")
             if expected is None:
                 self.assertIsNone(sky)
-                self.assertIn("not upright", " ".join(self.imported.lost))
+                self.assertIn("not upright", " ".join(map(str, self.imported.lost)))
             else:
                 self.assertAlmostEqual(np.angle(np.exp(1j * (sky.need("rotation").number() - expected))), 0.0, 6)
         (self.folder / "marked.exr").write_bytes(b"no picture")

@@ -26,5 +26,5 @@ def run(arguments: argparse.Namespace) -> int:
     counts = ", ".join(f"{count} {kind}" for kind, count in imported.counts.items() if count)
     print(f"{arguments.target}: frames {imported.frames[0]} to {imported.frames[1]}; {counts}")
     for lost in imported.lost:
-        print(f"note: {lost}", file=sys.stderr)
+        print(f"warning: {lost}", file=sys.stderr)
     return OK

@@ -18,6 +18,7 @@ from .crowds import place_crowd, read_crowd
 from .domes import picture_uri, read_dome
 from .lamps import read_lamp
 from .lenses import read_camera
+from .losses import Loss, Losses
 from .meshes import Meshes
 from .nodes import Nodes
 from .places import local_matrices
@@ -33,7 +34,7 @@ class Imported:
 
     counts: dict[str, int]
     frames: tuple[int, int]
-    lost: list[str] = field(default_factory=list)
+    lost: list[Loss] = field(default_factory=list)
 
 
 def import_usd(source: str | Path, target: str | Path) -> Imported:
@@ -57,14 +58,14 @@ def import_usd(source: str | Path, target: str | Path) -> Imported:
         raise
     document = conversion.writer.document
     counts = {kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")}
-    return Imported(counts, conversion.source.frames, list(dict.fromkeys(conversion.lost)))
+    return Imported(counts, conversion.source.frames, conversion.lost.list())
 
 
 class _Import:
     """One file under construction."""
 
     def __init__(self, source: Source):
-        self.source, self.lost = source, []
+        self.source, self.lost = source, Losses()
         self.writer = GlbWriter("sunfleck-tools import-usd")
         self.nodes = Nodes(self.writer, source, self.lost)
         self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
@@ -96,7 +97,7 @@ class _Import:
         span = Gf.Interval(float(self.source.codes[0]), float(self.source.codes[-1]))
         for prim in list(stage.Traverse()):
             if prim.IsA(UsdSkel.Root) and not UsdSkel.BakeSkinning(UsdSkel.Root(prim), span):
-                self.lost.append(f"{prim.GetPath()}: its skeleton cannot be followed; it rests")
+                self.lost.add("usd-skeleton", prim.GetPath(), "its skeleton cannot be followed; it rests")
 
     def _root(self) -> int | None:
         """A node that turns the stage's axes and scales its unit."""
@@ -134,7 +135,7 @@ class _Import:
             return True
         is_other = prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdGeom.Mesh)
         if is_other:
-            self.lost.append(f"{prim.GetPath()}: a {prim.GetTypeName()} is not carried, only meshes are")
+            self.lost.add("usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only meshes are")
         return is_other
 
     def _read_scene(self, prim: Usd.Prim) -> dict:

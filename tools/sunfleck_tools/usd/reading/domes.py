@@ -13,6 +13,7 @@ from pxr import Ar, Sdf, Usd, UsdGeom, UsdLux
 
 from ...errors import SceneError
 from ..textures import SKY_KINDS
+from .losses import Losses
 from .source import Source
 
 MOST_BYTES = 2**28
@@ -32,7 +33,7 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
     return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
 
 
-def read_dome(light: UsdLux.DomeLight, source: Source, ours_from_stage: np.ndarray, lost: list[str]) -> dict | None:
+def read_dome(light: UsdLux.DomeLight, source: Source, ours_from_stage: np.ndarray, lost: Losses) -> dict | None:
     """`sunfleck_env` of a dome; None, and said, for what cannot be one."""
     place, code = str(light.GetPath()), Usd.TimeCode(source.first)
     exposure = 2.0 ** float(np.clip(light.GetExposureAttr().Get(code) or 0.0, -60, 60))
@@ -47,7 +48,7 @@ def read_dome(light: UsdLux.DomeLight, source: Source, ours_from_stage: np.ndarr
     axes = axes / np.linalg.norm(axes, axis=0)
     form = light.GetTextureFormatAttr().Get(code)
     if form not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong) or not axes[1, 1] > math.cos(UPRIGHT):
-        lost.append(f"{place}: the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried")
+        lost.add("usd-dome-picture", place, "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried")
         return None
     # The picture's middle is +z of the dome, and -z of the sky.
     rotation = math.atan2(-axes[0, 2], -axes[2, 2])

@@ -11,6 +11,7 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from ...gltf.lights import LUMENS_PER_WATT
 from ..lights import BLENDER_ANGLE, BLENDER_SUN
+from .losses import Losses
 from .places import codes_of
 from .source import Source
 
@@ -26,17 +27,17 @@ class Lamp:
     carried: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def read_lamp(prim: Usd.Prim, source: Source, lost: list[str]) -> Lamp | None:
+def read_lamp(prim: Usd.Prim, source: Source, lost: Losses) -> Lamp | None:
     """The light that a prim is; None if it is none that there is here."""
     kind = str(prim.GetTypeName())
     if kind in ("DistantLight", "SphereLight", "RectLight", "DiskLight"):
         return _Reader(prim, source, lost).read(kind)
-    lost.append(f"{prim.GetPath()}: a {kind} is not carried")
+    lost.add("usd-camera-or-light-type", prim.GetPath(), f"a {kind} is not carried")
     return None
 
 
 class _Reader:
-    def __init__(self, prim: Usd.Prim, source: Source, lost: list[str]):
+    def __init__(self, prim: Usd.Prim, source: Source, lost: Losses):
         self.prim, self.source, self.lost = prim, source, lost
         self.light = UsdLux.LightAPI(prim)
         names = ("intensity", "exposure", "color", "radius", "width", "height", "angle", "normalize")
@@ -105,7 +106,7 @@ class _Reader:
         outer = np.radians(self.number("shaping:cone:angle", 90.0))
         blend = np.clip(self.number("shaping:cone:softness", 0.0), 0.0, 1.0)
         if outer[0] > math.pi / 2:
-            self.lost.append(f"{self.prim.GetPath()}: a cone wider than a half space shines to all sides")
+            self.lost.add("usd-light-cone", self.prim.GetPath(), "a cone wider than a half space shines to all sides")
             return
         outer = np.clip(outer, 1e-4, math.pi / 2)
         inner = outer[0] * (1 - max(blend[0], NARROWEST_EDGE))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pxr import Usd
 
 from ...gltf.writer import GlbWriter
+from .losses import Losses
 from .nodes import Nodes
 from .shapes import Shapes, read_mesh
 from .source import Source
@@ -14,7 +15,7 @@ from .surfaces import Surfaces
 class Meshes:
     """Writes meshes and puts them where they stand."""
 
-    def __init__(self, writer: GlbWriter, nodes: Nodes, source: Source, lost: list[str]):
+    def __init__(self, writer: GlbWriter, nodes: Nodes, source: Source, lost: Losses):
         self.writer, self.nodes, self.source, self.lost = writer, nodes, source, lost
         self.surfaces = Surfaces(writer, source, lost)
         self._read: dict[tuple[str, ...], tuple[int | None, Shapes]] = {}
@@ -29,7 +30,7 @@ class Meshes:
             bends = [shape.bend for shape in shapes if shape.bend is not None]
             joined = Shapes([part for shape in shapes for part in shape.parts], bends[0] if len(shapes) == 1 and bends else None)
             if bends and len(shapes) > 1:
-                self.lost.append(f"{prims[0].GetParent().GetPath()}: of several meshes in one place none bends")
+                self.lost.add("usd-meshes-together", prims[0].GetParent().GetPath(), "of several meshes in one place none bends")
             self._read[key] = self._write(prims[0].GetName(), joined), joined
         number, joined = self._read[key]
         if number is None:

@@ -7,6 +7,7 @@ import numpy as np
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
 from ..samples import thinned
+from .losses import Losses
 from .places import parts, sheared
 from .source import Source
 
@@ -19,7 +20,7 @@ LARGEST = 1e15
 class Nodes:
     """Adds nodes to a file."""
 
-    def __init__(self, writer: GlbWriter, source: Source, lost: list[str]):
+    def __init__(self, writer: GlbWriter, source: Source, lost: Losses):
         self.writer, self.source, self.lost = writer, source, lost
         self.roots: list[int] = []
         self._names: dict[str, int] = {}
@@ -58,7 +59,7 @@ class Nodes:
             self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
             return node
         if len(codes) > 1:
-            self.lost.append(f"`{self.of(node)['name']}` shears as it moves: it is right at samples, less so between them")
+            self.lost.add("usd-shear", self.of(node)["name"], "shears as it moves: it is right at samples, less so between them")
         outer, scales, inner = sheared(matrices)
         self._move(node, codes, {"translation": translations, "rotation": outer, "scale": scales})
         last = self.add(f"{self.of(node)['name']} (sheared)", node)

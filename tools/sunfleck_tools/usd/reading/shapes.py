@@ -8,6 +8,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from ...errors import SceneError
+from .losses import Losses
 from .places import codes_of
 from .source import Source
 from .triangles import triangulate
@@ -46,13 +47,13 @@ class Shapes:
     bend: Bend | None = None
 
 
-def read_mesh(prim: Usd.Prim, source: Source, lost: list[str]) -> Shapes:
+def read_mesh(prim: Usd.Prim, source: Source, lost: Losses) -> Shapes:
     """All of a mesh."""
     mesh = UsdGeom.Mesh(prim)
     if mesh.GetFaceVertexIndicesAttr().ValueMightBeTimeVarying():
-        lost.append(f"{prim.GetPath()}: its faces change over time; those of the first frame are taken")
+        lost.add("usd-faces-animated", prim.GetPath(), "its faces change over time; those of the first frame are taken")
     if _value(mesh.GetSubdivisionSchemeAttr(), source, "none") != "none" and mesh.GetSubdivisionSchemeAttr().HasAuthoredValue():
-        lost.append(f"{prim.GetPath()}: subdivision is not carried, only its cage")
+        lost.add("usd-subdivision", prim.GetPath(), "subdivision is not carried, only its cage")
     points_attribute = mesh.GetPointsAttr()
     codes = codes_of([points_attribute], source.codes)
     points = _points(prim, points_attribute, codes[0])

@@ -11,6 +11,7 @@ from pxr import Ar, Usd, UsdShade
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
 from ..materials import NOT_CARRIED, OURS
+from .losses import Losses
 from .properties import custom_data
 from .source import Source
 
@@ -27,7 +28,7 @@ SINGLE_PRECISION = 1e-6
 class Surfaces:
     """Writes each material, for each order of texture coordinates, once."""
 
-    def __init__(self, writer: GlbWriter, source: Source, lost: list[str]):
+    def __init__(self, writer: GlbWriter, source: Source, lost: Losses):
         self.writer, self.source, self.lost = writer, source, lost
         self._written: dict[tuple[str, tuple[str, ...]], int] = {}
         self._known: dict[str, int] = {}
@@ -63,7 +64,7 @@ class Surfaces:
                 self.extend(material, name, numbers)
         surface = UsdShade.Material(prim).ComputeSurfaceSource()[0]
         if not surface or surface.GetIdAttr().Get() != "UsdPreviewSurface":
-            self.lost.append(f"{prim.GetPath()}: is no UsdPreviewSurface, and grey here")
+            self.lost.add("usd-material", prim.GetPath(), "is no UsdPreviewSurface, and grey here")
             material["pbrMetallicRoughness"] = {"baseColorFactor": [0.18, 0.18, 0.18, 1.0], "metallicFactor": 0.0}
             return material
         reader = _Reader(self, surface, layers)
@@ -167,7 +168,7 @@ class _Reader:
             self.surfaces.extend(material, "KHR_materials_clearcoat", values)
 
     def _lost(self, what: str) -> None:
-        self.surfaces.lost.append(f"{self.surface.GetPath()}: {what} is not carried")
+        self.surfaces.lost.add("usd-material-input", self.surface.GetPath(), f"{what} is not carried")
 
     def _input(self, name: str, default: list[float]) -> tuple[list[float], dict | None]:
         """Numbers, and the texture that they multiply."""

@@ -1,0 +1,61 @@
+"""What a stage asks for and does not get, by kinds with ids that stay.
+
+Invariant: whatever `KINDS` does not name cannot be lost; a kind is said once, with how often and where first.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+KINDS = {
+    "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
+    "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
+    "usd-faces-animated": "faces that change over time",
+    "usd-light-cone": "a cone wider than a half space",
+    "usd-material": "a material that is no UsdPreviewSurface",
+    "usd-material-input": "an input of a material that is not carried",
+    "usd-meshes-together": "several meshes in one place that bend",
+    "usd-shape": "a shape that is no mesh",
+    "usd-shear": "a node that shears as it moves",
+    "usd-skeleton": "a skeleton that cannot be followed",
+    "usd-subdivision": "a subdivision surface of which the cage is taken",
+}
+"""Ids and what they stand for; docs/usd.md lists them for users."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """One kind of loss: the first place, in words, and how many there are."""
+
+    kind: str
+    sentence: str
+    count: int
+
+    def __str__(self) -> str:
+        more = f" (and {self.count - 1} more)" if self.count > 1 else ""
+        return f"[{self.kind}] {self.sentence}{more}"
+
+
+class Losses:
+    """Collects losses as a stage is read."""
+
+    def __init__(self) -> None:
+        self._first: dict[str, str] = {}
+        self._seen: set[tuple[str, str, str]] = set()
+        self._counts: Counter[str] = Counter()
+
+    def add(self, kind: str, place: object, what: str) -> None:
+        """Something of a kind of `KINDS` at a prim or in a node; the same thing at the same place counts once."""
+        if kind not in KINDS:
+            raise KeyError(kind)
+        key = (kind, str(place), what)
+        if key in self._seen:
+            return
+        self._seen.add(key)
+        self._counts[kind] += 1
+        self._first.setdefault(kind, f"{place}: {what}")
+
+    def list(self) -> list[Loss]:
+        """One a kind, in the order in which they were found."""
+        return [Loss(kind, sentence, self._counts[kind]) for kind, sentence in self._first.items()]
