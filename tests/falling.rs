@@ -199,7 +199,11 @@ fn no_leaf_is_below_the_ground_of_another_block() {
 #[test]
 fn leaves_that_never_land_are_remarked_upon() {
     let scene = scene_of("", "emitter: Box(min_m: (0.0, 150.0, 0.0), max_m: (0.0, 151.0, 0.0))");
-    assert!(scene.remarks.to_string().contains("fall.autumn: warning: "), "{}", scene.remarks);
+    assert!(
+        scene.remarks.to_string().contains("fall.autumn: warning[leaves-in-the-air]: "),
+        "{}",
+        scene.remarks
+    );
 }
 
 #[test]

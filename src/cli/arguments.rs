@@ -1,7 +1,9 @@
 //! The command line's grammar. Invariant: flags work in any order; unknown ones are refused.
 
+use super::CliError;
 use crate::color::{Curve, Display};
-use crate::scene::{LightUnits, Pass, PixelFilter, Size};
+use crate::diagnostic::Diagnostics;
+use crate::scene::{LightUnits, Pass, PixelFilter, ResolveOptions, Size};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -74,9 +76,6 @@ pub(super) struct RenderArguments {
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
     pub(super) fps: Option<crate::scene::FrameRate>,
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
-    #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
     /// Which frames that exist already are kept.
     #[arg(long, value_enum, default_value_t)]
     pub(super) skip: SkipArgument,
@@ -112,6 +111,19 @@ pub(super) struct RenderArguments {
     /// Say what would be rendered, and render nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+}
+
+/// How an input is read.
+#[derive(Args, Clone, Debug)]
+pub(super) struct SceneArguments {
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
+    /// Refuse an input that asks for anything that is not honoured (exit code 3).
+    #[arg(long)]
+    pub(super) strict: bool,
     #[command(flatten)]
     pub(super) bakes: BakeArguments,
 }
@@ -158,16 +170,13 @@ pub(super) struct PreviewArguments {
     /// Frames a second, such as 24 or 24000/1001 [default: the input's; of EXR frames 24].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
     pub(super) fps: Option<crate::scene::FrameRate>,
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
-    #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
     /// Threads to draw with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
     #[command(flatten)]
     pub(super) display: DisplayArguments,
     #[command(flatten)]
-    pub(super) bakes: BakeArguments,
+    pub(super) scene: SceneArguments,
 }
 
 #[derive(Args, Debug)]
@@ -180,11 +189,8 @@ pub(super) struct InspectArguments {
     /// Frames to look at; fractions are allowed [default: the first].
     #[arg(long, allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_frame)]
     pub(super) frames: Vec<f64>,
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
-    #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
     #[command(flatten)]
-    pub(super) bakes: BakeArguments,
+    pub(super) scene: SceneArguments,
 }
 
 #[derive(Args, Debug)]
@@ -200,9 +206,6 @@ pub(super) struct BenchArguments {
     /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
-    #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
     /// Which methods.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "all")]
     pub(super) methods: Vec<MethodArgument>,
@@ -252,7 +255,7 @@ pub(super) struct BenchArguments {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
     #[command(flatten)]
-    pub(super) bakes: BakeArguments,
+    pub(super) scene: SceneArguments,
 }
 
 #[derive(Args, Debug)]
@@ -268,11 +271,8 @@ pub(super) struct ExportArguments {
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
     pub(super) fps: Option<crate::scene::FrameRate>,
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
-    #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
     #[command(flatten)]
-    pub(super) bakes: BakeArguments,
+    pub(super) scene: SceneArguments,
 }
 
 #[derive(Args, Debug)]
@@ -425,6 +425,21 @@ impl DisplayArguments {
             CurveArgument::Raw => Curve::Raw,
         };
         Display { curve, exposure_stops: self.exposure, bloom: self.bloom }
+    }
+}
+
+impl SceneArguments {
+    /// What of it the scene has to know.
+    pub(super) fn options(&self) -> ResolveOptions {
+        ResolveOptions { light_units: self.light_units.map(Into::into) }
+    }
+
+    /// Refuses what is lost, if that is what the user wants.
+    pub(super) fn check(&self, remarks: &Diagnostics) -> Result<(), CliError> {
+        match remarks.refusing_losses().filter(|_| self.strict) {
+            Some(losses) => Err(CliError::Scene(losses)),
+            None => Ok(()),
+        }
     }
 }
 

@@ -35,8 +35,8 @@ impl Subject {
     fn new(arguments: &BenchArguments) -> Result<Self, CliError> {
         let started = Instant::now();
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) =
-            loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
+        let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+        arguments.scene.check(&scene.remarks)?;
         let load_s = started.elapsed().as_secs_f64();
         settings.camera = arguments.camera.clone().or(settings.camera);
         let camera = find_camera(&scene, settings.camera.as_deref())?;

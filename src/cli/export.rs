@@ -4,7 +4,7 @@
 use super::arguments::ExportArguments;
 use super::plan::usage;
 use super::{CliError, answer, loading, tell};
-use crate::diagnostic::{Diagnostics, Severity};
+use crate::diagnostic::Diagnostics;
 use crate::frame_file;
 use crate::sequence::FrameList;
 use crate::{description, export};
@@ -16,8 +16,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Err(usage("OUT.glb", found, "a name that ends in .glb"));
     }
     let description = description::load(&arguments.input)?;
-    let (scene, mut settings) =
-        loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
+    let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
     settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
     if let Some(list) = &arguments.frames {
         let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;
@@ -33,10 +32,9 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let exported =
         export::glb(&scene, &settings).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
-    let warnings = scene.remarks.0.iter().chain(&exported.remarks.0);
-    for warning in warnings.filter(|remark| remark.severity == Severity::Warning) {
-        tell(&warning.to_string());
-    }
+    let remarks = Diagnostics([scene.remarks.0.clone(), exported.remarks.0].concat());
+    arguments.scene.check(&remarks)?;
+    remarks.told().for_each(|remark| tell(&remark.to_string()));
     frame_file::write_whole(output, &[&exported.head, &exported.binary])
         .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
     let (first, last) = (settings.frames.start(), settings.frames.end());

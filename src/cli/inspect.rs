@@ -6,6 +6,8 @@ mod properties;
 mod text;
 mod units;
 
+pub(super) use json::losses;
+
 use super::arguments::InspectArguments;
 use super::{CliError, answer, loading};
 use crate::description;
@@ -36,8 +38,7 @@ impl Inspected {
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
-    let (mut scene, settings) =
-        loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
+    let (mut scene, settings) = loading::resolve(description, &arguments.scene, true)?;
     scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
     let input = arguments.input.display().to_string();
     let trees = MeshTrees::new(&scene);
@@ -51,5 +52,6 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
         json::describe(&inspected, &frames)
     } else {
         text::describe(&inspected, &frames)
-    })
+    })?;
+    arguments.scene.check(&inspected.scene.remarks)
 }

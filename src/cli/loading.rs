@@ -3,10 +3,10 @@
 //! that cannot be used is done without.
 
 use super::CliError;
-use super::arguments::BakeArguments;
+use super::arguments::SceneArguments;
 use crate::description::Description;
 use crate::frame_file;
-use crate::scene::{self, Baking, LightUnits, RenderSettings, Scene};
+use crate::scene::{self, Baking, RenderSettings, Scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::env;
 use std::fs::{self, DirEntry};
@@ -24,11 +24,10 @@ const EXTENSION: &str = "bake";
 /// Resolves an input on the threads that it is called on.
 pub(super) fn resolve(
     description: Description,
-    light_units: Option<LightUnits>,
-    arguments: &BakeArguments,
+    arguments: &SceneArguments,
     told: bool,
 ) -> Result<(Scene, RenderSettings), CliError> {
-    let folder = match arguments.bake_cache.as_deref() {
+    let folder = match arguments.bakes.bake_cache.as_deref() {
         None => user_folder(),
         Some(folder) if folder == Path::new("off") => None,
         Some(folder) => Some(folder.to_owned()),
@@ -60,7 +59,7 @@ pub(super) fn resolve(
     };
     let scene = scene::resolve_telling(
         description,
-        light_units,
+        &arguments.options(),
         &Baking { tell: &tell, recall: &recall, keep: &keep },
     );
     if let Some(bar) = bar.get() {

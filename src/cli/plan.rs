@@ -4,7 +4,7 @@
 use super::arguments::{Crop, ProgressArgument, RenderArguments, SizeArgument, Volume, passes};
 use super::{CliError, loading};
 use crate::description;
-use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file;
 use crate::render::{Job, Placement};
 use crate::scene::{RenderSettings, Sampling, Scene, Size, Window};
@@ -40,8 +40,7 @@ impl Plan {
         let scene_hash = description.content_hash.clone();
         let (mut scene, mut settings) = loading::resolve(
             description,
-            arguments.light_units.map(Into::into),
-            &arguments.bakes,
+            &arguments.scene,
             matches!(arguments.progress, ProgressArgument::Auto),
         )?;
 
@@ -61,6 +60,7 @@ impl Plan {
         settings.shutter = arguments.shutter.unwrap_or(settings.shutter);
         settings.shutter_position = arguments.shutter_position.unwrap_or(settings.shutter_position);
         scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
+        arguments.scene.check(&scene.remarks)?;
         settings.camera = arguments.camera.clone().or(settings.camera);
 
         let camera = find_camera(&scene, settings.camera.as_deref())?;
@@ -93,7 +93,7 @@ impl Plan {
         };
         let settings_hash = hash(&format!(
             "{job:?} {:?} {:?} {camera} {:?}{shutter_position}",
-            settings.frame_rate, settings.shutter, arguments.light_units
+            settings.frame_rate, settings.shutter, arguments.scene.light_units
         ));
         Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })
     }
@@ -110,12 +110,6 @@ impl Plan {
         let world_from_camera = self.scene.placements(time_s)[camera.node].world_from_node;
         let size = self.job.size;
         View::new(camera, world_from_camera, size.width as f64 / size.height as f64, time_s)
-    }
-
-    /// What the scene asks for and does not get, as lines for the error stream.
-    pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
-        let remarks = self.scene.remarks.0.iter();
-        remarks.filter(|remark| remark.severity == Severity::Warning).map(ToString::to_string)
     }
 }
 

@@ -6,7 +6,6 @@ use super::bench::{MOST_PIXELS, fitting};
 use super::plan::{find_camera, find_frames, resized, usage};
 use super::{CliError, loading, tell};
 use crate::description;
-use crate::diagnostic::Severity;
 use crate::film::Frame;
 use crate::frame_file::{self, Animation, FrameFileError, Picture};
 use crate::scanline;
@@ -95,11 +94,9 @@ impl Source {
             return Self::files(arguments);
         }
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) =
-            loading::resolve(description, arguments.light_units.map(Into::into), &arguments.bakes, true)?;
-        for remark in scene.remarks.0.iter().filter(|remark| remark.severity == Severity::Warning) {
-            tell(&remark.to_string());
-        }
+        let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+        arguments.scene.check(&scene.remarks)?;
+        scene.remarks.told().for_each(|remark| tell(&remark.to_string()));
         settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
         let name = arguments.camera.clone().or(settings.camera.clone());
         let camera = find_camera(&scene, name.as_deref())?;
@@ -121,7 +118,7 @@ impl Source {
         let flags = [
             ("--size", arguments.size.is_some()),
             ("--camera", arguments.camera.is_some()),
-            ("--light-units", arguments.light_units.is_some()),
+            ("--light-units", arguments.scene.light_units.is_some()),
         ];
         if let Some((flag, _)) = flags.into_iter().find(|(_, given)| *given) {
             return Err(usage(

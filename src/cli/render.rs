@@ -26,15 +26,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         .build()
         .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
     let plan = pool.install(|| Plan::new(arguments))?;
-    for warning in plan.warnings() {
-        tell(&warning);
-    }
+    plan.scene.remarks.told().for_each(|remark| tell(&remark.to_string()));
     if arguments.dry_run {
         return answer(&plan.to_string());
     }
     let signal = catch_signals()?;
     let live = Live::new(arguments.live.as_deref());
-    let stats = Stats::new(arguments.stats.as_deref())?;
+    let stats = Stats::new(arguments.stats.as_deref(), &plan.scene.remarks)?;
     let progress = Progress::new(match arguments.progress {
         ProgressArgument::Auto => ProgressStyle::auto(),
         ProgressArgument::Plain => ProgressStyle::Plain,

@@ -1,7 +1,9 @@
 //! What each frame took, for those who plan render farms. In go the events of a run, out come
-//! lines of JSON. Invariant: a frame's line is in the file once the frame is on the disk.
+//! lines of JSON: first one of the input's losses, then one a frame. Invariant: a frame's line is in the file once the frame is on the disk.
 
 use super::CliError;
+use super::inspect::losses;
+use crate::diagnostic::Diagnostics;
 use crate::render::Statistics;
 use crate::sequence::Event;
 use serde_json::{Value, json};
@@ -25,13 +27,18 @@ struct State {
 }
 
 impl Stats {
-    /// Starts the file over; without a path nothing is kept.
-    pub(super) fn new(path: Option<&Path>) -> Result<Self, CliError> {
+    /// Starts the file over with a line of what the input asks for and does not get; without a path nothing is kept.
+    pub(super) fn new(path: Option<&Path>, remarks: &Diagnostics) -> Result<Self, CliError> {
         let path = path.map_or_else(PathBuf::new, Path::to_owned);
         let state = match path.as_os_str().is_empty() {
             true => None,
             false => {
-                let file = File::create(&path).map_err(|error| failure(&path, &error))?;
+                let start = || {
+                    let mut file = File::create(&path)?;
+                    writeln!(file, "{}", json!({ "losses": losses(remarks) }))?;
+                    Ok(file)
+                };
+                let file = start().map_err(|error| failure(&path, &error))?;
                 Some(Mutex::new(State { file, snapshot_seconds: HashMap::new(), problem: None }))
             }
         };

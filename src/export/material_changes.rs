@@ -2,6 +2,7 @@
 //! it, out come channels. Invariant: a number that changes has a channel, or the remarks say that it is lost.
 
 use super::Writer;
+use crate::diagnostic::Loss;
 use crate::scene::{Material, MaterialNumbers};
 use serde_json::json;
 use std::ops::Range;
@@ -38,7 +39,7 @@ impl Writer<'_> {
         let mut carried = vec![OPACITY, METALLIC, ROUGHNESS, NORMAL_SCALE];
         carried.extend(color.clone().chain(EMISSION));
         if (0..keys[0].1.len()).any(|at| varies(at) && !carried.contains(&at)) {
-            self.lost(format!(
+            self.lost(Loss::ExportChange, format!(
                 "of `{}` only colour, alpha, metal, roughness, emission and normals change, the rest keeps still",
                 material.name
             ));

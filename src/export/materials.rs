@@ -4,7 +4,7 @@
 use super::material_changes::Written;
 use super::{Writer, layers};
 use crate::color::{Rgb, srgb_from_linear};
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, Wrap};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -112,10 +112,13 @@ impl Writer<'_> {
             ours["transmission_textured"] = json!(textured);
             let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
             if textured && material.transmission_texture != of_base {
-                self.lost(format!(
-                    "light through `{}` takes the colours of its base colour's texture",
-                    material.name
-                ));
+                self.lost(
+                    Loss::ExportMaterial,
+                    format!(
+                        "light through `{}` takes the colours of its base colour's texture",
+                        material.name
+                    ),
+                );
             }
         }
         if ours != json!({}) {

@@ -3,6 +3,7 @@
 
 use super::Writer;
 use super::binary::Target;
+use crate::diagnostic::Loss;
 use crate::scene::{Deformation, MaterialIndex, Mesh, MeshIndex, NodeIndex};
 use glam::{DVec3, Vec3};
 use serde_json::{Map, Value, json};
@@ -37,7 +38,7 @@ impl Writer<'_> {
         let cut =
             scene.instances.iter().filter(|instance| instance.deformation.as_deref().is_some_and(is_cut));
         if cut.clone().count() > 0 {
-            self.lost(format!(
+            self.lost(Loss::ExportShape, format!(
                 "{} meshes that bend are cut out along a mask: where they are cut they bend only nearly as here",
                 cut.count()
             ));
@@ -97,7 +98,7 @@ impl Writer<'_> {
                     _ => self.primitive(mesh, &corners, is_mapped && !is_flat, deformation),
                 };
                 if deformation.is_some() && is_mapped && is_flat {
-                    self.lost(format!(
+                    self.lost(Loss::ExportShape, format!(
                         "`{}` bends and is flat: its normal map goes by the coordinates that it is looked up with",
                         mesh.name
                     ));

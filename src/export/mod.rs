@@ -15,7 +15,7 @@ mod meshes;
 mod nodes;
 mod surroundings;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use crate::scene::{RenderSettings, Scene};
 use binary::Binary;
 use serde_json::{Map, Value, json};
@@ -93,13 +93,16 @@ pub fn glb(scene: &Scene, settings: &RenderSettings) -> Result<Exported, Diagnos
 }
 
 impl Writer<'_> {
-    fn lost(&mut self, found: impl Into<String>) {
-        self.remarks.push(Diagnostic::warning(Place::Nowhere, found));
+    fn lost(&mut self, loss: Loss, found: impl Into<String>) {
+        self.remarks.push(Diagnostic::warning(loss, Place::Nowhere, found));
     }
 
     fn warn_of_negative_frames(&mut self, settings: &RenderSettings) {
         if *settings.frames.start() < 0 && !self.scene.is_still() {
-            self.lost("glTF has no times before 0: motion before frame 0 is not carried");
+            self.lost(
+                Loss::ExportNegativeTimes,
+                "glTF has no times before 0: motion before frame 0 is not carried",
+            );
         }
     }
 

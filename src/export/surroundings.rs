@@ -3,7 +3,7 @@
 
 use super::Writer;
 use crate::color::Rgb;
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use image::codecs::openexr::OpenExrEncoder;
@@ -63,7 +63,7 @@ impl Writer<'_> {
             }),
         };
         if !sky.is_constant() {
-            self.lost("the sky does not change in glTF: it stays as it is at the start");
+            self.lost(Loss::ExportSky, "the sky does not change in glTF: it stays as it is at the start");
         }
         written["lights"] = json!(match sky.lights {
             SkyLight::Nothing => "nothing",

@@ -16,6 +16,13 @@ pub enum LightUnits {
     Raw,
 }
 
+/// What whoever renders wants of an input, beside what it says itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ResolveOptions {
+    /// What the lights of a glTF file are measured in, whatever it says.
+    pub light_units: Option<LightUnits>,
+}
+
 /// Resolves everything once. `light_units` overrides what a glTF file says of its lights.
 ///
 /// # Errors
@@ -24,7 +31,7 @@ pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
-    resolve_telling(description, light_units, &Baking::ALONE)
+    resolve_telling(description, &ResolveOptions { light_units }, &Baking::ALONE)
 }
 
 /// The same, on the threads that it is called on; falls that take their time are told of and kept.
@@ -33,14 +40,14 @@ pub fn resolve(
 /// Every problem that was found, if any of them is an error.
 pub fn resolve_telling(
     description: Description,
-    light_units: Option<LightUnits>,
+    options: &ResolveOptions,
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let file = Place::File(description.path);
     let (scene, settings) = match description.scene {
         SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence, baking)?,
         SceneSource::Gltf(scene) => {
-            let (scene, settings) = from_gltf::resolve(scene, light_units)?;
+            let (scene, settings) = from_gltf::resolve(scene, options)?;
             match description.sequence {
                 None => (scene, settings),
                 Some(sequence) => {

@@ -4,7 +4,7 @@
 //! same order.
 
 use super::{MeshTrees, MotionField, Shutter, Snapshot, shining};
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, matte_id};
 use std::sync::Arc;
 
@@ -79,7 +79,7 @@ impl<'scene> Exposure<'scene> {
                  the scene has {instances} instances"
             );
             let most = MOST_PLACED / MOMENTS;
-            Diagnostic::warning(Place::Nowhere, found).remedy(format!(
+            Diagnostic::warning(Loss::MotionBlurMoments, Place::Nowhere, found).remedy(format!(
                 "for smoother blur have at most {most} instances, or join still ones into meshes"
             ))
         })

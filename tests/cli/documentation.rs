@@ -2,6 +2,7 @@
 
 use crate::program::{Studio, repository};
 use std::collections::BTreeSet;
+use sunfleck::diagnostic::Loss;
 
 fn page(name: &str) -> String {
     std::fs::read_to_string(repository(name)).unwrap()
@@ -25,6 +26,17 @@ fn the_page_on_the_command_line_has_every_flag() {
         let missing: Vec<_> = flags(&help).difference(&described).copied().collect();
         assert!(missing.is_empty(), "{command}: {missing:?} are not described");
     }
+}
+
+/// The table of docs/losses.md is the program's own, sentence by sentence.
+#[test]
+fn every_loss_stands_in_the_documentation() {
+    let page = page("docs/losses.md");
+    let rows: BTreeSet<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    let known: Vec<String> = (Loss::ALL.iter().map(|loss| (loss.id(), loss.sentence())))
+        .map(|(id, sentence)| format!("| `{id}` | {sentence} |"))
+        .collect();
+    assert_eq!(rows, known.iter().map(String::as_str).collect());
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod failures;
 mod frames;
 mod interruption;
 mod live;
+mod losses;
 mod previews;
 mod program;
 mod questions;

@@ -142,7 +142,7 @@ fn namesakes_have_keys_of_their_own() {
 fn inspect_says_what_is_not_honoured() {
     let input = repository("tests/data/blender/b_leafcards.glb");
     let answer = Studio::new().succeed(&format!("inspect {}", input.display())).out;
-    assert!(answer.contains("warning: backface culling is not honoured"), "{answer}");
+    assert!(answer.contains("warning[backface-culling]: backface culling is not honoured"), "{answer}");
     assert!(answer.contains("note: masked meshes are cut out along alpha = cutoff"), "{answer}");
     assert!(answer.contains("give --fps"), "{answer}");
 }

@@ -2,6 +2,7 @@
 //! by row, for column vectors, in glTF's space; numbers are SI.
 
 use super::Inspected;
+use crate::diagnostic::Diagnostics;
 use crate::scene::{AreaShape, Camera, Lens, LightKind, Placement, Sampling};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
@@ -26,10 +27,25 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
         "filter": settings.filter.name(),
         "instances": scene.instances.len(),
         "triangles": scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum::<usize>(),
+        "losses": losses(&scene.remarks),
         "remarks": scene.remarks.0.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "frames": frames.iter().map(|&frame| describe_frame(inspected, frame)).collect::<Vec<_>>(),
     });
     format!("{described:#}")
+}
+
+/// What the input asks for and does not get: one object a kind and place.
+pub(in crate::cli) fn losses(remarks: &Diagnostics) -> Value {
+    let losses = remarks.losses().map(|(loss, diagnostic)| {
+        json!({
+            "id": loss.id(),
+            "count": diagnostic.count,
+            "place": diagnostic.place.to_string().trim_end_matches(": "),
+            "found": diagnostic.found,
+            "remedy": diagnostic.remedy,
+        })
+    });
+    losses.collect()
 }
 
 fn describe_frame(inspected: &Inspected, frame: f64) -> Value {

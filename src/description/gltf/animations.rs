@@ -6,7 +6,7 @@ use super::json::{Animation, Document, Node};
 use super::pointers::{self, Property, Target};
 use super::report::Report;
 use super::{Channel, Interpolation, PropertyChannel, Values, named};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use glam::{DQuat, DVec3};
 
 const TIMES: Wanted = Wanted { purpose: "key times", width: 1, components: &[Component::F32] };
@@ -64,8 +64,7 @@ fn read_channel(
     if let Some(pointer) = &target.extensions.pointer {
         let pointer = pointer.pointer.as_str();
         if pointer.contains("/spot.") {
-            let message = "Blender's exporter puts a dot for a slash before the angles of spots, they are read as meant";
-            report.not_honoured(message, pointer);
+            report.not_honoured(Loss::SpotAnglePointer, pointer);
         }
         return match pointers::resolve(document, pointer) {
             Target::Node(node, path) => {
@@ -75,10 +74,7 @@ fn read_channel(
                 property_channel(animation, channel.sampler, (property, index), place, accessors)
             }
             Target::Unused => {
-                report.not_honoured(
-                    "values that are animated by a pointer and not honoured keep still",
-                    pointer,
-                );
+                report.not_honoured(Loss::AnimationPointer, pointer);
                 Ok(Read::Nothing)
             }
             Target::Missing => Err(accessors
@@ -91,7 +87,7 @@ fn read_channel(
     }
     // The specification says to pass over channels without a node.
     let Some(node) = target.node else {
-        report.not_honoured("channels that target no node are passed over", &place);
+        report.not_honoured(Loss::AnimationWithoutTarget, &place);
         return Ok(Read::Nothing);
     };
     node_channel(document, animation, channel.sampler, (node, &target.path), place, accessors, report)
@@ -136,7 +132,7 @@ fn node_channel(
         "rotation" => ROTATIONS,
         "weights" if targets_of(document, target_node) == 0 => {
             let name = named(&target_node.name, "node", node);
-            report.not_honoured("weights of meshes without morph targets are passed over", &name);
+            report.not_honoured(Loss::MorphWeightsWithoutTargets, &name);
             return Ok(Read::Nothing);
         }
         "weights" => WEIGHTS,

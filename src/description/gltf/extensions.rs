@@ -3,7 +3,7 @@
 
 use super::json::Document;
 use super::report::Report;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 
 /// What becomes of an extension.
 enum Support {
@@ -153,16 +153,10 @@ pub(super) fn check(document: &Document, report: &mut Report) {
     for name in &document.extensions_used {
         let is_required = document.extensions_required.contains(name);
         match support(name) {
-            None if !is_required => {
-                report.not_honoured("extensions that are not known are passed over", name)
-            }
-            Some(Support::Refused(_)) => report.not_honoured(
-                "what these extensions add is passed over, the file's plain data are used",
-                name,
-            ),
+            None if !is_required => report.not_honoured(Loss::UnknownExtension, name),
+            Some(Support::Refused(_)) => report.not_honoured(Loss::ExtensionPassedOver, name),
             Some(Support::Aside) if is_required => {
-                report
-                    .not_honoured("required extensions that add nothing to a picture are passed over", name);
+                report.not_honoured(Loss::ExtensionWithoutPicture, name);
             }
             _ => {}
         }
@@ -170,7 +164,7 @@ pub(super) fn check(document: &Document, report: &mut Report) {
 }
 
 /// What a material's extension asks for that is not honoured, and what is done instead.
-pub(super) fn material_extension(extension: &str) -> Option<&'static str> {
+pub(super) fn material_extension(extension: &str) -> Option<Loss> {
     Some(match extension {
         "KHR_materials_clearcoat"
         | "KHR_materials_diffuse_transmission"
@@ -179,15 +173,11 @@ pub(super) fn material_extension(extension: &str) -> Option<&'static str> {
         | "KHR_materials_sheen"
         | "KHR_materials_specular"
         | "KHR_materials_unlit" => return None,
-        "KHR_materials_transmission" => {
-            "what transparent materials let through goes straight on, neither bent nor blurred"
-        }
-        "KHR_materials_volume" | "KHR_materials_dispersion" => {
-            "the inside of transparent materials is not honoured, light goes straight through"
-        }
-        "KHR_materials_variants" => "material variants are not honoured, the default one is drawn",
-        "KHR_materials_anisotropy" => "anisotropy of highlights is not honoured",
-        "KHR_materials_iridescence" => "iridescence is not honoured",
-        _ => "extensions of materials that are not known are passed over",
+        "KHR_materials_transmission" => Loss::TransmissionRough,
+        "KHR_materials_volume" | "KHR_materials_dispersion" => Loss::TransmissionVolume,
+        "KHR_materials_variants" => Loss::MaterialVariants,
+        "KHR_materials_anisotropy" => Loss::Anisotropy,
+        "KHR_materials_iridescence" => Loss::Iridescence,
+        _ => Loss::UnknownMaterialExtension,
     })
 }

@@ -5,7 +5,7 @@ use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
 use super::{Node, named};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use glam::{DAffine3, DQuat, DVec3};
 
 const VECTORS: Wanted =
@@ -22,17 +22,16 @@ pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessor
         let Some(instancing) = &source.extensions.instancing else { continue };
         let name = named(&source.name, "node", index);
         if node.mesh.is_none() {
-            report.not_honoured("instances of nodes without a mesh are passed over", &name);
+            report.not_honoured(Loss::InstancesWithoutMesh, &name);
             continue;
         }
         if node.skin.take().is_some() {
-            report.not_honoured("instances do not follow skeletons, these keep the shape at rest", &name);
+            report.not_honoured(Loss::InstancesOfSkins, &name);
         }
         for attribute in instancing.attributes.keys() {
             if !["TRANSLATION", "ROTATION", "SCALE"].contains(&attribute.as_str()) {
                 let name = format!("{attribute}` of `{name}");
-                report
-                    .not_honoured("instances differ in place, rotation and scale alone, not in these", &name);
+                report.not_honoured(Loss::InstanceAttributes, &name);
             }
         }
         node.instances = report.keep(places(instancing, index, accessors));

@@ -9,7 +9,7 @@ use super::{
     AlphaMode, Clearcoat, Files, LoadError, Material, Sheen, Texture, TextureMap, Wrap, invalid, named,
 };
 use crate::description::image::{self, Encoding};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use glam::DVec3;
 use serde_json::Value;
 use std::borrow::Cow;
@@ -120,10 +120,7 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
         ..Sheen::default()
     };
     if sheen.color.max_element() > 0.0 && sheen.roughness < LEAST_HONOURED_SHEEN {
-        report.not_honoured(
-            "sheens smoother than 0.3 give back more than they receive at grazing angles, there they are made weaker",
-            &named(&material.name, "material", index),
-        );
+        report.not_honoured(Loss::SheenMadeWeaker, &named(&material.name, "material", index));
     }
     let transmission =
         extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0, report);
@@ -217,21 +214,18 @@ impl Extensions<'_> {
 
 fn report_unused(material: &json::Material, name: &str, report: &mut Report) {
     if material.occlusion_texture.is_some() {
-        report.not_honoured(
-            "occlusion maps are not honoured: they dim light from all around, of which there is none",
-            name,
-        );
+        report.not_honoured(Loss::OcclusionMap, name);
     }
     for (extension, values) in &material.extensions {
-        if let Some(message) = material_extension(extension) {
-            report.not_honoured(message, name);
+        if let Some(loss) = material_extension(extension) {
+            report.not_honoured(loss, name);
         }
         let has = |field: &str| values.get(field).is_some();
         if ["specularTexture", "specularColorTexture", "diffuseTransmissionTexture", "transmissionTexture"]
             .into_iter()
             .any(has)
         {
-            report.not_honoured("textures of specular reflection and transmission are not honoured, the plain factors are used", name);
+            report.not_honoured(Loss::SpecularTextures, name);
         }
     }
 }
@@ -282,7 +276,7 @@ fn read_texture(
     let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler));
     let wrap = sampler.map_or([Wrap::Repeat; 2], |sampler| [sampler.wrap_s, sampler.wrap_t].map(wrap));
     if sampler.is_some_and(|sampler| sampler.mag_filter == Some(9728)) {
-        report.not_honoured("textures are smooth between texels, also those that ask for squares", &name);
+        report.not_honoured(Loss::TextureFilter, &name);
     }
     let decoded = bytes.and_then(|bytes| image::decode(&bytes, encoding, report.at(place)));
     Ok(decoded.map(|image| Texture { name, image, wrap }))

@@ -7,7 +7,7 @@ use super::report::Report;
 use super::texture_maps::{Slot, layer, layers as layers_of, slots};
 use super::{Mesh, Primitive, morphs, named, skins};
 use crate::description::tangents::{self, Vertices};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 
@@ -43,7 +43,7 @@ pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut 
             let path = format!("meshes[{index}].primitives[{number}]");
             report_unused(primitive, &name, report);
             if !is_made_of_triangles(primitive.mode) {
-                report.not_honoured("points and lines are not drawn", &name);
+                report.not_honoured(Loss::PointsAndLines, &name);
                 continue;
             }
             if let Some(material) = primitive.material {
@@ -70,7 +70,7 @@ fn is_made_of_triangles(mode: u32) -> bool {
 
 fn report_unused(primitive: &json::Primitive, mesh: &str, report: &mut Report) {
     if primitive.extensions.contains_key("KHR_materials_variants") {
-        report.not_honoured("material variants are not honoured, the default one is drawn", mesh);
+        report.not_honoured(Loss::MaterialVariants, mesh);
     }
 }
 
@@ -106,7 +106,7 @@ fn read_primitive(
         None => Some(Vec::new()),
     };
     let normals = normals.unwrap_or_else(|| {
-        report.not_honoured("some normals have no length, these meshes are shaded flat", mesh);
+        report.not_honoured(Loss::NormalsWithoutLength, mesh);
         Vec::new()
     });
     let slots = primitive.material.and_then(|material| document.materials.get(material)).map(slots);
@@ -126,10 +126,7 @@ fn read_primitive(
                 uvs
             }
             None => {
-                report.not_honoured(
-                    "these meshes have textures but no texture coordinates, the corner texel is used",
-                    mesh,
-                );
+                report.not_honoured(Loss::TextureCoordinatesMissing, mesh);
                 vec![Vec2::ZERO; positions.len()]
             }
         });
@@ -146,7 +143,7 @@ fn read_primitive(
         None => Vec::new(),
     };
     if attribute("COLOR_1").is_some() {
-        report.not_honoured("vertex colours after the first are not honoured (COLOR_1)", mesh);
+        report.not_honoured(Loss::VertexColorSets, mesh);
     }
     let indices = match primitive.indices {
         Some(index) => indices(accessors, index, positions.len(), &format!("{path}.indices"))?,
@@ -213,10 +210,7 @@ fn add_tangents(
                 return Ok(());
             }
             Some(_) => {}
-            None => report.not_honoured(
-                "some tangents have no length or no side, these meshes get those of their texture coordinates",
-                mesh,
-            ),
+            None => report.not_honoured(Loss::TangentsUnusable, mesh),
         }
     }
     let Some((index, user)) = attribute(&primitive.attributes, &format!("TEXCOORD_{set}"), path) else {
@@ -226,10 +220,7 @@ fn add_tangents(
     as_many(uvs.len() / 2, user)?;
     let uvs: Vec<Vec2> = uvs.chunks_exact(2).map(|uv| DVec2::from_slice(uv).as_vec2()).collect();
     if !make_tangents(whole, &uvs) {
-        report.not_honoured(
-            "where thousands of triangles meet in one place, normal maps are not honoured",
-            mesh,
-        );
+        report.not_honoured(Loss::NormalMapUnusable, mesh);
     }
     Ok(())
 }
@@ -301,7 +292,7 @@ fn triangles(indices: &[u32], mode: u32) -> Option<Vec<[u32; 3]>> {
 /// Linear colours at the vertices; none if all are white, which Blender writes where nothing uses them.
 fn colors(numbers: &[f64], width: usize, mesh: &str, report: &mut Report) -> Vec<Vec3> {
     if width == 4 && numbers.chunks_exact(4).any(|color| color[3] < 1.0) {
-        report.not_honoured("alpha of vertex colours is not honoured", mesh);
+        report.not_honoured(Loss::VertexAlpha, mesh);
     }
     let color = |c: &[f64]| Vec3::new(c[0] as f32, c[1] as f32, c[2] as f32).clamp(Vec3::ZERO, Vec3::ONE);
     let colors: Vec<Vec3> = numbers.chunks_exact(width).map(color).collect();

@@ -6,7 +6,7 @@ use super::json::{self, Document};
 use super::meshes::vectors;
 use super::report::Report;
 use super::{MorphTarget, Node};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use glam::Vec3;
 
 const DIFFERENCES: Wanted = Wanted {
@@ -30,8 +30,7 @@ pub(super) fn targets(
             attributes.keys().filter(|name| !["POSITION", "NORMAL", "TANGENT"].contains(&name.as_str()))
         {
             let name = format!("{name}` of `{mesh}");
-            report
-                .not_honoured("morph targets change positions, normals and tangents alone, not these", &name);
+            report.not_honoured(Loss::MorphTargetAttributes, &name);
         }
         let differences = |name: &str| -> Result<Vec<Vec3>, Diagnostic> {
             let Some(&index) = attributes.get(name) else { return Ok(Vec::new()) };
@@ -75,7 +74,7 @@ fn checked(weights: &[f64], count: usize, path: &str, report: &mut Report) -> Op
         return None;
     }
     if count == 0 {
-        report.not_honoured("weights of meshes without morph targets are passed over", path);
+        report.not_honoured(Loss::MorphWeightsWithoutTargets, path);
         return None;
     }
     if weights.len() != count || weights.iter().any(|weight| weight.abs() > LARGEST_WEIGHT) {

@@ -4,6 +4,7 @@
 use super::json::{self, Document};
 use super::report::Report;
 use super::{Camera, GltfScene, Lens, Light, LightKind, Node, Transform, named};
+use crate::diagnostic::Loss;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -124,10 +125,7 @@ pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &
         return;
     };
     for (index, other) in document.scenes.iter().enumerate().filter(|(index, _)| *index != scene.scene) {
-        report.not_honoured(
-            "only one scene is read, the others are passed over",
-            &named(&other.name, "scene", index),
-        );
+        report.not_honoured(Loss::OtherScenes, &named(&other.name, "scene", index));
     }
     scene.extras = shown.extras.clone();
     let mut listed = vec![false; scene.nodes.len()];

@@ -2,7 +2,7 @@
 //! that lists their names, however many there are.
 
 use super::field;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use std::path::{Path, PathBuf};
 
 /// How many names one message lists.
@@ -17,7 +17,7 @@ pub(crate) struct Report {
 
 /// One kind of thing that is not honoured, and who asks for it.
 struct Kind {
-    message: &'static str,
+    loss: Loss,
     first_names: Vec<String>,
     more: usize,
 }
@@ -49,12 +49,12 @@ impl Report {
         self.push(error);
     }
 
-    /// Puts `name` on the list of those that ask for what `message` says is not honoured.
-    pub(crate) fn not_honoured(&mut self, message: &'static str, name: &str) {
-        match self.kinds.iter_mut().find(|kind| kind.message == message) {
+    /// Puts `name` on the list of those who lose what `loss` says.
+    pub(crate) fn not_honoured(&mut self, loss: Loss, name: &str) {
+        match self.kinds.iter_mut().find(|kind| kind.loss == loss) {
             Some(kind) if kind.first_names.len() < NAMES_LISTED => kind.first_names.push(name.to_owned()),
             Some(kind) => kind.more += 1,
-            None => self.kinds.push(Kind { message, first_names: vec![name.to_owned()], more: 0 }),
+            None => self.kinds.push(Kind { loss, first_names: vec![name.to_owned()], more: 0 }),
         }
     }
 
@@ -79,11 +79,12 @@ impl Report {
     }
 
     pub(crate) fn into_diagnostics(mut self) -> Diagnostics {
-        for Kind { message, first_names, more } in self.kinds {
+        for Kind { loss, first_names, more } in self.kinds {
             let names = first_names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let more_names = if more > 0 { format!(" and {more} more") } else { String::new() };
             let place = Place::File(self.file.clone());
-            self.diagnostics.push(Diagnostic::warning(place, format!("{message}: {names}{more}")));
+            let found = format!("{}: {names}{}", loss.sentence(), more_names);
+            self.diagnostics.push(Diagnostic::warning(loss, place, found).counting(first_names.len() + more));
         }
         self.diagnostics
     }

@@ -5,7 +5,7 @@ use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
 use super::report::Report;
 use super::{GltfScene, Influences, Skin, named};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use glam::{DAffine3, DMat4, DVec4};
 use std::collections::BTreeMap;
 
@@ -122,7 +122,7 @@ pub(super) fn influences(
         }
     }
     if is_uneven {
-        report.not_honoured("weights of joints that do not add up to 1 are scaled so that they do", mesh);
+        report.not_honoured(Loss::JointWeights, mesh);
     }
     Ok(Some(influences))
 }
@@ -151,8 +151,7 @@ pub(super) fn check_nodes(scene: &mut GltfScene, report: &mut Report) {
             }
         }
         if !is_bound {
-            let message = "skins of meshes that do not say what they hang on are passed over";
-            report.not_honoured(message, &node.name);
+            report.not_honoured(Loss::SkinWithoutJoints, &node.name);
             node.skin = None;
         }
     }

@@ -4,7 +4,7 @@
 use super::{LineCounter, at_line, locate};
 use crate::color::Rgb;
 use crate::description::{Files, LoadError};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use std::path::{Path, PathBuf};
 
 /// A material of an MTL file.
@@ -127,6 +127,6 @@ fn remark(path: &Path, material: &tobj::Material, remarks: &mut Diagnostics) {
     not_used.extend(unknown);
     if !not_used.is_empty() {
         let found = format!("material `{}`: {} not used", material.name, not_used.join(", "));
-        remarks.push(Diagnostic::warning(Place::File(path.to_owned()), found));
+        remarks.push(Diagnostic::warning(Loss::MtlStatement, Place::File(path.to_owned()), found));
     }
 }

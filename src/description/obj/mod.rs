@@ -6,7 +6,7 @@ mod material;
 mod triangulate;
 
 use super::{Files, LoadError};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{DVec3, Vec2, Vec3};
 use locate::{Census, LineCounter};
 use std::cell::RefCell;
@@ -138,18 +138,22 @@ fn remark_census(path: &Path, text: &str, model: &mut ObjModel) {
                 at_line(path, *line),
                 format!("{found}; normals (`vn`) make surfaces smooth"),
             ),
-            _ => Diagnostic::warning(at_line(path, *line), found),
+            _ => Diagnostic::warning(Loss::ObjStatement, at_line(path, *line), found),
         });
     }
     if let Some((count, line)) = census.thin_faces {
         let found = format!("{count} faces have fewer than three corners; left out");
-        model.remarks.push(Diagnostic::warning(at_line(path, line), found));
+        model.remarks.push(Diagnostic::warning(Loss::ObjThinFace, at_line(path, line), found));
     }
     for name in census.material_names {
         if !model.materials.iter().any(|material| material.name == name) {
             let found =
                 format!("no MTL file has the material `{name}`; the default material takes its place");
-            model.remarks.push(Diagnostic::warning(Place::File(path.to_owned()), found));
+            model.remarks.push(Diagnostic::warning(
+                Loss::ObjMaterialMissing,
+                Place::File(path.to_owned()),
+                found,
+            ));
         }
     }
 }
@@ -172,18 +176,25 @@ impl Part {
         let mut normals = unit.unwrap_or_default();
         if normals.len() != positions.len() && !mesh.normals.is_empty() {
             normals.clear();
-            remarks
-                .push(Diagnostic::warning(file(), "some corners have no normal; the group is shaded flat"));
+            remarks.push(Diagnostic::warning(
+                Loss::ObjNormals,
+                file(),
+                "some corners have no normal; the group is shaded flat",
+            ));
         }
         let mut uvs: Vec<Vec2> =
             mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])).collect();
         if uvs.len() != positions.len() && !uvs.is_empty() {
             uvs.clear();
             let found = "some corners have no texture coordinates; the group has none";
-            remarks.push(Diagnostic::warning(file(), found));
+            remarks.push(Diagnostic::warning(Loss::ObjTextureCoordinates, file(), found));
         }
         if !mesh.vertex_color.is_empty() {
-            remarks.push(Diagnostic::warning(file(), "colours of vertices are not used"));
+            remarks.push(Diagnostic::warning(
+                Loss::ObjVertexColors,
+                file(),
+                "colours of vertices are not used",
+            ));
         }
         let triangles = triangles(path, mesh, &positions, remarks)?;
         Ok(Self { positions, normals, uvs, triangles, material: mesh.material_id })
@@ -246,7 +257,7 @@ fn triangles(
     if crossing > 0 {
         let found =
             format!("{crossing} faces have outlines that cross themselves; their triangles may overlap");
-        remarks.push(Diagnostic::warning(file(), found));
+        remarks.push(Diagnostic::warning(Loss::ObjCrossingFace, file(), found));
     }
     Ok(triangles)
 }

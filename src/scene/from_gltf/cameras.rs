@@ -3,7 +3,7 @@
 use super::Builder;
 use super::extras::{self, Sunfleck};
 use crate::description::gltf::{self, Property};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{Aperture, Camera, Lens, Motion, Node, RenderSettings, Track};
 use glam::{DVec2, DVec3};
 use serde::Deserialize;
@@ -76,7 +76,7 @@ impl Builder<'_> {
         let lens: ThinLens = extras::read(&camera.extras, "sunfleck_camera", &path, &mut self.report)?;
         for name in lens.unknown.keys() {
             let field = format!("sunfleck_camera.{name}` of `{}", camera.name);
-            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+            self.report.not_honoured(Loss::UnknownField, &field);
         }
         if lens.shift.is_some_and(|shift| !shift.iter().all(|shift| shift.abs() <= MOST_SHIFT)) {
             let found = format!("the lens is shifted by {:?}", lens.shift.unwrap_or_default());
@@ -110,8 +110,7 @@ impl Builder<'_> {
             return None;
         }
         if matches!(camera.lens, gltf::Lens::Orthographic { .. }) {
-            let message = "an aperture of orthographic cameras is not honoured, all is in focus";
-            self.report.not_honoured(message, &camera.name);
+            self.report.not_honoured(Loss::ApertureOrthographic, &camera.name);
             return None;
         }
         Some(Aperture {
@@ -172,7 +171,7 @@ impl Builder<'_> {
         let (name, shift) = (String::from("camera"), DVec2::ZERO);
         self.scene.cameras.push(Camera { name, node, lens, shift, aperture: None });
         self.report.push(
-            Diagnostic::warning(
+            Diagnostic::choice(
                 self.report.at("cameras"),
                 "the scene has no camera, one that shows all of it is made up",
             )

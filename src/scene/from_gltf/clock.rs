@@ -4,7 +4,7 @@
 use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{FrameRate, Pass, PixelFilter, RenderSettings, Sampling, Size};
 
 /// Frames a second of a file that does not say.
@@ -124,7 +124,7 @@ pub(super) fn settings(
         let found =
             format!("frames {start} to {end} are to be rendered, and keys lie on frames {first} to {last}");
         report.push(
-            Diagnostic::warning(report.at(at("frame_start")), found).expected(
+            Diagnostic::warning(Loss::KeysOutsideFrames, report.at(at("frame_start")), found).expected(
                 "frames among the keys: before the first and after the last everything keeps still",
             ),
         );
@@ -185,8 +185,7 @@ fn read_shutter(
     if shutter > 0.0 {
         settings.shutter_position = offset / shutter + 0.5;
     } else if offset != 0.0 {
-        let message = "a shutter that opens for an instant does so at the frame";
-        report.not_honoured(message, "sunfleck.shutter_offset");
+        report.not_honoured(Loss::ShutterInstant, "sunfleck.shutter_offset");
     }
 }
 

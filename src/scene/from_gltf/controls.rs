@@ -6,7 +6,7 @@ use super::Builder;
 use super::extras::{self, Channels};
 use crate::color::Rgb;
 use crate::description::gltf::Property;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{
     Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, SunPicture, SunShows,
     Track,
@@ -70,7 +70,7 @@ impl Builder<'_> {
             let path = format!("{path}.extras.sunfleck_ctl");
             for field in unknown.keys() {
                 let field = format!("{path}.{field}");
-                self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+                self.report.not_honoured(Loss::UnknownField, &field);
             }
             let Some(carried) = self.carried(number, &channel) else {
                 let found = format!("`{channel}` is no channel");
@@ -84,8 +84,7 @@ impl Builder<'_> {
                 self.report.push(Diagnostic::note(self.report.at(path.as_str()), found));
             }
             if self.control(&target, &carried, &path).is_none() {
-                let message = "values carried by `sunfleck_ctl` find no such target, they are passed over";
-                self.report.not_honoured(message, &target);
+                self.report.not_honoured(Loss::CarriedValueWithoutTarget, &target);
             }
         }
     }

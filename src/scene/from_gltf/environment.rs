@@ -5,6 +5,7 @@ use super::extras::{Channels, read};
 use crate::color::Rgb;
 use crate::description::gltf::report::Report;
 use crate::description::image::DecodedImage;
+use crate::diagnostic::Loss;
 use crate::scene::{Sky, SkyLight, SkyPicture};
 use serde::Deserialize;
 use serde_json::Value;
@@ -62,7 +63,7 @@ pub(super) fn surroundings(
             let name = if name.starts_with("data:") { "the sky" } else { name };
             let (picture, negative) = SkyPicture::of_image(name.to_owned(), [width, height], texels);
             if negative > 0 {
-                report.not_honoured("radiances below 0 in images of skies count as 0", name);
+                report.not_honoured(Loss::NegativeRadiance, name);
             }
             picture
         }

@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::description::image::DecodedImage;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{Property, Sky};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -132,19 +132,13 @@ pub(super) fn scene_extras(
     let path = format!("scenes[{}]", source.scene);
     let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
     for name in sunfleck.unknown.keys() {
-        report.not_honoured(
-            "unknown fields of sunfleck's properties are passed over",
-            &format!("sunfleck.{name}"),
-        );
+        report.not_honoured(Loss::UnknownField, &format!("sunfleck.{name}"));
     }
     if sunfleck.version.is_some_and(|version| version != 1.0) {
         report.error(format!("{path}.extras.sunfleck.version"), "this version is not known", "version 1");
     }
     if sunfleck.unit_scale.is_some_and(|scale| scale != 1.0) {
-        report.not_honoured(
-            "Blender's unit scale changes how it shows lengths, not the scene: one unit is one metre, as to Cycles",
-            "sunfleck.unit_scale",
-        );
+        report.not_honoured(Loss::UnitScale, "sunfleck.unit_scale");
     }
     let fog: Option<Fog> = read(&source.extras, "sunfleck_fog", &path, report);
     let (background, sky) = environment::surroundings(&source.extras, sky_image, &path, report);
@@ -156,7 +150,7 @@ pub(super) fn scene_extras(
 fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Report) {
     let names = extras.as_object().into_iter().flat_map(|map| map.keys());
     for name in names.filter(|name| name.starts_with("sunfleck") && !known.contains(&name.as_str())) {
-        report.not_honoured("unknown properties are passed over", &format!("{name}` of `{owner}"));
+        report.not_honoured(Loss::UnknownProperty, &format!("{name}` of `{owner}"));
     }
 }
 

@@ -4,7 +4,7 @@
 use super::Builder;
 use super::extras;
 use crate::color::Rgb;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{Fog, FogShape, HeightFalloff, Motion, Node, NodeIndex, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -24,8 +24,7 @@ impl Builder<'_> {
                 self.report.error(format!("{path}.shape"), found, "box or layer");
             }
             if fog.bounds.is_some() {
-                let message = "`bounds` of a `sunfleck_fog_volume` is passed over, the node is the box";
-                self.report.not_honoured(message, &node.name);
+                self.report.not_honoured(Loss::FogBounds, &node.name);
             }
             // The cube's own bottom, unless the file says otherwise in the cube's own space.
             let base = fog.base_height.unwrap_or(if is_layer { 0.0 } else { -1.0 });
@@ -93,7 +92,7 @@ impl Builder<'_> {
     fn add_fog(&mut self, name: &str, node: NodeIndex, fog: extras::Fog, shape: FogShape, path: &str) {
         for field in fog.unknown.keys() {
             let field = format!("{path}.{field}");
-            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+            self.report.not_honoured(Loss::UnknownField, &field);
         }
         if let Motion::Still(parent_from_cube) = &self.scene.nodes[node].motion
             && parent_from_cube.matrix3.determinant() == 0.0

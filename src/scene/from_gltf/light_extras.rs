@@ -7,6 +7,7 @@ use super::extras::{self, Channels};
 use super::sun_pictures::Fractal;
 use crate::color::Rgb;
 use crate::description::gltf;
+use crate::diagnostic::Loss;
 use crate::scene::{AreaShape, Light, LightKind, NodeIndex, SunDisc, Track};
 use serde::Deserialize;
 use serde_json::Value;
@@ -65,11 +66,10 @@ impl Builder<'_> {
         // A sun's strength stands in the light itself; Blender's own number beside it is for people.
         for field in extras.unknown.keys().filter(|field| *field != "strength_w_m2") {
             let field = format!("{path}.extras.sunfleck_light.{field}");
-            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+            self.report.not_honoured(Loss::UnknownField, &field);
         }
         if extras.casts_shafts == Some(false) {
-            let message = "lights that cast no shafts are not honoured, they cast them";
-            self.report.not_honoured(message, &node.name);
+            self.report.not_honoured(Loss::LightWithoutShafts, &node.name);
         }
         Some(extras)
     }
@@ -88,9 +88,7 @@ impl Builder<'_> {
             .filter(|radius| self.is_in_range(path, "radius", *radius, 0.0..LARGEST_M, "metres, at least 0"));
         let is_sun = matches!(kind, LightKind::Sun);
         if if is_sun { radius.is_some() } else { angle.is_some() } {
-            let message =
-                "`angle` is a size of suns and `radius` one of points and spots, others are passed over";
-            self.report.not_honoured(message, path);
+            self.report.not_honoured(Loss::LightSize, path);
         }
         let picture = self.sun_picture(is_sun, extras, path);
         let picture_rotation = Track::from(extras.picture_rotation.unwrap_or(0.0));
@@ -114,10 +112,7 @@ impl Builder<'_> {
     /// Adds the area light that a node without a light of glTF describes.
     pub(super) fn add_area_light(&mut self, name: &str, node: NodeIndex, extras: &LightExtras, path: &str) {
         if extras.kind.as_deref() != Some("area") {
-            self.report.not_honoured(
-                "`sunfleck_light` describes a light that the file does not hold, it is left out",
-                name,
-            );
+            self.report.not_honoured(Loss::LightOfNoFile, name);
             return;
         }
         let shape = match extras.shape.as_deref().map(str::to_lowercase).as_deref() {
@@ -152,8 +147,7 @@ impl Builder<'_> {
             self.report.error(format!("{path}.power_w"), found, "finite numbers of at least 0");
         }
         if extras.spread.is_some_and(|spread| spread < PI) {
-            let message = "an area light's spread is not honoured, it shines to all of its side";
-            self.report.not_honoured(message, name);
+            self.report.not_honoured(Loss::AreaLightSpread, name);
         }
         let kind = LightKind::Area { shape, width: Track::from(width), height: Track::from(height) };
         self.scene.lights.push(Light { name: name.to_owned(), node, power: Track::from(power), kind });

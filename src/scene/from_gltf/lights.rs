@@ -4,7 +4,7 @@
 use super::Builder;
 use super::light_extras::LightExtras;
 use crate::description::gltf;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{Light, LightKind, LightUnits, NodeIndex, Track};
 use std::f64::consts::PI;
 
@@ -61,7 +61,7 @@ impl Builder<'_> {
     ) {
         let light = &self.source.lights[index];
         if light.range_m.is_some() {
-            self.report.not_honoured("a light's range is not honoured, it shines without limit", &light.name);
+            self.report.not_honoured(Loss::LightRange, &light.name);
         }
         let power = self.light_power(index, units, watts_per_unit(units, light.kind));
         if power.keys().iter().any(|key| !key.value.is_finite()) {

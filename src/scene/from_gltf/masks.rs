@@ -22,7 +22,7 @@ impl Builder<'_> {
                     Mask::new(&self.scene.textures[texture], cutoff, opacity),
                 ) {
                     Ok(cut) => (mesh, added) = cut,
-                    Err(reason) => self.report.not_honoured(reason, &mesh.name),
+                    Err(loss) => self.report.not_honoured(loss, &mesh.name),
                 }
             }
             None if opacity < cutoff => mesh.triangles.clear(),

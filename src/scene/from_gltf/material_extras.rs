@@ -5,6 +5,7 @@ use super::Builder;
 use super::extras::{self, Channels};
 use crate::color::Rgb;
 use crate::description::gltf;
+use crate::diagnostic::Loss;
 use crate::scene::{Material, Painted, TextureMap};
 use serde::Deserialize;
 use serde_json::Value;
@@ -54,7 +55,7 @@ impl Builder<'_> {
             extras::read(&source.extras, "sunfleck_material", &path, &mut self.report)?;
         for field in extras.unknown.keys() {
             let field = format!("sunfleck_material.{field}` of `{}", source.name);
-            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &field);
+            self.report.not_honoured(Loss::UnknownField, &field);
         }
         Some(extras)
     }

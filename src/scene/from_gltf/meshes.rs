@@ -4,7 +4,7 @@
 use super::Builder;
 use super::deformations::{Baked, Converted, Part};
 use crate::description::gltf::{self, Primitive};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::outline::Between;
 use crate::scene::{Instance, Mesh, Motion, Node, Track, Triangle};
 use glam::{Vec2, Vec3, Vec4};
@@ -66,7 +66,7 @@ impl Builder<'_> {
             self.scene.meshes.push(mesh);
         }
         if added.is_empty() {
-            self.report.not_honoured("meshes without triangles are left out", &source.name);
+            self.report.not_honoured(Loss::MeshWithoutTriangles, &source.name);
         }
         added
     }

@@ -20,7 +20,7 @@ mod sun_pictures;
 mod surfaces;
 
 use super::outline::Tally;
-use super::{LightUnits, RenderSettings, Scene, Texture};
+use super::{RenderSettings, ResolveOptions, Scene, Texture};
 use crate::description::gltf::report::Report;
 use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
 use crate::diagnostic::Diagnostics;
@@ -48,13 +48,13 @@ struct Builder<'a> {
     outlines: Tally,
 }
 
-/// Resolves a glTF file; `units` overrides what it says of its lights.
+/// Resolves a glTF file as whoever renders wants it.
 ///
 /// # Errors
 /// Every problem that was found, if any of them is an error.
 pub(super) fn resolve(
     mut source: GltfScene,
-    units: Option<LightUnits>,
+    options: &ResolveOptions,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let mut report = Report::new(&source.path);
     std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
@@ -82,7 +82,7 @@ pub(super) fn resolve(
     builder.add_nodes();
     builder.add_surfaces(textures);
     builder.add_meshes_and_instances();
-    builder.add_lights(units, extras.sunfleck.light_units.as_deref());
+    builder.add_lights(options.light_units, extras.sunfleck.light_units.as_deref());
     builder.add_fogs(extras.fog);
     (builder.scene.background, builder.scene.sky) = (extras.background, extras.sky);
     builder.add_cameras(&extras.sunfleck, &mut settings);

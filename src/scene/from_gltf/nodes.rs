@@ -4,6 +4,7 @@
 use super::Builder;
 use super::clock::Clock;
 use crate::description::gltf::{self, Channel, Interpolation, Transform, Values};
+use crate::diagnostic::Loss;
 use crate::scene::{Animate, Extend, Key, Motion, Node, NodeIndex, Rotation, Segment, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -36,7 +37,7 @@ impl<'a> Builder<'a> {
         let left_out =
             self.source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_none());
         for (node, _) in left_out {
-            self.report.not_honoured("nodes outside the scene are passed over", &node.name);
+            self.report.not_honoured(Loss::NodesOutsideScene, &node.name);
         }
     }
 
@@ -51,10 +52,7 @@ impl<'a> Builder<'a> {
                 Values::Weights(_) => &mut self.weight_channels[channel.node],
             };
             if property.replace(channel).is_some() {
-                self.report.not_honoured(
-                    "several animations move the same property of a node, the last one is played",
-                    &self.source.nodes[channel.node].name,
-                );
+                self.report.not_honoured(Loss::AnimationsConflict, &self.source.nodes[channel.node].name);
             }
         }
         by_node

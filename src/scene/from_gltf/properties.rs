@@ -6,6 +6,7 @@ use super::joined::{Course, joined};
 use super::nodes::track;
 use crate::color::Rgb;
 use crate::description::gltf::{self, Interpolation, Property, PropertyChannel};
+use crate::diagnostic::Loss;
 use crate::scene::{Animate, LightUnits, MaterialNumbers, Track};
 use std::f64::consts::PI;
 
@@ -20,10 +21,7 @@ impl<'a> Builder<'a> {
         for channel in &self.source.properties {
             let other = self.properties.insert((channel.property, channel.index), channel);
             if other.is_some() {
-                self.report.not_honoured(
-                    "several animations change the same value, the last one is played",
-                    &channel.place,
-                );
+                self.report.not_honoured(Loss::AnimatedValuesConflict, &channel.place);
             }
         }
     }
@@ -110,13 +108,11 @@ impl<'a> Builder<'a> {
         };
         let found = [forgotten, 1.0].into_iter().find_map(|factor| Some(factor * exposure(factor)?.exp2()));
         if found.is_none() {
-            let message = "Blender's exposure of these lights cannot be told from their animated intensities, it is taken as 0";
-            self.report.not_honoured(message, &light.name);
+            self.report.not_honoured(Loss::LightExposure, &light.name);
         }
         let factor = found.unwrap_or(forgotten);
         if factor != 1.0 {
-            let message = "Blender's exporter writes animated intensities of lights in other units than still ones: these are put right";
-            self.report.not_honoured(message, &light.name);
+            self.report.not_honoured(Loss::LightIntensityUnits, &light.name);
         }
         factor
     }

@@ -4,6 +4,7 @@
 use super::Builder;
 use super::light_extras::LightExtras;
 use crate::description::image::DecodedImage;
+use crate::diagnostic::Loss;
 use crate::scene::sun_picture::image_for_suns;
 use crate::scene::{Julia, LightKind, MOST_SUN_PICTURES, SunPicture, SunShows, Texture};
 use serde::Deserialize;
@@ -47,8 +48,7 @@ impl Builder<'_> {
             return None;
         }
         if !is_sun {
-            let message = "pictures and limb darkening are of suns, of other lights they are passed over";
-            self.report.not_honoured(message, path);
+            self.report.not_honoured(Loss::PictureOnLamp, path);
             return None;
         }
         if !self.is_in_range(path, "limb_darkening", limb_darkening, 0.0..=1.0, "a number from 0 to 1") {
@@ -101,9 +101,7 @@ impl Builder<'_> {
         for light in &mut self.scene.lights {
             let LightKind::SunDisc(disc) = &light.kind else { continue };
             if disc.angular_diameter.keys().iter().all(|key| key.value == 0.0) {
-                let message =
-                    "suns without an angle have no disc, they can neither be seen nor show a picture";
-                self.report.not_honoured(message, &light.name);
+                self.report.not_honoured(Loss::SunWithoutAngle, &light.name);
                 light.kind = LightKind::Sun;
             }
         }

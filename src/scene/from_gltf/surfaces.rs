@@ -4,6 +4,7 @@ use super::Builder;
 use super::extras::{self, Leaf};
 use crate::color::Rgb;
 use crate::description::gltf::{self, Property};
+use crate::diagnostic::Loss;
 use crate::scene::{
     AlphaMode, Clearcoat, Coat, Material, MaterialIndex, Painted, Sheen, Texture, TextureMap, Track, Wrap,
 };
@@ -44,7 +45,7 @@ impl Builder<'_> {
         let leaf: Leaf = extras::read(&material.extras, "sunfleck_leaf", &path, &mut self.report)?;
         for name in leaf.unknown.keys() {
             let name = format!("sunfleck_leaf.{name}");
-            self.report.not_honoured("unknown fields of sunfleck's properties are passed over", &name);
+            self.report.not_honoured(Loss::UnknownField, &name);
         }
         let path = format!("{path}.extras.sunfleck_leaf");
         let color = leaf.transmit_color.map_or(Rgb::ONE, Rgb::from);
@@ -67,8 +68,7 @@ impl Builder<'_> {
     fn report_changes(&mut self, index: usize, source: &gltf::Material) {
         let fades = self.is_animated(&[Property::BaseColor], index);
         if fades && matches!(source.alpha_mode, gltf::AlphaMode::Mask(_)) {
-            let message = "masks are cut out once: where alpha is animated they are those of the still value";
-            self.report.not_honoured(message, &source.name);
+            self.report.not_honoured(Loss::AnimatedMask, &source.name);
         }
     }
 
@@ -87,17 +87,11 @@ impl Builder<'_> {
     pub(super) fn report_material(&mut self, material: &gltf::Material) {
         let is_mirror = is_mirror(material);
         let asked = [
-            (
-                material.metallic > 0.0 && !is_mirror && !material.unlit,
-                "metals show lights alone, and what stands around them only at roughness 0",
-            ),
-            (
-                !material.double_sided,
-                "backface culling is not honoured, these materials show from both sides",
-            ),
+            (material.metallic > 0.0 && !is_mirror && !material.unlit, Loss::MetalReflections),
+            (!material.double_sided, Loss::BackfaceCulling),
         ];
-        for (_, message) in asked.iter().filter(|(asked, _)| *asked) {
-            self.report.not_honoured(message, &material.name);
+        for (_, loss) in asked.iter().filter(|(asked, _)| *asked) {
+            self.report.not_honoured(*loss, &material.name);
         }
     }
 }

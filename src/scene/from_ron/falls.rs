@@ -3,7 +3,7 @@
 
 use super::Resolver;
 use crate::description::ron;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::fall::{
     Emitter, Fall, Fallen, Flown, Ground, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species, Surface, Wind,
     come_to_rest,
@@ -67,7 +67,7 @@ impl Resolver<'_> {
                     leaves.len()
                 );
                 let place = self.problems.place(&format!("fall.{name}"));
-                self.scene.remarks.push(Diagnostic::warning(place, found));
+                self.scene.remarks.push(Diagnostic::warning(Loss::LeavesInTheAir, place, found));
             }
             for (number, leaf) in leaves.into_iter().enumerate() {
                 self.fallen(format!("{name}.{number}"), leaf, dresses, block.attached);

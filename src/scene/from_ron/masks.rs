@@ -32,9 +32,9 @@ impl Resolver<'_> {
                 self.scene.meshes.push(cut);
                 Some(self.scene.meshes.len() - 1)
             }
-            Err(reason) => {
+            Err(loss) => {
                 let place = self.problems.place(&format!("meshes.{}", mesh.name));
-                self.scene.remarks.push(Diagnostic::warning(place, reason));
+                self.scene.remarks.push(Diagnostic::warning(loss, place, loss.sentence()));
                 Some(index)
             }
         }

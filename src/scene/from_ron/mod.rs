@@ -29,7 +29,7 @@ use crate::color::Rgb;
 use crate::description::image::DecodedImage;
 use crate::description::obj::ObjModel;
 use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
 use glam::DVec2;
 use problems::Problems;
 use std::collections::BTreeMap;
@@ -394,7 +394,7 @@ impl<'a> Resolver<'a> {
         }
         if self.scene.lights.is_empty() {
             let place = self.problems.place("lights");
-            self.scene.remarks.push(Diagnostic::warning(place, "the scene has no light"));
+            self.scene.remarks.push(Diagnostic::warning(Loss::NoLight, place, "the scene has no light"));
         }
         self.scene.remarks.0.extend(self.outlines.remark(self.problems.place("meshes")));
         (self.scene, self.problems)

@@ -2,7 +2,7 @@
 
 use super::{MaterialIndex, MeshIndex, Resolver, Triangle};
 use crate::description::tangents::{self, Vertices};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 
 impl Resolver<'_> {
     /// Gives the mesh what it needs for the material's normal map, if there is one; says where that cannot be.
@@ -22,7 +22,7 @@ impl Resolver<'_> {
             };
             let found = format!("the normal map of `{}` does not bend this mesh: {why}", material.name);
             let place = self.problems.place(&format!("meshes.{}", mesh.name));
-            let warning = Diagnostic::warning(place, found);
+            let warning = Diagnostic::warning(Loss::NormalMapUnusable, place, found);
             if !self.scene.remarks.0.contains(&warning) {
                 self.scene.remarks.push(warning);
             }

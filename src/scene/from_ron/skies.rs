@@ -3,7 +3,7 @@
 use super::{Resolver, track};
 use crate::color::Rgb;
 use crate::description::ron;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{Sky, SkyLight, SkyPicture};
 use std::path::Path;
 
@@ -73,7 +73,7 @@ impl Resolver<'_> {
             let found =
                 format!("{negative} texels of {} have radiances below 0, which count as 0", path.display());
             let place = self.problems.place("sky.image");
-            self.scene.remarks.push(Diagnostic::warning(place, found));
+            self.scene.remarks.push(Diagnostic::warning(Loss::NegativeRadiance, place, found));
         }
         Some(picture)
     }

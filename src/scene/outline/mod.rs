@@ -9,7 +9,7 @@ mod cut;
 mod tests;
 
 use super::{Mesh, Texture, Triangle};
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Loss, Place};
 use contour::Window;
 use cut::Cutter;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -88,12 +88,12 @@ struct Outlined {
 }
 
 /// What is left of a mesh whose triangles all have one material; none of them if the mask hides all.
-pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, &'static str> {
+pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, Loss> {
     traced_cut_out(mesh, mask).map(|(mesh, _)| mesh)
 }
 
 /// The same, and the vertices that follow the mesh's own.
-pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), &'static str> {
+pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), Loss> {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     let Outlined { added, triangles } = outlined(mask, &mesh.uvs, &triangles)?;
     let blended = |values: &[Vec3]| -> Vec<Vec3> {
@@ -128,7 +128,7 @@ pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Betwe
 }
 
 /// Cuts out what the mask shows; the reason if that cannot be done.
-fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined, &'static str> {
+fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined, Loss> {
     let texels_of_texture = DVec2::new(mask.texture.width as f64, mask.texture.height as f64);
     let texels: Vec<DVec2> = uvs.iter().map(|uv| uv.as_dvec2() * texels_of_texture).collect();
     let least = mask.texture.texels.iter().map(|texel| f64::from(texel[3])).fold(f64::INFINITY, f64::min);
@@ -140,16 +140,16 @@ fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined
     let high = used().fold(DVec2::NEG_INFINITY, DVec2::max);
     let is_near = low.min_element() >= -FARTHEST_TEXEL && high.max_element() <= FARTHEST_TEXEL;
     if !is_near {
-        return Err(TOO_WIDE);
+        return Err(Loss::MaskTooWide);
     }
     // A texel more on every side: what is made up at the window's border is cut away again.
     let (low, high) = ((low - 2.5).floor().as_i64vec2(), (high + 1.5).ceil().as_i64vec2());
     if (high.x - low.x) * (high.y - low.y) > MOST_TEXELS {
-        return Err(TOO_WIDE);
+        return Err(Loss::MaskTooWide);
     }
     let window = Window { columns: low.x..=high.x, rows: low.y..=high.y };
     let alpha = |column: i64, row: i64| mask.texture.texel_alpha(column, row);
-    let rings = contour::rings(alpha, mask.threshold, &window).ok_or(TOO_FINE)?;
+    let rings = contour::rings(alpha, mask.threshold, &window).ok_or(Loss::MaskTooFine)?;
     let rings = rings.iter().map(|ring| contour::simplified(ring, OUTLINE_TOLERANCE_TEXELS));
     let is_shown = |at: DVec2| mask.texture.alpha((at / texels_of_texture).as_vec2()) >= mask.threshold;
     let mut cutter = Cutter::new(rings.filter(|ring| ring.len() > 2));
@@ -158,7 +158,3 @@ fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined
     }
     Ok(cutter.finish(uvs.len()))
 }
-
-const TOO_FINE: &str = "masks of hardly anything but edges are not cut out, these meshes are drawn whole";
-const TOO_WIDE: &str =
-    "texture coordinates reach too far for masks to be cut out, these meshes are drawn whole";

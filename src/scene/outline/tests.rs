@@ -1,6 +1,7 @@
 //! Outlines against analytic shapes, and against asking the texture at points.
 
 use super::*;
+use crate::diagnostic::Loss;
 use crate::math::Sampler;
 use crate::scene::Wrap;
 use proptest::prelude::*;
@@ -128,14 +129,14 @@ fn coordinates_without_measure_are_refused() {
     let half = texture(64, Wrap::Repeat, |p| p.x / 64.0);
     for far in [1e9, f32::MAX] {
         let mesh = flat(vec![Vec2::ZERO, Vec2::X * far, Vec2::Y], &[[0, 1, 2]]);
-        assert_eq!(cut_out(&mesh, Mask::new(&half, 0.5, 1.0)).unwrap_err(), TOO_WIDE);
+        assert_eq!(cut_out(&mesh, Mask::new(&half, 0.5, 1.0)).unwrap_err(), Loss::MaskTooWide);
     }
 }
 
 #[test]
 fn noise_is_refused() {
     let checkers = texture(800, Wrap::Clamp, |p| (p.x + p.y + 0.5).floor() % 2.0);
-    assert_eq!(cut_out(&card(), Mask::new(&checkers, 0.5, 1.0)).unwrap_err(), TOO_FINE);
+    assert_eq!(cut_out(&card(), Mask::new(&checkers, 0.5, 1.0)).unwrap_err(), Loss::MaskTooFine);
 }
 
 proptest! {

@@ -1,14 +1,20 @@
 //! What went wrong or was not honoured, where, and what to do about it. Invariant: a diagnostic
-//! always says what was found; errors also say what was expected and how to get there.
+//! always says what was found; a warning is a [`Loss`], with an id that stays; errors also say what
+//! was expected and how to get there.
 
+mod loss;
+
+pub use loss::Loss;
 use std::fmt;
 use std::path::{Component, Path, PathBuf};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Something worth knowing that changes nothing.
+    /// Something worth knowing that changes nothing; `inspect` says it.
     Note,
+    /// What the program put in where the input says nothing; rendering says it too.
+    Choice,
     /// The file asks for something that is not honoured, or only nearly.
     Warning,
     /// The input cannot be used.
@@ -45,6 +51,10 @@ pub enum Place {
 pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
+    /// Which kind of loss a warning is.
+    pub loss: Option<Loss>,
+    /// How many things of the input it is about, at least 1.
+    pub count: usize,
     /// Where it is.
     pub place: Place,
     /// What was found, as a sentence without a full stop.
@@ -62,8 +72,13 @@ impl Diagnostic {
     }
 
     /// A warning: something asked for is not honoured.
-    pub fn warning(place: Place, found: impl Into<String>) -> Self {
-        Self::new(Severity::Warning, place, found)
+    pub fn warning(loss: Loss, place: Place, found: impl Into<String>) -> Self {
+        Self { loss: Some(loss), ..Self::new(Severity::Warning, place, found) }
+    }
+
+    /// What was put in where the input says nothing.
+    pub fn choice(place: Place, found: impl Into<String>) -> Self {
+        Self::new(Severity::Choice, place, found)
     }
 
     /// A note: worth knowing, changes nothing.
@@ -72,7 +87,14 @@ impl Diagnostic {
     }
 
     fn new(severity: Severity, place: Place, found: impl Into<String>) -> Self {
-        Self { severity, place, found: found.into(), expected: None, remedy: None }
+        Self { severity, loss: None, count: 1, place, found: found.into(), expected: None, remedy: None }
+    }
+
+    /// Says how many things it is about.
+    #[must_use]
+    pub fn counting(mut self, count: usize) -> Self {
+        self.count = count;
+        self
     }
 
     /// Adds what was expected.
@@ -106,11 +128,15 @@ impl fmt::Display for Place {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let severity = match self.severity {
-            Severity::Note => "note",
+            Severity::Note | Severity::Choice => "note",
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
-        write!(f, "{}{severity}: {}", self.place, self.found)?;
+        write!(f, "{}{severity}", self.place)?;
+        if let Some(loss) = self.loss {
+            write!(f, "[{loss}]")?;
+        }
+        write!(f, ": {}", self.found)?;
         if let Some(expected) = &self.expected {
             write!(f, "\n  expected: {expected}")?;
         }
@@ -156,6 +182,27 @@ impl Diagnostics {
 }
 
 impl Diagnostics {
+    /// What whoever renders should hear of, worst last: what was put in and what is lost.
+    pub fn told(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.0.iter().filter(|diagnostic| matches!(diagnostic.severity, Severity::Choice | Severity::Warning))
+    }
+
+    /// What is lost, each a diagnostic with its kind.
+    pub fn losses(&self) -> impl Iterator<Item = (Loss, &Diagnostic)> {
+        self.0.iter().filter_map(|diagnostic| Some((diagnostic.loss?, diagnostic)))
+    }
+
+    /// Everything that is lost as errors, for those who want all or nothing; `None` if nothing is.
+    pub fn refusing_losses(&self) -> Option<Self> {
+        let refused = self.losses().map(|(_, loss)| {
+            let mut error = Diagnostic { severity: Severity::Error, ..loss.clone() };
+            error.remedy.get_or_insert_with(|| "correct the input, or leave --strict out".into());
+            error
+        });
+        let refused: Vec<Diagnostic> = refused.collect();
+        (!refused.is_empty()).then_some(Self(refused))
+    }
+
     /// The errors alone, if there are any: who has to put something right need not read the rest.
     #[must_use]
     pub fn worst(mut self) -> Self {
@@ -198,10 +245,32 @@ mod tests {
 
     #[test]
     fn warnings_do_not_stand_in_the_way_of_errors() {
-        let warning = Diagnostic::warning(Place::Nowhere, "a");
+        let warning = Diagnostic::warning(Loss::NoLight, Place::Nowhere, "a");
         let error = Diagnostic::error(Place::Nowhere, "b");
         let both = Diagnostics(vec![warning.clone(), error.clone()]);
         assert_eq!(both.worst().0, [error]);
         assert_eq!(Diagnostics(vec![warning.clone()]).worst().0, [warning]);
+    }
+
+    #[test]
+    fn losses_are_refused_and_notes_are_not() {
+        let loss = Diagnostic::warning(Loss::NoLight, Place::Nowhere, "a").counting(3);
+        let told = Diagnostic::choice(Place::Nowhere, "b");
+        let note = Diagnostic::note(Place::Nowhere, "c");
+        let all = Diagnostics(vec![loss.clone(), told.clone(), note.clone()]);
+        let refused = all.refusing_losses().expect("a loss");
+        assert!(refused.has_errors() && refused.0.len() == 1);
+        assert!(refused.to_string().starts_with("error[no-light]: a\n  remedy: "), "{refused}");
+        assert_eq!(all.told().collect::<Vec<_>>(), [&loss, &told]);
+        assert_eq!(Diagnostics(vec![told, note]).refusing_losses(), None);
+    }
+
+    #[test]
+    fn ids_are_unlike_and_written_alike() {
+        let mut ids: Vec<&str> = Loss::ALL.iter().map(|loss| loss.id()).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), Loss::ALL.len());
+        assert!(ids.iter().all(|id| id.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'-')));
     }
 }
