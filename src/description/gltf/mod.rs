@@ -313,6 +313,9 @@ pub struct Camera {
     pub name: String,
     /// What it sees.
     pub lens: Lens,
+    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther beyond it
+    /// or infinite.
+    pub clip_m: (f64, f64),
     /// Whatever the author attached.
     pub extras: Value,
 }

@@ -160,14 +160,15 @@ pub(super) fn cameras(document: &Document, report: &mut Report) -> Vec<Camera> {
     let convert = |(index, camera): (usize, &json::Camera)| {
         let name = named(&camera.name, "camera", index);
         let lens = lens(camera, &format!("cameras[{index}]"), report);
-        Camera { name, lens, extras: camera.extras.clone() }
+        let clip_m = clip_m(camera, &name, report);
+        Camera { name, lens, clip_m, extras: camera.extras.clone() }
     };
     document.cameras.iter().enumerate().map(convert).collect()
 }
 
 fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
     match (&camera.perspective, &camera.orthographic) {
-        (Some(json::Perspective { yfov, aspect_ratio }), None) => {
+        (Some(json::Perspective { yfov, aspect_ratio, .. }), None) => {
             let path = format!("{path}.perspective");
             if !(*yfov > 0.0 && *yfov < PI) {
                 let found = format!("the vertical field of view is {yfov}");
@@ -179,7 +180,7 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
             }
             Lens::Perspective { fov_y: *yfov, aspect: *aspect_ratio }
         }
-        (None, Some(json::Orthographic { xmag, ymag })) => {
+        (None, Some(json::Orthographic { xmag, ymag, .. })) => {
             // Smaller or larger ones would not survive single precision.
             for (name, size) in [("xmag", *xmag), ("ymag", *ymag)] {
                 if !(1e-15..1e15).contains(&size) {
@@ -195,6 +196,21 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
             Lens::Perspective { fov_y: 1.0, aspect: None }
         }
     }
+}
+
+/// The clipping planes of a camera: all that lies before it shows where they are missing or out of order.
+fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) {
+    let (znear, zfar) = match (&camera.perspective, &camera.orthographic) {
+        (Some(lens), _) => (lens.znear, lens.zfar),
+        (None, Some(lens)) => (lens.znear, lens.zfar),
+        (None, None) => (None, None),
+    };
+    let (start, end) = (znear.unwrap_or(0.0), zfar.unwrap_or(f64::INFINITY));
+    if start >= 0.0 && start < end {
+        return (start, end);
+    }
+    report.not_honoured("clipping planes that leave nothing between them are ignored", name);
+    (0.0, f64::INFINITY)
 }
 
 /// All lights.
