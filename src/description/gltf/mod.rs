@@ -371,7 +371,7 @@ pub enum LightKind {
     Directional,
     /// From a point in all directions.
     Point,
-    /// From a point within a cone; `0 <= inner < outer <= pi/2`.
+    /// From a point within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
     Spot {
         /// Half angle of full light, radians.
         inner_angle: f64,

@@ -10,6 +10,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// How far from 1 the length of a rotation may be; Blender's are good to 1e-7.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
+/// Exporters round angles, radians, to single precision: half of 180 degrees comes out a little above pi/2.
+const ROUNDING: f64 = 1e-6;
+
 /// All nodes.
 pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {
     check_hierarchy(document, report);
@@ -219,6 +222,24 @@ pub(super) fn lights(document: &Document, report: &mut Report) -> Vec<Light> {
     lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
 }
 
+/// Inner and outer angle of a spot's cone. Both may be the same, which Blender's hard edges are, though glTF wants the
+/// inner one to be less.
+fn cone(spot: &json::Spot, path: &str, name: &str, report: &mut Report) -> [f64; 2] {
+    let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+    if outer <= 0.0 {
+        let found = format!("the cone's outer angle is {outer}");
+        report.error(format!("{path}.spot.outerConeAngle"), found, "more than 0 and at most pi/2");
+        return [0.0, FRAC_PI_2];
+    }
+    if inner < 0.0 || inner > outer + ROUNDING || outer > FRAC_PI_2 + ROUNDING {
+        let message =
+            "a spot's angles are not 0 <= inner <= outer <= pi/2, the nearest that are take their place";
+        report.not_honoured(message, name);
+    }
+    let outer = outer.min(FRAC_PI_2);
+    [inner.clamp(0.0, outer), outer]
+}
+
 fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Light {
     let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
     let color = DVec3::from(light.color);
@@ -240,13 +261,8 @@ fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Ligh
         ("directional", _) => LightKind::Directional,
         ("point", _) => LightKind::Point,
         ("spot", Some(spot)) => {
-            let (inner_angle, outer_angle) = (spot.inner_cone_angle, spot.outer_cone_angle);
-            // Exporters round: half of 180 degrees may come out a little above pi/2.
-            if !(inner_angle >= 0.0 && inner_angle < outer_angle && outer_angle <= FRAC_PI_2 + 1e-6) {
-                let found = format!("the cone's angles are {inner_angle} and {outer_angle}");
-                report.error(format!("{path}.spot"), found, "0 <= innerConeAngle < outerConeAngle <= pi/2");
-            }
-            LightKind::Spot { inner_angle, outer_angle: outer_angle.min(FRAC_PI_2) }
+            let [inner_angle, outer_angle] = cone(spot, &path, &named(&light.name, "light", index), report);
+            LightKind::Spot { inner_angle, outer_angle }
         }
         ("spot", None) => LightKind::Spot { inner_angle: 0.0, outer_angle: PI / 4.0 },
         (other, _) => {
