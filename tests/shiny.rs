@@ -62,7 +62,8 @@ fn assert_close(found: Rgb, expected: Rgb) {
     assert!(error <= 1e-9, "{found} {expected}: {error:.1e}");
 }
 
-/// The specification's formulas, written as they stand there (glTF 2.0, B.3.2).
+/// The specification's formulas, written as they stand there (glTF 2.0, B.3.2), and what metal reflects again: the
+/// series of all further reflections, each of the share of light that meets another microfacet.
 #[test]
 fn a_metal_is_that_of_the_specification() {
     let base = Rgb::new(0.9, 0.6, 0.2);
@@ -80,8 +81,21 @@ fn a_metal_is_that_of_the_specification() {
         let g1 = |cos: f64| 2.0 * cos / (cos + (a2 + (1.0 - a2) * cos * cos).sqrt());
         let g = g1(n.dot(l)) * g1(n.dot(v));
         let f = base + (Rgb::ONE - base) * (1.0 - v.dot(h)).powi(5);
-        let expected = f * d * g / (4.0 * n.dot(l) * n.dot(v)) * n.dot(l) * 7.0;
-        assert_close(seen(&scene, toward), expected);
+        let once = f * d * g / (4.0 * n.dot(l) * n.dot(v));
+        let gloss = Gloss::new(base, Rgb::ONE, roughness);
+        assert_close(gloss.brdf(n, v, l), once);
+        let metal = gloss.with_metal(1.0, base).brdf(n, v, l);
+        assert_close(seen(&scene, toward), metal * n.dot(l) * 7.0);
+
+        let white = |cos: f64| Gloss::new(Rgb::ONE, Rgb::ONE, roughness).albedo(cos).x;
+        let cosines = (0..4000).map(|index| (f64::from(index) + 0.5) / 4000.0);
+        let mean = cosines.map(|cos| 2.0 * cos * white(cos) / 4000.0).sum::<f64>();
+        let bounce = base + (Rgb::ONE - base) / 21.0;
+        let further =
+            (0..100).map(|n| bounce * mean * (bounce * (1.0 - mean)).powf(f64::from(n))).sum::<Rgb>();
+        let expected = Rgb::ONE + further * (1.0 - white(n.dot(v))) / white(n.dot(v));
+        let off = (metal / once / expected - 1.0).abs().max_element();
+        assert!(off < 1e-4, "{roughness}: {off:.1e}");
     }
 }
 

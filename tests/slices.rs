@@ -8,8 +8,8 @@ use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
-    AlphaMode, Aperture, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node, Scene, Size,
-    Track,
+    AlphaMode, Aperture, Clip, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node, Scene,
+    Size, Track,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
@@ -166,6 +166,23 @@ fn sun_at_right_angles_to_the_view() {
 fn sun_and_lamp_seen_from_the_edge_of_a_lens() {
     let lamp = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));
     for mut scene in [leaves500(), with_light(LightKind::Point, lamp, 50.0)] {
+        scene.cameras[0].aperture = Some(Aperture {
+            f_stop: Track::from(0.4),
+            sensor_width_m: 0.036,
+            focus_distance_m: Track::from(5.0),
+            blades: 0,
+        });
+        assert_equal(&scene);
+    }
+}
+
+/// Planes through the leaves, from everywhere in the lens: what they hide shadows leaves and fog as before.
+#[test]
+fn clipping_planes() {
+    let lamp = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));
+    for mut scene in [leaves500(), with_light(LightKind::Point, lamp, 50.0)] {
+        scene.cameras[0].clip = Clip { start_m: 6.5, end_m: 9.0 };
+        assert_equal(&scene);
         scene.cameras[0].aperture = Some(Aperture {
             f_stop: Track::from(0.4),
             sensor_width_m: 0.036,

@@ -3,12 +3,17 @@
 
 use super::Writer;
 use super::meshes::Placed;
-use crate::scene::{Lens, Motion, RenderSettings, Rotation};
+use crate::scene::{Clip, Lens, Motion, RenderSettings, Rotation};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde_json::{Map, Value, json};
 
 /// How far from a matrix its parts may lie, relative to its largest element.
 const PARTS_TOLERANCE: f64 = 1e-9;
+
+/// glTF's perspective cameras have a nearer clipping plane before the eye, its orthographic ones a farther plane: those
+/// of cameras here that have none, metres.
+const NEAREST_M: f64 = 1e-4;
+const FARTHEST_M: f64 = 1e6;
 
 impl Writer<'_> {
     /// Adds every node.
@@ -151,18 +156,23 @@ impl Writer<'_> {
             let owner = format!("{}.sunfleck_camera", self.scene.nodes[camera.node].name);
             let seen = if matches!(camera.lens, Lens::Perspective { .. }) { "yfov" } else { "height" };
             self.carry_number(format!("{owner}.{seen}"), camera.lens.number());
-            // No clipping here; these planes are Blender's own, which no picture shows.
+            let Clip { start_m, end_m } = camera.clip;
+            let near = if start_m > 0.0 { start_m } else { NEAREST_M };
+            let far = if end_m.is_finite() { end_m } else { FARTHEST_M };
             let mut written = match &camera.lens {
                 Lens::Perspective { fov_y } => json!({
                     "type": "perspective",
-                    "perspective": { "yfov": fov_y.at(start_s), "aspectRatio": aspect, "znear": 0.1 },
+                    "perspective": { "yfov": fov_y.at(start_s), "aspectRatio": aspect, "znear": near },
                 }),
                 Lens::Orthographic { height_m } => {
                     let half = 0.5 * height_m.at(start_s);
-                    let size = json!({ "xmag": half * aspect, "ymag": half, "znear": 0.1, "zfar": 1000.0 });
+                    let size = json!({ "xmag": half * aspect, "ymag": half, "znear": start_m, "zfar": far });
                     json!({ "type": "orthographic", "orthographic": size })
                 }
             };
+            if let Some(perspective) = written.get_mut("perspective").filter(|_| end_m.is_finite()) {
+                perspective["zfar"] = json!(end_m);
+            }
             written["name"] = json!(camera.name);
             let mut ours = json!({});
             if camera.shift != DVec2::ZERO {

@@ -107,7 +107,7 @@ impl fmt::Display for Choice {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::scene::{Camera, Fog, FogShape, Lens, Light, LightKind, Motion, Node, Scene, Track};
+    use crate::scene::{Camera, Clip, Fog, FogShape, Lens, Light, LightKind, Motion, Node, Scene, Track};
     use crate::snapshot::{MeshTrees, Shutter};
     use glam::{DAffine3, DVec2, DVec3};
 
@@ -126,6 +126,7 @@ mod tests {
             lens,
             shift: DVec2::ZERO,
             aperture: None,
+            clip: Clip::NONE,
         });
         let light = |scene: &mut Scene, place: DVec3, kind: LightKind| {
             let node = node(scene, place);

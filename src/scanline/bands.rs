@@ -4,7 +4,7 @@
 use super::projection::{Projection, Vertex};
 use super::triangle::EdgeForms;
 use crate::accel::PrimitiveId;
-use crate::scene::Size;
+use crate::scene::{Clip, Size};
 use crate::snapshot::{DrawnMesh, Snapshot};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
@@ -28,6 +28,7 @@ pub(super) struct Bands {
     /// Of each sample of a pixel, where it lies in all of them.
     pub(super) lattices: Vec<Lattice>,
     projection: Projection,
+    clip: Clip,
     meshes: Vec<SeenMesh>,
     pub(super) triangles: Vec<Member>,
     /// Of each band, the triangles that reach into it.
@@ -126,7 +127,7 @@ impl Bands {
                 band.push(number as u32);
             }
         }
-        Self { size, lattices, projection, meshes, triangles, members }
+        Self { size, lattices, projection, clip: snapshot.view.clip(), meshes, triangles, members }
     }
 
     /// Pixels of a band; the last may have less.
@@ -179,6 +180,9 @@ impl Bands {
                 let first = (row - visible.rows.start) * self.size.width;
                 for column in columns {
                     let Some(depth) = line.depth_at(lattice.x[column]) else { continue };
+                    if depth < self.clip.start_m || self.clip.end_m <= depth {
+                        continue;
+                    }
                     let sample = (first + column) * self.lattices.len() + place;
                     if depth < visible.depths[sample] {
                         if *is_blended {

@@ -1,6 +1,6 @@
 //! The shiny coat of a surface: glTF's metallic-roughness model for one light direction. In go unit vectors and
-//! a normal, out come a BRDF and what is left for the matte surface beneath. Invariant: both are
-//! reciprocal, and coat and a white surface beneath give back what they receive, no more.
+//! a normal, out come a BRDF and what is left for the matte surface beneath. Invariant: coat and a white surface
+//! beneath give back what they receive, no more; both are reciprocal, but for what metals scatter more than once.
 //!
 //! The coat is that of the glTF 2.0 specification, appendix B.3: a GGX distribution of microfacets with separable Smith
 //! shadowing and Schlick's Fresnel term. Beneath it the specification's example weighs Lambert by `1 - F(v.h)`,
@@ -8,6 +8,10 @@
 //! better (B.1). Here it is weighed by what the coat leaves on the way in and on the way out:
 //! `(1 - E(v)) (1 - E(l)) / (1 - E_mean)` with the coat's albedo `E` (Kelemen and Szirmay-Kalos 2001, "A
 //! microfacet based coupled specular-matte BRDF model", equation 4).
+//!
+//! Light that meets several microfacets is lost to the model, over two thirds of it on the roughest metals. They get
+//! it back as in Cycles: the BRDF is scaled up by what its albedo for the eye lacks (Turquin 2019, "Practical multiple
+//! scattering compensation for microfacet models", equation 16), tinted by further reflections.
 
 use crate::color::Rgb;
 use crate::math::gauss_legendre;
@@ -25,6 +29,8 @@ pub struct Gloss {
     f0: Rgb,
     /// At grazing angles.
     f90: Rgb,
+    /// The same of light that metal reflects more than once.
+    repeated: Option<Repeated>,
     /// glTF's alpha, the square of its roughness.
     alpha: f64,
     /// As in glTF, with its place in the table of albedos.
@@ -34,13 +40,36 @@ pub struct Gloss {
     columns: f64,
 }
 
+/// Reflectances that are to be scaled by what a white coat lacks, `(1 - E) / E`.
+#[derive(Clone, Copy, Debug)]
+struct Repeated {
+    f0: Rgb,
+    f90: Rgb,
+}
+
 impl Gloss {
     /// A coat with the reflectances `f0` along the normal and `f90` at grazing angles; `roughness` as in
     /// glTF, `0..=1`.
     pub fn new(f0: Rgb, f90: Rgb, roughness: f64) -> Self {
         let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
         let alpha = roughness * roughness;
-        Self { f0, f90, alpha, roughness, row: row_of(roughness), columns: columns_over(roughness) }
+        let (row, columns) = (row_of(roughness), columns_over(roughness));
+        Self { f0, f90, repeated: None, alpha, roughness, row, columns }
+    }
+
+    /// The same if so much of it, `0..=1`, is metal of a colour: what metal reflects again and again is not lost.
+    pub fn with_metal(self, share: f64, color: Rgb) -> Self {
+        if share <= 0.0 {
+            return self;
+        }
+        // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90 (Schlick's term over the
+        // hemisphere); of what is reflected, 1 - E_mean meets another one: a geometric series (Kulla and Conty 2017,
+        // "Revisiting physically based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
+        let [mean0, mean90, ..] = self.look_up(|row| ALBEDOS.means[row]);
+        let (one_bounce, mean) = (color + (Rgb::ONE - color) / 21.0, mean0 + mean90);
+        let further = one_bounce * mean / (Rgb::ONE - one_bounce * (1.0 - mean));
+        let repeated = Repeated { f0: share * further * color, f90: share * further };
+        Self { repeated: Some(repeated), ..self }
     }
 
     /// The coat's BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
@@ -51,7 +80,12 @@ impl Gloss {
             return Rgb::ZERO;
         }
         let alpha2 = self.alpha * self.alpha;
-        let fresnel = self.f0 + (self.f90 - self.f0) * schlick(to_eye.dot(half));
+        let schlick = schlick(to_eye.dot(half));
+        let mut fresnel = self.f0 + (self.f90 - self.f0) * schlick;
+        if let Some(Repeated { f0, f90 }) = self.repeated {
+            let [part0, part90] = self.albedo_parts(cos_eye);
+            fresnel += (f0 + (f90 - f0) * schlick) * lacking(part0 + part90);
+        }
         // B.3.2: G / (4 n.v n.l).
         fresnel * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith(alpha2, cos_light))
     }
@@ -80,8 +114,11 @@ impl Gloss {
 
     /// What the BRDF of the surface beneath is to be multiplied with, for the cosines of both directions.
     pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
-        let [mean0, mean90] = self.look_up(|row| ALBEDOS.means[row]);
-        let mean = self.f0 * mean0 + self.f90 * mean90;
+        let [mean0, mean90, repeated0, repeated90] = self.look_up(|row| ALBEDOS.means[row]);
+        let mut mean = self.f0 * mean0 + self.f90 * mean90;
+        if let Some(Repeated { f0, f90 }) = self.repeated {
+            mean += f0 * repeated0 + f90 * repeated90;
+        }
         let left = Rgb::ONE - mean;
         // A coat that reflects all leaves nothing.
         let share = (Rgb::ONE - self.albedo(cos_eye)) * (Rgb::ONE - self.albedo(cos_light)) / left;
@@ -90,20 +127,27 @@ impl Gloss {
 
     /// Share of the light from a direction that the coat reflects, all directions together.
     pub fn albedo(&self, cos: f64) -> Rgb {
+        let [part0, part90] = self.albedo_parts(cos);
+        let once = self.f0 * part0 + self.f90 * part90;
+        self.repeated
+            .map_or(once, |Repeated { f0, f90 }| once + (f0 * part0 + f90 * part90) * lacking(part0 + part90))
+    }
+
+    /// The factors of `f0` and of `f90` in it; together the albedo of a white coat, for light that is reflected once.
+    fn albedo_parts(&self, cos: f64) -> [f64; 2] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
-        let [part0, part90] = self.look_up(|row| {
+        self.look_up(|row| {
             let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
             [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
-        });
-        self.f0 * part0 + self.f90 * part90
+        })
     }
 
     /// Between two rows of a table.
-    fn look_up(&self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    fn look_up<const PARTS: usize>(&self, row: impl Fn(usize) -> [f64; PARTS]) -> [f64; PARTS] {
         let (above, fraction) = split(self.row, LAST_ROW);
         let [a, b] = [above, above + 1].map(row);
-        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+        std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
     }
 }
 
@@ -134,6 +178,11 @@ fn split(place: f64, last: usize) -> (usize, f64) {
     (whole, place - whole as f64)
 }
 
+/// What a coat of this albedo lacks of all that falls on it, over what it reflects.
+fn lacking(albedo: f64) -> f64 {
+    (1.0 - albedo) / albedo
+}
+
 /// `(1 - cos)^5`.
 fn schlick(cos: f64) -> f64 {
     (1.0 - cos).clamp(0.0, 1.0).powi(5)
@@ -152,8 +201,8 @@ const AROUND: usize = 20;
 /// and columns in that of the cosine's root over it, plus one.
 struct Albedos {
     directional: Vec<[[f64; 2]; LAST_COLUMN + 1]>,
-    /// Over all directions, by their cosine.
-    means: [[f64; 2]; LAST_ROW + 1],
+    /// Over all directions, by their cosine; first as they are, then scaled by what both together lack.
+    means: [[f64; 4]; LAST_ROW + 1],
 }
 
 fn row_of(roughness: f64) -> f64 {
@@ -186,9 +235,14 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
-        [0, 1].map(|part| {
+        let scaled = |column: usize| {
+            let [part0, part90] = directional[row][column];
+            let lacking = lacking(part0 + part90);
+            [part0, part90, part0 * lacking, part90 * lacking]
+        };
+        [0, 1, 2, 3].map(|part| {
             let piece = |column: usize| {
-                let [a, b] = [column, column + 1].map(|column| directional[row][column][part]);
+                let [a, b] = [column, column + 1].map(|column| scaled(column)[part]);
                 let (from, to) = (square(column as f64), square((column + 1) as f64));
                 // In parts: the end's value less what the squares before the end lack.
                 let before = gauss_legendre(4).iter().map(|(x, weight)| {
@@ -256,6 +310,13 @@ mod tests {
         sum
     }
 
+    /// What white Lambert gives back beneath a coat, by the root of the cosine.
+    fn lambert_beneath(gloss: &Gloss, cos: f64) -> Rgb {
+        let count = 2000;
+        let roots = (0..count).map(|ring| (f64::from(ring) + 0.5) / f64::from(count));
+        roots.map(|root| 4.0 * root.powi(3) * gloss.beneath(cos, root * root)).sum::<Rgb>() / f64::from(count)
+    }
+
     #[test]
     fn directions_can_be_swapped() {
         for roughness in [0.1, 0.4, 0.9] {
@@ -315,6 +376,47 @@ mod tests {
         assert!((white(1.0) - exact).abs() < 1e-3, "{} {exact}", white(1.0));
     }
 
+    /// Of every roughness, at every angle: white metal, and half of it over white.
+    #[test]
+    fn white_metal_gives_back_all() {
+        for roughness in [0.0, 0.04, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0] {
+            let metal = Gloss::new(Rgb::ONE, Rgb::ONE, roughness).with_metal(1.0, Rgb::ONE);
+            let half_metal = Gloss::new(Rgb::splat(0.52), Rgb::ONE, roughness).with_metal(0.5, Rgb::ONE);
+            for cos in [0.002, 0.01, 0.03, 0.06, 0.15, 0.3, 0.5, 0.7, 0.9, 1.0] {
+                let to_eye = direction(cos, 1.0);
+                let shone = over_lights(to_eye, |l| metal.brdf(DVec3::Z, to_eye, l)).x;
+                assert!((shone - 1.0).abs() < 1e-3, "{roughness} {cos}: {shone}");
+                assert!((metal.albedo(cos) - 1.0).abs().max_element() < 1e-12);
+                let shone = over_lights(to_eye, |l| half_metal.brdf(DVec3::Z, to_eye, l)).x;
+                assert!((shone - half_metal.albedo(cos).x).abs() < 1e-3, "{roughness} {cos}: {shone}");
+                let beneath = lambert_beneath(&half_metal, cos).x;
+                assert!((shone + beneath - 1.0).abs() < 1e-3, "{roughness} {cos}: {shone} + {beneath}");
+            }
+        }
+    }
+
+    /// What a metal reflects in all of Kulla and Conty's series: some of the light once, the rest by its colour again.
+    #[test]
+    fn coloured_metal_is_tinted_by_what_it_reflects_again() {
+        let color = Rgb::new(0.9, 0.5, 0.0);
+        let plain = Gloss::new(color, Rgb::ONE, 1.0);
+        let metal = plain.with_metal(1.0, color);
+        // With alpha 1 the mean albedo of white metal is the integral of 2 c E(c) dc.
+        let white = Gloss::new(Rgb::ONE, Rgb::ONE, 1.0);
+        let count = 2000;
+        let mean = (0..count)
+            .map(|index| (f64::from(index) + 0.5) / f64::from(count))
+            .map(|cos| 2.0 * cos * white.albedo(cos).x / f64::from(count))
+            .sum::<f64>();
+        let [of_white, of_metal] = [white.albedo(0.6).x, plain.albedo(0.6).x];
+        let bounce = 0.9 + 0.1 / 21.0;
+        let further = (1..200).map(|n| bounce * mean * (bounce * (1.0 - mean)).powi(n - 1)).sum::<f64>();
+        let expected = of_metal * (1.0 + further * (1.0 - of_white) / of_white);
+        assert!((metal.albedo(0.6).x - expected).abs() < 1e-3, "{} {expected}", metal.albedo(0.6));
+        let gain = metal.albedo(0.6) / plain.albedo(0.6);
+        assert!(gain.x > gain.y && gain.y > gain.z && gain.z > 1.0, "{gain}");
+    }
+
     /// Of every roughness, at every angle: a white surface under no coat along the normal, under a leaf's, and under one of diamond.
     #[test]
     fn white_furnace() {
@@ -323,11 +425,7 @@ mod tests {
             for cos in [0.0005, 0.002, 0.01, 0.03, 0.06, 0.15, 0.3, 0.5, 0.7, 0.9, 1.0] {
                 let to_eye = direction(cos, 1.0);
                 let shone = over_lights(to_eye, |l| gloss.brdf(DVec3::Z, to_eye, l));
-                // Lambert, by the root of the cosine.
-                let count = 2000;
-                let roots = (0..count).map(|ring| (f64::from(ring) + 0.5) / f64::from(count));
-                let beneath = |root: f64| 4.0 * root.powi(3) * gloss.beneath(cos, root * root);
-                let all = shone + roots.map(beneath).sum::<Rgb>() / f64::from(count);
+                let all = shone + lambert_beneath(&gloss, cos);
                 assert!((all - 1.0).abs().max_element() < 6e-4, "{roughness} {cos}: {all}");
             }
         }

@@ -18,6 +18,29 @@ pub struct Camera {
     pub shift: DVec2,
     /// The opening that blurs what is out of focus; `None` is a pinhole.
     pub aperture: Option<Aperture>,
+    /// Between which planes surfaces show.
+    pub clip: Clip,
+}
+
+/// Blender's clip start and end: only surfaces between two planes at right angles to the view axis are seen. Mirrors,
+/// light and fog know nothing of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clip {
+    /// Distance of the nearer plane along the view axis, metres, at least 0.
+    pub start_m: f64,
+    /// Of the farther one, more than `start_m`; infinite if there is none.
+    pub end_m: f64,
+}
+
+impl Clip {
+    /// All that lies before the camera shows.
+    pub const NONE: Self = Self { start_m: 0.0, end_m: f64::INFINITY };
+}
+
+impl Default for Clip {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// The opening of a thin lens.
@@ -87,7 +110,7 @@ impl Camera {
         (half, self.shift * 2.0 * half.max_element())
     }
 
-    /// OpenGL's projection of camera space, but for depth: as there are no clipping planes here, the
+    /// OpenGL's projection of camera space, but for depth: as clipping planes may lie infinitely far away, the
     /// third row gives the distance along the view axis.
     pub fn projection(&self, aspect: f64, time_s: f64) -> DMat4 {
         let (half, middle) = self.picture(aspect, time_s);

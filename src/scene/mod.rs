@@ -31,7 +31,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use baking::Baking;
-pub use camera::{Aperture, Camera, Lens};
+pub use camera::{Aperture, Camera, Clip, Lens};
 pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, Pose, Shape, Skin};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};

@@ -2,9 +2,10 @@
 //! lens is the origin of relative space.
 
 use crate::math::{Ray, disc_from_square};
-use crate::scene::{Camera, Lens};
+use crate::scene::{Camera, Clip, Lens};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Where the camera stands and what it sees.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,8 @@ pub struct View {
     focus_distance_m: f64,
     /// Straight blades of the lens' opening; 0 is a round one.
     blades: u32,
+    /// Between which planes surfaces show.
+    clip: Clip,
 }
 
 impl View {
@@ -59,7 +62,56 @@ impl View {
             lens_radius_m,
             focus_distance_m,
             blades: aperture.map_or(0, |aperture| aperture.blades),
+            clip: camera.clip,
         }
+    }
+
+    /// The same for surfaces in a box of relative space: without planes if none of them may hide anything.
+    pub fn of_surfaces(mut self, bounds: Option<(DVec3, DVec3)>) -> Self {
+        let hides = |(low, high): (DVec3, DVec3)| {
+            let (near_low, near_high) = self.box_before_clip_start();
+            let is_before_start = near_low.cmple(high).all() && low.cmple(near_high).all();
+            // The corner farthest forwards.
+            let farthest = DVec3::select(self.backward.cmplt(DVec3::ZERO), high, low);
+            is_before_start || self.depth(farthest) > self.clip.end_m
+        };
+        if !bounds.is_some_and(hides) {
+            self.clip = Clip::NONE;
+        }
+        self
+    }
+
+    /// Corners of a box around what the picture would show of the space before the nearer plane.
+    fn box_before_clip_start(&self) -> (DVec3, DVec3) {
+        let mut corners = Vec::with_capacity(8);
+        for side in [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]] {
+            let side = DVec2::from(side);
+            let at_lens = self.lens_radius_m * side;
+            let place = self.middle + side * self.half;
+            let [start, end] = match self.is_orthographic {
+                true => [place; 2],
+                false => [at_lens, place * self.clip.start_m + at_lens],
+            };
+            let point =
+                |place: DVec2, depth: f64| place.x * self.right + place.y * self.up - depth * self.backward;
+            corners.extend([point(start, 0.0), point(end, self.clip.start_m)]);
+        }
+        let fold = |f: fn(DVec3, DVec3) -> DVec3, from| corners.iter().copied().fold(from, f);
+        (fold(DVec3::min, DVec3::INFINITY), fold(DVec3::max, DVec3::NEG_INFINITY))
+    }
+
+    /// Between which planes surfaces show.
+    pub fn clip(&self) -> Clip {
+        self.clip
+    }
+
+    /// The part of a ray of the camera, metres, on which surfaces show.
+    pub fn shown_along(&self, ray: &Ray) -> Range<f64> {
+        if self.clip == Clip::NONE {
+            return 0.0..f64::INFINITY;
+        }
+        let depth_per_m = self.depth(ray.direction);
+        self.clip.start_m / depth_per_m..self.clip.end_m / depth_per_m
     }
 
     /// The ray from the middle of the lens through a film position: `(0, 0)` is the top left corner,
@@ -173,8 +225,14 @@ mod tests {
             focus_distance_m: Track::from(3.0),
             blades: 6,
         };
-        let camera =
-            Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: Some(aperture) };
+        let camera = Camera {
+            name: String::new(),
+            node: 0,
+            lens,
+            shift: DVec2::ZERO,
+            aperture: Some(aperture),
+            clip: Clip::NONE,
+        };
         View::new(&camera, world_from_camera, 2.0, 0.0)
     }
 
@@ -198,8 +256,14 @@ mod tests {
         for lens in lenses {
             for aspect in [0.5, 2.0] {
                 let shift = DVec2::new(0.15, -0.1);
-                let camera =
-                    Camera { name: String::new(), node: 0, lens: lens.clone(), shift, aperture: None };
+                let camera = Camera {
+                    name: String::new(),
+                    node: 0,
+                    lens: lens.clone(),
+                    shift,
+                    aperture: None,
+                    clip: Clip::NONE,
+                };
                 let view = View::new(&camera, DAffine3::IDENTITY, aspect, 0.0);
                 let projection = camera.projection(aspect, 0.0);
                 for film in [DVec2::ZERO, DVec2::new(0.2, 0.9), DVec2::ONE] {
@@ -218,7 +282,14 @@ mod tests {
     #[test]
     fn parallel_rays_start_in_the_plane_of_the_camera() {
         let lens = Lens::Orthographic { height_m: Track::from(3.0) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let camera = Camera {
+            name: String::new(),
+            node: 0,
+            lens,
+            shift: DVec2::ZERO,
+            aperture: None,
+            clip: Clip::NONE,
+        };
         let view = View::new(&camera, DAffine3::IDENTITY, 2.0, 0.0);
         let ray = view.ray(1.0, 0.0);
         assert_eq!((ray.origin, ray.direction), (DVec3::new(3.0, 1.5, 0.0), DVec3::NEG_Z));

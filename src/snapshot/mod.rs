@@ -193,6 +193,10 @@ impl<'scene> Snapshot<'scene> {
             })
             .collect();
 
+        let (tree, blended) =
+            (InstanceTree::new(opaque), InstanceTree::numbered_from(first_blended as u32, blended));
+        let boxes = [tree.bounds(), blended.bounds()].into_iter().flatten();
+        let view = view.of_surfaces(boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))));
         let materials = match scene.materials.iter().all(Material::is_constant) {
             true => Cow::Borrowed(scene.materials.as_slice()),
             false => scene.materials.iter().map(|material| material.at(time_s)).collect(),
@@ -203,8 +207,8 @@ impl<'scene> Snapshot<'scene> {
             materials,
             is_blended: Arc::clone(&trees.is_blended),
             view,
-            tree: InstanceTree::new(opaque),
-            blended: InstanceTree::numbered_from(first_blended as u32, blended),
+            tree,
+            blended,
             placed,
             first_blended,
             lights,

@@ -216,10 +216,11 @@ impl Facet<'_> {
             let texel = coat.texture.and_then(|map| self.texel(map, weights)).unwrap_or(Rgb::ONE);
             let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
             // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
-            let f0 = coat.f0.lerp(albedo, metallic);
+            let (f0, metal) = (coat.f0.lerp(albedo, metallic), albedo);
             albedo *= 1.0 - metallic;
             transmission *= 1.0 - metallic;
-            Gloss::new(f0, Rgb::splat(coat.f90 + metallic * (1.0 - coat.f90)), roughness)
+            let f90 = Rgb::splat(coat.f90 + metallic * (1.0 - coat.f90));
+            Gloss::new(f0, f90, roughness).with_metal(metallic, metal)
         });
         let (alpha, see_through) = match material.alpha_mode {
             AlphaMode::Opaque => (1.0, Rgb::ZERO),

@@ -5,7 +5,7 @@
 use super::near_light::NearLight;
 use super::sun_stretch::SunStretch;
 use super::veils::Veils;
-use super::visibility::BlendedHit;
+use super::visibility::Way;
 use crate::accel::LightPlane;
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray};
@@ -55,17 +55,17 @@ impl LitSegments {
 
     /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
     pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
-        self.find_through(snapshot, ray, light, range, &[]);
+        self.find_along(snapshot, ray, light, range, &Way::default());
     }
 
-    /// The same of a ray that is seen through `blended`.
-    pub(super) fn find_through(
+    /// The same of a ray that passes what lies on its way.
+    pub(super) fn find_along(
         &mut self,
         snapshot: &Snapshot,
         ray: &Ray,
         light: &FrozenLight,
         range: (f64, f64),
-        blended: &[BlendedHit],
+        way: &Way,
     ) {
         self.start(ray, light, range);
         let plane = match *light {
@@ -73,9 +73,14 @@ impl LitSegments {
             FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
         };
         if snapshot.has_blended() {
-            self.veils.find(snapshot, ray, light, plane.as_ref(), range, blended);
+            self.veils.find(snapshot, ray, light, plane.as_ref(), range, &way.blended);
         }
         match plane {
+            Some(plane) if way.passes_hidden => {
+                let mut shadows = Vec::new();
+                snapshot.tree.add_each_shadow(&plane, &mut shadows);
+                shadows.into_iter().for_each(|shadow| self.shadows.insert(shadow.start, shadow.end));
+            }
             Some(plane) => snapshot.tree.add_shadows(&plane, &mut self.shadows),
             None => {
                 if is_blocked_in_line(snapshot, ray, light, range) {

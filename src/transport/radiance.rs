@@ -3,7 +3,7 @@
 
 use super::lit_segments::LitSegments;
 use super::shafts::{VolumeMethod, in_scattered};
-use super::visibility::{BlendedHit, blended_hits};
+use super::visibility::{BlendedHit, RayEnd, Way, blended_hits, ray_end};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, sky_light};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -64,6 +64,15 @@ pub enum Part {
     Light(usize),
     /// Light of the sky that was scattered on the way.
     Sky,
+}
+
+/// Where a ray that is followed starts.
+#[derive(Clone, Copy)]
+pub(super) enum Start {
+    /// At the eye, whose clipping planes hide surfaces.
+    Camera,
+    /// On a mirror.
+    Surface(PrimitiveId),
 }
 
 /// One leg of a path, from its origin to the first surface: its light.
@@ -164,7 +173,7 @@ fn radiance_of(
     }
     let light = Illumination { lights: &lights, self_luminous, sky };
     let (leg, surface) =
-        follow(snapshot, transport, light, ray, None, transport.mirror_depth, sampler, scratch);
+        follow(snapshot, transport, light, ray, Start::Camera, transport.mirror_depth, sampler, scratch);
     scratch.lights = lights;
     leg.sample(surface.as_ref(), snapshot, transport, ray, hue)
 }
@@ -204,30 +213,35 @@ pub(super) fn follow(
     transport: &Transport,
     light: Illumination,
     ray: &Ray,
-    leaving: Option<PrimitiveId>,
+    from: Start,
     mirrors_left: u32,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> (Leg, Option<SurfacePoint>) {
-    let hit = snapshot.tree.nearest_hit(ray, f64::INFINITY, leaving);
+    let (leaving, shown) = match from {
+        Start::Camera => (None, snapshot.view.shown_along(ray)),
+        Start::Surface(primitive) => (Some(primitive), 0.0..f64::INFINITY),
+    };
+    let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, leaving);
     let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
     let surface = hit.map(|hit| snapshot.surface(ray, &hit));
 
-    let blended = blended_hits(snapshot, ray, distance, leaving);
+    let mut blended = blended_hits(snapshot, ray, distance.min(shown.end), leaving);
+    blended.retain(|hit| shown.start <= hit.t);
+    let way = Way { distance, blended, passes_hidden };
+    let blended = way.blended.as_slice();
     let (shafts, fog) = if snapshot.medium.is_empty() {
         (Rgb::ZERO, Rgb::ONE)
     } else {
-        let lights =
-            in_scattered(snapshot, transport.volume, light.lights, ray, distance, &blended, sampler, scratch);
+        let lights = in_scattered(snapshot, transport.volume, light.lights, ray, &way, sampler, scratch);
         let sky = snapshot.sky.as_ref().filter(|sky| light.sky && sky.lights_fog());
-        let sky = sky.map_or(Rgb::ZERO, |sky| {
-            sky_light::in_scattered(snapshot, sky, ray, distance, &blended, sampler)
-        });
+        let sky = sky
+            .map_or(Rgb::ZERO, |sky| sky_light::in_scattered(snapshot, sky, ray, distance, blended, sampler));
         (lights + sky, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
     };
     // Front to back: what each blended surface shows itself, and what all of them let through.
     let (mut radiance, mut own, mut seen_through) = (shafts, Rgb::ZERO, Rgb::ONE);
-    for hit in &blended {
+    for hit in blended {
         let scattered = light.scattered(snapshot, &hit.point, sampler);
         let shown =
             own_and_mirrored(snapshot, transport, light, ray, &hit.point, mirrors_left, sampler, scratch);
@@ -250,7 +264,7 @@ pub(super) fn follow(
     radiance += behind_fog.radiance * transmittance;
     own += behind_fog.own * transmittance;
     let solid = blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
-    let mattes = mattes(snapshot, &blended, surface.as_ref());
+    let mattes = mattes(snapshot, blended, surface.as_ref());
     let leg = Leg { radiance, own, shafts, transmittance, covered: hit.is_some(), mattes };
     (leg, solid.or(surface))
 }
@@ -300,7 +314,7 @@ pub(super) fn own_and_mirrored(
         return shines;
     }
     let ray = Ray { origin: point.position, direction: reflected.normalize() };
-    let skip = Some(point.primitive);
-    let (seen, _) = follow(snapshot, transport, light, &ray, skip, mirrors_left - 1, sampler, scratch);
+    let from = Start::Surface(point.primitive);
+    let (seen, _) = follow(snapshot, transport, light, &ray, from, mirrors_left - 1, sampler, scratch);
     Shown { radiance: emission + point.mirror * seen.radiance, own: emission + point.mirror * seen.own }
 }

@@ -4,7 +4,7 @@
 use super::equiangular;
 use super::march::{self, MarchSteps};
 use super::radiance::Scratch;
-use super::visibility::BlendedHit;
+use super::visibility::Way;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -23,18 +23,18 @@ pub enum VolumeMethod {
     },
 }
 
-/// Radiance scattered into the ray by all `lights`, up to `distance`, seen through `blended`, W m^-2 sr^-1.
+/// Radiance scattered into the ray by all `lights` on its way, W m^-2 sr^-1.
 #[allow(clippy::too_many_arguments, reason = "what a method may need, in one call")]
 pub(super) fn in_scattered(
     snapshot: &Snapshot,
     method: VolumeMethod,
     lights: &[FrozenLight],
     ray: &Ray,
-    distance: f64,
-    blended: &[BlendedHit],
+    way: &Way,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Rgb {
+    let (distance, blended) = (way.distance, way.blended.as_slice());
     let mut sum = Rgb::ZERO;
     for light in lights {
         sum += match method {
@@ -42,7 +42,7 @@ pub(super) fn in_scattered(
                 let Scratch { lit, cuts, stretches, .. } = scratch;
                 let Some(range) = snapshot.medium.range(ray, distance) else { continue };
                 snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
-                lit.find_through(snapshot, ray, light, range, blended);
+                lit.find_along(snapshot, ray, light, range, way);
                 lit.integrate(&snapshot.medium, stretches, ray, light)
             }
             VolumeMethod::March(steps) => {

@@ -5,8 +5,8 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
-    Camera, Fog, FogShape, HeightFalloff, Instance, Lens, Light, LightKind, Material, Mesh, Motion, Node,
-    Scene, Track, Triangle,
+    Camera, Clip, Fog, FogShape, HeightFalloff, Instance, Lens, Light, LightKind, Material, Mesh, Motion,
+    Node, Scene, Track, Triangle,
 };
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
@@ -23,7 +23,14 @@ pub(crate) fn camera_at(eye: DVec3) -> Scene {
     let mut scene = Scene::default();
     let node = place(&mut scene, DAffine3::from_translation(eye));
     let lens = Lens::Perspective { fov_y: Track::from(std::f64::consts::FRAC_PI_2) };
-    scene.cameras.push(Camera { name: "camera".into(), node, lens, shift: DVec2::ZERO, aperture: None });
+    scene.cameras.push(Camera {
+        name: "camera".into(),
+        node,
+        lens,
+        shift: DVec2::ZERO,
+        aperture: None,
+        clip: Clip::NONE,
+    });
     scene
 }
 

@@ -102,7 +102,11 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
             "name": camera.name,
             "world": world(camera.node),
             "projection": camera.projection(aspect, seconds).transpose().to_cols_array(),
+            "clip_start_m": camera.clip.start_m,
         });
+        if camera.clip.end_m.is_finite() {
+            described["clip_end_m"] = camera.clip.end_m.into();
+        }
         match &camera.lens {
             Lens::Perspective { fov_y } => described["fov_y_rad"] = fov_y.at(seconds).into(),
             Lens::Orthographic { height_m } => described["height_m"] = height_m.at(seconds).into(),

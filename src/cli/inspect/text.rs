@@ -4,8 +4,8 @@
 use super::super::pass_names;
 use super::Inspected;
 use crate::scene::{
-    AreaShape, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture, SunPicture,
-    SunShows,
+    AreaShape, Clip, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture,
+    SunPicture, SunShows,
 };
 use glam::DVec3;
 use std::collections::HashSet;
@@ -97,12 +97,13 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         write!(out, "    camera   `{}` at {place:.3}, ", camera.name)?;
         match &camera.lens {
             Lens::Perspective { fov_y } => {
-                writeln!(out, "vertical field of view {:.3} deg", fov_y.at(time_s).to_degrees())?;
+                write!(out, "vertical field of view {:.3} deg", fov_y.at(time_s).to_degrees())?;
             }
             Lens::Orthographic { height_m } => {
-                writeln!(out, "orthographic, {:.3} m high", height_m.at(time_s))?;
+                write!(out, "orthographic, {:.3} m high", height_m.at(time_s))?;
             }
         }
+        writeln!(out, "{}", clip(camera.clip))?;
     }
     for light in &scene.lights {
         let world = placements[light.node].world_from_node;
@@ -268,5 +269,14 @@ fn brightness(light: &Light, time_s: f64) -> String {
             width.at(time_s),
             height.at(time_s)
         ),
+    }
+}
+
+/// Between which planes surfaces show.
+fn clip(Clip { start_m, end_m }: Clip) -> String {
+    match (start_m, end_m) {
+        (0.0, f64::INFINITY) => String::new(),
+        (_, f64::INFINITY) => format!(", shows surfaces from {start_m} m on"),
+        _ => format!(", shows surfaces from {start_m} to {end_m} m"),
     }
 }

@@ -274,12 +274,16 @@ pub(super) struct Camera {
 pub(super) struct Perspective {
     pub(super) yfov: f64,
     pub(super) aspect_ratio: Option<f64>,
+    pub(super) znear: Option<f64>,
+    pub(super) zfar: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Orthographic {
     pub(super) xmag: f64,
     pub(super) ymag: f64,
+    pub(super) znear: Option<f64>,
+    pub(super) zfar: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]

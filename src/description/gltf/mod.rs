@@ -313,6 +313,9 @@ pub struct Camera {
     pub name: String,
     /// What it sees.
     pub lens: Lens,
+    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther beyond it
+    /// or infinite.
+    pub clip_m: (f64, f64),
     /// Whatever the author attached.
     pub extras: Value,
 }
@@ -368,7 +371,7 @@ pub enum LightKind {
     Directional,
     /// From a point in all directions.
     Point,
-    /// From a point within a cone; `0 <= inner < outer <= pi/2`.
+    /// From a point within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
     Spot {
         /// Half angle of full light, radians.
         inner_angle: f64,

@@ -11,6 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// How far from 1 the length of a rotation may be; Blender's are good to 1e-7.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
+/// Exporters round angles, radians, to single precision: half of 180 degrees comes out a little above pi/2.
+const ROUNDING: f64 = 1e-6;
+
 /// All nodes.
 pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {
     check_hierarchy(document, report);
@@ -158,14 +161,15 @@ pub(super) fn cameras(document: &Document, report: &mut Report) -> Vec<Camera> {
     let convert = |(index, camera): (usize, &json::Camera)| {
         let name = named(&camera.name, "camera", index);
         let lens = lens(camera, &format!("cameras[{index}]"), report);
-        Camera { name, lens, extras: camera.extras.clone() }
+        let clip_m = clip_m(camera, &name, report);
+        Camera { name, lens, clip_m, extras: camera.extras.clone() }
     };
     document.cameras.iter().enumerate().map(convert).collect()
 }
 
 fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
     match (&camera.perspective, &camera.orthographic) {
-        (Some(json::Perspective { yfov, aspect_ratio }), None) => {
+        (Some(json::Perspective { yfov, aspect_ratio, .. }), None) => {
             let path = format!("{path}.perspective");
             if !(*yfov > 0.0 && *yfov < PI) {
                 let found = format!("the vertical field of view is {yfov}");
@@ -177,7 +181,7 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
             }
             Lens::Perspective { fov_y: *yfov, aspect: *aspect_ratio }
         }
-        (None, Some(json::Orthographic { xmag, ymag })) => {
+        (None, Some(json::Orthographic { xmag, ymag, .. })) => {
             // Smaller or larger ones would not survive single precision.
             for (name, size) in [("xmag", *xmag), ("ymag", *ymag)] {
                 if !(1e-15..1e15).contains(&size) {
@@ -195,10 +199,41 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
     }
 }
 
+/// The clipping planes of a camera: all that lies before it shows where they are missing or out of order.
+fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) {
+    let (znear, zfar) = match (&camera.perspective, &camera.orthographic) {
+        (Some(lens), _) => (lens.znear, lens.zfar),
+        (None, Some(lens)) => (lens.znear, lens.zfar),
+        (None, None) => (None, None),
+    };
+    let (start, end) = (znear.unwrap_or(0.0), zfar.unwrap_or(f64::INFINITY));
+    if start >= 0.0 && start < end {
+        return (start, end);
+    }
+    report.not_honoured(Loss::ClippingPlanes, name);
+    (0.0, f64::INFINITY)
+}
+
 /// All lights.
 pub(super) fn lights(document: &Document, report: &mut Report) -> Vec<Light> {
     let lights = &document.extensions.lights_punctual.lights;
     lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
+}
+
+/// Inner and outer angle of a spot's cone. Both may be the same, which Blender's hard edges are, though glTF wants the
+/// inner one to be less.
+fn cone(spot: &json::Spot, path: &str, name: &str, report: &mut Report) -> [f64; 2] {
+    let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+    if outer <= 0.0 {
+        let found = format!("the cone's outer angle is {outer}");
+        report.error(format!("{path}.spot.outerConeAngle"), found, "more than 0 and at most pi/2");
+        return [0.0, FRAC_PI_2];
+    }
+    if inner < 0.0 || inner > outer + ROUNDING || outer > FRAC_PI_2 + ROUNDING {
+        report.not_honoured(Loss::SpotAngles, name);
+    }
+    let outer = outer.min(FRAC_PI_2);
+    [inner.clamp(0.0, outer), outer]
 }
 
 fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Light {
@@ -222,13 +257,8 @@ fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Ligh
         ("directional", _) => LightKind::Directional,
         ("point", _) => LightKind::Point,
         ("spot", Some(spot)) => {
-            let (inner_angle, outer_angle) = (spot.inner_cone_angle, spot.outer_cone_angle);
-            // Exporters round: half of 180 degrees may come out a little above pi/2.
-            if !(inner_angle >= 0.0 && inner_angle < outer_angle && outer_angle <= FRAC_PI_2 + 1e-6) {
-                let found = format!("the cone's angles are {inner_angle} and {outer_angle}");
-                report.error(format!("{path}.spot"), found, "0 <= innerConeAngle < outerConeAngle <= pi/2");
-            }
-            LightKind::Spot { inner_angle, outer_angle: outer_angle.min(FRAC_PI_2) }
+            let [inner_angle, outer_angle] = cone(spot, &path, &named(&light.name, "light", index), report);
+            LightKind::Spot { inner_angle, outer_angle }
         }
         ("spot", None) => LightKind::Spot { inner_angle: 0.0, outer_angle: PI / 4.0 },
         (other, _) => {

@@ -181,6 +181,8 @@ pub struct Camera {
     pub orthographic_height_m: Option<Keyed<Number<Positive>>>,
     /// The lens that blurs what is out of focus; a pinhole without.
     pub aperture: Option<Aperture>,
+    /// Between which distances along the view surfaces are seen: all before the camera without.
+    pub clip_m: Option<(Number<NonNegative>, Number<Positive>)>,
 }
 
 /// The opening of a lens.

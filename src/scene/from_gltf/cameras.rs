@@ -4,7 +4,7 @@ use super::Builder;
 use super::extras::{self, Sunfleck};
 use crate::description::gltf::{self, Property};
 use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::{Aperture, Camera, Lens, Motion, Node, RenderSettings, Track};
+use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Node, RenderSettings, Track};
 use glam::{DVec2, DVec3};
 use serde::Deserialize;
 use serde_json::Value;
@@ -58,7 +58,9 @@ impl Builder<'_> {
             let aperture = extras.and_then(|extras| self.aperture(camera, &extras));
             let name = node.name.clone();
             let shift = DVec2::from(shift);
-            self.scene.cameras.push(Camera { name, node: number, lens, shift, aperture });
+            let (start_m, end_m) = camera.clip_m;
+            let clip = Clip { start_m, end_m };
+            self.scene.cameras.push(Camera { name, node: number, lens, shift, aperture, clip });
         }
         let chosen = self.chosen_camera(&seen_by, settings);
         let aspect = seen_by.get(chosen).and_then(|camera| camera.lens.aspect());
@@ -169,7 +171,7 @@ impl Builder<'_> {
         });
         let lens = Lens::Perspective { fov_y: Track::from(DEFAULT_FOV_Y) };
         let (name, shift) = (String::from("camera"), DVec2::ZERO);
-        self.scene.cameras.push(Camera { name, node, lens, shift, aperture: None });
+        self.scene.cameras.push(Camera { name, node, lens, shift, aperture: None, clip: Clip::NONE });
         self.report.push(
             Diagnostic::choice(
                 self.report.at("cameras"),

@@ -14,6 +14,8 @@ use std::f64::consts::PI;
 const EXPOSURE_TOLERANCE: f64 = 1e-5;
 /// The range of Blender's exposures.
 const LARGEST_EXPOSURE: f64 = 10.0;
+/// A spot's edge of less than this share of its angle is what rounding to single precision leaves of a hard one.
+const SOFTEST_HARD_EDGE: f64 = 1e-6;
 
 impl<'a> Builder<'a> {
     /// Finds the channel of every animated property; of several the last one is played.
@@ -154,7 +156,10 @@ impl<'a> Builder<'a> {
 
     /// A spot's half angle and the softness of its edge.
     pub(super) fn spot_angles(&self, index: usize, inner: f64, outer: f64) -> (Track<f64>, Track<f64>) {
-        let blend = |inner: f64, outer: f64| (1.0 - inner / outer).clamp(0.0, 1.0);
+        let blend = |inner: f64, outer: f64| match (1.0 - inner / outer).clamp(0.0, 1.0) {
+            blend if blend < SOFTEST_HARD_EDGE => 0.0,
+            blend => blend,
+        };
         let outer_track = self.keyed_number(Property::SpotOuterAngle, index, outer);
         let inner_track = self.keyed_number(Property::SpotInnerAngle, index, inner);
         // In Blender the inner angle is a share of the outer one, and goes with it.

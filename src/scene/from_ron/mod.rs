@@ -22,8 +22,9 @@ mod tracks;
 use super::outline::Tally;
 use super::sun_picture::image_for_suns;
 use super::{
-    AlphaMode, Aperture, Baking, Camera, Coat, Instance, Lens, Material, MaterialIndex, Mesh, MeshIndex,
-    Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
+    AlphaMode, Aperture, Baking, Camera, Clip, Coat, Instance, Lens, Material, MaterialIndex, Mesh,
+    MeshIndex, Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track,
+    Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::image::DecodedImage;
@@ -337,10 +338,27 @@ impl<'a> Resolver<'a> {
             });
             if let (Some(parent), Some(motion), Some(lens)) = (parent, motion, lens) {
                 let node = self.node(name.to_owned(), parent, motion);
-                let shift = DVec2::ZERO;
-                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, shift, aperture });
+                let (shift, clip) = (DVec2::ZERO, self.clip(&owner, camera));
+                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, shift, aperture, clip });
             }
         }
+    }
+
+    fn clip(&mut self, owner: &str, camera: &ron::Camera) -> Clip {
+        let Some((start, end)) = &camera.clip_m else { return Clip::NONE };
+        let clip = Clip { start_m: start.si(), end_m: end.si() };
+        if clip.start_m >= clip.end_m {
+            self.problems.error(
+                &format!("{owner}.clip_m"),
+                format!(
+                    "the clipping planes at {} and {} m leave nothing between them",
+                    clip.start_m, clip.end_m
+                ),
+                "the nearer plane first: `(start, end)`",
+                "swap them, or take `clip_m` out",
+            );
+        }
+        clip
     }
 
     fn lens(&mut self, owner: &str, camera: &ron::Camera) -> Option<Lens> {

@@ -113,7 +113,9 @@ mod tests {
     use super::*;
     use crate::accel::{Cut, HalfPlane};
     use crate::scattering::Source;
-    use crate::scene::{Camera, Instance, Lens, Material, Mesh, Motion, Node, Scene, Size, Track, Triangle};
+    use crate::scene::{
+        Camera, Clip, Instance, Lens, Material, Mesh, Motion, Node, Scene, Size, Track, Triangle,
+    };
     use crate::snapshot::{MeshTrees, Shutter};
     use crate::transport::slices::edges::EdgeOrigin;
     use crate::transport::slices::sweep::CutEnd;
@@ -134,7 +136,14 @@ mod tests {
         let motion = Motion::Still(DAffine3::IDENTITY);
         let node = Node { name: String::new(), parent: None, motion, visible: Track::from(true) };
         let lens = Lens::Perspective { fov_y: Track::from(1.0) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let camera = Camera {
+            name: String::new(),
+            node: 0,
+            lens,
+            shift: DVec2::ZERO,
+            aperture: None,
+            clip: Clip::NONE,
+        };
         let mesh = Mesh {
             positions: corners.map(|corner| (DVec3::from(corner) + 4.0 * DVec3::NEG_Z).as_vec3()).to_vec(),
             triangles: vec![Triangle { vertices: [0, 1, 2], material: 0 }],

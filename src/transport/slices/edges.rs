@@ -114,6 +114,9 @@ impl Edges {
         }
         let is_within = |slope: &f64| end < *slope && *slope < start;
         ends.extend(segments.iter().flat_map(|segment| [segment.upper.slope, segment.lower.slope]));
+        if let Some(clip) = &sweep.clip {
+            ends.extend(segments.iter().flat_map(|segment| clip.slopes_on(segment)));
+        }
         ends.retain(is_within);
         ends.sort_unstable_by(|a, b| b.total_cmp(a));
         ends.dedup();
@@ -122,7 +125,7 @@ impl Edges {
         let mut seen: Option<&Segment> = None;
         let (mut since, mut from) = (start, start);
         for &to in ends.iter() {
-            let nearest = nearest(segments, 0.5 * (from + to));
+            let nearest = nearest(sweep, 0.5 * (from + to));
             if !nearest.map_or(seen.is_none(), |nearest| seen.is_some_and(|seen| ptr::eq(seen, nearest))) {
                 if let Some(seen) = seen {
                     add_shadow_edges(seen, since..from, sweep, light_rays, slopes);
@@ -141,9 +144,10 @@ impl Edges {
 }
 
 /// What rays of a slope meet first.
-fn nearest(segments: &[Segment], slope: f64) -> Option<&Segment> {
-    let met = segments.iter().filter(|segment| segment.is_met_at(slope));
-    let reaches = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope)).x));
+fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
+    let met = sweep.active().iter().filter(|segment| segment.is_met_at(slope));
+    let points = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope))));
+    let reaches = points.filter(|(_, point)| sweep.shows(*point)).map(|(segment, point)| (segment, point.x));
     reaches.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(segment, _)| segment)
 }
 

@@ -413,9 +413,16 @@ impl Picture {
 impl Fan {
     /// Of a light in a direction, unit length, seen by a pinhole that looks along -z, its picture so many radians high.
     pub(crate) fn of_pinhole(fov_y_rad: f64, size: Size, to_light: DVec3) -> Self {
-        use crate::scene::{Camera, Lens, Track};
+        use crate::scene::{Camera, Clip, Lens, Track};
         let lens = Lens::Perspective { fov_y: Track::from(fov_y_rad) };
-        let camera = Camera { name: String::new(), node: 0, lens, shift: DVec2::ZERO, aperture: None };
+        let camera = Camera {
+            name: String::new(),
+            node: 0,
+            lens,
+            shift: DVec2::ZERO,
+            aperture: None,
+            clip: Clip::NONE,
+        };
         let aspect = size.width as f64 / size.height as f64;
         let view = View::new(&camera, glam::DAffine3::IDENTITY, aspect, 0.0);
         Self::new(&view, size, DVec2::ZERO, Source::Towards(to_light)).expect("not at the eye")

@@ -9,7 +9,9 @@ use crate::math::{Ray, Sampler};
 use crate::snapshot::{Facet, FrozenLight, Snapshot, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
-use crate::transport::radiance::{Illumination, Leg, Scratch, Shown, follow, mattes, own_and_mirrored};
+use crate::transport::radiance::{
+    Illumination, Leg, Scratch, Shown, Start, follow, mattes, own_and_mirrored,
+};
 
 /// A ray of a slice and what it meets first.
 pub(super) struct Sight<'a> {
@@ -42,8 +44,16 @@ impl Sight<'_> {
         let SliceJob { snapshot, transport, .. } = *self.job;
         let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
         let mut sampler = self.sampler;
-        let (leg, surface) =
-            follow(snapshot, transport, illumination, &self.ray, None, mirrors, &mut sampler, scratch);
+        let (leg, surface) = follow(
+            snapshot,
+            transport,
+            illumination,
+            &self.ray,
+            Start::Camera,
+            mirrors,
+            &mut sampler,
+            scratch,
+        );
         leg.sample(surface.as_ref(), snapshot, transport, &self.ray, self.job.hue)
     }
 

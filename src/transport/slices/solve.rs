@@ -8,7 +8,7 @@ use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
 use super::fog_profile::FogProfile;
 use super::outline::Outline;
 use super::sight::Sight;
-use super::sweep::{LightRays, PlanarRay, Sweep};
+use super::sweep::{LightRays, PlanarClip, PlanarRay, Sweep};
 use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
@@ -84,6 +84,8 @@ pub fn solve(
     lowest_slopes.extend(chords.iter().map(|chord| chord.slopes[1]));
     let lowest_slope = *lowest_slopes.last()?;
     let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
+    let clip = PlanarClip::of(&snapshot.view, slice.outward, job.fan.axis);
+    (sweep.clip, veils.sweep.clip) = (clip, clip);
     cuts.clear();
     snapshot.blended.add_cuts(&half_plane, cuts);
     let blended_cuts = cuts.len();

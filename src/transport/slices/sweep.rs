@@ -12,7 +12,9 @@
 use super::buckets::{Buckets, partition_point_near};
 use crate::accel::{Cut, PrimitiveId};
 use crate::math::IntervalSet;
-use glam::DVec2;
+use crate::scene::Clip;
+use crate::snapshot::View;
+use glam::{DVec2, DVec3};
 
 /// How the light's rays are named within a half plane.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +71,39 @@ pub(super) struct PlanarRay {
 impl PlanarRay {
     pub(super) fn new(direction: DVec2) -> Self {
         Self { direction, slope: direction.y / direction.x }
+    }
+}
+
+/// The camera's clipping planes, as a half plane cuts them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanarClip {
+    /// Of a point's reach and height: metres along the view axis.
+    depth: DVec2,
+    clip: Clip,
+}
+
+impl PlanarClip {
+    /// Those of a slice; `None` if they hide nothing.
+    pub(super) fn of(view: &View, outward: DVec3, axis: DVec3) -> Option<Self> {
+        let depth = DVec2::new(view.depth(outward), view.depth(axis));
+        Some(Self { depth, clip: view.clip() }).filter(|planes| planes.clip != Clip::NONE)
+    }
+
+    /// Whether surfaces show at a point.
+    fn shows(&self, point: DVec2) -> bool {
+        let depth = self.depth.dot(point);
+        self.clip.start_m <= depth && depth < self.clip.end_m
+    }
+
+    /// The slopes of the rays that meet a segment in one of the planes.
+    pub(super) fn slopes_on(&self, segment: &Segment) -> impl Iterator<Item = f64> {
+        let [(a, from), (b, to)] =
+            [segment.upper, segment.lower].map(|end| (end.point, self.depth.dot(end.point)));
+        let crossed = [self.clip.start_m, self.clip.end_m].into_iter();
+        crossed.filter(move |depth| (from < *depth) != (to < *depth)).map(move |depth| {
+            let point = a + (depth - from) / (to - from) * (b - a);
+            point.y / point.x
+        })
     }
 }
 
@@ -150,6 +185,8 @@ pub(super) fn ordered(a: f64, b: f64) -> (f64, f64) {
 /// The state of the sweep.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
+    /// The camera's clipping planes, if they hide anything.
+    pub(super) clip: Option<PlanarClip>,
     /// By the first part of the slice that their upper ends lie in or above.
     segments: Buckets<Segment>,
     /// Number of the next part.
@@ -215,6 +252,11 @@ impl Sweep {
         self.pass(highest_slope, darken);
     }
 
+    /// Whether the camera sees surfaces at a point.
+    pub(super) fn shows(&self, point: DVec2) -> bool {
+        self.clip.is_none_or(|clip| clip.shows(point))
+    }
+
     /// Segments that rays of the current part may meet.
     pub(super) fn active(&self) -> &[Segment] {
         &self.active
@@ -278,7 +320,10 @@ impl Sweep {
                 continue;
             }
             let point = segment.crossing(ray.direction);
-            if first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction)) {
+            // What does not show throws its shadow yet.
+            if self.shows(point)
+                && first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction))
+            {
                 first = Some((point, self.crossings.len()));
             }
             let shadow = ordered(light_rays.through(point), segment.upper.name);
