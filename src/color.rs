@@ -3,10 +3,12 @@
 
 mod agx;
 mod display;
+mod primaries;
 
 use glam::DVec3;
 
 pub use display::{Curve, Display, dithered};
+pub use primaries::Primaries;
 
 /// Linear Rec. 709 colour: `x` red, `y` green, `z` blue.
 ///

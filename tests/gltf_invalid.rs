@@ -376,7 +376,8 @@ fn survives(bytes: &[u8]) {
     let mut files = Files::default();
     let Ok(scene) = gltf::parse(bytes, &path, &mut files) else { return };
     let scene = SceneSource::Gltf(scene);
-    let description = Description { path, scene, sequence: None, content_hash: files.content_hash() };
+    let description =
+        Description { path, scene, sequence: None, content_hash: files.content_hash(), files: Vec::new() };
     let Ok((scene, settings)) = scene::resolve(description, None) else { return };
     let time_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
     assert_eq!(scene.placements(time_s).len(), scene.nodes.len());

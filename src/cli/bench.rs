@@ -35,6 +35,11 @@ impl Subject {
     fn new(arguments: &BenchArguments) -> Result<Self, CliError> {
         let started = Instant::now();
         let description = description::load(&arguments.input)?;
+        for (flag, output) in [("--csv", &arguments.csv), ("--svg", &arguments.svg)] {
+            if let Some(output) = output {
+                loading::check_not_read(flag, output, &description.files)?;
+            }
+        }
         let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
         arguments.scene.check(&scene.remarks)?;
         let load_s = started.elapsed().as_secs_f64();

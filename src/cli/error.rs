@@ -3,7 +3,6 @@
 
 use crate::description::LoadError;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use std::process::ExitCode;
 
 /// The command line itself.
 pub(super) const USAGE: u8 = 2;
@@ -33,14 +32,14 @@ pub enum CliError {
 
 impl CliError {
     /// The process's exit code.
-    pub fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub fn code(&self) -> u8 {
+        match self {
             Self::Usage(_) => USAGE,
             Self::Scene(_) => SCENE,
             Self::InputOutput(_) => INPUT_OUTPUT,
             Self::Frame(_) => FRAME,
             Self::Signal(number) => 128 + number,
-        })
+        }
     }
 }
 

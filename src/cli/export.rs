@@ -16,6 +16,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Err(usage("OUT.glb", found, "a name that ends in .glb"));
     }
     let description = description::load(&arguments.input)?;
+    loading::check_not_read("OUT.glb", output, &description.files)?;
     let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
     settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
     if let Some(list) = &arguments.frames {

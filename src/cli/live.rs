@@ -9,7 +9,6 @@ use std::collections::VecDeque;
 use std::io::Write;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Where tev listens unless it is told otherwise.
@@ -24,7 +23,6 @@ const MOST_WAITING: usize = 4;
 /// The connection, if there is to be one.
 pub(super) struct Live {
     queue: Option<Arc<Queue>>,
-    sender: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
@@ -39,28 +37,30 @@ struct State {
     waiting: VecDeque<(String, Frame)>,
     /// No more will come.
     over: bool,
-    /// The viewer is gone: nothing need be kept for it.
+    /// The viewer is gone, or has seen all: nothing need be kept for it.
     gone: bool,
 }
 
 impl Live {
     /// Connects on a thread of its own; without an address nothing happens.
     pub(super) fn new(address: Option<&str>) -> Self {
-        let Some(address) = address.map(with_port) else { return Self { queue: None, sender: None } };
+        let Some(address) = address.map(with_port) else { return Self { queue: None } };
         let queue = Arc::new(Queue::default());
-        let sender = {
+        {
             let queue = Arc::clone(&queue);
             std::thread::spawn(move || {
-                if let Err(error) = send(&address, &queue) {
-                    queue.lock().gone = true;
+                let sent = send(&address, &queue);
+                queue.lock().gone = true;
+                queue.news.notify_all();
+                if let Err(error) = sent {
                     tell(&format!(
                         "warning: --live: the viewer at {address} is not to be had: {error}\n  expected: tev, listening there\n  \
                          remedy: start tev (`tev --host {address}`) before rendering; frames are rendered all the same"
                     ));
                 }
-            })
-        };
-        Self { queue: Some(queue), sender: Some(sender) }
+            });
+        }
+        Self { queue: Some(queue) }
     }
 
     /// Whether anybody may be looking.
@@ -83,16 +83,14 @@ impl Live {
 }
 
 impl Drop for Live {
-    /// The last pictures are still sent.
+    /// The last pictures are still sent, unless the viewer is too slow for that.
     fn drop(&mut self) {
-        if let Some(queue) = &self.queue {
-            queue.lock().over = true;
-            queue.news.notify_one();
-        }
-        if let Some(sender) = self.sender.take() {
-            // It has spoken of its troubles already.
-            let _ = sender.join();
-        }
+        let Some(queue) = &self.queue else { return };
+        let mut state = queue.lock();
+        state.over = true;
+        queue.news.notify_all();
+        let waits = |state: &mut State| !state.gone;
+        drop(queue.news.wait_timeout_while(state, PATIENCE, waits).unwrap_or_else(PoisonError::into_inner));
     }
 }
 
@@ -122,9 +120,15 @@ fn with_port(address: &str) -> String {
 
 /// Sends what comes until no more will come.
 fn send(address: &str, queue: &Queue) -> std::io::Result<()> {
-    let mut addresses = address.to_socket_addrs()?;
-    let place = addresses.next().ok_or(std::io::ErrorKind::AddrNotAvailable)?;
-    let mut stream = TcpStream::connect_timeout(&place, PATIENCE)?;
+    // `localhost` is ::1 first, where tev does not listen.
+    let mut connected = Err(std::io::ErrorKind::AddrNotAvailable.into());
+    for place in address.to_socket_addrs()? {
+        connected = TcpStream::connect_timeout(&place, PATIENCE);
+        if connected.is_ok() {
+            break;
+        }
+    }
+    let mut stream = connected?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut created: Option<String> = None;
     while let Some((name, frame)) = queue.next() {

@@ -4,7 +4,9 @@
 
 use super::CliError;
 use super::arguments::SceneArguments;
-use crate::description::Description;
+use super::plan::usage;
+use crate::description::{Description, read_regular};
+use crate::diagnostic::readable;
 use crate::frame_file;
 use crate::scene::{self, Baking, RenderSettings, Scene};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -44,7 +46,7 @@ pub(super) fn resolve(
     };
     let recall = |name: &str| {
         let path = path(name)?;
-        let bytes = fs::read(&path).ok()?;
+        let bytes = read_regular(&path).ok()?;
         // The oldest go first: this one is in use.
         let _ = fs::File::options()
             .append(true)
@@ -66,6 +68,19 @@ pub(super) fn resolve(
         bar.finish_and_clear();
     }
     Ok(scene?)
+}
+
+/// Refuses to write over a file that the input consists of.
+pub(super) fn check_not_read(flag: &str, output: &Path, inputs: &[PathBuf]) -> Result<(), CliError> {
+    let Ok(written) = output.canonicalize() else { return Ok(()) };
+    match inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == written)) {
+        None => Ok(()),
+        Some(input) => Err(usage(
+            flag,
+            format!("{} is read by this very command, and would be lost", readable(input).display()),
+            "a file of another name",
+        )),
+    }
 }
 
 fn new_bar() -> ProgressBar {

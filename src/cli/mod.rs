@@ -13,11 +13,13 @@ mod plan;
 mod preview;
 mod progress;
 mod render;
+mod signals;
 mod stats;
 
 use crate::scene::Pass;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
+use signals::Stop;
 use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
@@ -33,8 +35,15 @@ pub fn run() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
         }
     };
+    let stop = match Stop::watch() {
+        Ok(stop) => stop,
+        Err(error) => {
+            tell(&error.to_string());
+            return ExitCode::from(error.code());
+        }
+    };
     let result = match arguments.command {
-        Command::Render(arguments) => render::run(&arguments),
+        Command::Render(arguments) => render::run(&arguments, &stop),
         Command::Preview(arguments) => preview::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
@@ -46,13 +55,7 @@ pub fn run() -> ExitCode {
             answer(String::from_utf8_lossy(&script).trim_end())
         }
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            tell(&error.to_string());
-            error.exit_code()
-        }
-    }
+    ExitCode::from(stop.code(result))
 }
 
 /// Passes for reading, as `--passes` takes them.
@@ -63,10 +66,9 @@ fn pass_names(passes: &[Pass]) -> String {
     format!("beauty and {}", passes.iter().map(|pass| pass.name()).collect::<Vec<_>>().join(","))
 }
 
-/// A line on the error stream.
-#[allow(clippy::print_stderr, reason = "this is the one place that talks to the user")]
+/// A line on the error stream. That it takes none (closed, full, nobody reads) stops no work.
 fn tell(message: &str) {
-    eprintln!("{message}");
+    let _ = writeln!(std::io::stderr(), "{message}");
 }
 
 /// A line on the output stream. That nobody reads on (`| head`) is no failure.

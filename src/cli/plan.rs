@@ -38,6 +38,9 @@ impl Plan {
         check_output(arguments)?;
         let description = description::load(&arguments.input)?;
         let scene_hash = description.content_hash.clone();
+        if let Some(stats) = &arguments.stats {
+            loading::check_not_read("--stats", stats, &description.files)?;
+        }
         let (mut scene, mut settings) = loading::resolve(
             description,
             &arguments.scene,

@@ -5,6 +5,7 @@ use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipA
 use super::live::Live;
 use super::plan::Plan;
 use super::progress::{Progress, ProgressStyle};
+use super::signals::Stop;
 use super::stats::Stats;
 use super::{CliError, answer, tell};
 use crate::film::Frame;
@@ -13,13 +14,11 @@ use crate::render::{self, Rendered, Watch};
 use crate::scene::{Pass, matte_id};
 use crate::sequence::{self, Job, SequenceError, Skip};
 use crate::snapshot::{Exposure, MeshTrees, MotionField};
-use signal_hook::consts::{SIGINT, SIGTERM};
 use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
+pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     let threads = arguments.threads.unwrap_or(0) as usize;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -30,7 +29,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if arguments.dry_run {
         return answer(&plan.to_string());
     }
-    let signal = catch_signals()?;
+    check_memory(&plan.job)?;
     let live = Live::new(arguments.live.as_deref());
     let stats = Stats::new(arguments.stats.as_deref(), &plan.scene.remarks)?;
     let progress = Progress::new(match arguments.progress {
@@ -49,7 +48,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
             SkipArgument::None => Skip::None,
         },
         preview: arguments.preview.map(|PreviewArgument::Png| arguments.display.display()),
-        stop: &signal.stop,
+        stop: &stop.flag,
     };
     let trees = MeshTrees::new(&plan.scene);
     let mut still_frame: Option<Rendered> = None;
@@ -71,7 +70,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
                         limit.is_some_and(|limit| started.elapsed().as_secs_f64() > limit),
                         Ordering::Relaxed,
                     );
-                    is_late.load(Ordering::Relaxed) || signal.stop.load(Ordering::Relaxed)
+                    is_late.load(Ordering::Relaxed) || stop.flag.load(Ordering::Relaxed)
                 };
                 let name = plan.output.path(frame).to_string_lossy().into_owned();
                 let look = |so_far: &Frame| live.show(&name, so_far);
@@ -81,7 +80,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
                 live.show(&name, &picture.frame);
                 picture
             });
-            if signal.stop.load(Ordering::Relaxed) {
+            if stop.flag.load(Ordering::Relaxed) {
                 return Err(Stopped);
             }
             if is_late.into_inner() {
@@ -99,9 +98,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         },
     );
     let summary = rendered.map_err(CliError::from)?;
-    let number = signal.number.load(Ordering::Relaxed);
-    if summary.stopped && number > 0 {
-        return Err(CliError::Signal(number as u8));
+    if let Some(number) = stop.signal().filter(|_| summary.stopped) {
+        return Err(CliError::Signal(number));
     }
     stats.finish()?;
     if !summary.given_up.is_empty() {
@@ -113,6 +111,20 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         )));
     }
     Ok(())
+}
+
+/// Refuses a picture for which there is no memory: an allocation that fails in the middle of it would end the process.
+fn check_memory(job: &render::Job) -> Result<(), CliError> {
+    let bytes = job.memory_bytes();
+    let mut all: Vec<u8> = Vec::new();
+    all.try_reserve_exact(bytes).map_err(|_| {
+        let (width, height) = (job.window.width, job.window.height);
+        CliError::InputOutput(format!(
+            "error: {width} x {height} pixels take {:.1} GB, more memory than can be had\n  expected: a picture that fits\n  \
+             remedy: make --size or --passes smaller, or render parts with --crop",
+            bytes as f64 / 1e9
+        ))
+    })
 }
 
 impl Plan {
@@ -162,23 +174,6 @@ fn provenance(plan: &Plan, frame: i64) -> Provenance {
 #[derive(Debug, thiserror::Error)]
 #[error("stopped by a signal")]
 struct Stopped;
-
-/// Which signal came, if any.
-struct Signals {
-    stop: Arc<AtomicBool>,
-    number: Arc<AtomicUsize>,
-}
-
-fn catch_signals() -> Result<Signals, CliError> {
-    let signals = Signals { stop: Arc::default(), number: Arc::default() };
-    for signal in [SIGINT, SIGTERM] {
-        let number = Arc::clone(&signals.number);
-        signal_hook::flag::register_usize(signal, number, signal as usize)
-            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&signals.stop)))
-            .map_err(|error| CliError::InputOutput(format!("error: signals cannot be caught: {error}")))?;
-    }
-    Ok(signals)
-}
 
 impl From<SequenceError<Stopped>> for CliError {
     fn from(error: SequenceError<Stopped>) -> Self {

@@ -3,12 +3,33 @@
 
 use super::LoadError;
 use sha2::{Digest, Sha256};
-use std::path::Path;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
 
 /// Reads files and remembers what was in them.
 #[derive(Default)]
 pub struct Files {
     hash: Sha256,
+    read: Vec<PathBuf>,
+}
+
+/// The bytes of a regular file. A pipe or a device may never begin or never end, so it is not even opened.
+///
+/// # Errors
+/// If there is no such file, it is no regular one, or its bytes do not fit into memory.
+pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() && !metadata.is_dir() {
+        return Err(io::Error::new(ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
+    }
+    let mut bytes = Vec::new();
+    let out_of_memory =
+        |_| io::Error::new(ErrorKind::OutOfMemory, "it is larger than the memory that can be had");
+    bytes.try_reserve_exact(metadata.len() as usize).map_err(out_of_memory)?;
+    // What is added while it is read is not of this file.
+    File::open(path)?.take(metadata.len()).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 impl Files {
@@ -17,14 +38,20 @@ impl Files {
     /// # Errors
     /// [`LoadError::Io`] if it cannot be read.
     pub fn read(&mut self, path: &Path, referrer: Option<&str>) -> Result<Vec<u8>, LoadError> {
-        let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
+        let bytes = read_regular(path).map_err(|source| LoadError::Io {
             path: path.to_owned(),
             referrer: referrer.map(str::to_owned),
             source,
         })?;
         self.hash.update((bytes.len() as u64).to_le_bytes());
         self.hash.update(&bytes);
+        self.read.push(path.to_owned());
         Ok(bytes)
+    }
+
+    /// The files that were read, in the order of reading.
+    pub fn into_paths(self) -> Vec<PathBuf> {
+        self.read
     }
 
     /// SHA-256 of everything read so far, in hexadecimal.

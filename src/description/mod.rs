@@ -13,6 +13,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable};
 use std::path::{Path, PathBuf};
 
 pub use files::Files;
+pub(crate) use files::read_regular;
 pub use peers::{PeerRow, load_peers};
 
 /// One input as read: a scene, and perhaps the sequence that wraps it.
@@ -26,6 +27,8 @@ pub struct Description {
     pub sequence: Option<ron::SequenceFile>,
     /// SHA-256 over every file read, in hexadecimal.
     pub content_hash: String,
+    /// Every file read.
+    pub files: Vec<PathBuf>,
 }
 
 /// A scene in one of the formats we read.
@@ -88,7 +91,8 @@ pub fn load(path: &Path) -> Result<Description, LoadError> {
         },
         _ => (load_scene(path, &mut files)?, None),
     };
-    Ok(Description { path: path.to_owned(), scene, sequence, content_hash: files.content_hash() })
+    let content_hash = files.content_hash();
+    Ok(Description { path: path.to_owned(), scene, sequence, content_hash, files: files.into_paths() })
 }
 
 fn load_scene(path: &Path, files: &mut Files) -> Result<SceneSource, LoadError> {

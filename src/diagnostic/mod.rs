@@ -5,7 +5,7 @@
 mod loss;
 
 pub use loss::Loss;
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::path::{Component, Path, PathBuf};
 
 /// How bad it is.
@@ -112,15 +112,38 @@ impl Diagnostic {
     }
 }
 
+/// Writes text on, control characters escaped: names come from files, and a terminal obeys what it is sent.
+struct Printable<'a, 'f>(&'a mut fmt::Formatter<'f>);
+
+impl fmt::Write for Printable<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for part in text.split_inclusive(is_obeyed) {
+            let plain = part.trim_end_matches(is_obeyed);
+            self.0.write_str(plain)?;
+            part[plain.len()..]
+                .chars()
+                .try_for_each(|character| write!(self.0, "{}", character.escape_default()))?;
+        }
+        Ok(())
+    }
+}
+
+/// Control characters but for the ends of lines, and those that turn the direction of writing.
+fn is_obeyed(character: char) -> bool {
+    let turns = matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || character.is_control() && character != '\n'
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut printable = Printable(f);
         match self {
             Self::Nowhere => Ok(()),
-            Self::File(file) => write!(f, "{}: ", readable(file).display()),
+            Self::File(file) => write!(printable, "{}: ", readable(file).display()),
             Self::Text { file, line, column } => {
-                write!(f, "{}:{line}:{column}: ", readable(file).display())
+                write!(printable, "{}:{line}:{column}: ", readable(file).display())
             }
-            Self::Field { file, path } => write!(f, "{}: {path}: ", readable(file).display()),
+            Self::Field { file, path } => write!(printable, "{}: {path}: ", readable(file).display()),
         }
     }
 }
@@ -136,12 +159,12 @@ impl fmt::Display for Diagnostic {
         if let Some(loss) = self.loss {
             write!(f, "[{loss}]")?;
         }
-        write!(f, ": {}", self.found)?;
+        write!(Printable(f), ": {}", self.found)?;
         if let Some(expected) = &self.expected {
-            write!(f, "\n  expected: {expected}")?;
+            write!(Printable(f), "\n  expected: {expected}")?;
         }
         if let Some(remedy) = &self.remedy {
-            write!(f, "\n  remedy: {remedy}")?;
+            write!(Printable(f), "\n  remedy: {remedy}")?;
         }
         Ok(())
     }
@@ -241,6 +264,15 @@ mod tests {
         ] {
             assert_eq!(readable(Path::new(path)), Path::new(told));
         }
+    }
+
+    #[test]
+    fn terminals_are_not_told_what_to_do() {
+        let name = "a\u{1b}[2J\u{202e}b\r";
+        let place = Place::Field { file: PathBuf::from(name), path: name.into() };
+        let said = Diagnostic::error(place, format!("`{name}` is red\nand green")).remedy(name).to_string();
+        assert!(!said.contains(['\u{1b}', '\u{202e}', '\r']), "{said:?}");
+        assert!(said.contains("`a\\u{1b}[2J\\u{202e}b\\r` is red\nand green"), "{said:?}");
     }
 
     #[test]

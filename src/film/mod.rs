@@ -90,6 +90,15 @@ impl Film {
         }
     }
 
+    /// About what a pixel of a film with these passes takes in memory.
+    pub fn bytes_per_pixel(passes: &[Pass]) -> usize {
+        let kept = KeptPasses::new(passes, true);
+        let sums = size_of::<f64>() * (1 + kept.mean_channels()) + size_of::<[f64; 4]>();
+        let nearest = size_of::<f32>() * (1 + kept.nearest_channels());
+        let mattes = if kept.mattes { size_of::<MatteList>() } else { 0 };
+        sums + nearest + mattes + 2 * size_of::<HueSums>()
+    }
+
     /// The rectangle of the picture that this film covers.
     pub fn window(&self) -> Window {
         self.window

@@ -2,12 +2,17 @@
 //! what it held before or all of the new bytes, and those are on the disk before the name is.
 
 use super::FrameFileError;
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use tempfile::NamedTempFile;
 
 /// What our temporary files end with; they begin with a dot and the final file's name.
 const TEMPORARY_SUFFIX: &str = ".sunfleck-part";
+/// Where files cannot be locked, a temporary one as old as this is nobody's: no frame takes a day to write.
+const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// Writes `bytes` to `path` by way of a temporary file in the same folder, which is created if need be.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), FrameFileError> {
@@ -50,23 +55,71 @@ fn write_in(folder: &Path, path: &Path, prefix: &str, parts: &[&[u8]]) -> io::Re
         // As any other file: the umask decides, where a temporary file would be its owner's alone.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
+    let mut temporary = claimed(|| builder.tempfile_in(folder))?;
+    let unfinished = temporary.path().to_owned();
+    writes().push(unfinished.clone());
+    let written = parts.iter().try_for_each(|part| temporary.write_all(part));
+    let synced = written.and_then(|()| temporary.as_file().sync_all());
+    let mut writes = writes();
     // Dropped on an error, it removes itself.
-    let mut temporary = builder.tempfile_in(folder)?;
-    for part in parts {
-        temporary.write_all(part)?;
-    }
-    temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|error| error.error)?;
-    // The new name is an entry of the folder, which the disk must learn of too.
+    let persisted = synced.and_then(|()| temporary.persist(path).map_err(|error| error.error));
+    writes.retain(|path| *path != unfinished);
+    persisted?;
+    drop(writes);
+    // The new name is an entry of the folder, which the disk should learn of too. Network shares refuse that (EINVAL,
+    // ENOTSUP, EIO); the frame's own bytes are safe by then.
     #[cfg(unix)]
-    fs::File::open(folder)?.sync_all()?;
+    let _ = fs::File::open(folder).and_then(|folder| folder.sync_all());
     Ok(())
+}
+
+/// Temporary files that this process is writing.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn writes() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what this process is writing, and has all later writes wait for ever: for the moment before it exits.
+pub fn abandon_writes() {
+    let unfinished = writes();
+    unfinished.iter().for_each(|path| drop(fs::remove_file(path)));
+    std::mem::forget(unfinished);
+}
+
+/// A temporary file that this process has locked, which tells others that somebody is at work on it. Dropped on an
+/// error, it removes itself.
+fn claimed(mut create: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    loop {
+        let temporary = create()?;
+        match temporary.as_file().try_lock() {
+            // Another process took it for abandoned before it was locked, and is about to remove it.
+            Err(TryLockError::WouldBlock) => continue,
+            // Removed already.
+            Ok(()) if !temporary.path().exists() => continue,
+            // Where files cannot be locked their age tells (see `is_abandoned`).
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(temporary),
+        }
+    }
+}
+
+/// Whether no process is at work on a temporary file: its lock is free, or, where there are no locks, it is old.
+fn is_abandoned(temporary: &Path) -> bool {
+    let Ok(file) = fs::File::open(temporary) else { return false };
+    match file.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => false,
+        Err(TryLockError::Error(_)) => file
+            .metadata()
+            .and_then(|metadata| metadata.modified())
+            .is_ok_and(|modified| modified.elapsed().is_ok_and(|age| age > ABANDONED_AFTER)),
+    }
 }
 
 /// Removes what killed runs left of the temporary files of `path`, and says what it removed.
 ///
-/// Only names that [`write`] makes for this very file are touched. Two runs of the same frame at the same time are
-/// nobody's wish; should one lose its temporary file so, it fails and leaves nothing half-written.
+/// Only names that [`write`] makes for this very file are touched, and none that another process is still writing: two runs
+/// of the same frame at the same time both end with whole frames.
 pub fn remove_abandoned(path: &Path) -> Vec<PathBuf> {
     let Some(prefix) = path.file_name().map(temporary_prefix) else { return Vec::new() };
     let Ok(entries) = fs::read_dir(folder_of(path)) else { return Vec::new() };
@@ -78,7 +131,7 @@ pub fn remove_abandoned(path: &Path) -> Vec<PathBuf> {
             name.starts_with(&prefix) && name.ends_with(TEMPORARY_SUFFIX)
         })
         .map(|entry| entry.path())
-        .filter(|temporary| fs::remove_file(temporary).is_ok())
+        .filter(|temporary| is_abandoned(temporary) && fs::remove_file(temporary).is_ok())
         .collect()
 }
 
@@ -165,6 +218,32 @@ mod tests {
         assert!(matches!(write(&long, b"new"), Err(FrameFileError::Write { .. })));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["picture.exr"]);
+    }
+
+    #[test]
+    fn what_another_process_writes_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let at_work = folder.path().join(".picture.0001.exr.Ab3dE6.sunfleck-part");
+        let file = fs::File::create(&at_work).unwrap();
+        file.lock().unwrap();
+        assert_eq!(remove_abandoned(&folder.path().join("picture.0001.exr")), [PathBuf::new(); 0]);
+        drop(file);
+        assert_eq!(remove_abandoned(&folder.path().join("picture.0001.exr")), [at_work]);
+    }
+
+    #[test]
+    fn a_temporary_file_that_is_taken_for_abandoned_is_made_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut made = 0;
+        let temporary = claimed(|| {
+            made += 1;
+            let temporary = tempfile::Builder::new().tempfile_in(folder.path())?;
+            if made == 1 {
+                fs::remove_file(temporary.path())?;
+            }
+            Ok(temporary)
+        });
+        assert!(temporary.unwrap().path().exists() && made == 2);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::pixel_hash::pixel_hash;
 use super::provenance::{REC_709, text};
-use super::{FrameFileError, Provenance, atomic, cryptomatte};
+use super::{FrameFileError, Provenance, atomic, cryptomatte, file_hash};
 use crate::film::{Channel, Frame, Precision};
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
@@ -52,7 +52,9 @@ pub(super) fn encode(frame: &Frame, provenance: &Provenance) -> Result<Vec<u8>, 
         .non_parallel()
         .to_buffered(Cursor::new(&mut bytes))
         .map_err(|error| error.to_string())?;
-    sort_attributes(&mut bytes).ok_or("the encoder wrote a header that cannot be read")?;
+    sort_attributes(&mut bytes)
+        .and_then(|()| file_hash::seal(&mut bytes))
+        .ok_or("the encoder wrote a header that cannot be read")?;
     Ok(bytes)
 }
 

@@ -11,6 +11,7 @@
 //! | `sunfleck:version` | version of this program |
 //! | `sunfleck:sceneHash`, `sunfleck:settingsHash` | what was rendered, and how |
 //! | `sunfleck:pixelHash` | SHA-256 of the pixels, see below |
+//! | `sunfleck:fileHash` | SHA-256 of the whole file, with zeros for its own digits |
 //! | `sunfleck:seed`, `sunfleck:samples` | decimal texts |
 //!
 //! # The pixel hash
@@ -38,6 +39,7 @@ mod compare;
 mod cryptomatte;
 mod encode;
 mod error;
+mod file_hash;
 mod folder;
 mod pixel_hash;
 mod preview;
@@ -45,7 +47,7 @@ mod provenance;
 mod read;
 
 pub use animation::Animation;
-pub use atomic::{check_folder, remove_abandoned, write_whole};
+pub use atomic::{abandon_writes, check_folder, remove_abandoned, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, compare, net_rmse};
 pub use encode::write;
 pub use error::FrameFileError;

@@ -1,6 +1,7 @@
 //! Where a frame came from, as EXR attributes. Invariant: nothing here knows the clock, the
 //! machine or the number of threads, so a frame rendered twice is the same file.
 
+use super::file_hash;
 use crate::scene::{FrameRate, Sampling};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
@@ -86,6 +87,7 @@ impl Provenance {
             (SCENE_HASH_NAME, &self.scene_hash),
             (SETTINGS_HASH_NAME, &self.settings_hash),
             (PIXEL_HASH_NAME, pixel_hash),
+            (file_hash::NAME, file_hash::PLACEHOLDER),
             (SEED_NAME, &seed),
             (SAMPLES_NAME, &samples),
         ] {

@@ -3,7 +3,8 @@
 
 use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
-use super::{Attributes, FrameFileError, Provenance};
+use super::{Attributes, FrameFileError, Provenance, file_hash};
+use crate::description::read_regular;
 use crate::film::{Channel, Frame, Precision};
 use crate::scene::{Size, Window};
 use exr::image::read::image::ReadLayers;
@@ -12,8 +13,7 @@ use exr::image::{AnyChannel, FlatSamples};
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
-use std::fs::File;
-use std::io::{BufReader, Cursor};
+use std::io::Cursor;
 use std::path::Path;
 
 /// Pixels' bytes per byte of file. Deflate reaches 1032 at most, so that no honest file is refused.
@@ -45,7 +45,7 @@ impl FrameFile {
 /// If it cannot be read, is damaged, is of another kind, or claims more pixels than its size can hold.
 pub fn read(path: &Path) -> Result<FrameFile, FrameFileError> {
     let bytes =
-        std::fs::read(path).map_err(|source| FrameFileError::Read { path: path.to_owned(), source })?;
+        read_regular(path).map_err(|source| FrameFileError::Read { path: path.to_owned(), source })?;
     let invalid =
         |error: exr::error::Error| FrameFileError::Invalid { path: path.to_owned(), reason: reason(&error) };
     let meta = MetaData::read_from_buffered(bytes.as_slice(), false).map_err(invalid)?;
@@ -78,11 +78,11 @@ pub fn read(path: &Path) -> Result<FrameFile, FrameFileError> {
 
 /// True if `path` holds, whole and undamaged, what rendering with this provenance would write there.
 pub fn is_valid(path: &Path, expected: &Provenance) -> bool {
-    // The header first: most files that do not fit need not be decoded to know it.
-    let Ok(file) = File::open(path) else { return false };
-    let Ok(meta) = MetaData::read_from_buffered(BufReader::new(file), false) else { return false };
-    let fits = |header: &Header| !header.deep && expected.matches(&Attributes::from_header(header));
-    meta.headers.first().is_some_and(fits) && read(path).is_ok_and(|file| file.is_intact())
+    // The whole file's hash holds, so nothing need be decoded.
+    let Ok(bytes) = read_regular(path) else { return false };
+    let Ok(meta) = MetaData::read_from_buffered(bytes.as_slice(), false) else { return false };
+    let fits = |header: &Header| expected.matches(&Attributes::from_header(header));
+    meta.headers.first().is_some_and(fits) && file_hash::is_whole(&bytes)
 }
 
 /// Refuses what the decoder cannot do and what would take too much memory to try.

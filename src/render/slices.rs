@@ -127,7 +127,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
                 let number = first + index;
                 // Of a lattice's rows every other one is a lattice too; what nobody judges has no halves.
                 samples.start(job.is_judged() && (!pass.is_first() || lattice.row(number) % 2 == 1));
-                if !lattice.is_wanted(number) {
+                if !lattice.is_wanted(number) || (watch.cancelled)() {
                     return;
                 }
                 let draw = draws.get(lattice.draw(number));

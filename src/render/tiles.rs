@@ -48,7 +48,7 @@ impl Picture for RayPicture<'_> {
             .map_init(Scratch::default, |scratch, &tile| {
                 let mut film = self.film(self.job, tile);
                 if !(watch.cancelled)() {
-                    self.render_tile(pass, tile, scratch, &mut film);
+                    self.render_tile(pass, tile, scratch, &mut film, watch);
                     watch.tell((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
                 }
                 film
@@ -64,9 +64,19 @@ impl Picture for RayPicture<'_> {
 }
 
 impl RayPicture<'_> {
-    fn render_tile(&self, pass: &SamplePass, tile: Window, scratch: &mut Scratch, film: &mut Film) {
+    fn render_tile(
+        &self,
+        pass: &SamplePass,
+        tile: Window,
+        scratch: &mut Scratch,
+        film: &mut Film,
+        watch: &Watch,
+    ) {
         let Self { exposure, job, sky_alone } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
+            if (watch.cancelled)() {
+                return;
+            }
             for number in 0..pass.samples {
                 let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before() + number);
                 let from_centre = match (job.sampling, job.filter) {

@@ -12,6 +12,7 @@ mod from_gltf;
 mod from_ron;
 mod julia;
 mod light;
+mod limits;
 mod material;
 mod matte;
 mod mesh;

@@ -1,7 +1,7 @@
 //! A [`Description`] in, a [`Scene`] and its [`RenderSettings`] out. Invariant: what cannot be
 //! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
 
-use super::{Baking, MOST_FOGS, RenderSettings, Scene, from_gltf, from_ron};
+use super::{Baking, MOST_FOGS, RenderSettings, Scene, from_gltf, from_ron, limits};
 use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 
@@ -43,7 +43,7 @@ pub fn resolve_telling(
     options: &ResolveOptions,
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
-    let file = Place::File(description.path);
+    let (path, file) = (description.path.clone(), Place::File(description.path));
     let (scene, settings) = match description.scene {
         SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence, baking)?,
         SceneSource::Gltf(scene) => {
@@ -64,5 +64,6 @@ pub fn resolve_telling(
             .remedy("make one larger bank of several, or render the scene in parts");
         return Err(Diagnostics(vec![error]));
     }
+    limits::check(&scene, &path)?;
     Ok((scene, settings))
 }

@@ -5,8 +5,8 @@
 //! |---|---|
 //! | (nothing) | `out/NAME/NAME.0007.exr` |
 //! | `DIR/` or a folder that exists | `DIR/NAME.0007.exr` |
-//! | `x.####.exr`, `x.%04d.exr`, `x.$F4.exr` | `x.0007.exr` |
-//! | `x.#.exr`, `x.%d.exr`, `x.$F.exr` | `x.7.exr` |
+//! | `x.####.exr`, `x.@@@@.exr`, `x.%04d.exr`, `x.%04i.exr`, `x.$F4.exr`, `x.${F4}.exr`, `x.<F4>.exr` | `x.0007.exr` |
+//! | `x.#.exr`, `x.@.exr`, `x.%d.exr`, `x.$F.exr`, `x.${F}.exr`, `x.<F>.exr` | `x.7.exr` |
 //! | `x.exr` | `x.exr`, for one frame only |
 
 use crate::diagnostic::{Diagnostic, Place};
@@ -64,6 +64,9 @@ impl OutputPattern {
         let folder = path.parent().unwrap_or_else(|| Path::new(""));
         if folder.to_str().is_some_and(|folder| !self::placeholders(folder).is_empty()) {
             return Err(error(text, "the frame's number stands in a folder's name"));
+        }
+        if let Some(unknown) = unknown_placeholder(text) {
+            return Err(error(text, &format!("`{unknown}` is no place for the frame's number")));
         }
         match placeholders.as_slice() {
             [] => Ok(Self {
@@ -135,20 +138,21 @@ fn placeholders(name: &str) -> Vec<Placeholder> {
     let mut found = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
+        // What stands before the width, and what has to stand behind it.
+        let framed = |before: &str, after: &[&str]| {
+            let from = at + before.len();
+            let width = name[at..].starts_with(before).then(|| run(from, u8::is_ascii_digit))?;
+            let end = after.iter().find(|end| name[from + width..].starts_with(**end))?;
+            Some((before.len() + width + end.len(), number(&name[from..from + width])))
+        };
         let (length, digits) = match bytes[at] {
-            b'#' => {
-                let hashes = run(at, |&byte| byte == b'#');
-                (hashes, hashes)
+            mark @ (b'#' | b'@') => {
+                let marks = bytes[at..].iter().take_while(|&&byte| byte == mark).count();
+                (marks, marks)
             }
-            b'%' => {
-                let width = run(at + 1, u8::is_ascii_digit);
-                let ends_well = bytes.get(at + 1 + width) == Some(&b'd');
-                if ends_well { (width + 2, number(&name[at + 1..at + 1 + width])) } else { (0, 0) }
-            }
-            b'$' if bytes.get(at + 1) == Some(&b'F') => {
-                let width = run(at + 2, u8::is_ascii_digit);
-                (width + 2, number(&name[at + 2..at + 2 + width]))
-            }
+            b'%' => framed("%", &["d", "i"]).unwrap_or_default(),
+            b'$' => framed("${F", &["}"]).or_else(|| framed("$F", &[""])).unwrap_or_default(),
+            b'<' => framed("<F", &[">"]).unwrap_or_default(),
             _ => (0, 0),
         };
         if length > 0 {
@@ -157,6 +161,33 @@ fn placeholders(name: &str) -> Vec<Placeholder> {
         at += length.max(1);
     }
     found
+}
+
+/// What other programs put something in place of and we do not: `%s`, `${SHOT}`, `<UDIM>`, `$SHOT`.
+fn unknown_placeholder(name: &str) -> Option<&str> {
+    let places = placeholders(name);
+    let between = std::iter::once(0).chain(places.iter().map(|place| place.end));
+    let until = places.iter().map(|place| place.start).chain([name.len()]);
+    let literal = between.zip(until).map(|(start, end)| &name[start..end]);
+    let is_word = |text: &str| text.chars().next().is_some_and(|first| first.is_ascii_alphabetic());
+    literal.into_iter().find_map(|text| {
+        let closed = |open: &str, close: char| {
+            let (at, _) = text.match_indices(open).find(|(at, _)| is_word(&text[at + open.len()..]))?;
+            let end = text[at..].find(close)?;
+            Some(&text[at..=at + end])
+        };
+        let conversion = || {
+            let (at, _) = text
+                .match_indices('%')
+                .find(|(at, _)| is_word(text[at + 1..].trim_start_matches(|c: char| c.is_ascii_digit())))?;
+            Some(text[at..].split_inclusive(|c: char| c.is_ascii_alphabetic()).next().unwrap_or("%"))
+        };
+        let variable = || {
+            let (at, _) = text.match_indices('$').find(|(at, _)| is_word(&text[at + 1..]))?;
+            Some(text[at..].split(|c: char| !c.is_alphanumeric() && c != '$').next().unwrap_or("$"))
+        };
+        closed("${", '}').or_else(|| closed("<", '>')).or_else(variable).or_else(conversion)
+    })
 }
 
 /// The number in `digits`; none is 1 digit, too large a one is cut by the caller.
@@ -187,6 +218,14 @@ mod tests {
             ("x.$F4.exr", 7, "x.0007.exr"),
             ("x.$F.exr", 7, "x.7.exr"),
             ("x.#.EXR", 7, "x.7.EXR"),
+            ("x.@@@@.exr", 7, "x.0007.exr"),
+            ("x.@.exr", 7, "x.7.exr"),
+            ("x.%03i.exr", 7, "x.007.exr"),
+            ("x.${F4}.exr", 7, "x.0007.exr"),
+            ("x.${F}.exr", 7, "x.7.exr"),
+            ("x.<F4>.exr", 7, "x.0007.exr"),
+            ("x.<F>.exr", 7, "x.7.exr"),
+            ("50% done/x.$F4.exr", 7, "50% done/x.0007.exr"),
             ("####.exr", 7, "0007.exr"),
             ("100%.####.exr", 7, "100%.0007.exr"),
             ("x.exr", 7, "x.exr"),
@@ -217,7 +256,22 @@ mod tests {
 
     #[test]
     fn what_cannot_be_a_pattern_is_refused_with_a_remedy() {
-        for text in ["", "x.png", "x.####", "x.##.##.exr", "x.##.%d.exr", "##/x.##.exr", "a/.."] {
+        for text in [
+            "",
+            "x.png",
+            "x.####",
+            "x.##.@@.exr",
+            "x.%s.exr",
+            "x.${SHOT}.exr",
+            "x.$SHOT.##.exr",
+            "x.<UDIM>.exr",
+            "<F4>/x.exr",
+            "$OUT/x.##.exr",
+            "x.##.##.exr",
+            "x.##.%d.exr",
+            "##/x.##.exr",
+            "a/..",
+        ] {
             let error = OutputPattern::parse(text, "name").unwrap_err();
             assert!(error.remedy.is_some() && error.expected.is_some(), "{text}");
         }

@@ -14,3 +14,4 @@ mod program;
 mod questions;
 mod schema;
 mod shipped;
+mod surroundings;

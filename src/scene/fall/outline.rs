@@ -40,6 +40,11 @@ impl Outline {
         (size.x > 0.0 && size.z > 0.0).then_some(Self { points, triangles, middle, size, rests })
     }
 
+    /// How many times as wide or as thick as long it is.
+    pub(in crate::scene) fn width_to_length(&self) -> f64 {
+        self.size.x.max(self.size.y) / self.size.z
+    }
+
     /// Points all over the blade, so far apart along x and along z, and of its corners one in every cube so large.
     pub(super) fn sampled(&self, spacing: f64) -> Vec<DVec3> {
         let cube = |point: DVec3| (point / spacing).to_array().map(|along| along.floor() as i64);

@@ -13,6 +13,8 @@ use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::mem;
 
+/// Leaves are scaled to their lengths, and followed by points all over them: wider ones would need millions.
+const MOST_WIDTH_TO_LENGTH: f64 = 100.0;
 /// Leaves that start higher would be followed for minutes.
 const HIGHEST_START_M: f64 = 200.0;
 
@@ -192,6 +194,14 @@ impl Resolver<'_> {
                 format!("the mesh `{}` has no length along z or no width along x", species.meshes[at]);
             let remedy = "turn the mesh so that the leaf lies flat, its tip towards -z";
             self.problems.error(&format!("{owner}.meshes[{at}]"), found, "a leaf in the x-z plane", remedy);
+        }
+        let widest = outlines.iter().map(|outline| outline.as_ref().map_or(0.0, Outline::width_to_length));
+        if let Some((at, ratio)) = widest.enumerate().find(|(_, ratio)| *ratio > MOST_WIDTH_TO_LENGTH) {
+            let found = format!("the mesh `{}` is {ratio:.0} times as wide as long", species.meshes[at]);
+            let expected = format!("a leaf, at most {MOST_WIDTH_TO_LENGTH} times as wide as long");
+            let remedy = "turn the mesh so that the leaf's tip points towards -z, or correct its length";
+            self.problems.error(&format!("{owner}.meshes[{at}]"), found, &expected, remedy);
+            return None;
         }
         let range = |span: ron::Span<ron::LeafLength>| (span.at(0.0), span.at(1.0));
         let mass = species.areal_mass_kg_per_m2;

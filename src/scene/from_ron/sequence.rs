@@ -7,6 +7,9 @@ use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rot
 use crate::scene::{PixelFilter, Size, Track};
 use std::collections::BTreeMap;
 
+/// As many as `--volume-steps` takes.
+const MOST_MARCH_STEPS: f64 = 1e6;
+
 /// Applies what the sequence says to the settings of its scene.
 pub(in crate::scene) fn apply_sequence(
     sequence: SequenceFile,
@@ -44,6 +47,12 @@ pub(in crate::scene) fn apply_sequence(
         if march.step_m.si() > march.depth_m.si() {
             let found = "the step is longer than the whole depth";
             problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
+        }
+        let steps = march.depth_m.si() / march.step_m.si();
+        if steps > MOST_MARCH_STEPS {
+            let found = format!("{steps:.0} steps a ray would never end");
+            let expected = format!("at most {MOST_MARCH_STEPS} steps from the camera to `depth_m`");
+            problems.error("march.step_m", found, &expected, "make the step longer");
         }
     }
     let samples = fields.samples.map(|Whole(samples)| samples);

@@ -1,0 +1,63 @@
+//! Ctrl-C and what a farm sends. In go signals, out comes the end of the process, soon. Invariant: whatever the program is at
+//! (loading, baking, building trees, rendering, writing), it has ended a tenth of a second after the signal, and no file is
+//! half-written.
+
+use super::{CliError, tell};
+use crate::frame_file;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// How long the work may take to end by itself, so that a frame that is about done is still written.
+const GRACE: Duration = Duration::from_millis(60);
+
+/// Which signal came, if any.
+#[derive(Clone, Default)]
+pub(super) struct Stop {
+    /// Set by a signal.
+    pub(super) flag: Arc<AtomicBool>,
+    number: Arc<AtomicU8>,
+    /// Set by whoever ends the process.
+    ending: Arc<AtomicBool>,
+}
+
+impl Stop {
+    /// Waits for signals on a thread of its own.
+    pub(super) fn watch() -> Result<Self, CliError> {
+        let stop = Self::default();
+        let failure = |error| CliError::InputOutput(format!("error: signals cannot be caught: {error}"));
+        let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(failure)?;
+        let watched = stop.clone();
+        let watcher = move || {
+            let Some(signal) = signals.forever().next() else { return };
+            watched.number.store(signal as u8, Ordering::Relaxed);
+            watched.flag.store(true, Ordering::Relaxed);
+            thread::sleep(GRACE);
+            // No work asks everywhere whether it should stop: what is not done by now is dropped where it stands.
+            frame_file::abandon_writes();
+            let code = watched.code(Err(CliError::Signal(signal as u8)));
+            std::process::exit(i32::from(code));
+        };
+        thread::Builder::new().spawn(watcher).map_err(failure)?;
+        Ok(stop)
+    }
+
+    /// The signal that came.
+    pub(super) fn signal(&self) -> Option<u8> {
+        Some(self.number.load(Ordering::Relaxed)).filter(|&number| number > 0)
+    }
+
+    /// The process's exit code, and why on the error stream; asked twice, once only.
+    pub(super) fn code(&self, result: Result<(), CliError>) -> u8 {
+        while self.ending.swap(true, Ordering::Relaxed) {
+            // The other one is about to end the process.
+            thread::park();
+        }
+        let Err(error) = result else { return 0 };
+        tell(&error.to_string());
+        error.code()
+    }
+}

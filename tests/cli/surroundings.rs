@@ -1,0 +1,165 @@
+//! What goes wrong around the program: streams that take nothing, files that are none, outputs that would be lost, viewers
+//! that do not read. Frames are written, and the exit code is the right one.
+#![cfg(unix)]
+
+use crate::program::{Studio, repository};
+use std::net::TcpListener;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const USAGE: i32 = 2;
+const SCENE: i32 = 3;
+const INPUT_OUTPUT: i32 = 4;
+
+/// Runs a line of the shell in the studio's folder, with `sunfleck` for the program.
+fn shell(studio: &Studio, line: &str) -> i32 {
+    let line = line.replace("sunfleck", env!("CARGO_BIN_EXE_sunfleck"));
+    Command::new("sh").args(["-c", &line]).current_dir(studio.path("")).status().unwrap().code().unwrap()
+}
+
+#[test]
+fn frames_are_written_whatever_becomes_of_the_streams() {
+    let studio = Studio::new();
+    // It has warnings to tell.
+    let cards = repository("tests/data/blender/b_leafcards.glb");
+    let render = format!("sunfleck render '{}' --frames 1 --size 8x4 --samples 1", cards.display());
+    let streams =
+        ["2>&-", "2>/dev/full", "2>&1 >/dev/null | true", ">&-", ">/dev/full", "--progress jsonl >/dev/full"];
+    for (index, streams) in streams.iter().enumerate() {
+        let status = if streams.contains('|') { "; test -e stopped || exit 0" } else { "" };
+        assert_eq!(shell(&studio, &format!("{render} --out {index}/ {streams}{status}")), 0, "{streams}");
+        assert!(studio.frame(&format!("{index}/b_leafcards.0001.exr")).is_intact(), "{streams}");
+    }
+}
+
+#[test]
+fn pipes_and_devices_are_no_files() {
+    let studio = Studio::new();
+    assert_eq!(shell(&studio, "mkfifo pipe.ron pipe.glb pipe.png"), 0);
+    std::fs::write(
+        studio.path("textured.ron"),
+        r#"Scene(version: 1, meshes: {"q": Quad(size_m: 1.0)}, materials: {"m": (texture: "pipe.png")},
+            objects: {"q": (mesh: "q", material: "m")}, cameras: {"c": (position_m: (0, 1, 0), look_at_m: (0, 0, 0.1))},
+            lights: {"s": Sun(to_sun: (0, 1, 0), irradiance_w_per_m2: 1)})"#,
+    )
+    .unwrap();
+    for input in ["pipe.ron", "pipe.glb"] {
+        let message = studio.fail(&format!("render {input} --out a/"), INPUT_OUTPUT);
+        assert!(message.contains("pipe or a device"), "{message}");
+    }
+    // A texture may be missing; the program must not wait for it.
+    let message = studio.run("render textured.ron --frames 1 --size 8x4 --samples 1 --out a/").err;
+    assert!(message.contains("pipe or a device"), "{message}");
+    std::fs::create_dir(studio.path("frames")).unwrap();
+    assert_eq!(shell(&studio, "mkfifo frames/x.0001.exr"), 0);
+    studio.fail("preview frames --out b/", INPUT_OUTPUT);
+    let kept = studio.run("render tiny.ron --frames 1 --out frames/x.####.exr --skip valid");
+    assert_eq!(kept.code, 0, "{}", kept.err);
+}
+
+#[test]
+fn what_is_read_is_not_written_over() {
+    let studio = Studio::new();
+    studio.succeed("export tiny.ron own.glb");
+    let before = (studio.bytes("scene.ron"), studio.bytes("own.glb"));
+    for line in [
+        "render tiny.ron --out a/ --stats scene.ron",
+        "render tiny.ron --out a/ --stats ./tiny.ron",
+        "export own.glb own.glb",
+        "bench tiny.ron --csv scene.ron",
+    ] {
+        let message = studio.fail(line, USAGE);
+        assert!(
+            message.contains("is read by this very command") && message.contains("remedy: "),
+            "{line}: {message}"
+        );
+    }
+    assert!(before == (studio.bytes("scene.ron"), studio.bytes("own.glb")));
+}
+
+#[test]
+fn a_frame_with_any_bit_flipped_is_rendered_again() {
+    let studio = Studio::new();
+    let render = "render tiny.ron --frames 1 --size 8x4 --out a/ --skip valid --progress jsonl";
+    studio.succeed(render);
+    let good = studio.bytes("a/tiny.0001.exr");
+    assert!(studio.succeed(render).out.contains("frame_skipped"));
+    // Bits all over the header, one of the pixels, and a byte too many.
+    let flipped = (8..1200.min(good.len())).step_by(97).chain([good.len() - 3]).map(|at| {
+        let mut bytes = good.clone();
+        bytes[at] ^= 1 << (at % 8);
+        bytes
+    });
+    for (number, damaged) in flipped.chain([[good.clone(), vec![0]].concat()]).enumerate() {
+        std::fs::write(studio.path("a/tiny.0001.exr"), &damaged).unwrap();
+        assert!(studio.succeed(render).out.contains("frame_written"), "damage {number} is kept");
+        assert!(studio.bytes("a/tiny.0001.exr") == good);
+    }
+}
+
+#[test]
+fn numbers_that_would_never_end_are_refused() {
+    let studio = Studio::new();
+    let write = |name: &str, text: &str| std::fs::write(studio.path(name), text).unwrap();
+    write("steps.ron", r#"Sequence(version: 1, scene: "scene.ron", march: (depth_m: 10, step_m: 1e-15))"#);
+    write("far.obj", "v 3e38 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
+    let far =
+        |at: usize| format!("\"o{at}\": (mesh: \"a\", rotation_deg: ({at}, 35, 50), scale: {}),", at + 1);
+    let rest = r#"cameras: {"m": (position_m: (0, 0, 5))}, lights: {"s": Sun(to_sun: (0, 1, 1), irradiance_w_per_m2: 1)})"#;
+    let objects: String = (0..6).map(far).collect();
+    write(
+        "far.ron",
+        &format!("Scene(version: 1, meshes: {{\"a\": Obj(\"far.obj\")}}, objects: {{{objects}}}, {rest}"),
+    );
+    let fall = r#"meshes: {"leaf": Leaf(length_m: 1e-9, width_m: 0.05)}, objects: {}, cameras: {"main": ()},
+        fall: {"autumn": (count: 3, species: [(meshes: ["leaf"], length_m: 0.08)],
+            emitter: Box(min_m: (-1, 2, -1), max_m: (1, 3, 1)))})"#;
+    write("wide.ron", &format!("Scene(version: 1, {fall}"));
+    for (input, expected) in [
+        ("steps.ron", "march.step_m"),
+        ("far.ron", "mesh `"),
+        ("wide.ron", "fall.autumn.species[0].meshes[0]"),
+    ] {
+        let message = studio.fail(&format!("render {input} --size 8x4 --samples 1 --out a/"), SCENE);
+        assert!(message.contains(expected) && message.contains("remedy: "), "{input}: {message}");
+    }
+}
+
+/// A viewer that takes the connection and never reads; by the name whose first address is often another.
+#[test]
+fn a_viewer_that_does_not_read_holds_nothing_up() {
+    let studio = Studio::new();
+    let viewer = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = viewer.local_addr().unwrap().port();
+    let started = Instant::now();
+    let render =
+        format!("render tiny.ron --frames 1-3 --size 640x360 --samples 1 --out a/ --live localhost:{port}");
+    let outcome = studio.succeed(&render);
+    assert!(viewer.accept().is_ok(), "every address of a name is tried");
+    assert!(
+        !outcome.err.contains("not to be had") || started.elapsed() > Duration::from_secs(3),
+        "{}",
+        outcome.err
+    );
+    assert_eq!(studio.names("a").len(), 3);
+}
+
+/// The signal comes at any moment of loading, baking, rendering or writing. How soon the program ends is a figure; that it
+/// ends by itself with the right code, and that only whole frames are left, is a promise.
+#[test]
+fn signals_are_heard_at_any_moment() {
+    let studio = Studio::new();
+    for (number, delay_ms) in [5, 40, 90, 150, 260, 400].into_iter().enumerate() {
+        let line = format!("render tiny.ron --samples 4096 --size 640x360 --threads 1 --out {number}/");
+        let mut run = studio.command(&line).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(delay_ms));
+        let id = run.id().to_string();
+        assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+        let code = run.wait().unwrap().code();
+        // Before the program listens the system ends it.
+        assert!(code == Some(143) || code.is_none() && delay_ms < 50, "after {delay_ms} ms: {code:?}");
+        for name in studio.names(&number.to_string()) {
+            assert!(studio.frame(&format!("{number}/{name}")).is_intact(), "{name}");
+        }
+    }
+}
