@@ -30,7 +30,7 @@ pub(crate) fn gltf(bytes: &[u8]) {
     let mut files = Files::default();
     let Ok(scene) = gltf::parse(bytes, &path, &mut files) else { return };
     let scene = SceneSource::Gltf(scene);
-    show(Description { path, scene, sequence: None, content_hash: files.content_hash() });
+    show(Description { path, scene, sequence: None, content_hash: files.content_hash(), files: Vec::new() });
 }
 
 /// A RON scene or sequence.
