@@ -51,7 +51,8 @@ fn what_shows_meshes_and_materials_is_a_scene() {
     assert!(scene.materials.iter().any(|material| material.base_color == Rgb::splat(0.5)));
     let problem = resolved(&readers::shown(b"f 1 2 3", readers::A_MATERIAL)).expect_err("a damaged file");
     assert!(problem.contains("fuzzed.obj"), "{problem}");
-    let damaged = resolved(&readers::shown(readers::A_MESH, b"newmtl a\nKd much")).expect("what is left of it");
+    let damaged =
+        resolved(&readers::shown(readers::A_MESH, b"newmtl a\nKd much")).expect("what is left of it");
     assert!(damaged.remarks.to_string().contains("fuzzed.mtl:2:"), "{}", damaged.remarks);
 }
 

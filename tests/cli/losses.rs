@@ -59,7 +59,8 @@ fn damaged_meshes_are_drawn_with_a_word_and_refused_by_strict() {
     for (name, loss) in [("missing", "mtl-missing"), ("missing_texture", "mtl-texture")] {
         let told = studio.succeed(&format!("render {} --size 8x4 --samples 1 --out a/", case(name))).err;
         assert_eq!(told.matches(&format!("warning[{loss}]: ")).count(), 1, "{told}");
-        let message = studio.fail(&format!("render {} --strict --size 8x4 --samples 1 --out b/", case(name)), SCENE);
+        let message =
+            studio.fail(&format!("render {} --strict --size 8x4 --samples 1 --out b/", case(name)), SCENE);
         assert!(message.contains(&format!("error[{loss}]: ")) && message.contains("remedy: "), "{message}");
     }
     studio.succeed(&format!("render {} --strict --size 8x4 --samples 1 --out c/", case("Ks_one_number")));

@@ -124,7 +124,7 @@ fn nothing_left(path: &Path, remarks: &Diagnostics) -> Diagnostic {
         Some((_, loss)) => {
             (loss.place.clone(), format!("the mesh has no triangles that can be used: {}", loss.found))
         }
-        None => (Place::File(path.to_owned()), String::from("the mesh has no triangles")),
+        None => (Place::File(path.to_owned()), String::from("the mesh has no triangles with an area")),
     };
     Diagnostic::error(place, found).expected(EXPECTED).remedy(REMEDY)
 }

@@ -80,15 +80,19 @@ impl Part {
         triangulate::newell_normal(&triangle.map(|index| self.position(index)))
     }
 
-    /// Gives vertices the mean normal of the triangles around their place, by area.
+    /// Gives vertices the mean normal of the triangles around their place, each by its angle there, so that it does
+    /// not matter how faces were cut (Thuermer and Wuethrich 1998, Computing Vertex Normals from Polygonal Facets).
     fn shade_smooth(&mut self) {
         // Adding nothing makes both zeros the same.
         let place = |position: Vec3| (position + Vec3::ZERO).to_array().map(f32::to_bits);
         let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
         for &triangle in &self.triangles {
-            let normal = self.area_normal(triangle);
-            for index in triangle {
-                *sums.entry(place(self.positions[index as usize])).or_default() += normal;
+            let normal = self.area_normal(triangle).normalize_or_zero();
+            for corner in 0..3 {
+                let [at, next, last] = [0, 1, 2].map(|step| triangle[(corner + step) % 3]);
+                let angle = (self.position(next) - self.position(at))
+                    .angle_between(self.position(last) - self.position(at));
+                *sums.entry(place(self.positions[at as usize])).or_default() += angle * normal;
             }
         }
         let normal = |&position: &Vec3| {

@@ -109,7 +109,7 @@ impl ObjTexture {
             "-bm" => self.bump = numbers.first().copied().unwrap_or(self.bump),
             // These say what is done anyway.
             "-blendu" | "-blendv" if is_on => {}
-            "-type" | "-colorspace" | "-imfchan" | "-texres" => {}
+            "-colorspace" | "-texres" => {}
             "-cc" if !is_on => {}
             "-mm" if numbers == [0.0, 1.0] => {}
             "-t" if numbers.iter().all(|number| *number == 0.0) => {}
@@ -156,7 +156,7 @@ mod tests {
             ),
             ("-s 2 file name.png", "file name.png", (2.0, 1.0), (0.0, 0.0), ""),
             ("-s 1 1 1 2 leaves.png", "2 leaves.png", (1.0, 1.0), (0.0, 0.0), ""),
-            ("-blendu on -mm 0.1 2 -boost 3 a.png", "a.png", (1.0, 1.0), (0.0, 0.0), "-mm -boost"),
+            ("-blendu on -mm 0.1 2 -type sphere a.png", "a.png", (1.0, 1.0), (0.0, 0.0), "-mm -type"),
             ("\"quoted name.png\"", "quoted name.png", (1.0, 1.0), (0.0, 0.0), ""),
             ("maps\\wood\\a.png", "maps/wood/a.png", (1.0, 1.0), (0.0, 0.0), ""),
             ("-dashed.png", "-dashed.png", (1.0, 1.0), (0.0, 0.0), ""),
