@@ -225,6 +225,17 @@ fn textures_are_found_beside_the_mtl() {
     }
 }
 
+#[test]
+fn without_texture_coordinates_a_texture_shows_its_corner() {
+    let obj = format!("mtllib a.mtl\n{SQUARE}usemtl m\nf 1 2 3 4\n");
+    let mtl = b"newmtl m\nmap_Kd two.ppm\n";
+    let image = b"P3 2 2 255 0 255 0 0 0 255 0 0 255 0 0 255";
+    let scene = shown(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("two.ppm", image)]).unwrap();
+    assert_eq!(losses(&scene), ["texture-coordinates-missing"]);
+    let looked_up = scene.textures[0].color(glam::Vec2::ZERO);
+    assert_near(seen(&scene), looked_up.to_array(), "its corner");
+}
+
 /// Numbers of materials, as Blender's importer takes them.
 #[test]
 fn materials_have_the_numbers_of_the_file() {
@@ -261,6 +272,7 @@ fn emission_opacity_and_normal_maps_are_honoured() {
     assert_near(seen(&with_mtl("Kd 0\nKe 3")), [3.0; 3], "Ke of one number");
     assert_near(seen(&with_mtl("Kd 0\nKe 0 0 0\nmap_Ke red.ppm")), RED, "map_Ke alone");
     assert_near(seen(&with_mtl("Kd 0\nmap_Ke gone.ppm")), [0.0; 3], "map_Ke that is not there");
+    assert_near(seen(&with_mtl("map_Kd gone.ppm\nmap_Ke gone.ppm")), GREY, "one for both that is not there");
     assert_near(seen(&with_mtl("Kd 0 0 0\nmap_Kd red.ppm")), RED, "a texture in black");
     // Half of the square, and half of the black behind it.
     assert_near(seen(&with_mtl("Kd 1 0 0\nd 0.5")), [0.5, 0.0, 0.0], "d");

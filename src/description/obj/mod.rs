@@ -71,15 +71,12 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
     for (tobj::Model { mesh, .. }, group) in indexed(path, vertices, &groups)?.into_iter().zip(groups.keys())
     {
         let material = model.materials.get(group.material);
-        if material.is_some_and(ObjMaterial::has_textures) && !group.has_uvs {
-            tally.add(
-                Loss::TextureCoordinatesMissing,
-                &material.map_or("", |material| &material.name),
-                Place::File(path.to_owned()),
-            );
-        }
         let placement = material.map(ObjMaterial::placement).unwrap_or_default();
         let mut part = Part::new(&mesh, *group, placement);
+        if let Some(material) = material.filter(|material| material.has_textures() && !group.has_uvs) {
+            tally.add(Loss::TextureCoordinatesMissing, &material.name, Place::File(path.to_owned()));
+            part.use_corner_texel();
+        }
         part.cut(&mesh, path, &mut tally, &mut model);
         parts.push(part);
     }

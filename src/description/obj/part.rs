@@ -71,6 +71,11 @@ impl Part {
         }
     }
 
+    /// For textures without texture coordinates.
+    pub(super) fn use_corner_texel(&mut self) {
+        self.uvs = vec![Vec2::ZERO; self.positions.len()];
+    }
+
     fn position(&self, index: u32) -> DVec3 {
         self.positions[index as usize].as_dvec3()
     }

@@ -26,6 +26,8 @@ pub struct ObjPicture {
 enum Texels {
     /// Colours, and the alpha of another image.
     Color(Option<PathBuf>, Option<PathBuf>),
+    /// Colours of light.
+    Emission(PathBuf),
     /// glTF's: blue is how metallic, green how rough.
     MetallicRoughness(Option<PathBuf>, Option<PathBuf>),
     /// A normal map; whether it may turn out to be one of heights.
@@ -49,7 +51,7 @@ impl ObjPicture {
             Texels::Color(first, second) | Texels::MetallicRoughness(first, second) => {
                 first.as_ref().or(second.as_ref())
             }
-            Texels::Normals(path, _) => Some(path),
+            Texels::Normals(path, _) | Texels::Emission(path) => Some(path),
         };
         path.map(|path| path.display().to_string()).unwrap_or_default()
     }
@@ -71,7 +73,7 @@ impl ObjMaterial {
     /// Emitted colours.
     pub fn emission_picture(&self) -> Option<ObjPicture> {
         let image = path(&self.emission_texture)?;
-        Some(ObjPicture::new(Texels::Color(Some(image), None), [&self.emission_texture, &None]))
+        Some(ObjPicture::new(Texels::Emission(image), [&self.emission_texture, &None]))
     }
 
     /// How metallic and how rough it is, in glTF's channels.
@@ -95,15 +97,13 @@ pub(in crate::description) fn load(model: &mut ObjModel, files: &mut Files, pict
     let mut maker = Maker { files, tally: Tally::default() };
     let used: BTreeSet<usize> = model.triangles.iter().filter_map(|triangle| triangle.material).collect();
     for material in used.into_iter().map(|material| &model.materials[material]) {
-        let emission = material.emission_picture();
-        if let Some(picture) = emission.filter(|picture| !pictures.contains_key(picture)) {
-            // Where light is missing there is none, rather than grey.
-            let Texels::Color(Some(image), _) = &picture.texels else { continue };
-            let made = maker.image(image, Encoding::Srgb);
-            pictures.insert(picture, made);
-        }
-        let others = [material.color_picture(), material.coat_picture(), material.normal_picture()];
-        for picture in others.into_iter().flatten() {
+        let asked = [
+            material.color_picture(),
+            material.emission_picture(),
+            material.coat_picture(),
+            material.normal_picture(),
+        ];
+        for picture in asked.into_iter().flatten() {
             if !pictures.contains_key(&picture) {
                 let made = maker.made(&picture.texels);
                 pictures.insert(picture, made);
@@ -129,6 +129,8 @@ impl Maker<'_> {
                 let alpha = alpha.as_ref().and_then(|path| self.image(path, Encoding::Linear));
                 with_alpha(color, alpha)
             }
+            // Where light is missing there is none, rather than grey.
+            Texels::Emission(path) => self.image(path, Encoding::Srgb),
             Texels::MetallicRoughness(metallic, roughness) => {
                 let [metallic, roughness] =
                     [metallic, roughness].map(|path| self.image(path.as_ref()?, Encoding::Linear));
