@@ -8,6 +8,7 @@ use super::texture::ObjTexture;
 use crate::description::Files;
 use crate::description::image::{self, DecodedImage, Encoding};
 use crate::diagnostic::{Loss, Place};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -104,9 +105,9 @@ pub(in crate::description) fn load(model: &mut ObjModel, files: &mut Files, pict
             material.normal_picture(),
         ];
         for picture in asked.into_iter().flatten() {
-            if !pictures.contains_key(&picture) {
-                let made = maker.made(&picture.texels);
-                pictures.insert(picture, made);
+            if let Entry::Vacant(missing) = pictures.entry(picture) {
+                let made = maker.made(&missing.key().texels);
+                missing.insert(made);
             }
         }
     }
