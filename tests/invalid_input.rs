@@ -186,6 +186,26 @@ proptest! {
     }
 
     #[test]
+    fn damaged_exports_do_not_panic(
+        obj in mutated(valid("obj/exported.obj")),
+        mtl in mutated(valid("obj/exported.mtl")),
+        mesh_is_damaged in any::<bool>(),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("exported.obj");
+        let (obj, mtl) = match mesh_is_damaged {
+            true => (obj, valid("obj/exported.mtl")),
+            false => (valid("obj/exported.obj"), mtl),
+        };
+        std::fs::write(&path, obj).unwrap();
+        std::fs::write(folder.path().join("exported.mtl"), mtl).unwrap();
+        std::fs::write(folder.path().join("checker.ppm"), valid("obj/checker.ppm")).unwrap();
+        let scene = message(&scene_showing(&path, folder.path()));
+        // A damaged MTL takes nothing from the mesh.
+        prop_assert!(mesh_is_damaged || scene.is_ok(), "{scene:?}");
+    }
+
+    #[test]
     fn damaged_meshes_do_not_panic(bytes in mutated(valid("obj/all_forms.obj"))) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("all_forms.obj");

@@ -54,6 +54,12 @@ impl Files {
         self.read
     }
 
+    /// The bytes of a file that the picture can do without; `None` if there is none, or it cannot be read.
+    pub(super) fn read_if_there(&mut self, path: &Path) -> Option<Vec<u8>> {
+        // Anything but a plain file, such as a device, may never end.
+        if path.is_file() { self.read(path, None).ok() } else { None }
+    }
+
     /// SHA-256 of everything read so far, in hexadecimal.
     pub fn content_hash(&self) -> String {
         self.hash.clone().finalize().iter().map(|byte| format!("{byte:02x}")).collect()

@@ -50,3 +50,18 @@ fn strict_refuses_every_loss_and_writes_nothing() {
     assert_eq!(studio.names("."), ["scene.ron", "tiny.ron"]);
     studio.succeed("render tiny.ron --strict --frames 1 --out a/");
 }
+
+/// What a damaged OBJ file leaves is drawn, unless all is wanted.
+#[test]
+fn damaged_meshes_are_drawn_with_a_word_and_refused_by_strict() {
+    let studio = Studio::new();
+    let case = |name: &str| repository(&format!("tests/data/obj/obj_mtl_{name}.ron")).display().to_string();
+    for (name, loss) in [("missing", "mtl-missing"), ("missing_texture", "mtl-texture")] {
+        let told = studio.succeed(&format!("render {} --size 8x4 --samples 1 --out a/", case(name))).err;
+        assert_eq!(told.matches(&format!("warning[{loss}]: ")).count(), 1, "{told}");
+        let message =
+            studio.fail(&format!("render {} --strict --size 8x4 --samples 1 --out b/", case(name)), SCENE);
+        assert!(message.contains(&format!("error[{loss}]: ")) && message.contains("remedy: "), "{message}");
+    }
+    studio.succeed(&format!("render {} --strict --size 8x4 --samples 1 --out c/", case("Ks_one_number")));
+}

@@ -1,132 +1,305 @@
-//! MTL files in, diffuse materials out. Invariant: `diffuse` is in `0..=1`, `emission` is finite
-//! and not negative; everything else that the file asks for is a remark.
+//! The text of an MTL file in, its materials out. Invariant: every number is in its range; what a material asks for
+//! beyond is said.
+//!
+//! How `illum`, `Ka`, `Ks` and `Ns` become a coat is as in Blender's importer (io/wavefront_obj, obj_import_mtl.cc).
 
-use super::{LineCounter, at_line, locate};
+use super::tally::Tally;
+use super::text::{number, statements};
+use super::texture::{ObjTexture, Placement};
 use crate::color::Rgb;
-use crate::description::{Files, LoadError};
-use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
-use std::path::{Path, PathBuf};
+use crate::diagnostic::Loss;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Brighter emission is refused, as larger numbers are everywhere.
+const MOST_RADIANCE: f64 = 1e15;
+/// Refractive index of plastics, leaves and most of what is no metal; Blender's default.
+const DIELECTRIC_IOR: f64 = 1.5;
 
 /// A material of an MTL file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjMaterial {
     /// Its name.
     pub name: String,
-    /// `Kd`, linear; 0.8 if there is none, white under a texture.
+    /// `Kd`, linear, `0..=1`; 0.8 if there is none, white if a texture would be black by it.
     pub diffuse: Rgb,
-    /// `map_Kd`, relative to the OBJ file.
-    pub diffuse_texture: Option<PathBuf>,
-    /// `Ke`.
+    /// `map_Kd`.
+    pub diffuse_texture: Option<ObjTexture>,
+    /// `Ke`, finite and not negative.
     pub emission: Rgb,
+    /// `map_Ke`, which is as bright as it stands if `Ke` is black.
+    pub emission_texture: Option<ObjTexture>,
+    /// `d`, or 1 less `Tr`, `0..=1`.
+    pub opacity: f64,
+    /// `map_d`.
+    pub opacity_texture: Option<ObjTexture>,
+    /// What makes it shine.
+    pub coat: Option<ObjCoat>,
+    /// `Pc` and `Pcr`: how much of it a clear coat covers and how rough that is, `0..=1`.
+    pub clearcoat: Option<(f64, f64)>,
+    /// `norm`, or `map_Bump`.
+    pub normal_map: Option<ObjTexture>,
+    /// Whether it is one for certain (`norm`), or may be a map of heights.
+    pub normal_map_is_sure: bool,
 }
 
-/// Materials of one or more MTL files.
-#[derive(Default)]
-pub(super) struct Library {
-    pub(super) materials: Vec<ObjMaterial>,
-    pub(super) remarks: Diagnostics,
+/// What `illum`, `Ks` and `Ns`, or `Pr` and `Pm`, say of reflections.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjCoat {
+    /// `0..=1`.
+    pub metallic: f64,
+    /// `0..=1`, glTF's and Blender's.
+    pub roughness: f64,
+    /// Reflectance along the normal of what is no metal, `0..=1`.
+    pub f0: f64,
+    /// `map_Pm`, in the place of `metallic`.
+    pub metallic_texture: Option<ObjTexture>,
+    /// `map_Pr`, in the place of `roughness`.
+    pub roughness_texture: Option<ObjTexture>,
 }
 
-impl Library {
-    pub(super) fn append(&mut self, mut other: Self) {
-        self.materials.append(&mut other.materials);
-        self.remarks.0.append(&mut other.remarks.0);
+impl ObjMaterial {
+    fn textures(&self) -> impl Iterator<Item = &ObjTexture> {
+        let coat = self.coat.as_ref();
+        let coat = coat.map(|coat| [&coat.roughness_texture, &coat.metallic_texture]);
+        [&self.diffuse_texture, &self.opacity_texture, &self.emission_texture, &self.normal_map]
+            .into_iter()
+            .chain(coat.into_iter().flatten())
+            .flatten()
+    }
+
+    /// Where its images lie: all as the first.
+    pub(super) fn placement(&self) -> Placement {
+        self.textures().next().map(|texture| texture.placement).unwrap_or_default()
+    }
+
+    /// Whether it has an image.
+    pub(super) fn has_textures(&self) -> bool {
+        self.textures().next().is_some()
     }
 }
 
-/// What tobj makes of an MTL file.
-type Parsed = (Vec<tobj::Material>, std::collections::HashMap<String, usize>);
-
-/// Reads an MTL file: for tobj as it stands, for us checked.
-pub(super) fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<(Parsed, Library), LoadError> {
-    let bytes = files.read(path, Some(referrer))?;
-    let text = String::from_utf8_lossy(&bytes);
-    // tobj panics at a colour with fewer than three numbers.
-    let is_color = |keyword: &str| ["Ka", "Kd", "Ks", "Ke"].contains(&keyword);
-    let mut colors = locate::statements(&text).filter(|(_, keyword, _)| is_color(keyword));
-    if let Some((line, keyword, _)) = colors.find(|(_, _, numbers)| numbers.clone().count() < 3) {
-        let found = format!("`{keyword}` has fewer than three numbers");
-        return Err(Diagnostic::error(at_line(path, line), found)
-            .expected("red, green and blue, such as `Kd 0.5 0.4 0.2`")
-            .remedy("correct the line, or export the materials again")
-            .into());
-    }
-    let mut lines = LineCounter::new(&bytes);
-    let parsed = tobj::load_mtl_buf(&mut lines).map_err(|error| {
-        Diagnostic::error(at_line(path, lines.line()), format!("the line cannot be understood ({error})"))
-            .expected("a material library (MTL): `newmtl name`, `Kd r g b`, `map_Kd file`, `Ke r g b`")
-            .remedy("correct the line, or export the materials again")
-    })?;
-    let mut library = Library::default();
-    for material in &parsed.0 {
-        library.materials.push(checked(path, &text, material)?);
-        remark(path, material, &mut library.remarks);
-    }
-    Ok((parsed, library))
-}
-
-fn checked(path: &Path, text: &str, material: &tobj::Material) -> Result<ObjMaterial, Diagnostic> {
-    let color = |value: [f32; 3]| Rgb::from_array(value.map(f64::from));
-    let diffuse_texture =
-        material.diffuse_texture.as_deref().map(|texture| PathBuf::from(file_name(texture)));
-    let diffuse = match material.diffuse {
-        Some(diffuse) => color(diffuse),
-        None => Rgb::splat(if diffuse_texture.is_some() { 1.0 } else { 0.8 }),
-    };
-    let emission = color(material.emissive.unwrap_or_default());
-    if !diffuse.to_array().iter().all(|reflectance| (0.0..=1.0).contains(reflectance)) {
-        return Err(refuse(path, text, &material.name, "Kd", diffuse, "reflectances from 0 to 1"));
-    }
-    if !emission.to_array().iter().all(|radiance| radiance.is_finite() && *radiance >= 0.0) {
-        return Err(refuse(path, text, &material.name, "Ke", emission, "finite radiances, 0 or more"));
-    }
-    Ok(ObjMaterial { name: material.name.clone(), diffuse, diffuse_texture, emission })
-}
-
-fn refuse(path: &Path, text: &str, name: &str, keyword: &str, value: Rgb, expected: &str) -> Diagnostic {
-    let mut inside = false;
-    let line = locate::statements(text).find_map(|(line, word, mut words)| {
-        if word == "newmtl" {
-            inside = words.next().is_some_and(|first| name.starts_with(first));
+/// Reads an MTL file.
+pub(super) fn read(text: &str, path: &Path, tally: &mut Tally) -> Vec<ObjMaterial> {
+    let mut readers: Vec<(String, BTreeMap<String, Value>)> = Vec::new();
+    for statement in statements(text) {
+        let keyword = statement.keyword();
+        if keyword.eq_ignore_ascii_case("newmtl") {
+            if statement.rest().is_empty() {
+                tally.add_at(Loss::MtlUnnamed, "", (path, statement.line));
+            }
+            readers.push((statement.rest().to_owned(), BTreeMap::new()));
+        } else if let Some((_, values)) = readers.last_mut() {
+            let value = Value {
+                line: statement.line,
+                keyword: keyword.to_owned(),
+                rest: statement.rest().to_owned(),
+                words: statement.words().map(str::to_owned).collect(),
+            };
+            values.insert(keyword.to_ascii_lowercase(), value);
+        } else {
+            tally.add_at(Loss::MtlStatement, keyword, (path, statement.line));
         }
-        (inside && word == keyword).then_some(line)
-    });
-    let Rgb { x, y, z } = value;
-    Diagnostic::error(at_line(path, line.unwrap_or(1)), format!("`{keyword}` of `{name}` is ({x}, {y}, {z})"))
-        .expected(expected)
-        .remedy("correct the line, or export the materials again")
+    }
+    let read = |(name, values)| Reader { path, values, tally }.material(name);
+    readers.into_iter().map(read).collect()
 }
 
-/// A texture's file name without the options that may stand before it.
-fn file_name(texture: &str) -> &str {
-    if texture.starts_with('-') { texture.split_whitespace().last().unwrap_or(texture) } else { texture }
+/// What follows a keyword.
+struct Value {
+    line: usize,
+    keyword: String,
+    rest: String,
+    words: Vec<String>,
 }
 
-fn remark(path: &Path, material: &tobj::Material, remarks: &mut Diagnostics) {
-    let textures = [
-        (&material.ambient_texture, "map_Ka"),
-        (&material.specular_texture, "map_Ks"),
-        (&material.normal_texture, "map_Bump"),
-        (&material.shininess_texture, "map_Ns"),
-        (&material.dissolve_texture, "map_d"),
-    ];
-    let mut not_used: Vec<&str> =
-        textures.iter().filter(|(texture, _)| texture.is_some()).map(|(_, keyword)| *keyword).collect();
-    if material.dissolve.is_some_and(|dissolve| dissolve < 1.0) {
-        not_used.push("d");
+/// One material's statements, each taken as it is read, so that what is left is what nobody knows.
+struct Reader<'a> {
+    path: &'a Path,
+    values: BTreeMap<String, Value>,
+    tally: &'a mut Tally,
+}
+
+impl Reader<'_> {
+    fn material(mut self, name: String) -> ObjMaterial {
+        let diffuse_texture = self.texture(&["map_kd"]);
+        let kd = self.color("kd", 1.0);
+        let diffuse = match (kd, &diffuse_texture) {
+            (None | Some(Rgb::ZERO), Some(_)) => Rgb::ONE,
+            (kd, _) => kd.unwrap_or(Rgb::splat(0.8)),
+        };
+        let normal_map_is_sure = self.values.contains_key("norm");
+        let material = ObjMaterial {
+            diffuse,
+            diffuse_texture,
+            emission: self.color("ke", MOST_RADIANCE).unwrap_or_default(),
+            emission_texture: self.texture(&["map_ke"]),
+            opacity: self.opacity(),
+            opacity_texture: self.texture(&["map_d"]),
+            clearcoat: self.clearcoat(),
+            normal_map: self.texture(&["norm", "map_bump", "bump"]),
+            normal_map_is_sure,
+            coat: self.coat(&name),
+            name,
+        };
+        self.say_other_placements(&material);
+        self.say_the_rest(&material);
+        material
     }
-    if material.specular.is_some_and(|specular| specular != [0.0; 3]) {
-        not_used.push("Ks");
+
+    fn said(&mut self, loss: Loss, value: &Value) {
+        self.tally.add_at(loss, &value.keyword, (self.path, value.line));
     }
-    if material.diffuse_texture.as_deref().is_some_and(|texture| texture.starts_with('-')) {
-        not_used.push("options of map_Kd");
+
+    /// Red, green and blue from 0 to `most`; one number is a grey.
+    fn color(&mut self, key: &str, most: f64) -> Option<Rgb> {
+        let value = self.values.remove(key)?;
+        let numbers: Option<Vec<f64>> =
+            value.words.iter().take(3).map(|word| number(word).map(f64::from)).collect();
+        let color = match numbers.as_deref() {
+            Some([grey]) => Rgb::splat(*grey),
+            Some([red, green, blue]) => Rgb::new(*red, *green, *blue),
+            _ => {
+                self.said(Loss::MtlValue, &value);
+                return None;
+            }
+        };
+        let clamped = color.clamp(Rgb::ZERO, Rgb::splat(most));
+        if clamped != color {
+            self.said(Loss::MtlValue, &value);
+        }
+        Some(clamped)
     }
-    // tobj reads `Ke`, so what is left here is what neither of us knows.
-    let mut unknown: Vec<&str> = material.unknown_param.keys().map(String::as_str).collect();
-    unknown.sort_unstable();
-    not_used.extend(unknown);
-    if !not_used.is_empty() {
-        let found = format!("material `{}`: {} not used", material.name, not_used.join(", "));
-        remarks.push(Diagnostic::warning(Loss::MtlStatement, Place::File(path.to_owned()), found));
+
+    /// One number from 0 to `most`.
+    fn number(&mut self, key: &str, most: f64) -> Option<f64> {
+        let value = self.values.remove(key)?;
+        let Some(found) = value.words.first().and_then(|word| number(word)).map(f64::from) else {
+            self.said(Loss::MtlValue, &value);
+            return None;
+        };
+        let clamped = found.clamp(0.0, most);
+        if clamped != found {
+            self.said(Loss::MtlValue, &value);
+        }
+        Some(clamped)
+    }
+
+    /// The image of the first keyword that has one; the same under the others is passed over.
+    fn texture(&mut self, keys: &[&str]) -> Option<ObjTexture> {
+        let mut first = None;
+        for key in keys {
+            let Some(value) = self.values.remove(*key) else { continue };
+            let folder = self.path.parent().unwrap_or(Path::new(""));
+            let Some(texture) = ObjTexture::read(&value.rest, folder) else {
+                self.said(Loss::MtlValue, &value);
+                continue;
+            };
+            for option in &texture.other_options {
+                self.tally.add_at(Loss::MtlTextureOption, option, (self.path, value.line));
+            }
+            first.get_or_insert(texture);
+        }
+        first
+    }
+
+    fn opacity(&mut self) -> f64 {
+        let halo =
+            self.values.get_mut("d").filter(|value| value.words.first().is_some_and(|word| word == "-halo"));
+        if let Some(value) = halo {
+            value.words.remove(0);
+            let line = value.line;
+            self.tally.add_at(Loss::MtlStatement, "-halo", (self.path, line));
+        }
+        let (d, tr) = (self.number("d", 1.0), self.number("tr", 1.0));
+        d.or(tr.map(|tr| 1.0 - tr)).unwrap_or(1.0)
+    }
+
+    fn clearcoat(&mut self) -> Option<(f64, f64)> {
+        let (share, roughness) = (self.number("pc", 1.0), self.number("pcr", 1.0));
+        share.filter(|share| *share > 0.0).map(|share| (share, roughness.unwrap_or(0.0)))
+    }
+
+    fn coat(&mut self, name: &str) -> Option<ObjCoat> {
+        let (illum, ior) = (self.number("illum", f64::MAX), self.number("ni", f64::MAX));
+        let (ka, ks) = (self.color("ka", f64::MAX), self.color("ks", 1.0));
+        let (ns, pr, pm) = (self.number("ns", f64::MAX), self.number("pr", 1.0), self.number("pm", 1.0));
+        let metallic_texture = self.texture(&["map_pm"]);
+        let roughness_texture = self.texture(&["map_pr"]);
+        self.say_refraction(illum, ior);
+        let is_physical =
+            pr.is_some() || pm.is_some() || metallic_texture.is_some() || roughness_texture.is_some();
+        let is_matte = matches!(illum, Some(0.0 | 1.0)) || ks.is_none() && ns.is_none();
+        if is_matte && !is_physical {
+            return None;
+        }
+        let average = |color: Rgb| color.element_sum() / 3.0;
+        let has_highlights = illum.is_some_and(|illum| illum >= 2.0);
+        let specular = match (ks, is_physical) {
+            (Some(ks), _) => average(ks),
+            (None, true) => 0.5,
+            (None, false) => f64::from(u8::from(has_highlights)),
+        };
+        let reflects = illum.is_some_and(|illum| (3.0..9.0).contains(&illum));
+        let from_illum = if reflects { ka.map_or(1.0, average).min(1.0) } else { 0.0 };
+        let metallic = pm.unwrap_or(if is_physical { 0.0 } else { from_illum });
+        let from_ns = match ns {
+            Some(ns) => 1.0 - (ns.min(1000.0) / 1000.0).sqrt(),
+            None if is_physical => 0.5,
+            None => f64::from(u8::from(!has_highlights)),
+        };
+        // Files that say nothing of refraction often write an index of 1.
+        let ior = ior.filter(|ior| *ior > 1.0).unwrap_or(DIELECTRIC_IOR);
+        let f0 = (2.0 * specular * ((ior - 1.0) / (ior + 1.0)).powi(2)).min(1.0);
+        if metallic > 0.0 || metallic_texture.is_some() {
+            self.tally.add_at(Loss::MetalReflections, name, (self.path, 1));
+        } else if f0 == 0.0 {
+            return None;
+        }
+        let roughness = pr.unwrap_or(from_ns);
+        Some(ObjCoat { metallic, roughness, f0, metallic_texture, roughness_texture })
+    }
+
+    /// Glass, by `illum`, bends light and colours it: here it does neither.
+    fn say_refraction(&mut self, illum: Option<f64>, ior: Option<f64>) {
+        if !matches!(illum, Some(4.0 | 6.0 | 7.0 | 9.0)) {
+            self.values.remove("tf");
+        } else if ior.is_some_and(|ior| ior > 1.0) {
+            self.tally.add_at(Loss::MtlStatement, "Ni", (self.path, 1));
+        }
+    }
+
+    fn say_other_placements(&mut self, material: &ObjMaterial) {
+        let placement = material.placement();
+        let others = material.textures().filter(|texture| texture.placement != placement).count();
+        for _ in 0..others {
+            self.tally.add_at(
+                Loss::MtlTextureOption,
+                "-s, -o of another than the first texture",
+                (self.path, 1),
+            );
+        }
+    }
+
+    /// What nobody knows, but for what changes nothing: the light of all around, and shares of nothing.
+    fn say_the_rest(&mut self, material: &ObjMaterial) {
+        for (key, value) in std::mem::take(&mut self.values) {
+            let numbers: Vec<Option<f32>> = value.words.iter().map(|word| number(word)).collect();
+            let is_all = |wanted: f32| numbers.iter().all(|number| *number == Some(wanted));
+            let changes_nothing = match key.as_str() {
+                "ps" | "aniso" | "anisor" => is_all(0.0),
+                "tf" => is_all(1.0),
+                "sharpness" => true,
+                // Many exporters write one image three times.
+                "map_ka" => (material.diffuse_texture.as_ref()).is_some_and(|texture| {
+                    let folder = self.path.parent().unwrap_or(Path::new(""));
+                    ObjTexture::read(&value.rest, folder).is_some_and(|ambient| ambient.path == texture.path)
+                }),
+                _ => false,
+            };
+            if !changes_nothing {
+                self.said(Loss::MtlStatement, &value);
+            }
+        }
     }
 }

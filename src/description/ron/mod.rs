@@ -18,7 +18,7 @@ pub(crate) mod suggest;
 mod version;
 
 use super::image::DecodedImage;
-use super::obj::ObjModel;
+use super::obj::{ObjModel, ObjPictures};
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Place};
 use parse::Document;
@@ -59,8 +59,10 @@ pub struct LoadedScene {
     pub file: SceneFile,
     /// OBJ files by their path as the scene writes it.
     pub models: BTreeMap<PathBuf, ObjModel>,
-    /// Images by their path: as the scene writes it, or joined to the OBJ file's folder.
+    /// Images that the scene's materials show, by their path as the scene writes it.
     pub images: BTreeMap<PathBuf, DecodedImage>,
+    /// Pictures that the materials of MTL files show.
+    pub obj_pictures: ObjPictures,
     /// Images that suns show, by their path as the scene writes it.
     pub sun_images: BTreeMap<PathBuf, DecodedImage>,
     /// Images of directions by their path as the scene writes it.

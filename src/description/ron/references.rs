@@ -12,7 +12,7 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     let used = Used::by(&file);
     let mut loader = Loader { path, files, problems: Diagnostics::default() };
     let mut models = BTreeMap::new();
-    let mut images = BTreeMap::new();
+    let (mut images, mut obj_pictures) = (BTreeMap::new(), obj::ObjPictures::new());
     let mut normal_maps = BTreeMap::new();
     for (name, mesh) in file.meshes.iter().filter(|(name, _)| used.meshes.contains(name)) {
         let Mesh::Obj(obj_path) = mesh else { continue };
@@ -21,10 +21,10 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
             let Some(model) = loader.model(obj_path, &referrer)? else { continue };
             models.insert(obj_path.clone(), model);
         }
-        if used.own_materials.contains(name) {
-            for texture in own_textures(obj_path, &models[obj_path]) {
-                loader.image(texture, &referrer, &mut images)?;
-            }
+        if used.own_materials.contains(name)
+            && let Some(model) = models.get_mut(obj_path)
+        {
+            obj::load_pictures(model, loader.files, &mut obj_pictures);
         }
     }
     for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
@@ -55,7 +55,8 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
-    Ok(LoadedScene { path: path.to_owned(), file, models, images, sun_images, normal_maps, sky_image })
+    let path = path.to_owned();
+    Ok(LoadedScene { path, file, models, images, obj_pictures, sun_images, normal_maps, sky_image })
 }
 
 /// Names of what takes part in the picture.
@@ -92,15 +93,6 @@ impl<'a> Used<'a> {
         }
         self.meshes.extend(meshes);
     }
-}
-
-/// Textures of the MTL materials that the model's triangles have, relative to the scene file.
-fn own_textures(obj_path: &Path, model: &obj::ObjModel) -> BTreeSet<PathBuf> {
-    let materials: BTreeSet<usize> =
-        model.triangles.iter().filter_map(|triangle| triangle.material).collect();
-    let textures =
-        materials.iter().filter_map(|&material| model.materials[material].diffuse_texture.as_ref());
-    textures.map(|texture| beside(obj_path, texture)).collect()
 }
 
 /// Reads files and goes on after invalid ones, so that all of them are reported.

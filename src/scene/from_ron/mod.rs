@@ -9,6 +9,7 @@ mod leaves;
 mod lights;
 mod masks;
 mod normal_maps;
+mod obj_models;
 mod problems;
 mod sequence;
 mod shapes;
@@ -28,7 +29,7 @@ use super::{
 };
 use crate::color::Rgb;
 use crate::description::image::DecodedImage;
-use crate::description::obj::ObjModel;
+use crate::description::obj::{ObjModel, ObjPicture};
 use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
 use glam::DVec2;
@@ -50,7 +51,8 @@ pub(super) fn resolve(
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
-    let LoadedScene { path, file, mut models, images, sun_images, normal_maps, sky_image } = loaded;
+    let LoadedScene { path, file, mut models, images, obj_pictures, sun_images, normal_maps, sky_image } =
+        loaded;
     let mut resolver = Resolver::new(&path, &file, &models);
     resolver.scene.background = file.background_w_per_m2_sr.si();
     resolver.sky_image = sky_image;
@@ -66,6 +68,7 @@ pub(super) fn resolve(
         resolver.normal_maps.insert(texture_path.clone(), resolver.scene.textures.len());
         resolver.scene.textures.push(texture(&texture_path, image));
     }
+    resolver.add_obj_pictures(obj_pictures);
     resolver.materials();
     resolver.objects();
     for (name, block) in file.leaves.iter() {
@@ -125,6 +128,7 @@ struct Resolver<'a> {
     model_materials: BTreeMap<&'a Path, MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
     normal_maps: BTreeMap<PathBuf, TextureIndex>,
+    obj_pictures: BTreeMap<ObjPicture, TextureIndex>,
     leaf_count: u32,
     fall_count: u32,
     /// Of masked materials.
@@ -153,6 +157,7 @@ impl<'a> Resolver<'a> {
             model_materials: BTreeMap::new(),
             textures: BTreeMap::new(),
             normal_maps: BTreeMap::new(),
+            obj_pictures: BTreeMap::new(),
             leaf_count: 0,
             fall_count: 0,
             cutoffs: BTreeMap::new(),
@@ -277,41 +282,6 @@ impl<'a> Resolver<'a> {
         self.meshes.insert(name, self.scene.meshes.len());
         self.scene.meshes.push(mesh);
         Some(self.scene.meshes.len() - 1)
-    }
-
-    fn model_mesh(&mut self, name: &str, path: &'a Path) -> Option<Mesh> {
-        let model = self.models.get(path)?;
-        let first_material = *self.model_materials.entry(path).or_insert(self.scene.materials.len());
-        if first_material == self.scene.materials.len() {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            self.scene.materials.extend(model.materials.iter().map(|material| {
-                Material {
-                    name: material.name.clone(),
-                    base_color: material.diffuse,
-                    base_color_texture: (material.diffuse_texture.as_ref())
-                        .and_then(|texture| self.textures.get(&folder.join(texture)).copied()),
-                    emission: material.emission,
-                    ..Material::default()
-                }
-            }));
-        }
-        Some(Mesh {
-            name: name.to_owned(),
-            positions: model.positions.clone(),
-            normals: model.normals.clone(),
-            uvs: model.uvs.clone(),
-            more_uvs: Vec::new(),
-            tangents: Vec::new(),
-            colors: Vec::new(),
-            triangles: model
-                .triangles
-                .iter()
-                .map(|triangle| Triangle {
-                    vertices: triangle.vertices,
-                    material: triangle.material.map_or(0, |material| first_material + material),
-                })
-                .collect(),
-        })
     }
 
     fn cameras(&mut self) {

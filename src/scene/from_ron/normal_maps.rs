@@ -7,11 +7,20 @@ use crate::diagnostic::{Diagnostic, Loss};
 impl Resolver<'_> {
     /// Gives the mesh what it needs for the material's normal map, if there is one; says where that cannot be.
     pub(super) fn make_tangents(&mut self, mesh: MeshIndex, material: Option<MaterialIndex>) {
-        let Some(material) = material.map(|material| &self.scene.materials[material]) else { return };
         let mesh = &mut self.scene.meshes[mesh];
-        if material.normal_map.is_none() || !mesh.tangents.is_empty() {
+        if !mesh.tangents.is_empty() {
             return;
         }
+        let materials = &self.scene.materials;
+        let own = || mesh.triangles.iter().map(|triangle| triangle.material);
+        let has_map = |&material: &MaterialIndex| materials[material].normal_map.is_some();
+        let bent = match material {
+            Some(material) => Some(material).filter(has_map),
+            // Most scenes have no maps, and need not look through their triangles.
+            None if materials.iter().all(|material| material.normal_map.is_none()) => None,
+            None => own().find(has_map),
+        };
+        let Some(material) = bent.map(|material| &materials[material]) else { return };
         let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
         let vertices = Vertices { positions: &mesh.positions, normals: &mesh.normals, uvs: &mesh.uvs };
         let made = if mesh.uvs.is_empty() { None } else { tangents::generate(vertices, &mut triangles) };
@@ -31,6 +40,7 @@ impl Resolver<'_> {
         made.copy(&mut mesh.positions);
         made.copy(&mut mesh.normals);
         made.copy(&mut mesh.uvs);
+        made.copy(&mut mesh.colors);
         let triangle = |(triangle, vertices): (&Triangle, [u32; 3])| Triangle { vertices, ..*triangle };
         mesh.triangles = mesh.triangles.iter().zip(triangles).map(triangle).collect();
         mesh.tangents = made.tangents;

@@ -1,0 +1,103 @@
+//! OBJ models in, meshes with materials of their own out. Invariant: an OBJ file's materials are there once, however
+//! many meshes show it.
+
+use super::{AlphaMode, Coat, Material, MaterialIndex, Mesh, Resolver, TextureMap, Triangle, Wrap};
+use crate::color::Rgb;
+use crate::description::obj::{ObjMaterial, ObjPicture, ObjPictures};
+use crate::scene::Clearcoat;
+use std::path::Path;
+
+impl<'a> Resolver<'a> {
+    /// Adds the pictures that MTL files show.
+    pub(super) fn add_obj_pictures(&mut self, pictures: ObjPictures) {
+        for (picture, image) in pictures {
+            let Some(image) = image else { continue };
+            let mut texture = super::texture(Path::new(&picture.name()), image);
+            if picture.is_clamped {
+                texture.wrap = [Wrap::Clamp; 2];
+            }
+            self.obj_pictures.insert(picture, self.scene.textures.len());
+            self.scene.textures.push(texture);
+        }
+    }
+
+    /// The mesh of an OBJ file, its materials after the others.
+    pub(super) fn model_mesh(&mut self, name: &str, path: &'a Path) -> Option<Mesh> {
+        let model = self.models.get(path)?;
+        let first_material = self.model_materials.get(path).copied().unwrap_or_else(|| {
+            let first = self.scene.materials.len();
+            let materials: Vec<Material> =
+                model.materials.iter().map(|material| self.obj_material(material)).collect();
+            self.scene.materials.extend(materials);
+            self.model_materials.insert(path, first);
+            first
+        });
+        Some(Mesh {
+            name: name.to_owned(),
+            positions: model.positions.clone(),
+            normals: model.normals.clone(),
+            uvs: model.uvs.clone(),
+            more_uvs: Vec::new(),
+            tangents: Vec::new(),
+            colors: model.colors.clone(),
+            triangles: model
+                .triangles
+                .iter()
+                .map(|triangle| Triangle {
+                    vertices: triangle.vertices,
+                    material: triangle
+                        .material
+                        .map_or(0, |material: MaterialIndex| first_material + material),
+                })
+                .collect(),
+        })
+    }
+
+    fn obj_material(&self, source: &ObjMaterial) -> Material {
+        let map = |picture: Option<ObjPicture>| {
+            let texture = *self.obj_pictures.get(&picture?)?;
+            Some(TextureMap { texture, layer: 0 })
+        };
+        let color = map(source.color_picture());
+        let emission_texture = map(source.emission_picture());
+        let is_blended = source.opacity < 1.0 || source.opacity_texture.is_some();
+        Material {
+            name: source.name.clone(),
+            base_color: source.diffuse,
+            base_color_texture: color.map(|map| map.texture),
+            emission: match emission_texture {
+                // An image is as bright as it stands where `Ke` says nothing.
+                Some(_) if source.emission == Rgb::ZERO => Rgb::ONE,
+                _ => source.emission,
+            },
+            emission_texture,
+            coat: self.obj_coat(source),
+            clearcoat: source.clearcoat.map(|(share, roughness)| Clearcoat {
+                share,
+                roughness,
+                texture: None,
+                roughness_texture: None,
+                normal_map: None,
+            }),
+            normal_map: map(source.normal_picture())
+                .map(|map| (map, source.normal_map.as_ref().map_or(1.0, |texture| f64::from(texture.bump)))),
+            alpha_mode: if is_blended { AlphaMode::Blend } else { AlphaMode::Opaque },
+            opacity: source.opacity,
+            ..Material::default()
+        }
+    }
+
+    fn obj_coat(&self, source: &ObjMaterial) -> Option<Coat> {
+        let coat = source.coat.as_ref()?;
+        let texture = source.coat_picture().and_then(|picture| self.obj_pictures.get(&picture).copied());
+        // An image takes the place of the plain number.
+        let factor = |number: f64, has_image: bool| if texture.is_some() && has_image { 1.0 } else { number };
+        Some(Coat {
+            metallic: factor(coat.metallic, coat.metallic_texture.is_some()),
+            roughness: factor(coat.roughness, coat.roughness_texture.is_some()),
+            texture: texture.map(|texture| TextureMap { texture, layer: 0 }),
+            f0: Rgb::splat(coat.f0),
+            f90: if coat.f0 > 0.0 { 1.0 } else { 0.0 },
+        })
+    }
+}
