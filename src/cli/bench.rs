@@ -35,7 +35,8 @@ impl Subject {
     fn new(arguments: &BenchArguments) -> Result<Self, CliError> {
         let started = Instant::now();
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+        let (scene, mut settings) =
+            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
         arguments.scene.check(&scene.remarks)?;
         let load_s = started.elapsed().as_secs_f64();
         settings.camera = arguments.camera.clone().or(settings.camera);

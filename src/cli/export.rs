@@ -16,7 +16,8 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Err(usage("OUT.glb", found, "a name that ends in .glb"));
     }
     let description = description::load(&arguments.input)?;
-    let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+    let (scene, mut settings) =
+        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
     settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
     if let Some(list) = &arguments.frames {
         let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;

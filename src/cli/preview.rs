@@ -94,7 +94,8 @@ impl Source {
             return Self::files(arguments);
         }
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+        let (scene, mut settings) =
+            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
         arguments.scene.check(&scene.remarks)?;
         scene.remarks.told().for_each(|remark| tell(&remark.to_string()));
         settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
@@ -119,6 +120,7 @@ impl Source {
             ("--size", arguments.size.is_some()),
             ("--camera", arguments.camera.is_some()),
             ("--light-units", arguments.scene.light_units.is_some()),
+            ("--default-light", arguments.scene.default_light.is_some()),
         ];
         if let Some((flag, _)) = flags.into_iter().find(|(_, given)| *given) {
             return Err(usage(

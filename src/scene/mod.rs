@@ -4,6 +4,8 @@
 
 mod baking;
 mod camera;
+mod default_light;
+mod default_view;
 mod deformation;
 mod disc_picture;
 mod fall;

@@ -55,7 +55,16 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
-    Ok(LoadedScene { path: path.to_owned(), file, models, images, sun_images, normal_maps, sky_image })
+    Ok(LoadedScene {
+        path: path.to_owned(),
+        file,
+        models,
+        images,
+        sun_images,
+        normal_maps,
+        sky_image,
+        is_mesh_alone: false,
+    })
 }
 
 /// Names of what takes part in the picture.
