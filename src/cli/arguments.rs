@@ -145,9 +145,9 @@ pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
     pub(super) display: CurveArgument,
-    /// Brightens those pictures by so many powers of two, -100 to 100.
-    #[arg(long, value_parser = parse_exposure, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub(super) exposure: f64,
+    /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default: the input's, else auto].
+    #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
+    pub(super) exposure: Option<ExposureArgument>,
     /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens does that is not clean.
     #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
     pub(super) bloom: f64,
@@ -287,6 +287,12 @@ pub(super) struct DiffArguments {
     /// The reference's own noise (root mean square of its standard error), taken out of the RMSE.
     #[arg(long, default_value_t = 0.0)]
     pub(super) reference_noise: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ExposureArgument {
+    Stops(f64),
+    Auto,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -437,13 +443,14 @@ pub(super) enum CurveArgument {
 }
 
 impl DisplayArguments {
-    pub(super) fn display(self) -> Display {
+    /// With an exposure in powers of two.
+    pub(super) fn display(self, exposure_stops: f64) -> Display {
         let curve = match self.display {
             CurveArgument::Agx => Curve::Agx,
             CurveArgument::Srgb => Curve::Srgb,
             CurveArgument::Raw => Curve::Raw,
         };
-        Display { curve, exposure_stops: self.exposure, bloom: self.bloom }
+        Display { curve, exposure_stops, bloom: self.bloom }
     }
 }
 
@@ -585,10 +592,13 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-fn parse_exposure(text: &str) -> Result<f64, String> {
+fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
+    if text.trim() == "auto" {
+        return Ok(ExposureArgument::Auto);
+    }
     match text.trim().parse::<f64>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
-        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright".into()),
+        Ok(stops) if stops.abs() <= 100.0 => Ok(ExposureArgument::Stops(stops)),
+        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright, or auto".into()),
     }
 }
 

@@ -20,10 +20,10 @@ const KEY_DIAMETER: f64 = 10.0 * PI / 180.0;
 
 /// W/m^2. A white surface that faces the camera sends back about 1 W m^-2 sr^-1 with the sky's light, and middle grey (0.18) about 0.18,
 /// which display transforms show in the middle of their range.
-const KEY_IRRADIANCE: f64 = 0.95 * PI;
+const KEY_IRRADIANCE: f64 = 1.1 * PI;
 
 /// W m^-2 sr^-1, from everywhere.
-const SKY_RADIANCE: f64 = 0.35;
+const SKY_RADIANCE: f64 = 0.25;
 
 /// Whether nothing lights the scene and nothing lies behind it; what glows by itself is seen better with a light beside it.
 pub(super) fn is_wanted(scene: &Scene) -> bool {

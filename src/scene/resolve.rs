@@ -2,8 +2,8 @@
 //! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
 
 use super::{
-    Baking, FrameRate, MOST_FOGS, RenderSettings, Scene, Size, default_light, default_view, from_gltf,
-    from_ron,
+    Baking, FrameRate, MOST_FOGS, RenderSettings, Scene, Size, darkness, default_light, default_view,
+    from_gltf, from_ron,
 };
 use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
@@ -87,6 +87,8 @@ pub fn resolve_telling(
     if is_bare {
         light_up(&mut scene, &rendered, options, &scene_file);
     }
+    let first_s = rendered.frame_rate.seconds(*rendered.frames.start() as f64);
+    scene.remarks.0.extend(darkness::remark(&scene, first_s, scene_file));
     if scene.fogs.len() > MOST_FOGS {
         let found = format!("there are {} banks of fog", scene.fogs.len());
         let error = Diagnostic::error(file, found)
@@ -101,7 +103,6 @@ fn camera_made_up(file: &Place) -> Diagnostic {
     let found =
         "the scene has no camera: one is made up, at three quarters, that sees all of it in every frame";
     Diagnostic::choice(file.clone(), found)
-        .remedy("export with cameras (Blender: Include > Cameras; off by default)")
 }
 
 /// Lights an input of a format in which most files have no light.

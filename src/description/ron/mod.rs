@@ -32,7 +32,7 @@ pub use named::Named;
 pub use number::{
     Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart,
     LeafLength, NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain,
-    Triple, UnitInterval, Vector, Whole,
+    Stops, Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, PixelFilter, SequenceFields};
