@@ -197,9 +197,10 @@ impl State {
         std::mem::replace(&mut self.percent_told, percent) != percent
     }
 
-    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis.
+    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis, and nothing at the end.
     fn time_left(&self) -> String {
-        let Some(first_begun) = self.first_begun.filter(|_| self.rendered() > 0.0) else {
+        let is_under_way = self.rendered() > 0.0 && self.skipped + self.written < self.frames;
+        let Some(first_begun) = self.first_begun.filter(|_| is_under_way) else {
             return String::new();
         };
         let seconds_per_frame = first_begun.elapsed().as_secs_f64() / self.rendered();

@@ -139,3 +139,79 @@ impl fmt::Display for DarkCause {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Mesh, Motion, Node, RenderSettings, Track, default_light, default_view};
+    use glam::DAffine3;
+
+    /// A cube of 2 m around the origin, the camera at a place, a sun of so much irradiance.
+    fn scene(eye: DVec3, irradiance: f64) -> Scene {
+        let node =
+            |motion| Node { name: String::from("cube"), parent: None, motion, visible: Track::from(true) };
+        let positions = vec![Vec3::NEG_ONE, Vec3::ONE];
+        let instance = Instance { node: 0, mesh: 0, material: None, leaf_id: 1, deformation: None };
+        let mut scene = Scene {
+            nodes: vec![node(Motion::STILL)],
+            meshes: vec![Mesh { positions, ..Mesh::default() }],
+            materials: vec![Material::default()],
+            instances: vec![instance],
+            light_units: Some(LightUnits::Spec),
+            ..Scene::default()
+        };
+        default_view::add(&mut scene);
+        scene.nodes[1].motion = Motion::Still(DAffine3::from_translation(eye));
+        default_light::add(&mut scene, &RenderSettings::default());
+        (scene.sky, scene.lights[0].power) = (None, Rgb::splat(irradiance).into());
+        scene
+    }
+
+    const FAR: DVec3 = DVec3::new(0.0, 0.0, 9.0);
+
+    #[test]
+    fn every_cause_is_found() {
+        let unlit = Scene { lights: Vec::new(), ..scene(FAR, 1.0) };
+        assert_eq!(dark_cause(&unlit, 0, 0.0, 0.5), DarkCause::NoLight);
+        let mut hidden = scene(FAR, 1.0);
+        hidden.nodes[0].visible = Track::from(false);
+        assert_eq!(dark_cause(&hidden, 0, 0.0, 0.0), DarkCause::NothingVisible);
+        assert_eq!(dark_cause(&scene(FAR, 1.0), 0, 0.0, 0.0), DarkCause::OutsidePicture);
+        assert_eq!(dark_cause(&scene(FAR, 0.0), 0, 0.0, 0.5), DarkCause::LightsOff);
+        let three_lux = DarkCause::DimLights { lux_or_candela: 3.0 };
+        assert_eq!(dark_cause(&scene(FAR, 3.0 / LUMENS_PER_WATT), 0, 0.0, 0.5), three_lux);
+        let inside = DarkCause::InsideObject(String::from("cube"));
+        assert_eq!(dark_cause(&scene(DVec3::ZERO, 1.0), 0, 0.0, 1.0), inside);
+        assert_eq!(dark_cause(&scene(FAR, 1.0), 0, 0.0, 1.0), DarkCause::TooLittleLight);
+    }
+
+    #[test]
+    fn what_glows_is_light() {
+        let mut glowing = Scene { lights: Vec::new(), ..scene(FAR, 1.0) };
+        glowing.materials[0].emission = Rgb::splat(1e-6);
+        assert_eq!(dark_cause(&glowing, 0, 0.0, 0.5), DarkCause::TooLittleLight);
+    }
+
+    /// Only numbers that were taken for lux and candela are doubted, and only if all are small.
+    #[test]
+    fn dim_lights_are_remarked_where_their_units_were_guessed() {
+        let remark = |scene: &Scene| remark(scene, 0.0, Place::Nowhere);
+        let dim = scene(FAR, 0.01);
+        let told = remark(&dim).expect("a remark").to_string();
+        assert!(told.contains("6.830 lux") && told.contains("--light-units compat"), "{told}");
+        for units in [None, Some(LightUnits::Compat)] {
+            assert_eq!(remark(&Scene { light_units: units, ..dim.clone() }), None);
+        }
+        let mut both = dim.clone();
+        both.lights.extend(scene(FAR, 3.0).lights);
+        assert_eq!(remark(&both), None);
+        assert_eq!(remark(&scene(FAR, 0.0)), None);
+    }
+
+    #[test]
+    fn the_flag_that_helps_is_named() {
+        assert!(DarkCause::DimLights { lux_or_candela: 3.0 }.remedy().contains("--light-units compat"));
+        assert!(DarkCause::NoLight.remedy().contains("--default-light"));
+        assert!(DarkCause::OutsidePicture.remedy().contains("--camera"));
+    }
+}

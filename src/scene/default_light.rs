@@ -58,3 +58,67 @@ fn camera_axes(scene: &Scene, settings: &RenderSettings) -> DMat3 {
     let right = right.unwrap_or_else(|| backward.any_orthonormal_vector());
     DMat3::from_cols(right, backward.cross(right), backward)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::{Display, luminance};
+    use crate::scene::default_view;
+    use glam::DQuat;
+
+    fn lit(world_from_camera: DAffine3) -> Scene {
+        let mut scene = Scene::default();
+        default_view::add(&mut scene);
+        scene.nodes[0].motion = Motion::Still(world_from_camera);
+        add(&mut scene, &RenderSettings::default());
+        scene
+    }
+
+    /// Towards the sun, in the space of a camera.
+    fn to_key(scene: &Scene, world_from_camera: DAffine3) -> DVec3 {
+        let light = scene.placements(0.0)[scene.lights[0].node].world_from_node;
+        let camera = DMat3::from_quat(DQuat::from_mat3(&world_from_camera.matrix3));
+        camera.transpose() * light.matrix3.z_axis
+    }
+
+    #[test]
+    fn the_sun_stands_to_the_left_above_and_behind_whatever_way_the_camera_looks() {
+        for turn in [0.0, 1.0, 2.5] {
+            let turned = DQuat::from_rotation_y(turn) * DQuat::from_rotation_x(-turn);
+            let camera = DAffine3::from_rotation_translation(turned, DVec3::splat(3.0));
+            let to_key = to_key(&lit(camera), camera);
+            assert!(to_key.abs_diff_eq(TO_KEY.normalize(), 1e-9), "{to_key}");
+        }
+        assert!(TO_KEY.x < 0.0 && TO_KEY.y > 0.0 && TO_KEY.z > 0.0);
+        // A camera whose node is squashed to nothing stands for one that is not turned.
+        let nothing = DAffine3::from_scale(DVec3::ZERO);
+        assert!(to_key(&lit(nothing), DAffine3::IDENTITY).is_finite());
+    }
+
+    /// What a display shows of a matte surface that faces the camera: of middle grey, and of white.
+    #[test]
+    fn middle_grey_is_shown_as_such_and_white_is_not_cut_off() {
+        let radiance = |albedo: f64| albedo * (KEY_IRRADIANCE * TO_KEY.normalize().z / PI + SKY_RADIANCE);
+        let shown = |albedo: f64| luminance(Display::default().encode(Rgb::splat(radiance(albedo))));
+        assert!((0.18..0.5).contains(&shown(0.18)), "{}", shown(0.18));
+        assert!((0.15..0.22).contains(&radiance(0.18)), "{}", radiance(0.18));
+        assert!((0.7..0.85).contains(&shown(0.9)), "{}", shown(0.9));
+    }
+
+    #[test]
+    fn whatever_lights_or_surrounds_a_scene_is_enough() {
+        assert!(is_wanted(&Scene::default()));
+        let lit = lit(DAffine3::IDENTITY);
+        let sky = Scene { sky: lit.sky.clone(), ..Scene::default() };
+        let background = Scene { background: Rgb::X, ..Scene::default() };
+        for scene in [lit, sky, background] {
+            assert!(!is_wanted(&scene));
+        }
+    }
+
+    #[test]
+    fn the_sky_leaves_fog_alone() {
+        let sky = lit(DAffine3::IDENTITY).sky.expect("a sky");
+        assert_eq!(sky.lights, SkyLight::Surfaces);
+    }
+}

@@ -162,3 +162,146 @@ fn seen_of(
         .filter(|place| place.is_finite())
         .fold(Seen::NOTHING, |seen, place| seen.and(Seen::point(place, tangents)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Extend, Key, Mesh, Rotation, Segment, Size, Triangle};
+    use glam::{DAffine3, DQuat, DVec4, Vec3};
+
+    /// Two triangles of 2x1 m, at nodes that move as they are told; one a node.
+    fn scene(motions: Vec<Motion>) -> Scene {
+        let positions = [(-1.0, 0.0), (1.0, 0.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+        // A vertex that no triangle has lies far away.
+        let positions = [&positions[..], &[Vec3::splat(1e3)]].concat();
+        let triangles = [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material: 0 });
+        let mesh = Mesh { positions, triangles: triangles.to_vec(), ..Mesh::default() };
+        let instance = |node| Instance { node, mesh: 0, material: None, leaf_id: 1, deformation: None };
+        let instances = (0..motions.len()).map(instance).collect();
+        let node = |motion| Node { name: String::new(), parent: None, motion, visible: Track::from(true) };
+        let nodes = motions.into_iter().map(node).collect();
+        Scene { nodes, instances, meshes: vec![mesh], ..Scene::default() }
+    }
+
+    fn settings(width: usize, height: usize, last: i64) -> RenderSettings {
+        RenderSettings { size: Size { width, height }, frames: 1..=last, ..RenderSettings::default() }
+    }
+
+    fn at(place: DVec3) -> Motion {
+        Motion::Still(DAffine3::from_translation(place))
+    }
+
+    /// How far corners lie from the picture's middle at a frame, by half its width and height, right and up; all must be before the camera.
+    fn places(scene: &Scene, settings: &RenderSettings, frame: f64) -> Vec<DVec2> {
+        let time_s = settings.frame_rate.seconds(frame);
+        let placements = scene.placements(time_s);
+        let aspect = settings.size.width as f64 / settings.size.height as f64;
+        let camera = &scene.cameras[0];
+        let camera_from_world = placements[camera.node].world_from_node.inverse();
+        let projection = camera.projection(aspect, time_s);
+        let corners = scene.instances.iter().flat_map(|instance| {
+            let (positions, world) = scene.vertices(instance, &placements, time_s);
+            (0..4).map(move |vertex| world.transform_point3(positions[vertex].as_dvec3()))
+        });
+        let project = |corner| {
+            let clip: DVec4 = projection * camera_from_world.transform_point3(corner).extend(1.0);
+            assert!(clip.w > 0.0, "{corner} lies behind the camera");
+            DVec2::new(clip.x, clip.y) / clip.w
+        };
+        corners.map(project).collect()
+    }
+
+    fn reach(places: &[DVec2]) -> DVec2 {
+        places.iter().fold(DVec2::ZERO, |reach, place| reach.max(place.abs()))
+    }
+
+    fn seen(mut scene: Scene, settings: &RenderSettings) -> Scene {
+        assert!(add(&mut scene));
+        aim(&mut scene, settings);
+        scene
+    }
+
+    /// Whatever the picture's shape and wherever things are, the farthest corner keeps the margin and no more.
+    #[test]
+    fn the_picture_is_filled_to_the_margin_in_every_shape() {
+        for (width, height) in [(960, 540), (540, 960), (100, 100), (1000, 10)] {
+            for offset in [0.3, 40.0, 1e6] {
+                let settings = settings(width, height, 1);
+                let placed = vec![at(DVec3::splat(offset)), at(DVec3::new(offset + 3.0, 2.0, -offset))];
+                let scene = seen(scene(placed), &settings);
+                let reach = reach(&places(&scene, &settings, 1.0)).max_element();
+                assert!((reach * MARGIN - 1.0).abs() < 1e-6, "{width}x{height}, {offset}: {reach}");
+            }
+        }
+    }
+
+    #[test]
+    fn it_looks_from_the_right_and_above_at_a_front() {
+        let settings = settings(16, 9, 1);
+        let scene = seen(scene(vec![at(DVec3::ZERO)]), &settings);
+        let backward = scene.placements(0.0)[scene.cameras[0].node].world_from_node.matrix3.z_axis;
+        assert!(backward.abs_diff_eq(Axes::three_quarters().backward, 1e-9), "{backward}");
+        assert!(backward.z > 0.6 && backward.x > 0.4 && (0.3..0.5).contains(&backward.y), "{backward}");
+    }
+
+    /// It rises by 12 m over frames 1 to 49: one camera sees it at the first, in the middle and at the last.
+    #[test]
+    fn all_frames_of_the_range_are_seen_and_those_beyond_are_not_waited_for() {
+        let key = |time_s, height| Key { time_s, value: DVec3::Y * height, to_next: Segment::Linear };
+        let keys = vec![key(1.0 / 24.0, 0.0), key(49.0 / 24.0, 12.0)];
+        let translation = Track::new(keys, Extend::Hold).expect("keys in order");
+        let rotation = Rotation::Quaternion(Track::from(DQuat::IDENTITY));
+        let rising = || {
+            vec![Motion::Keyed {
+                translation: translation.clone(),
+                rotation: rotation.clone(),
+                scale: DVec3::ONE.into(),
+            }]
+        };
+        let whole = settings(16, 9, 49);
+        let scene_whole = seen(scene(rising()), &whole);
+        for frame in [1.0, 13.5, 25.0, 49.0] {
+            let reach = reach(&places(&scene_whole, &whole, frame));
+            assert!(reach.max_element() <= 1.0 / MARGIN + 1e-9, "{frame}: {reach}");
+        }
+        let beginning = settings(16, 9, 2);
+        let near = seen(scene(rising()), &beginning);
+        assert!(reach(&places(&near, &beginning, 49.0)).max_element() > 2.0);
+        assert!(moments(&near, &(1..=49)).count() == MOST_MOMENTS && moments(&near, &(5..=7)).count() == 3);
+        assert_eq!(moments(&near, &(1..=49)).last(), Some(49.0));
+    }
+
+    #[test]
+    fn what_is_hidden_flattened_or_nowhere_does_not_count() {
+        let settings = settings(16, 9, 1);
+        let alone = seen(scene(vec![at(DVec3::ZERO)]), &settings);
+        let flattened = Motion::Still(DAffine3::from_scale_rotation_translation(
+            DVec3::ZERO,
+            DQuat::IDENTITY,
+            DVec3::splat(9.0),
+        ));
+        let nowhere = at(DVec3::splat(f64::INFINITY));
+        let mut crowded = scene(vec![at(DVec3::ZERO), at(DVec3::splat(50.0)), flattened, nowhere]);
+        crowded.nodes[1].visible = Track::from(false);
+        let crowded = seen(crowded, &settings);
+        let stands = |scene: &Scene| scene.placements(0.0)[scene.cameras[0].node].world_from_node;
+        assert_eq!(stands(&alone), stands(&crowded));
+    }
+
+    #[test]
+    fn empty_scenes_and_mere_points_have_a_camera_too() {
+        let mut point = scene(vec![at(DVec3::splat(5.0))]);
+        point.meshes[0].positions = vec![Vec3::ZERO; 5];
+        for scene in [Scene::default(), point] {
+            let scene = seen(scene, &settings(16, 9, 3));
+            assert!(scene.placements(0.0)[scene.cameras[0].node].world_from_node.is_finite());
+        }
+    }
+
+    #[test]
+    fn a_scene_with_a_camera_keeps_it_alone() {
+        let mut scene = seen(scene(vec![at(DVec3::ZERO)]), &settings(16, 9, 1));
+        assert!(!add(&mut scene));
+        assert_eq!((scene.cameras.len(), scene.nodes.len()), (1, 2));
+    }
+}
