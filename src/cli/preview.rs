@@ -90,7 +90,10 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
         size.width,
         size.height
     ));
-    if let Source::Scene(drawn) = &source {
+    // Light in fog is not drawn, so where there is some nobody can tell.
+    if let Source::Scene(drawn) = &source
+        && drawn.scene.fogs.is_empty()
+    {
         let middle_s = |frame: i64| Shutter::of(&drawn.settings, frame as f64).middle_s();
         dark_frames.tell(&drawn.scene, drawn.camera, middle_s);
     }

@@ -3,14 +3,18 @@
 
 use super::Frame;
 use crate::color::{Rgb, luminance};
+use crate::scene::Window;
 
 /// Pictures whose average is a stop darker or brighter than middle grey (0.18) are shown as they are; others are brought to that,
 /// so that what was lit darkly stays rather dark.
 const DARKEST_AVERAGE: f64 = 0.09;
 const BRIGHTEST_AVERAGE: f64 = 0.36;
 
-/// Shadows count as if they were at least this part of the picture's mean: how black they are says nothing of the rest.
+/// Shadows count as if they were at least this part of the picture's median: how black they are says nothing of the rest.
 const DEEPEST_SHADOW: f64 = 1.0 / 256.0;
+
+/// No picture is brightened beyond where its brightest twentieth starts to be brighter than this: what is well lit stays so.
+const BRIGHTEST_TWENTIETH: f64 = 1.0;
 
 /// No exposure changes by more than so many stops: what is darker is not there.
 const MOST_STOPS: f64 = 16.0;
@@ -29,19 +33,24 @@ impl Frame {
     /// By how many powers of two a display should brighten the picture: 0 for most, in steps of a half. The average is that of
     /// logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 1), over the pixels that show light.
     pub fn auto_exposure_stops(&self) -> f64 {
-        let lit: Vec<f64> = self.luminances().into_iter().filter(|light| *light > 0.0).collect();
-        if lit.is_empty() {
+        let mut lit: Vec<f64> = self.luminances().into_iter().filter(|light| *light > 0.0).collect();
+        lit.sort_unstable_by(f64::total_cmp);
+        let (Some(median), Some(bright)) = (lit.get(lit.len() / 2), lit.get(lit.len() * 19 / 20)) else {
             return 0.0;
-        }
-        let count = lit.len() as f64;
-        let floor = DEEPEST_SHADOW * lit.iter().sum::<f64>() / count;
-        let average = (lit.iter().map(|light| light.max(floor).ln()).sum::<f64>() / count).exp();
+        };
+        let light = lit.iter().map(|light| light.max(DEEPEST_SHADOW * median).ln());
+        let average = (light.sum::<f64>() / lit.len() as f64).exp();
         let stops = (average.clamp(DARKEST_AVERAGE, BRIGHTEST_AVERAGE) / average).log2();
+        let stops = stops.min((BRIGHTEST_TWENTIETH / bright).log2().max(0.0));
         (2.0 * stops.clamp(-MOST_STOPS, MOST_STOPS)).round() / 2.0
     }
 
-    /// Whether next to nothing is seen. It is the brightest hundredth that has to be dark, so a lamp in the night is none.
+    /// Whether next to nothing is seen. It is the brightest hundredth that has to be dark, so a lamp in the night is none. Of a part of
+    /// a picture nobody can tell.
     pub fn darkness(&self) -> Option<Dark> {
+        if self.window != Window::whole(self.full) {
+            return None;
+        }
         let mut light = self.luminances();
         let brightest = light.len().div_ceil(100);
         light.sort_unstable_by(|a, b| b.total_cmp(a));
@@ -71,7 +80,7 @@ impl Frame {
 mod tests {
     use super::*;
     use crate::film::{Channel, Precision};
-    use crate::scene::{Size, Window};
+    use crate::scene::Size;
 
     /// A grey picture of 20x10 pixels, covered where there is light.
     fn frame(light: impl Fn(usize) -> f32) -> Frame {
@@ -102,6 +111,8 @@ mod tests {
         assert_eq!(frame(alone).auto_exposure_stops(), 0.0);
         let in_shadow = |pixel: usize| if pixel < 20 { 1e-7 } else { 0.2 };
         assert_eq!(frame(in_shadow).auto_exposure_stops(), 0.0);
+        let mostly_in_shadow = |pixel: usize| if pixel < 180 { 1e-7 } else { 0.2 };
+        assert_eq!(frame(mostly_in_shadow).auto_exposure_stops(), 2.5);
         let with_a_sun = |pixel: usize| if pixel < 4 { 5e3 } else { 0.2 };
         assert_eq!(frame(with_a_sun).auto_exposure_stops(), 0.0);
     }
@@ -112,5 +123,7 @@ mod tests {
         assert_eq!(frame(|_| 0.0).darkness(), Some(Dark { covered: 0.0 }));
         assert_eq!(frame(|pixel| if pixel == 7 { 0.2 } else { 0.0 }).darkness(), None);
         assert_eq!(frame(|_| 0.02).darkness(), None);
+        let part = Frame { full: Size { width: 40, height: 10 }, ..frame(|_| 0.0) };
+        assert_eq!(part.darkness(), None);
     }
 }

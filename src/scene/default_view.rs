@@ -20,6 +20,9 @@ const ELEVATION_DEG: f64 = 22.0;
 /// The picture is so many times as wide and high as what it has to show.
 const MARGIN: f64 = 1.12;
 
+/// Everything is at least so far away, by the extent of all of it.
+const NEAREST: f64 = 0.1;
+
 /// No more moments of the range are looked at, and no more corners of triangles over all of them, as long as the first and
 /// the last moment are.
 const MOST_MOMENTS: usize = 25;
@@ -118,7 +121,7 @@ impl Seen {
         let extent = (seen.high - seen.low).length().max(1e-3);
         let far = (0.5 * (right + left) / tangents.x).max(0.5 * (top + bottom) / tangents.y);
         // Of a mere point, or one line towards the camera, any distance would show all.
-        let far = far.max(seen.high.z + extent);
+        let far = far.max(seen.high.z + NEAREST * extent);
         let world = |x: f64, y: f64, z: f64| x * axes.right + y * axes.up + z * axes.backward;
         let (x, y) = (0.5 * (right - left), 0.5 * (top - bottom));
         (world(x, y, far), world(x, y, 0.5 * (seen.low.z + seen.high.z)))
@@ -227,7 +230,7 @@ mod tests {
         for (width, height) in [(960, 540), (540, 960), (100, 100), (1000, 10)] {
             for offset in [0.3, 40.0, 1e6] {
                 let settings = settings(width, height, 1);
-                let placed = vec![at(DVec3::splat(offset)), at(DVec3::new(offset + 3.0, 2.0, -offset))];
+                let placed = vec![at(DVec3::splat(offset)), at(DVec3::new(3.0, 2.0, -1.0) + offset)];
                 let scene = seen(scene(placed), &settings);
                 let reach = reach(&places(&scene, &settings, 1.0)).max_element();
                 assert!((reach * MARGIN - 1.0).abs() < 1e-6, "{width}x{height}, {offset}: {reach}");
@@ -266,7 +269,9 @@ mod tests {
         }
         let beginning = settings(16, 9, 2);
         let near = seen(scene(rising()), &beginning);
-        assert!(reach(&places(&near, &beginning, 49.0)).max_element() > 2.0);
+        let distance =
+            |scene: &Scene| scene.placements(0.0)[scene.cameras[0].node].world_from_node.translation.length();
+        assert!(distance(&near) < 0.5 * distance(&scene_whole));
         assert!(moments(&near, &(1..=49)).count() == MOST_MOMENTS && moments(&near, &(5..=7)).count() == 3);
         assert_eq!(moments(&near, &(1..=49)).last(), Some(49.0));
     }
