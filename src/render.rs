@@ -113,6 +113,8 @@ pub struct Statistics {
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
+    /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated standard error, as a share of its mean.
+    pub noise: Option<f64>,
 }
 
 impl Job {

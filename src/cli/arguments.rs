@@ -38,7 +38,7 @@ pub(super) enum Command {
 
 #[derive(Args, Debug)]
 pub(super) struct RenderArguments {
-    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
     pub(super) input: PathBuf,
     /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
     #[arg(long, allow_hyphen_values = true)]
@@ -121,6 +121,9 @@ pub(super) struct SceneArguments {
     /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnitsArgument>,
+    /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub(super) default_light: Option<Switch>,
     /// Refuse an input that asks for anything that is not honoured (exit code 3).
     #[arg(long)]
     pub(super) strict: bool,
@@ -142,9 +145,9 @@ pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
     pub(super) display: CurveArgument,
-    /// Brightens those pictures by so many powers of two, -100 to 100.
-    #[arg(long, value_parser = parse_exposure, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub(super) exposure: f64,
+    /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default: the input's, else auto].
+    #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
+    pub(super) exposure: Option<ExposureArgument>,
     /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens does that is not clean.
     #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
     pub(super) bloom: f64,
@@ -152,7 +155,7 @@ pub(super) struct DisplayArguments {
 
 #[derive(Args, Debug)]
 pub(super) struct PreviewArguments {
-    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), or a folder of EXR frames.
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), or a folder of EXR frames.
     pub(super) input: PathBuf,
     /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
     #[arg(long, allow_hyphen_values = true)]
@@ -181,7 +184,7 @@ pub(super) struct PreviewArguments {
 
 #[derive(Args, Debug)]
 pub(super) struct InspectArguments {
-    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
     pub(super) input: PathBuf,
     /// As JSON, with every node's world matrix at each of `--frames`.
     #[arg(long)]
@@ -195,7 +198,7 @@ pub(super) struct InspectArguments {
 
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
-    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
     pub(super) input: PathBuf,
     /// Which frame [default: the first].
     #[arg(long, allow_negative_numbers = true)]
@@ -260,7 +263,7 @@ pub(super) struct BenchArguments {
 
 #[derive(Args, Debug)]
 pub(super) struct ExportArguments {
-    /// A sequence (.ron), a scene (.ron) or a glTF file (.glb, .gltf).
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
     pub(super) input: PathBuf,
     /// The file to write.
     #[arg(value_name = "OUT.glb")]
@@ -287,9 +290,25 @@ pub(super) struct DiffArguments {
 }
 
 #[derive(Clone, Copy, Debug)]
+pub(super) enum ExposureArgument {
+    Stops(f64),
+    Auto,
+}
+
+#[derive(Clone, Copy, Debug)]
 pub(super) enum SizeArgument {
     Pixels(Size),
     Percent(f64),
+}
+
+impl SizeArgument {
+    /// A size that is none of the input's own shape.
+    fn pixels(self) -> Option<Size> {
+        match self {
+            Self::Pixels(size) => Some(size),
+            Self::Percent(_) => None,
+        }
+    }
 }
 
 /// A rectangle of pixels, far edges excluded.
@@ -374,6 +393,12 @@ pub(super) enum LightUnitsArgument {
     Raw,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Switch {
+    On,
+    Off,
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum SkipArgument {
     /// Those that are whole and were made by this version from this scene and these settings.
@@ -418,20 +443,57 @@ pub(super) enum CurveArgument {
 }
 
 impl DisplayArguments {
-    pub(super) fn display(self) -> Display {
+    /// With an exposure in powers of two.
+    pub(super) fn display(self, exposure_stops: f64) -> Display {
         let curve = match self.display {
             CurveArgument::Agx => Curve::Agx,
             CurveArgument::Srgb => Curve::Srgb,
             CurveArgument::Raw => Curve::Raw,
         };
-        Display { curve, exposure_stops: self.exposure, bloom: self.bloom }
+        Display { curve, exposure_stops, bloom: self.bloom }
+    }
+}
+
+impl RenderArguments {
+    /// What of them the scene has to know.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl PreviewArguments {
+    /// What of them the scene has to know.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl BenchArguments {
+    /// What of them the scene has to know.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl ExportArguments {
+    /// What of them the scene has to know. Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let no_default_light = self.scene.default_light != Some(Switch::On);
+        ResolveOptions { frame_rate: self.fps, no_default_light, ..self.scene.options() }
     }
 }
 
 impl SceneArguments {
     /// What of it the scene has to know.
     pub(super) fn options(&self) -> ResolveOptions {
-        ResolveOptions { light_units: self.light_units.map(Into::into) }
+        ResolveOptions {
+            light_units: self.light_units.map(Into::into),
+            no_default_light: self.default_light == Some(Switch::Off),
+            ..ResolveOptions::default()
+        }
     }
 
     /// Refuses what is lost, if that is what the user wants.
@@ -530,10 +592,13 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-fn parse_exposure(text: &str) -> Result<f64, String> {
+fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
+    if text.trim() == "auto" {
+        return Ok(ExposureArgument::Auto);
+    }
     match text.trim().parse::<f64>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
-        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright".into()),
+        Ok(stops) if stops.abs() <= 100.0 => Ok(ExposureArgument::Stops(stops)),
+        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright, or auto".into()),
     }
 }
 

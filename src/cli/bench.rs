@@ -40,7 +40,8 @@ impl Subject {
                 loading::check_not_read(flag, output, &description.files)?;
             }
         }
-        let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+        let (scene, mut settings) =
+            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
         arguments.scene.check(&scene.remarks)?;
         let load_s = started.elapsed().as_secs_f64();
         settings.camera = arguments.camera.clone().or(settings.camera);

@@ -17,7 +17,8 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let description = description::load(&arguments.input)?;
     loading::check_not_read("OUT.glb", output, &description.files)?;
-    let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+    let (scene, mut settings) =
+        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
     settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
     if let Some(list) = &arguments.frames {
         let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;

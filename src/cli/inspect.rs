@@ -38,7 +38,8 @@ impl Inspected {
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
-    let (mut scene, settings) = loading::resolve(description, &arguments.scene, true)?;
+    let (mut scene, settings) =
+        loading::resolve(description, &arguments.scene.options(), &arguments.scene.bakes, true)?;
     scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
     let input = arguments.input.display().to_string();
     let trees = MeshTrees::new(&scene);

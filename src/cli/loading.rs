@@ -3,12 +3,12 @@
 //! that cannot be used is done without.
 
 use super::CliError;
-use super::arguments::SceneArguments;
+use super::arguments::BakeArguments;
 use super::plan::usage;
 use crate::description::{Description, read_regular};
 use crate::diagnostic::readable;
 use crate::frame_file;
-use crate::scene::{self, Baking, RenderSettings, Scene};
+use crate::scene::{self, Baking, RenderSettings, ResolveOptions, Scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::env;
 use std::fs::{self, DirEntry};
@@ -26,10 +26,11 @@ const EXTENSION: &str = "bake";
 /// Resolves an input on the threads that it is called on.
 pub(super) fn resolve(
     description: Description,
-    arguments: &SceneArguments,
+    options: &ResolveOptions,
+    bakes: &BakeArguments,
     told: bool,
 ) -> Result<(Scene, RenderSettings), CliError> {
-    let folder = match arguments.bakes.bake_cache.as_deref() {
+    let folder = match bakes.bake_cache.as_deref() {
         None => user_folder(),
         Some(folder) if folder == Path::new("off") => None,
         Some(folder) => Some(folder.to_owned()),
@@ -59,11 +60,8 @@ pub(super) fn resolve(
         make_room(folder, bytes.len() as u64);
         let _ = frame_file::write_whole(&path, &[bytes]);
     };
-    let scene = scene::resolve_telling(
-        description,
-        &arguments.options(),
-        &Baking { tell: &tell, recall: &recall, keep: &keep },
-    );
+    let scene =
+        scene::resolve_telling(description, options, &Baking { tell: &tell, recall: &recall, keep: &keep });
     if let Some(bar) = bar.get() {
         bar.finish_and_clear();
     }

@@ -3,9 +3,11 @@
 
 mod arguments;
 mod bench;
+mod darkness;
 mod diff;
 mod error;
 mod export;
+mod exposure;
 mod inspect;
 mod live;
 mod loading;

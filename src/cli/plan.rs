@@ -43,7 +43,8 @@ impl Plan {
         }
         let (mut scene, mut settings) = loading::resolve(
             description,
-            &arguments.scene,
+            &arguments.options(),
+            &arguments.scene.bakes,
             matches!(arguments.progress, ProgressArgument::Auto),
         )?;
 
@@ -94,8 +95,10 @@ impl Plan {
             0.0 => String::new(),
             _ => format!(" {:?}", settings.shutter_position),
         };
+        let default_light =
+            arguments.scene.default_light.map_or(String::new(), |light| format!(" {light:?}"));
         let settings_hash = hash(&format!(
-            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}",
+            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}{default_light}",
             settings.frame_rate, settings.shutter, arguments.scene.light_units
         ));
         Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })

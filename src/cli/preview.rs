@@ -3,8 +3,9 @@
 
 use super::arguments::{PreviewArguments, SizeArgument};
 use super::bench::{MOST_PIXELS, fitting};
+use super::darkness::DarkFrames;
 use super::plan::{find_camera, find_frames, resized, usage};
-use super::{CliError, loading, tell};
+use super::{CliError, exposure, loading, tell};
 use crate::description;
 use crate::film::Frame;
 use crate::frame_file::{self, Animation, FrameFileError, Picture};
@@ -55,7 +56,9 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     let frames = find_frames(arguments.frames.as_deref(), &settings)?;
     let frames = source.existing(&frames);
     let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
-    let display = arguments.display.display();
+    let measured = || pool.install(|| source.auto_exposure_stops(&settings)).map_err(failure);
+    let display = exposure::display(&arguments.display, settings.exposure_stops, measured)?;
+    let dark_frames = DarkFrames::default();
     let started = Instant::now();
     let mut kept = Kept::new(&outputs, frames.len(), settings.frame_rate);
     // A frame a thread at a time, so that none waits for another's file.
@@ -64,7 +67,9 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
             let picture = |&frame: &i64| {
                 let path = outputs.pictures.as_ref().map(|pattern| pattern.path(frame));
                 let encode = |reason| FrameFileError::Encode { path: source.path(frame), reason };
-                let picture = Picture::of(&source.frame(frame)?, &display).map_err(encode)?;
+                let shown = source.frame(frame)?;
+                dark_frames.count(frame, shown.darkness());
+                let picture = Picture::of(&shown, &display).map_err(encode)?;
                 path.map_or(Ok(()), |path| picture.write(&path))?;
                 Ok(picture)
             };
@@ -85,6 +90,13 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
         size.width,
         size.height
     ));
+    // Light in fog is not drawn, so where there is some nobody can tell.
+    if let Source::Scene(drawn) = &source
+        && drawn.scene.fogs.is_empty()
+    {
+        let middle_s = |frame: i64| Shutter::of(&drawn.settings, frame as f64).middle_s();
+        dark_frames.tell(&drawn.scene, drawn.camera, middle_s);
+    }
     Ok(())
 }
 
@@ -94,7 +106,8 @@ impl Source {
             return Self::files(arguments);
         }
         let description = description::load(&arguments.input)?;
-        let (scene, mut settings) = loading::resolve(description, &arguments.scene, true)?;
+        let (scene, mut settings) =
+            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
         arguments.scene.check(&scene.remarks)?;
         scene.remarks.told().for_each(|remark| tell(&remark.to_string()));
         settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
@@ -119,6 +132,7 @@ impl Source {
             ("--size", arguments.size.is_some()),
             ("--camera", arguments.camera.is_some()),
             ("--light-units", arguments.scene.light_units.is_some()),
+            ("--default-light", arguments.scene.default_light.is_some()),
         ];
         if let Some((flag, _)) = flags.into_iter().find(|(_, given)| *given) {
             return Err(usage(
@@ -161,16 +175,34 @@ impl Source {
         }
     }
 
+    /// The exposure that the frame in the middle of the input's range asks for.
+    fn auto_exposure_stops(&self, settings: &RenderSettings) -> Result<f64, FrameFileError> {
+        let middle = exposure::reference_frame(&settings.frames);
+        let frame = match self {
+            Self::Scene(drawn) => drawn.draw(middle, exposure::small(drawn.size)),
+            Self::Files(files) => {
+                let (after, before) = (files.keys().find(|frame| **frame >= middle), files.keys().last());
+                self.frame(after.or(before).copied().unwrap_or(middle))?
+            }
+        };
+        Ok(frame.auto_exposure_stops())
+    }
+
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
-            Self::Scene(drawn) => {
-                let Drawn { scene, trees, camera, size, settings, .. } = &**drawn;
-                let aspect = size.width as f64 / size.height as f64;
-                let shutter = Shutter::of(settings, frame as f64);
-                Ok(scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), *size))
-            }
+            Self::Scene(drawn) => Ok(drawn.draw(frame, drawn.size)),
             Self::Files(files) => Ok(frame_file::read(&files[&frame])?.frame),
         }
+    }
+}
+
+impl Drawn {
+    /// A frame of so many pixels, in the shape of the picture.
+    fn draw(&self, frame: i64, size: Size) -> Frame {
+        let Self { scene, trees, camera, settings, .. } = self;
+        let aspect = self.size.width as f64 / self.size.height as f64;
+        let shutter = Shutter::of(settings, frame as f64);
+        scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), size)
     }
 }
 

@@ -42,6 +42,8 @@ struct State {
     begun: usize,
     /// Frames on the disk; one fewer than those rendered while the last is being written.
     written: usize,
+    /// Of the noisiest frame.
+    most_noise: Option<f64>,
     fraction: f64,
     first_begun: Option<Instant>,
     /// The last whole per cent told; machines need not hear of less.
@@ -71,6 +73,7 @@ impl Progress {
             skipped: 0,
             begun: 0,
             written: 0,
+            most_noise: None,
             fraction: 0.0,
             first_begun: None,
             percent_told: None,
@@ -123,11 +126,7 @@ impl Progress {
             Event::FrameStarted { .. } | Event::FrameProgress { .. } | Event::FrameSkipped { .. } => {
                 bar.set_position((state.done() * STEPS_PER_FRAME) as u64);
                 let frame = state.skipped + state.begun;
-                let error = match event {
-                    Event::FrameProgress { progress, .. } => error(progress.error),
-                    _ => String::new(),
-                };
-                bar.set_message(format!("frame {frame} of {}{error}{}", state.frames, state.time_left()));
+                bar.set_message(format!("frame {frame} of {}{}", state.frames, state.time_left()));
             }
             Event::FrameWritten { clamped: 0, .. } => {}
             Event::FrameWritten { .. }
@@ -138,9 +137,11 @@ impl Progress {
                     bar.println(line);
                 }
             }
-            Event::Finished(summary) => {
+            Event::Finished(_) => {
                 bar.finish_and_clear();
-                state.line(&summary.to_string());
+                if let Some(line) = state.sentence(event) {
+                    state.line(&line);
+                }
             }
         }
     }
@@ -168,7 +169,11 @@ impl State {
             // Threads may tell of their shares out of order.
             Event::FrameProgress { progress, .. } => self.fraction = self.fraction.max(progress.fraction),
             Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
-            Event::FrameWritten { .. } => self.written += 1,
+            Event::FrameWritten { statistics, .. } => {
+                self.written += 1;
+                let noises = self.most_noise.into_iter().chain(statistics.noise);
+                self.most_noise = noises.reduce(f64::max);
+            }
             Event::FrameGivenUp { .. } => self.fraction = 1.0,
             Event::AbandonedRemoved { .. } | Event::PreviewOmitted { .. } | Event::Finished(_) => {}
         }
@@ -192,9 +197,10 @@ impl State {
         std::mem::replace(&mut self.percent_told, percent) != percent
     }
 
-    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis.
+    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis, and nothing at the end.
     fn time_left(&self) -> String {
-        let Some(first_begun) = self.first_begun.filter(|_| self.rendered() > 0.0) else {
+        let is_under_way = self.rendered() > 0.0 && self.skipped + self.written < self.frames;
+        let Some(first_begun) = self.first_begun.filter(|_| is_under_way) else {
             return String::new();
         };
         let seconds_per_frame = first_begun.elapsed().as_secs_f64() / self.rendered();
@@ -217,7 +223,7 @@ impl State {
                 let count = format!("{} of {}", self.skipped + self.written, self.frames);
                 let path = path.display();
                 format!(
-                    "frame {frame} written to {path}, {seconds:.1} s{} ({count}{}){clamping}",
+                    "frame {frame} written to {path} in {seconds:.1} s{} ({count}{}){clamping}",
                     quality(statistics),
                     self.time_left()
                 )
@@ -225,7 +231,11 @@ impl State {
             Event::AbandonedRemoved { path } => {
                 format!("removed {}, left behind by a run that was killed", path.display())
             }
-            Event::Finished(summary) => summary.to_string(),
+            Event::Finished(summary) => match self.most_noise {
+                Some(most) if summary.written > 1 => format!("{summary}; noise up to {}", percent(most)),
+                Some(most) => format!("{summary}; noise {}", percent(most)),
+                None => summary.to_string(),
+            },
             Event::Started { .. } | Event::FrameStarted { .. } | Event::FrameProgress { .. } => return None,
         })
     }
@@ -255,9 +265,9 @@ fn as_json(event: &Event) -> Value {
         Event::FrameGivenUp { frame, seconds } => {
             json!({ "event": "frame_given_up", "frame": frame, "seconds": seconds })
         }
-        Event::FrameWritten { frame, path, seconds, clamped, statistics, .. } => json!({
+        Event::FrameWritten { frame, path, seconds, clamped, dark, statistics, .. } => json!({
             "event": "frame_written", "frame": frame, "path": path.to_string_lossy(), "seconds": seconds,
-            "clamped": clamped, "error": statistics.error,
+            "clamped": clamped, "error": statistics.error, "noise": statistics.noise, "dark": dark.is_some(),
         }),
         Event::Finished(Summary {
             written,
@@ -278,19 +288,22 @@ fn as_json(event: &Event) -> Value {
     }
 }
 
-/// `, error 1.8 %`: the largest that some block of pixels is estimated to have, where there is an estimate.
-fn error(error: Option<f64>) -> String {
-    error.map_or_else(String::new, |error| format!(", error {:.2} %", 100.0 * error))
+/// `, noise 1.8 %`, where there is an estimate, and how much of the frame the tolerance had no samples left for.
+fn quality(statistics: &Statistics) -> String {
+    let Statistics { blocks, unconverged_blocks, noise, .. } = statistics;
+    let noise = noise.map_or_else(String::new, |noise| format!(", noise {}", percent(noise)));
+    match unconverged_blocks {
+        0 => noise,
+        _ => {
+            let part = percent(*unconverged_blocks as f64 / *blocks as f64);
+            format!("{noise}, {part} of the picture noisier than asked for: it had all --samples it may have")
+        }
+    }
 }
 
-/// The same of a finished frame, and how many blocks the tolerance had no samples left for.
-fn quality(statistics: &Statistics) -> String {
-    let Statistics { blocks, unconverged_blocks, .. } = statistics;
-    let above = match unconverged_blocks {
-        0 => String::new(),
-        _ => format!(", {unconverged_blocks} of {blocks} blocks above the tolerance"),
-    };
-    error(statistics.error) + &above
+/// A share as people say it.
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
 }
 
 /// Seconds as people say them.
@@ -335,8 +348,10 @@ mod tests {
             seconds: 0.5,
             write_seconds: 0.1,
             clamped: 0,
+            dark: None,
             statistics: Statistics {
-                error: Some(0.018),
+                error: Some(0.3),
+                noise: Some(0.018),
                 blocks: 9,
                 unconverged_blocks: 2,
                 ..Statistics::default()
@@ -374,11 +389,11 @@ mod tests {
         let lines = lines(ProgressStyle::Plain);
         assert_eq!(lines.len(), 4, "{lines:#?}");
         assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
-        let start = "frame 2 written to x.2.exr, 0.5 s, error 1.80 %, 2 of 9 blocks above the tolerance (2 of 4, about ";
+        let start = "frame 2 written to x.2.exr in 0.5 s, noise 1.8 %, 22.2 % of the picture noisier than asked for: it had all --samples it may have (2 of 4, about ";
         assert!(lines[1].starts_with(start), "{}", lines[1]);
         assert_eq!(
             lines[3],
-            "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go"
+            "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go; noise up to 1.8 %"
         );
     }
 

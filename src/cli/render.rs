@@ -2,12 +2,13 @@
 //! the frames are, how long they took and what was skipped.
 
 use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipArgument};
+use super::darkness::DarkFrames;
 use super::live::Live;
 use super::plan::Plan;
 use super::progress::{Progress, ProgressStyle};
 use super::signals::Stop;
 use super::stats::Stats;
-use super::{CliError, answer, tell};
+use super::{CliError, answer, exposure, tell};
 use crate::film::Frame;
 use crate::frame_file::Provenance;
 use crate::render::{self, Rendered, Watch};
@@ -39,6 +40,11 @@ pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliErr
         ProgressArgument::Openjd => ProgressStyle::OpenJd,
         ProgressArgument::None => ProgressStyle::None,
     });
+    let trees = MeshTrees::new(&plan.scene);
+    let measured = || Ok::<f64, CliError>(pool.install(|| plan.auto_exposure_stops(&trees)));
+    let display = arguments.preview.map(|PreviewArgument::Png| {
+        exposure::display(&arguments.display, plan.settings.exposure_stops, measured)
+    });
     let job = Job {
         frames: &plan.frames,
         output: &plan.output,
@@ -47,10 +53,10 @@ pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliErr
             SkipArgument::Exists => Skip::Exists,
             SkipArgument::None => Skip::None,
         },
-        preview: arguments.preview.map(|PreviewArgument::Png| arguments.display.display()),
+        preview: display.transpose()?,
         stop: &stop.flag,
     };
-    let trees = MeshTrees::new(&plan.scene);
+    let dark_frames = DarkFrames::default();
     let mut still_frame: Option<Rendered> = None;
     let rendered = sequence::run(
         job,
@@ -95,9 +101,11 @@ pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliErr
         &|event| {
             progress.report(&event);
             stats.report(&event);
+            dark_frames.report(&event);
         },
     );
     let summary = rendered.map_err(CliError::from)?;
+    dark_frames.tell_of(&plan);
     if let Some(number) = stop.signal().filter(|_| summary.stopped) {
         return Err(CliError::Signal(number));
     }

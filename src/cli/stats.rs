@@ -79,7 +79,7 @@ impl Stats {
 
 fn line(event: &Event) -> Option<Value> {
     Some(match event {
-        Event::FrameWritten { frame, seconds, write_seconds, clamped, statistics, .. } => {
+        Event::FrameWritten { frame, seconds, write_seconds, clamped, dark, statistics, .. } => {
             let Statistics {
                 samples,
                 passes,
@@ -89,13 +89,14 @@ fn line(event: &Event) -> Option<Value> {
                 blocks,
                 unconverged_blocks,
                 error,
+                noise,
             } = statistics;
             json!({
                 "frame": frame, "outcome": "written", "render_seconds": seconds, "write_seconds": write_seconds,
                 "method": if *from_slices { "slices" } else { "rays" }, "slices": slices, "segments": segments,
                 "peak_memory_bytes": peak_memory_bytes(),
                 "samples": samples, "passes": passes, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
-                "error": error, "clamped": clamped,
+                "error": error, "noise": noise, "clamped": clamped, "dark": dark.is_some(),
             })
         }
         Event::FrameGivenUp { frame, seconds } => {

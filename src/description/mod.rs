@@ -40,6 +40,24 @@ pub enum SceneSource {
     Gltf(gltf::GltfScene),
 }
 
+impl SceneSource {
+    /// The scene's own file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Ron(scene) => &scene.path,
+            Self::Gltf(scene) => &scene.path,
+        }
+    }
+
+    /// Whether files of its format mostly hold shapes alone, so that a scene of such a file is lit where it has no light.
+    pub fn is_bare(&self) -> bool {
+        match self {
+            Self::Ron(scene) => scene.is_mesh_alone,
+            Self::Gltf(_) => true,
+        }
+    }
+}
+
 /// Why an input could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
@@ -74,7 +92,7 @@ impl From<Diagnostic> for LoadError {
     }
 }
 
-/// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`.
+/// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`.
 ///
 /// # Errors
 /// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with everything wrong that was found.
@@ -99,6 +117,7 @@ fn load_scene(path: &Path, files: &mut Files) -> Result<SceneSource, LoadError> 
     match extension(path).as_str() {
         "ron" => ron::load_scene(path, files).map(SceneSource::Ron),
         "glb" | "gltf" => gltf::load(path, files).map(SceneSource::Gltf),
+        "obj" => ron::load_mesh_alone(path, files).map(SceneSource::Ron),
         other => Err(not_a_scene(path, other)),
     }
 }
@@ -115,7 +134,7 @@ fn not_a_scene(path: &Path, extension: &str) -> LoadError {
         _ => format!("the extension `{extension}` is not one that is read"),
     };
     Diagnostic::error(Place::File(path.to_owned()), found)
-        .expected("a .ron, .glb or .gltf file")
+        .expected("a .ron, .glb, .gltf or .obj file")
         .remedy("name such a file; export a scene as .glb, or describe it in RON (docs/scene-format.md)")
         .into()
 }

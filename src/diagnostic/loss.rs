@@ -83,6 +83,7 @@ losses! {
     NegativeRadiance "negative-radiance" "radiances below 0 in images of skies count as 0"
     NoLight "no-light" "nothing lights the scene"
     ClippingPlanes "clipping-planes" "clipping planes that leave nothing between them are ignored"
+    DarkFrame "dark-frame" "frames are next to black, they are written as they are"
     ApertureOrthographic "aperture-orthographic" "an aperture of orthographic cameras is not honoured, all is in focus"
     ShutterInstant "shutter-instant" "a shutter that opens for an instant does so at the frame"
     MotionBlurMoments "motion-blur-moments" "motion blur is drawn from fewer moments of the shutter"

@@ -4,6 +4,7 @@
 //! sample or weights that add up to a known total.
 
 mod blocks;
+mod brightness;
 mod estimate;
 pub mod filter;
 mod frame;
@@ -23,6 +24,7 @@ use rayon::prelude::*;
 use splats::{BEAUTY, Band, KeptPasses, MOST_CHANNELS, SplatPlace};
 
 pub use blocks::{BLOCK_SIDE, Blocks};
+pub use brightness::Dark;
 pub use estimate::{BlockEstimate, PixelEstimate};
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
 pub use mask::Mask;

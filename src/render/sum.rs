@@ -58,6 +58,12 @@ impl Sum {
         let errors: Vec<f64> = (0..blocks.count())
             .map(|block| relative_error(self.variances[block], mean_luminance(&frame, blocks, block), survey))
             .collect();
+        let within = Blocks::covering(job.window, job.size);
+        let is_within = |&block: &usize| {
+            let at = blocks.pixels(block);
+            within.index(at.x, at.y).is_some()
+        };
+        let noise = self.noise(&frame, blocks, (0..blocks.count()).filter(is_within));
         let mut frame = frame.part(job.window);
         if job.passes.contains(&Pass::Error) {
             let pixels = job
@@ -66,11 +72,6 @@ impl Sum {
                 .map(|(x, y)| blocks.index(x, y).map_or(0.0, |block| errors[block] as f32));
             frame.channels.push(Channel::new("error.Y", Precision::Half, pixels.collect()));
         }
-        let within = Blocks::covering(job.window, job.size);
-        let is_within = |&block: &usize| {
-            let at = blocks.pixels(block);
-            within.index(at.x, at.y).is_some()
-        };
         let judged = (0..blocks.count()).filter(is_within).map(|block| errors[block]);
         let statistics = &mut self.statistics;
         statistics.blocks = within.count();
@@ -78,7 +79,24 @@ impl Sum {
             statistics.unconverged_blocks = judged.clone().filter(|error| *error > tolerance).count();
         }
         statistics.error = Some(judged.fold(0.0, f64::max));
+        statistics.noise = Some(noise);
         Rendered { frame, statistics: self.statistics }
+    }
+}
+
+impl Sum {
+    /// Root mean square of the standard error over some blocks, as a share of their mean; a block of which nothing is known errs by all of its light.
+    fn noise(&self, frame: &Frame, blocks: &Blocks, of: impl Iterator<Item = usize>) -> f64 {
+        let (mut squares, mut light, mut pixels) = (0.0, 0.0, 0.0);
+        for block in of {
+            let window = blocks.pixels(block);
+            let (count, luminance) =
+                ((window.width * window.height) as f64, mean_luminance(frame, blocks, block));
+            let variance = self.variances[block];
+            squares += count * if variance.is_finite() { variance } else { luminance * luminance };
+            (light, pixels) = (light + count * luminance, pixels + count);
+        }
+        if light > 0.0 { (squares * pixels).sqrt() / light } else { 0.0 }
     }
 }
 

@@ -4,6 +4,9 @@
 
 mod baking;
 mod camera;
+mod darkness;
+mod default_light;
+mod default_view;
 mod deformation;
 mod disc_picture;
 mod fall;
@@ -33,6 +36,7 @@ use std::sync::Arc;
 
 pub use baking::Baking;
 pub use camera::{Aperture, Camera, Clip, Lens};
+pub use darkness::{DarkCause, dark_cause};
 pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, Pose, Shape, Skin};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
@@ -67,6 +71,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
+    /// What the lights of a glTF file were taken to be measured in, if it has any.
+    pub light_units: Option<LightUnits>,
     /// Banks of fog.
     pub fogs: Vec<Fog>,
     /// Radiance of rays that leave the scene, W m^-2 sr^-1; it lights nothing.

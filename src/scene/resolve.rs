@@ -1,9 +1,12 @@
 //! A [`Description`] in, a [`Scene`] and its [`RenderSettings`] out. Invariant: what cannot be
 //! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
 
-use super::{Baking, MOST_FOGS, RenderSettings, Scene, from_gltf, from_ron, limits};
+use super::{
+    Baking, FrameRate, MOST_FOGS, RenderSettings, Scene, Size, darkness, default_light, default_view,
+    from_gltf, from_ron, limits,
+};
 use crate::description::{Description, SceneSource};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 
 /// Which photometric units a glTF file's lights are in; the file does not say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +24,26 @@ pub enum LightUnits {
 pub struct ResolveOptions {
     /// What the lights of a glTF file are measured in, whatever it says.
     pub light_units: Option<LightUnits>,
+    /// Leaves inputs dark that have no light.
+    pub no_default_light: bool,
+    /// What is rendered instead of what the input says; a camera and light that are made up depend on it.
+    pub size: Option<Size>,
+    /// See `size`.
+    pub frame_rate: Option<FrameRate>,
+    /// See `size`.
+    pub camera: Option<String>,
+}
+
+impl ResolveOptions {
+    /// The input's settings as far as a made-up camera and light depend on them, as they are rendered.
+    fn overrule(&self, settings: &RenderSettings) -> RenderSettings {
+        RenderSettings {
+            size: self.size.unwrap_or(settings.size),
+            frame_rate: self.frame_rate.unwrap_or(settings.frame_rate),
+            camera: self.camera.clone().or(settings.camera.clone()),
+            ..settings.clone()
+        }
+    }
 }
 
 /// Resolves everything once. `light_units` overrides what a glTF file says of its lights.
@@ -31,7 +54,8 @@ pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
-    resolve_telling(description, &ResolveOptions { light_units }, &Baking::ALONE)
+    let options = ResolveOptions { light_units, ..ResolveOptions::default() };
+    resolve_telling(description, &options, &Baking::ALONE)
 }
 
 /// The same, on the threads that it is called on; falls that take their time are told of and kept.
@@ -44,19 +68,27 @@ pub fn resolve_telling(
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let (path, file) = (description.path.clone(), Place::File(description.path));
-    let (scene, settings) = match description.scene {
-        SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence, baking)?,
-        SceneSource::Gltf(scene) => {
-            let (scene, settings) = from_gltf::resolve(scene, options)?;
-            match description.sequence {
-                None => (scene, settings),
-                Some(sequence) => {
-                    let settings = from_ron::apply_sequence(sequence, &scene, settings)?;
-                    (scene, settings)
-                }
-            }
-        }
+    let (is_bare, scene_file) =
+        (description.scene.is_bare(), Place::File(description.scene.path().to_owned()));
+    let (mut scene, mut settings) = match description.scene {
+        SceneSource::Ron(scene) => from_ron::resolve(scene, baking)?,
+        SceneSource::Gltf(scene) => from_gltf::resolve(scene, options)?,
     };
+    // A sequence may name it, and says what it has to show.
+    let has_made_up_camera = default_view::add(&mut scene);
+    if let Some(sequence) = description.sequence {
+        settings = from_ron::apply_sequence(sequence, &scene, settings)?;
+    }
+    let rendered = options.overrule(&settings);
+    if has_made_up_camera {
+        default_view::aim(&mut scene, &rendered);
+        scene.remarks.push(camera_made_up(&scene_file));
+    }
+    if is_bare {
+        light_up(&mut scene, &rendered, options, &scene_file);
+    }
+    let first_s = rendered.frame_rate.seconds(*rendered.frames.start() as f64);
+    scene.remarks.0.extend(darkness::remark(&scene, first_s, scene_file));
     if scene.fogs.len() > MOST_FOGS {
         let found = format!("there are {} banks of fog", scene.fogs.len());
         let error = Diagnostic::error(file, found)
@@ -66,4 +98,25 @@ pub fn resolve_telling(
     }
     limits::check(&scene, &path)?;
     Ok((scene, settings))
+}
+
+fn camera_made_up(file: &Place) -> Diagnostic {
+    let found =
+        "the scene has no camera: one is made up, at three quarters, that sees all of it in every frame";
+    Diagnostic::choice(file.clone(), found)
+}
+
+/// Lights an input of a format in which most files have no light.
+fn light_up(scene: &mut Scene, settings: &RenderSettings, options: &ResolveOptions, file: &Place) {
+    if default_light::is_wanted(scene) {
+        if !options.no_default_light {
+            default_light::add(scene, settings);
+            let found = "the scene has no light: a sun behind the camera and an even sky light it (--default-light off leaves it dark)";
+            scene.remarks.push(Diagnostic::choice(file.clone(), found));
+        }
+    } else if scene.lights.is_empty() && scene.sky.is_none() {
+        let found = "the scene has a background and no light";
+        let remedy = "export with lights, or let the background light surfaces: `lights` of `sunfleck_env`";
+        scene.remarks.push(Diagnostic::warning(Loss::NoLight, file.clone(), found).remedy(remedy));
+    }
 }

@@ -238,6 +238,8 @@ pub struct RenderSettings {
     pub shutter: f64,
     /// From the frame to the middle of that time, in parts of it: 0 is centred on the frame, 0.5 opens at it.
     pub shutter_position: f64,
+    /// By how many powers of two pictures for eyes are brightened, -100 to 100; `None` leaves it to what they show. Frames know nothing of it.
+    pub exposure_stops: Option<f64>,
     /// How often light may be reflected by mirrors, `0..`.
     pub mirror_depth: u32,
     /// The stepped method's two knobs, metres: how deep the image plane is moved, and by how much a step.
@@ -268,6 +270,7 @@ impl Default for RenderSettings {
             seed: 0,
             shutter: 0.0,
             shutter_position: 0.0,
+            exposure_stops: None,
             mirror_depth: 4,
             march_depth_m: 10.0,
             march_step_m: 0.1,

@@ -1,6 +1,7 @@
 //! What happens during a run, for those who watch. Invariant: every frame of the list ends in
 //! exactly one of skipped, written, given up or none of them, and the summary counts them.
 
+use crate::film::Dark;
 use crate::render::{Progress, Statistics};
 use std::fmt;
 use std::path::PathBuf;
@@ -63,6 +64,8 @@ pub enum Event {
         write_seconds: f64,
         /// Values that were too large for half precision and stored as the largest half.
         clamped: usize,
+        /// Whether next to nothing is seen on it.
+        dark: Option<Dark>,
         /// What it took, and how good it is.
         statistics: Statistics,
     },

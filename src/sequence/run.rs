@@ -213,7 +213,7 @@ fn write_all<E>(
         if defects.are_fatal() {
             return Err(SequenceError::Defective { frame, defects });
         }
-        let write_started = Instant::now();
+        let (dark, write_started) = (picture.darkness(), Instant::now());
         let path = job.output.path(frame);
         let write_error = |source| SequenceError::Write { frame, source };
         frame_file::write(&path, &picture, &provenance).map_err(write_error)?;
@@ -223,7 +223,7 @@ fn write_all<E>(
         written += 1;
         let clamped = defects.clamped.count;
         let write_seconds = write_started.elapsed().as_secs_f64();
-        report(Event::FrameWritten { frame, path, seconds, write_seconds, clamped, statistics });
+        report(Event::FrameWritten { frame, path, seconds, write_seconds, clamped, dark, statistics });
     }
     Ok(written)
 }

@@ -41,7 +41,7 @@ fn a_scene_by_itself_has_every_frame() {
 fn a_frame_says_how_good_it_is() {
     let studio = Studio::new();
     let outcome = studio.succeed("render tiny.ron --tolerance 0.2 --passes error --frames 1 --out a.exr");
-    assert!(outcome.err.contains(" s, error "), "{}", outcome.err);
+    assert!(outcome.err.contains(" s, noise "), "{}", outcome.err);
     let file = studio.frame("a.exr");
     assert_eq!(file.attributes.get("sunfleck:tolerance"), Some("0.2"));
     let errors = &file.frame.channel("error.Y").unwrap().pixels;

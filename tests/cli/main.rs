@@ -5,6 +5,7 @@ mod bench;
 mod documentation;
 mod extras;
 mod failures;
+mod first_sight;
 mod frames;
 mod interruption;
 mod live;

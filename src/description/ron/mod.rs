@@ -32,7 +32,7 @@ pub use named::Named;
 pub use number::{
     Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart,
     LeafLength, NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain,
-    Triple, UnitInterval, Vector, Whole,
+    Stops, Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, Pass, PixelFilter, SequenceFields};
@@ -69,6 +69,8 @@ pub struct LoadedScene {
     pub normal_maps: BTreeMap<PathBuf, DecodedImage>,
     /// The image that the sky shows.
     pub sky_image: Option<DecodedImage>,
+    /// Whether nobody wrote it: a mesh was to be rendered by itself. Then it has neither camera nor light.
+    pub is_mesh_alone: bool,
 }
 
 /// What a RON file turned out to be.
@@ -111,6 +113,24 @@ pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadErr
                 .into())
         }
     }
+}
+
+/// A scene of nothing but an OBJ file, which is at the origin as it is.
+///
+/// # Errors
+/// [`LoadError`] if a file cannot be read, or does not hold what it should.
+pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mesh = Mesh::Obj(path.file_name().unwrap_or_default().into());
+    let scene =
+        references::load(path, SceneFile::of_mesh(&name, mesh), files).map_err(|error| match error {
+            // Nobody but the user asked for it.
+            LoadError::Io { path: missing, source, .. } if missing == path => {
+                LoadError::Io { path: missing, referrer: None, source }
+            }
+            error => error,
+        })?;
+    Ok(LoadedScene { is_mesh_alone: true, ..scene })
 }
 
 /// `path`, which `file` writes relative to its own folder.

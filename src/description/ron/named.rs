@@ -17,6 +17,11 @@ impl<T> Default for Named<T> {
 }
 
 impl<T> Named<T> {
+    /// A single thing.
+    pub(super) fn one(name: &str, thing: T) -> Self {
+        Self(vec![(name.to_owned(), thing)])
+    }
+
     /// Names and things, in the author's order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (&str, &T)> {
         self.0.iter().map(|(name, thing)| (name.as_str(), thing))

@@ -34,6 +34,9 @@ pub enum UnitInterval {}
 /// More than 0, at most 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RelativeError {}
+/// Powers of two by which light is multiplied: within 100 of 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stops {}
 /// Between -1 and 1, both excluded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anisotropy {}
@@ -95,6 +98,13 @@ impl Range for RelativeError {
     const EXPECTED: &'static str = "a relative error greater than 0 and at most 1, such as 0.02 for 2 %";
     fn contains(value: f64) -> bool {
         0.0 < value && value <= 1.0
+    }
+}
+
+impl Range for Stops {
+    const EXPECTED: &'static str = "powers of two from -100 to 100, such as 1 for twice as bright";
+    fn contains(value: f64) -> bool {
+        value.abs() <= 100.0
     }
 }
 

@@ -55,8 +55,17 @@ pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<Lo
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
-    let path = path.to_owned();
-    Ok(LoadedScene { path, file, models, images, obj_pictures, sun_images, normal_maps, sky_image })
+    Ok(LoadedScene {
+        path: path.to_owned(),
+        file,
+        models,
+        images,
+        obj_pictures,
+        sun_images,
+        normal_maps,
+        sky_image,
+        is_mesh_alone: false,
+    })
 }
 
 /// Names of what takes part in the picture.

@@ -52,6 +52,35 @@ pub struct SceneFile {
     pub background_w_per_m2_sr: Triple<NonNegative>,
 }
 
+impl SceneFile {
+    /// A scene of nothing but a mesh.
+    pub(super) fn of_mesh(name: &str, mesh: Mesh) -> Self {
+        let object = Object {
+            mesh: Some(name.to_owned()),
+            material: None,
+            parent: None,
+            translation_m: origin(),
+            rotation_deg: None,
+            rotation_quaternion: None,
+            scale: natural_size(),
+            visible: seen(),
+        };
+        Self {
+            version: Version,
+            meshes: Named::one(name, mesh),
+            materials: Named::default(),
+            objects: Named::one(name, object),
+            leaves: Named::default(),
+            fall: Named::default(),
+            cameras: Named::default(),
+            lights: Named::default(),
+            fog: Named::default(),
+            sky: None,
+            background_w_per_m2_sr: black(),
+        }
+    }
+}
+
 /// A shape.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

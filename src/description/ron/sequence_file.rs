@@ -1,7 +1,7 @@
 //! What a sequence file holds: how to render a scene, never what is in it. Invariant: every field
 //! but the version and the scene may be left out; what is left out is the scene's business.
 
-use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Whole};
+use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Stops, Whole};
 use super::version::Version;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::fmt;
@@ -37,6 +37,8 @@ pub struct SequenceFields {
     pub shutter_frames: Option<Number<NonNegative>>,
     /// Where in that time the frame lies: centred at 0, opened at 0.5, closed at -0.5.
     pub shutter_position: Option<Number<Finite>>,
+    /// Brightens pictures for eyes by so many powers of two.
+    pub exposure: Option<Number<Stops>>,
     /// How often mirrors may reflect.
     pub mirror_depth: Option<Whole<0, 64>>,
     /// The stepped method's image plane.

@@ -1,17 +1,14 @@
-//! Cameras. Invariant: there is at least one; a file without gets one that shows the whole scene.
+//! Cameras. Invariant: one for every node of the scene that holds one, in the order of the nodes.
 
 use super::Builder;
 use super::extras::{self, Sunfleck};
 use crate::description::gltf::{self, Property};
-use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Node, RenderSettings, Track};
-use glam::{DVec2, DVec3};
+use crate::diagnostic::Loss;
+use crate::scene::{Aperture, Camera, Clip, Lens, RenderSettings, Track};
+use glam::DVec2;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-
-/// Vertical field of view of a camera of our own making, radians.
-const DEFAULT_FOV_Y: f64 = 0.7;
 
 /// Shifts of lenses beyond this are refused.
 const MOST_SHIFT: f64 = 100.0;
@@ -66,9 +63,6 @@ impl Builder<'_> {
         let aspect = seen_by.get(chosen).and_then(|camera| camera.lens.aspect());
         if let Some(aspect) = aspect.filter(|_| sunfleck.resolution.is_none()) {
             settings.size.width = ((settings.size.height as f64 * aspect).round() as usize).clamp(1, 65536);
-        }
-        if self.scene.cameras.is_empty() {
-            self.add_default_camera(settings);
         }
     }
 
@@ -140,44 +134,5 @@ impl Builder<'_> {
         let path = format!("scenes[{}].extras.sunfleck.camera", self.source.scene);
         self.report.error(path, format!("there is no camera `{name}`"), &expected);
         0
-    }
-
-    fn add_default_camera(&mut self, settings: &RenderSettings) {
-        let time_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
-        let placements = self.scene.placements(time_s);
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for instance in &self.scene.instances {
-            let (positions, world_from_mesh) = self.scene.vertices(instance, &placements, time_s);
-            for position in positions.iter() {
-                let position = world_from_mesh.transform_point3(position.as_dvec3());
-                if position.is_finite() {
-                    (low, high) = (low.min(position), high.max(position));
-                }
-            }
-        }
-        let (center, radius) = if low.x <= high.x {
-            ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3))
-        } else {
-            (DVec3::ZERO, 1.0)
-        };
-        let distance = radius / (DEFAULT_FOV_Y / 2.0).sin();
-        let position = center + DVec3::new(0.0, 0.3, 1.0).normalize() * distance;
-        let node = self.scene.nodes.len();
-        self.scene.nodes.push(Node {
-            name: String::from("camera"),
-            parent: None,
-            motion: Motion::Aimed { position: position.into(), target: center.into(), up: DVec3::Y.into() },
-            visible: Track::from(true),
-        });
-        let lens = Lens::Perspective { fov_y: Track::from(DEFAULT_FOV_Y) };
-        let (name, shift) = (String::from("camera"), DVec2::ZERO);
-        self.scene.cameras.push(Camera { name, node, lens, shift, aperture: None, clip: Clip::NONE });
-        self.report.push(
-            Diagnostic::choice(
-                self.report.at("cameras"),
-                "the scene has no camera, one that shows all of it is made up",
-            )
-            .remedy("export with cameras (Blender: Include > Cameras; off by default)"),
-        );
     }
 }

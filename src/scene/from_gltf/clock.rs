@@ -113,6 +113,14 @@ pub(super) fn settings(
         }
         fits
     });
+    settings.exposure_stops = sunfleck.exposure.filter(|&stops| {
+        let fits = stops.abs() <= 100.0;
+        if !fits {
+            let expected = "powers of two from -100 to 100, such as 1 for twice as bright";
+            report.error(at("exposure"), format!("{stops} is not usable"), expected);
+        }
+        fits
+    });
     settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
     if end < start {
         report.error(at("frame_end"), format!("frame {end} comes before frame {start}"), "the last frame");

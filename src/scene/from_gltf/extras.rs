@@ -37,6 +37,8 @@ pub(super) struct Sunfleck {
     pub(super) tolerance: Option<f64>,
     /// As the command line names it.
     pub(super) filter: Option<String>,
+    /// In powers of two, of pictures for eyes.
+    pub(super) exposure: Option<f64>,
     pub(super) seed: Option<f64>,
     pub(super) mirror_depth: Option<f64>,
     /// As the command line names them.

@@ -27,6 +27,7 @@ impl Builder<'_> {
                 self.add_area_light(&node.name, number, &extras, &path);
             }
         }
+        self.scene.light_units = any.then_some(units);
         if any && asked.is_none() && in_extras.is_none() {
             self.report.push(
                 Diagnostic::note(

@@ -30,7 +30,7 @@ use super::{
 use crate::color::Rgb;
 use crate::description::image::DecodedImage;
 use crate::description::obj::{ObjModel, ObjPicture};
-use crate::description::ron::{self, LoadedScene, SceneFile, SequenceFile};
+use crate::description::ron::{self, LoadedScene, SceneFile};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
 use glam::DVec2;
 use problems::Problems;
@@ -44,15 +44,20 @@ pub(super) use sequence::apply_sequence;
 /// Full vertical field of view of a camera that has none of its own.
 const DEFAULT_FOV_DEG: f64 = 45.0;
 
-/// Resolves a scene, and the sequence that wraps it if there is one.
-pub(super) fn resolve(
-    loaded: LoadedScene,
-    sequence: Option<SequenceFile>,
-    baking: &Baking,
-) -> Result<(Scene, RenderSettings), Diagnostics> {
+/// Resolves a scene.
+pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
-    let LoadedScene { path, file, mut models, images, obj_pictures, sun_images, normal_maps, sky_image } =
-        loaded;
+    let LoadedScene {
+        path,
+        file,
+        mut models,
+        images,
+        obj_pictures,
+        sun_images,
+        normal_maps,
+        sky_image,
+        is_mesh_alone,
+    } = loaded;
     let mut resolver = Resolver::new(&path, &file, &models);
     resolver.scene.background = file.background_w_per_m2_sr.si();
     resolver.sky_image = sky_image;
@@ -75,23 +80,21 @@ pub(super) fn resolve(
         resolver.leaves(name, block);
     }
     resolver.falls(baking);
-    resolver.cameras();
-    resolver.lights();
+    if !is_mesh_alone {
+        resolver.cameras();
+        resolver.lights();
+    }
     resolver.check_number_of_sun_pictures();
     resolver.fogs();
     resolver.sky();
+    if !is_mesh_alone {
+        resolver.remark_no_light();
+    }
     let (mut scene, problems) = resolver.finish();
     for model in models.values_mut() {
         scene.remarks.0.append(&mut model.remarks.0);
     }
-    let scene = problems.unless_any(scene)?;
-    match sequence {
-        None => Ok((scene, settings)),
-        Some(sequence) => {
-            let settings = apply_sequence(sequence, &scene, settings)?;
-            Ok((scene, settings))
-        }
-    }
+    problems.unless_any((scene, settings))
 }
 
 fn texture(path: &Path, image: DecodedImage) -> Texture {
@@ -375,14 +378,19 @@ impl<'a> Resolver<'a> {
         self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), up)
     }
 
+    fn remark_no_light(&mut self) {
+        if self.scene.lights.is_empty() && self.scene.sky.is_none() {
+            let place = self.problems.place("lights");
+            let remedy = "add `lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: (3.0, 3.0, 3.0)) }`";
+            let remark = Diagnostic::warning(Loss::NoLight, place, "the scene has no light").remedy(remedy);
+            self.scene.remarks.push(remark);
+        }
+    }
+
     fn finish(mut self) -> (Scene, Problems) {
         for name in self.file.meshes.names().filter(|name| !self.meshes.contains_key(name)) {
             let place = self.problems.place(&format!("meshes.{name}"));
             self.scene.remarks.push(Diagnostic::note(place, "nothing seen uses this mesh; skipped"));
-        }
-        if self.scene.lights.is_empty() {
-            let place = self.problems.place("lights");
-            self.scene.remarks.push(Diagnostic::warning(Loss::NoLight, place, "the scene has no light"));
         }
         self.scene.remarks.0.extend(self.outlines.remark(self.problems.place("meshes")));
         (self.scene, self.problems)

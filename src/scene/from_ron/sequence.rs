@@ -67,6 +67,7 @@ pub(in crate::scene) fn apply_sequence(
     settings.seed = fields.seed.unwrap_or(settings.seed);
     settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
     settings.shutter_position = fields.shutter_position.map_or(settings.shutter_position, |at| at.si());
+    settings.exposure_stops = fields.exposure.map(|stops| stops.si()).or(settings.exposure_stops);
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
     problems.unless_any(settings)
 }

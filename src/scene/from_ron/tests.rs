@@ -10,7 +10,7 @@ fn resolved(fields: &str) -> Scene {
     let path = folder.path().join("scene.ron");
     std::fs::write(&path, format!("Scene(version: 1, cameras: {{ \"main\": () }}, {fields})")).unwrap();
     let loaded = ron::load_scene(&path, &mut Files::default()).unwrap();
-    resolve(loaded, None, &Baking::ALONE).unwrap().0
+    resolve(loaded, &Baking::ALONE).unwrap().0
 }
 
 const LEAF: &str = r#"meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.05) },"#;
@@ -48,8 +48,7 @@ fn light_comes_through_in_the_colours_of_its_own_texture_or_of_the_other() {
         objects: {{ "a": (mesh: "leaf", material: "both"), "b": (mesh: "leaf", material: "one") }})"#
     );
     std::fs::write(&path, text).unwrap();
-    let scene =
-        resolve(ron::load_scene(&path, &mut Files::default()).unwrap(), None, &Baking::ALONE).unwrap().0;
+    let scene = resolve(ron::load_scene(&path, &mut Files::default()).unwrap(), &Baking::ALONE).unwrap().0;
     let colors = ["both", "one"].map(|name| {
         let material = scene.materials.iter().find(|material| material.name == name).unwrap();
         let maps = [material.base_color_texture, material.transmission_texture.map(|map| map.texture)];

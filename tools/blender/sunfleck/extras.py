@@ -26,6 +26,7 @@ def of_scene(scene, path=None):
         "resolution": [max(1, round(side * percent)) for side in (render.resolution_x, render.resolution_y)],
         "light_units": "spec",
         "filter": own.filter,
+        "exposure": scene.view_settings.exposure,
         "seed": own.seed,
         "passes": sorted(own.passes),
         "shutter": 0.0,

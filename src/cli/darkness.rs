@@ -1,0 +1,63 @@
+//! Frames on which next to nothing is seen, said once a run with the likeliest cause. In go the events of a run, out comes a
+//! warning. Invariant: frames are written all the same.
+
+use super::plan::Plan;
+use super::tell;
+use crate::diagnostic::{Diagnostic, Loss, Place};
+use crate::film::Dark;
+use crate::scene::{Scene, dark_cause};
+use crate::sequence::Event;
+use std::sync::{Mutex, PoisonError};
+
+/// Counts dark frames.
+#[derive(Default)]
+pub(super) struct DarkFrames(Mutex<Counted>);
+
+#[derive(Clone, Copy, Default)]
+struct Counted {
+    frames: usize,
+    dark: usize,
+    /// The first dark one.
+    first: Option<(i64, Dark)>,
+}
+
+impl DarkFrames {
+    /// Looks at frames that are written. May be called from any thread.
+    pub(super) fn report(&self, event: &Event) {
+        if let Event::FrameWritten { frame, dark, .. } = event {
+            self.count(*frame, *dark);
+        }
+    }
+
+    /// Counts a frame that is done.
+    pub(super) fn count(&self, frame: i64, dark: Option<Dark>) {
+        let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        counted.frames += 1;
+        if let Some(dark) = dark {
+            counted.dark += 1;
+            // Threads may be done out of order.
+            let first = counted.first.filter(|(earlier, _)| *earlier < frame);
+            counted.first = Some(first.unwrap_or((frame, dark)));
+        }
+    }
+
+    /// Says why, if there were any; `time_s` has the time of a frame.
+    pub(super) fn tell(&self, scene: &Scene, camera: usize, time_s: impl Fn(i64) -> f64) {
+        let Counted { frames, dark, first } = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((frame, Dark { covered })) = first else { return };
+        let cause = dark_cause(scene, camera, time_s(frame), covered);
+        let which = match (dark, frames) {
+            (1, 1) => format!("frame {frame} is next to black"),
+            (1, _) => format!("1 of {frames} frames is next to black, frame {frame}"),
+            _ => format!("{dark} of {frames} frames are next to black, the first is frame {frame}"),
+        };
+        let found = format!("{which}: {cause}");
+        let warning = Diagnostic::warning(Loss::DarkFrame, Place::Nowhere, found);
+        tell(&warning.counting(dark).remedy(cause.remedy()).to_string());
+    }
+
+    /// The same of what a plan has rendered.
+    pub(super) fn tell_of(&self, plan: &Plan) {
+        self.tell(&plan.scene, plan.camera, |frame| plan.shutter(frame).middle_s());
+    }
+}

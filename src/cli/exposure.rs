@@ -1,0 +1,72 @@
+//! With what exposure pictures for eyes are made. In go what the user says and what the input says, out comes one exposure
+//! for all frames. Invariant: it depends on scene and settings alone, not on which frames are asked for, so pictures do not
+//! flicker and a frame's picture is the same alone and in a range. EXR frames know nothing of it.
+
+use super::arguments::{DisplayArguments, ExposureArgument};
+use super::plan::Plan;
+use super::tell;
+use crate::color::Display;
+use crate::render::{self, Job, Placement, Watch};
+use crate::scene::{Sampling, Size, Window};
+use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use std::ops::RangeInclusive;
+
+/// Rows of the picture by which an exposure is chosen, and samples a pixel.
+const ROWS: usize = 36;
+const SAMPLES: u32 = 4;
+
+/// A picture is at most so many times as wide as it is high, or the other way round, when its exposure is chosen.
+const LONGEST: f64 = 8.0;
+
+/// The display of all pictures; `measured` gives the exposure of a frame in the middle where nobody has said one.
+pub(super) fn display<E>(
+    arguments: &DisplayArguments,
+    of_input: Option<f64>,
+    measured: impl FnOnce() -> Result<f64, E>,
+) -> Result<Display, E> {
+    let stops = match (arguments.exposure, of_input) {
+        (Some(ExposureArgument::Stops(stops)), _) | (None, Some(stops)) => stops,
+        (Some(ExposureArgument::Auto), _) | (None, None) => {
+            let stops = measured()?;
+            if stops != 0.0 {
+                let (by, way) = (stops.abs(), if stops > 0.0 { "brighter" } else { "darker" });
+                tell(&format!(
+                    "note: pictures are made {by} stops {way} than the light is, so that something is seen (--exposure 0: as it is)"
+                ));
+            }
+            stops
+        }
+    };
+    Ok(arguments.display(stops))
+}
+
+/// The frame by which an exposure is chosen: in the middle, as many a sequence begins and ends in the dark.
+pub(super) fn reference_frame(frames: &RangeInclusive<i64>) -> i64 {
+    (frames.start() + frames.end()).div_euclid(2)
+}
+
+impl Plan {
+    /// The exposure of a small picture of the frame in the middle of the input's range. Works on the current rayon pool.
+    pub(super) fn auto_exposure_stops(&self, trees: &MeshTrees) -> f64 {
+        let size = small(self.job.size);
+        let aspect = self.job.size.width as f64 / self.job.size.height as f64;
+        let time_s = self.shutter(reference_frame(&self.settings.frames)).middle_s();
+        let exposure = Exposure::middle_of(&self.scene, trees, self.camera, aspect, Shutter::instant(time_s));
+        let job = Job {
+            size,
+            window: Window::whole(size),
+            passes: Vec::new(),
+            sampling: Sampling::Exactly(SAMPLES),
+            placement: Placement::Pixels,
+            ..self.job.clone()
+        };
+        render::render(&exposure, &job, &Watch::NOBODY).frame.auto_exposure_stops()
+    }
+}
+
+/// About [`ROWS`] rows of pixels in the picture's shape.
+pub(super) fn small(size: Size) -> Size {
+    let aspect = (size.width as f64 / size.height as f64).clamp(1.0 / LONGEST, LONGEST);
+    let height = ROWS as f64 / aspect.min(1.0).sqrt();
+    Size { width: (height * aspect).ceil() as usize, height: height as usize }
+}

@@ -1,0 +1,220 @@
+//! What people see of files that say little: a camera and light that are made up, an exposure that shows something, and a word
+//! where next to nothing is seen.
+
+use crate::program::{Studio, repository};
+use image::RgbImage;
+use serde_json::Value;
+
+fn input(name: &str) -> String {
+    repository("tests/data/first").join(name).display().to_string()
+}
+
+fn picture(studio: &Studio, name: &str) -> RgbImage {
+    let bytes = studio.bytes(name);
+    image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).unwrap().to_rgb8()
+}
+
+/// Mean of the bytes of a picture.
+fn brightness(picture: &RgbImage) -> f64 {
+    picture.as_raw().iter().map(|byte| f64::from(*byte)).sum::<f64>() / picture.as_raw().len() as f64
+}
+
+fn statistics(studio: &Studio, name: &str) -> Vec<Value> {
+    let text = String::from_utf8(studio.bytes(name)).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+const SMALL: &str = "--size 32x18 --samples 1";
+
+#[test]
+fn a_file_without_light_and_camera_is_seen_and_that_is_said() {
+    let studio = Studio::new();
+    let file = input("no_light_no_camera.gltf");
+    let outcome =
+        studio.succeed(&format!("render {file} {SMALL} --preview png --out a/x.exr --stats s.jsonl"));
+    let said = |what: &str| outcome.err.lines().filter(|line| line.contains(what)).count();
+    assert_eq!((said("has no camera"), said("--default-light off")), (1, 1), "{}", outcome.err);
+    assert_eq!(said("warning"), 0, "{}", outcome.err);
+    let shown = picture(&studio, "a/x.png");
+    assert!((60.0..200.0).contains(&brightness(&shown)), "{}", brightness(&shown));
+    let is_red = |pixel: &image::Rgb<u8>| i32::from(pixel.0[0]) > i32::from(pixel.0[2]) + 30;
+    assert!(shown.pixels().filter(|pixel| is_red(pixel)).count() > 30, "the triangle is seen");
+    assert_eq!(statistics(&studio, "s.jsonl")[1]["dark"], Value::Bool(false));
+    // It is no loss: whoever wants all or nothing gets it all.
+    studio.succeed(&format!("render {file} {SMALL} --strict --out b/"));
+}
+
+#[test]
+fn the_default_light_can_be_switched_off_which_makes_other_frames() {
+    let studio = Studio::new();
+    let file = input("no_light_no_camera.gltf");
+    let render = format!("render {file} {SMALL} --out a/x.exr --skip valid");
+    assert!(studio.succeed(&render).err.contains("1 frame written"));
+    assert!(studio.succeed(&render).err.contains("0 frames written"));
+    let dark = studio.succeed(&format!("{render} --default-light off --stats s.jsonl --progress jsonl"));
+    assert!(
+        dark.err.contains("warning[dark-frame]: frame 1 is next to black: nothing lights the scene"),
+        "{}",
+        dark.err
+    );
+    assert!(!dark.err.contains("sun"), "{}", dark.err);
+    assert_eq!(statistics(&studio, "s.jsonl")[1]["dark"], Value::Bool(true));
+    assert!(
+        dark.out.lines().any(|line| line.contains("frame_written") && line.contains("\"dark\":true")),
+        "{}",
+        dark.out
+    );
+    let beauty = studio.frame("a/x.exr").frame;
+    assert!(beauty.channel("R").unwrap().pixels.iter().all(|red| *red == 0.0));
+}
+
+/// What is exported is lit by whoever reads it, and then is the same picture.
+#[test]
+fn export_leaves_the_default_light_to_whoever_reads_the_file() {
+    let studio = Studio::new();
+    let file = input("no_light_no_camera.gltf");
+    studio.succeed(&format!("export {file} a.glb"));
+    let lights = |file: &str| {
+        let described: Value =
+            serde_json::from_str(&studio.succeed(&format!("inspect {file} --json")).out).unwrap();
+        described["frames"][0]["lights"].as_object().unwrap().len()
+    };
+    assert_eq!(lights("a.glb --default-light off"), 0);
+    assert_eq!(lights("a.glb"), 1);
+    studio.succeed(&format!("export {file} b.glb --default-light on"));
+    assert_eq!(lights("b.glb --default-light off"), 1);
+}
+
+#[test]
+fn a_mesh_is_an_input_by_itself() {
+    let studio = Studio::new();
+    let mesh = "mtllib box.mtl\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nusemtl red\nf 1 2 3 4\n";
+    std::fs::write(studio.path("box.obj"), mesh).unwrap();
+    std::fs::write(studio.path("box.mtl"), "newmtl red\nKd 0.8 0.05 0.05\n").unwrap();
+    let outcome = studio.succeed(&format!("render box.obj {SMALL} --preview png"));
+    assert!(
+        outcome.err.contains("has no camera") && outcome.err.contains("--default-light off"),
+        "{}",
+        outcome.err
+    );
+    let shown = picture(&studio, "out/box/box.0001.png");
+    let middle = shown.get_pixel(16, 9).0;
+    assert!(middle[0] > middle[1] + 40, "{middle:?}");
+    // A sequence may wrap it, and name the camera.
+    let sequence = r#"Sequence(version: 1, scene: "box.obj", frames: (1, 2), size: (16, 9), samples: 1, camera: "camera")"#;
+    std::fs::write(studio.path("turn.ron"), sequence).unwrap();
+    assert!(studio.succeed("render turn.ron --out a/").err.contains("2 frames written"));
+    assert!(studio.fail("render nothing.obj", 4).contains("nothing.obj: error: cannot be read"));
+}
+
+/// The made-up camera and light depend on the whole range, so a frame is the same alone and in it.
+#[test]
+fn frames_are_the_same_alone_and_in_a_range() {
+    let studio = Studio::new();
+    let file = input("two_clips.gltf");
+    studio.succeed(&format!("render {file} {SMALL} --frames 1,9,17 --preview png --out a/x.####.exr"));
+    studio.succeed(&format!("render {file} {SMALL} --frames 9 --preview png --out b/x.####.exr"));
+    for name in ["x.0009.exr", "x.0009.png"] {
+        assert_eq!(studio.bytes(&format!("a/{name}")), studio.bytes(&format!("b/{name}")), "{name}");
+    }
+}
+
+#[test]
+fn lights_in_blenders_unitless_mode_are_found_out() {
+    let studio = Studio::new();
+    let file = input("light_intensity_3_lux.gltf");
+    let outcome = studio.succeed(&format!("render {file} {SMALL} --out a/"));
+    let warning = outcome.err.split("warning[dark-frame]").nth(1).unwrap();
+    assert!(warning.contains("3.000 lux") && warning.contains("--light-units compat"), "{}", outcome.err);
+    let helped = studio.succeed(&format!("render {file} {SMALL} --light-units compat --out a/"));
+    assert!(!helped.err.contains("dark-frame"), "{}", helped.err);
+    let inspected = studio.succeed(&format!("inspect {file}")).out;
+    assert!(
+        inspected.contains("all lights are dim") && inspected.contains("--light-units compat"),
+        "{inspected}"
+    );
+    let drawn = studio.succeed(&format!("preview {file} --size 32x18 --out a.png"));
+    assert!(
+        drawn.err.contains("warning[dark-frame]") && drawn.err.contains("--light-units compat"),
+        "{}",
+        drawn.err
+    );
+}
+
+#[test]
+fn dark_frames_are_counted_once_a_run() {
+    let studio = Studio::new();
+    let scene = String::from_utf8(studio.bytes("scene.ron")).unwrap();
+    std::fs::write(studio.path("scene.ron"), scene.replace("(8.0, 7.2, 6.0)", "(0.0, 0.0, 0.0)")).unwrap();
+    let outcome = studio.succeed("render tiny.ron --frames 2-4 --out a/ --progress none");
+    assert_eq!(outcome.err.matches("dark-frame").count(), 1, "{}", outcome.err);
+    assert!(
+        outcome.err.contains("3 of 3 frames are next to black, the first is frame 2: all lights are off"),
+        "{}",
+        outcome.err
+    );
+}
+
+/// A dim scene: its picture is brightened, its frame is not, and one exposure serves all frames.
+#[test]
+fn pictures_get_an_exposure_and_frames_do_not() {
+    let studio = Studio::new();
+    let scene = String::from_utf8(studio.bytes("scene.ron")).unwrap();
+    std::fs::write(studio.path("scene.ron"), scene.replace("(8.0, 7.2, 6.0)", "(0.08, 0.072, 0.06)"))
+        .unwrap();
+    let render = "render tiny.ron --frames 3 --preview png";
+    let auto = studio.succeed(&format!("{render} --out a/x.exr"));
+    assert!(auto.err.contains("stops brighter") && auto.err.contains("--exposure 0"), "{}", auto.err);
+    let plain = studio.succeed(&format!("{render} --exposure 0 --out b/x.exr"));
+    assert!(!plain.err.contains("stops"), "{}", plain.err);
+    studio.succeed(&format!("{render} --exposure auto --out c/x.exr"));
+    let [auto, plain, said] = ["a/x.png", "b/x.png", "c/x.png"].map(|name| picture(&studio, name));
+    assert!(brightness(&auto) > 2.0 * brightness(&plain), "{} {}", brightness(&auto), brightness(&plain));
+    assert_eq!(auto, said);
+    assert_eq!(studio.bytes("a/x.exr"), studio.bytes("b/x.exr"));
+    // What the input says comes before what its pictures need, and the flag before both.
+    let sequence = String::from_utf8(studio.bytes("tiny.ron")).unwrap();
+    std::fs::write(studio.path("tiny.ron"), sequence.replace("samples: 2", "samples: 2, exposure: 0.0"))
+        .unwrap();
+    studio.succeed(&format!("{render} --out d/x.exr"));
+    assert_eq!(picture(&studio, "d/x.png"), plain);
+    studio.succeed(&format!("{render} --exposure auto --out e/x.exr"));
+    assert_eq!(picture(&studio, "e/x.png"), auto);
+}
+
+#[test]
+fn previews_get_an_exposure_too_of_scenes_and_of_frames() {
+    let studio = Studio::new();
+    let file = input("light_intensity_3_lux.gltf");
+    studio.succeed(&format!("render {file} {SMALL} --out a/x.####.exr"));
+    for source in [format!("{file} --size 32x18"), String::from("a")] {
+        studio.succeed(&format!("preview {source} --out auto.png"));
+        studio.succeed(&format!("preview {source} --exposure 0 --out plain.png"));
+        let [auto, plain] = ["auto.png", "plain.png"].map(|name| brightness(&picture(&studio, name)));
+        assert!(auto > 2.0 * plain + 5.0, "{source}: {auto} {plain}");
+    }
+    assert!(studio.fail("preview a --exposure bright", 2).contains("or auto"));
+}
+
+#[test]
+fn noise_is_told_of_frames_and_of_the_run() {
+    let studio = Studio::new();
+    let rough = studio.succeed("render tiny.ron --tolerance 0.3 --frames 1-2 --out a/ --stats s.jsonl");
+    let last = rough.err.lines().last().unwrap();
+    assert!(last.contains("2 frames written to a/ in ") && last.contains("; noise up to "), "{}", rough.err);
+    let noise = |line: &Value| line["noise"].as_f64().unwrap();
+    let lines = statistics(&studio, "s.jsonl");
+    studio.succeed("render tiny.ron --tolerance 0.02 --frames 1-2 --out a/ --stats t.jsonl");
+    for (rough, fine) in lines.iter().zip(statistics(&studio, "t.jsonl")).skip(1) {
+        // All of the picture is less noisy than its worst block, and better to a finer tolerance.
+        assert!(noise(rough) > 0.0 && noise(rough) < rough["error"].as_f64().unwrap(), "{rough}");
+        assert!(noise(&fine) < noise(rough) && noise(&fine) < 0.02, "{rough} {fine}");
+    }
+    let told = studio.succeed("render tiny.ron --tolerance 0.3 --frames 1 --out a/ --progress jsonl").out;
+    let written: Value = told
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap())
+        .find(|line| line["event"] == "frame_written")
+        .unwrap();
+    assert!(noise(&written) > 0.0 && written["error"].as_f64().is_some(), "{written}");
+}
