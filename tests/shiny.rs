@@ -82,9 +82,9 @@ fn a_metal_is_that_of_the_specification() {
         let g = g1(n.dot(l)) * g1(n.dot(v));
         let f = base + (Rgb::ONE - base) * (1.0 - v.dot(h)).powi(5);
         let once = f * d * g / (4.0 * n.dot(l) * n.dot(v));
-        let gloss = Gloss::new(base, Rgb::ONE, roughness);
-        assert_close(gloss.brdf(n, v, l), once);
-        let metal = gloss.with_metal(1.0, base).brdf(n, v, l);
+        assert_close(Gloss::new(base, Rgb::ONE, roughness).brdf(n, v, l), once);
+        let gloss = Gloss::new(METAL.f0, Rgb::ONE, roughness).with_metal(1.0, base);
+        let metal = gloss.brdf(n, v, l);
         assert_close(seen(&scene, toward), metal * n.dot(l) * 7.0);
 
         let white = |cos: f64| Gloss::new(Rgb::ONE, Rgb::ONE, roughness).albedo(cos).x;

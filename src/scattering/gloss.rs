@@ -25,12 +25,12 @@ pub const LEAST_ROUGHNESS: f64 = 0.03;
 /// A coat.
 #[derive(Clone, Copy, Debug)]
 pub struct Gloss {
-    /// Reflectance for light along the normal.
-    f0: Rgb,
-    /// At grazing angles.
-    f90: Rgb,
-    /// The same of light that metal reflects more than once.
-    repeated: Option<Repeated>,
+    /// Of all of it.
+    all: Reflectance,
+    /// Of what is no metal: only that lies over a matte surface.
+    coat: Reflectance,
+    /// Of light that metal reflects more than once, to be scaled by what a white coat lacks, `(1 - E) / E`.
+    repeated: Option<Reflectance>,
     /// glTF's alpha, the square of its roughness.
     alpha: f64,
     /// As in glTF, with its place in the table of albedos.
@@ -40,11 +40,25 @@ pub struct Gloss {
     columns: f64,
 }
 
-/// Reflectances that are to be scaled by what a white coat lacks, `(1 - E) / E`.
+/// What microfacets reflect.
 #[derive(Clone, Copy, Debug)]
-struct Repeated {
+struct Reflectance {
+    /// Of light along their normals.
     f0: Rgb,
+    /// At grazing angles.
     f90: Rgb,
+}
+
+impl Reflectance {
+    /// At the angle of a Schlick's term.
+    fn at(&self, schlick: f64) -> Rgb {
+        self.f0 + (self.f90 - self.f0) * schlick
+    }
+
+    /// Of a rough surface, by its albedo's factors.
+    fn albedo(&self, [part0, part90]: [f64; 2]) -> Rgb {
+        self.f0 * part0 + self.f90 * part90
+    }
 }
 
 impl Gloss {
@@ -54,10 +68,11 @@ impl Gloss {
         let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
         let alpha = roughness * roughness;
         let (row, columns) = (row_of(roughness), columns_over(roughness));
-        Self { f0, f90, repeated: None, alpha, roughness, row, columns }
+        let coat = Reflectance { f0, f90 };
+        Self { all: coat, coat, repeated: None, alpha, roughness, row, columns }
     }
 
-    /// The same if so much of it, `0..=1`, is metal of a colour: what metal reflects again and again is not lost.
+    /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal reflects again is not lost.
     pub fn with_metal(self, share: f64, color: Rgb) -> Self {
         if share <= 0.0 {
             return self;
@@ -65,11 +80,13 @@ impl Gloss {
         // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90 (Schlick's term over the
         // hemisphere); of what is reflected, 1 - E_mean meets another one: a geometric series (Kulla and Conty 2017,
         // "Revisiting physically based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
-        let [mean0, mean90, ..] = self.look_up(|row| ALBEDOS.means[row]);
+        let [mean0, mean90] = self.look_up(|row| ALBEDOS.means[row]);
         let (one_bounce, mean) = (color + (Rgb::ONE - color) / 21.0, mean0 + mean90);
         let further = one_bounce * mean / (Rgb::ONE - one_bounce * (1.0 - mean));
-        let repeated = Repeated { f0: share * further * color, f90: share * further };
-        Self { repeated: Some(repeated), ..self }
+        let repeated = Reflectance { f0: share * further * color, f90: share * further };
+        let Reflectance { f0, f90 } = self.coat;
+        let all = Reflectance { f0: f0.lerp(color, share), f90: f90 + share * (Rgb::ONE - f90) };
+        Self { all, repeated: Some(repeated), ..self }
     }
 
     /// The coat's BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
@@ -81,10 +98,9 @@ impl Gloss {
         }
         let alpha2 = self.alpha * self.alpha;
         let schlick = schlick(to_eye.dot(half));
-        let mut fresnel = self.f0 + (self.f90 - self.f0) * schlick;
-        if let Some(Repeated { f0, f90 }) = self.repeated {
-            let [part0, part90] = self.albedo_parts(cos_eye);
-            fresnel += (f0 + (f90 - f0) * schlick) * lacking(part0 + part90);
+        let mut fresnel = self.all.at(schlick);
+        if let Some(repeated) = self.repeated {
+            fresnel += repeated.at(schlick) * lacking(self.albedo_parts(cos_eye));
         }
         // B.3.2: G / (4 n.v n.l).
         fresnel * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith(alpha2, cos_light))
@@ -112,25 +128,21 @@ impl Gloss {
         0.5 * distribution(alpha2, normal, half) / smith(alpha2, cos_eye)
     }
 
-    /// What the BRDF of the surface beneath is to be multiplied with, for the cosines of both directions.
+    /// What the BRDF of the matte surface beneath is to be multiplied with, for the cosines of both directions; of what
+    /// is no metal, for nothing lies beneath metal.
     pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
-        let [mean0, mean90, repeated0, repeated90] = self.look_up(|row| ALBEDOS.means[row]);
-        let mut mean = self.f0 * mean0 + self.f90 * mean90;
-        if let Some(Repeated { f0, f90 }) = self.repeated {
-            mean += f0 * repeated0 + f90 * repeated90;
-        }
-        let left = Rgb::ONE - mean;
+        let left = Rgb::ONE - self.coat.albedo(self.look_up(|row| ALBEDOS.means[row]));
+        let lets = |cos: f64| Rgb::ONE - self.coat.albedo(self.albedo_parts(cos));
         // A coat that reflects all leaves nothing.
-        let share = (Rgb::ONE - self.albedo(cos_eye)) * (Rgb::ONE - self.albedo(cos_light)) / left;
+        let share = lets(cos_eye) * lets(cos_light) / left;
         Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
     }
 
     /// Share of the light from a direction that the coat reflects, all directions together.
     pub fn albedo(&self, cos: f64) -> Rgb {
-        let [part0, part90] = self.albedo_parts(cos);
-        let once = self.f0 * part0 + self.f90 * part90;
-        self.repeated
-            .map_or(once, |Repeated { f0, f90 }| once + (f0 * part0 + f90 * part90) * lacking(part0 + part90))
+        let parts = self.albedo_parts(cos);
+        let once = self.all.albedo(parts);
+        self.repeated.map_or(once, |repeated| once + repeated.albedo(parts) * lacking(parts))
     }
 
     /// The factors of `f0` and of `f90` in it; together the albedo of a white coat, for light that is reflected once.
@@ -144,10 +156,10 @@ impl Gloss {
     }
 
     /// Between two rows of a table.
-    fn look_up<const PARTS: usize>(&self, row: impl Fn(usize) -> [f64; PARTS]) -> [f64; PARTS] {
+    fn look_up(&self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
         let (above, fraction) = split(self.row, LAST_ROW);
         let [a, b] = [above, above + 1].map(row);
-        std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
+        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
     }
 }
 
@@ -178,9 +190,9 @@ fn split(place: f64, last: usize) -> (usize, f64) {
     (whole, place - whole as f64)
 }
 
-/// What a coat of this albedo lacks of all that falls on it, over what it reflects.
-fn lacking(albedo: f64) -> f64 {
-    (1.0 - albedo) / albedo
+/// What a white coat lacks of all that falls on it, over what it reflects, of which these are the parts.
+fn lacking([part0, part90]: [f64; 2]) -> f64 {
+    (1.0 - part0 - part90) / (part0 + part90)
 }
 
 /// `(1 - cos)^5`.
@@ -201,8 +213,8 @@ const AROUND: usize = 20;
 /// and columns in that of the cosine's root over it, plus one.
 struct Albedos {
     directional: Vec<[[f64; 2]; LAST_COLUMN + 1]>,
-    /// Over all directions, by their cosine; first as they are, then scaled by what both together lack.
-    means: [[f64; 4]; LAST_ROW + 1],
+    /// Over all directions, by their cosine.
+    means: [[f64; 2]; LAST_ROW + 1],
 }
 
 fn row_of(roughness: f64) -> f64 {
@@ -235,14 +247,9 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
-        let scaled = |column: usize| {
-            let [part0, part90] = directional[row][column];
-            let lacking = lacking(part0 + part90);
-            [part0, part90, part0 * lacking, part90 * lacking]
-        };
-        [0, 1, 2, 3].map(|part| {
+        [0, 1].map(|part| {
             let piece = |column: usize| {
-                let [a, b] = [column, column + 1].map(|column| scaled(column)[part]);
+                let [a, b] = [column, column + 1].map(|column| directional[row][column][part]);
                 let (from, to) = (square(column as f64), square((column + 1) as f64));
                 // In parts: the end's value less what the squares before the end lack.
                 let before = gauss_legendre(4).iter().map(|(x, weight)| {
@@ -376,12 +383,12 @@ mod tests {
         assert!((white(1.0) - exact).abs() < 1e-3, "{} {exact}", white(1.0));
     }
 
-    /// Of every roughness, at every angle: white metal, and half of it over white.
+    /// Of every roughness, at every angle: white metal, and half of it beside a white matte surface under a leaf's coat.
     #[test]
     fn white_metal_gives_back_all() {
         for roughness in [0.0, 0.04, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0] {
-            let metal = Gloss::new(Rgb::ONE, Rgb::ONE, roughness).with_metal(1.0, Rgb::ONE);
-            let half_metal = Gloss::new(Rgb::splat(0.52), Rgb::ONE, roughness).with_metal(0.5, Rgb::ONE);
+            let coat = Gloss::new(Rgb::splat(0.04), Rgb::ONE, roughness);
+            let [half_metal, metal] = [0.5, 1.0].map(|share| coat.with_metal(share, Rgb::ONE));
             for cos in [0.002, 0.01, 0.03, 0.06, 0.15, 0.3, 0.5, 0.7, 0.9, 1.0] {
                 let to_eye = direction(cos, 1.0);
                 let shone = over_lights(to_eye, |l| metal.brdf(DVec3::Z, to_eye, l)).x;
@@ -389,7 +396,7 @@ mod tests {
                 assert!((metal.albedo(cos) - 1.0).abs().max_element() < 1e-12);
                 let shone = over_lights(to_eye, |l| half_metal.brdf(DVec3::Z, to_eye, l)).x;
                 assert!((shone - half_metal.albedo(cos).x).abs() < 1e-3, "{roughness} {cos}: {shone}");
-                let beneath = lambert_beneath(&half_metal, cos).x;
+                let beneath = 0.5 * lambert_beneath(&half_metal, cos).x;
                 assert!((shone + beneath - 1.0).abs() < 1e-3, "{roughness} {cos}: {shone} + {beneath}");
             }
         }
@@ -400,7 +407,7 @@ mod tests {
     fn coloured_metal_is_tinted_by_what_it_reflects_again() {
         let color = Rgb::new(0.9, 0.5, 0.0);
         let plain = Gloss::new(color, Rgb::ONE, 1.0);
-        let metal = plain.with_metal(1.0, color);
+        let metal = Gloss::new(Rgb::splat(0.04), Rgb::ONE, 1.0).with_metal(1.0, color);
         // With alpha 1 the mean albedo of white metal is the integral of 2 c E(c) dc.
         let white = Gloss::new(Rgb::ONE, Rgb::ONE, 1.0);
         let count = 2000;

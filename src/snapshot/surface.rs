@@ -216,11 +216,10 @@ impl Facet<'_> {
             let texel = coat.texture.and_then(|map| self.texel(map, weights)).unwrap_or(Rgb::ONE);
             let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
             // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
-            let (f0, metal) = (coat.f0.lerp(albedo, metallic), albedo);
+            let gloss = Gloss::new(coat.f0, Rgb::splat(coat.f90), roughness).with_metal(metallic, albedo);
             albedo *= 1.0 - metallic;
             transmission *= 1.0 - metallic;
-            let f90 = Rgb::splat(coat.f90 + metallic * (1.0 - coat.f90));
-            Gloss::new(f0, f90, roughness).with_metal(metallic, metal)
+            gloss
         });
         let (alpha, see_through) = match material.alpha_mode {
             AlphaMode::Opaque => (1.0, Rgb::ZERO),
