@@ -41,7 +41,7 @@ pub(super) fn read(
         for number in 0..animation.channels.len() {
             let place = format!("animations[{index}].channels[{number}]");
             let channel = read_channel(document, animation, number, place, accessors, report);
-            match report.keep(channel) {
+            match report.spare(Loss::AnimationDamaged, channel) {
                 Some(Read::Moves(channel)) => channels.push(channel),
                 Some(Read::Changes(channel)) => properties.push(channel),
                 Some(Read::Nothing) | None => {}

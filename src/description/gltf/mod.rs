@@ -8,6 +8,7 @@
 
 mod accessor;
 mod animations;
+mod attributes;
 mod buffers;
 mod container;
 mod draco;
@@ -23,11 +24,13 @@ mod pictures;
 mod pointers;
 pub(crate) mod report;
 mod skins;
+mod specular_glossiness;
 mod texture_maps;
+mod textures;
 
 use super::image::DecodedImage;
 use super::{Files, LoadError};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 pub use pointers::Property;
 use report::Report;
@@ -175,6 +178,8 @@ pub struct Primitive {
     pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
     pub colors: Vec<Vec3>,
+    /// In `0..=1`, one a position, or none at all; they multiply the base colour's alpha.
+    pub alphas: Vec<f32>,
     /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on which
     /// the bitangent `w * normal x tangent` lies, 1 or -1.
     pub tangents: Vec<Vec4>,
@@ -205,6 +210,8 @@ pub struct Material {
     pub metallic_roughness_texture: Option<TextureMap>,
     /// Reflectance along the normal where it is no metal (KHR_materials_ior, KHR_materials_specular).
     pub f0: DVec3,
+    /// Multiplies it (KHR_materials_specular).
+    pub f0_texture: Option<TextureMap>,
     /// Strength of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
     pub specular: f64,
     /// Clear coat over all (KHR_materials_clearcoat).
@@ -447,28 +454,29 @@ pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
 /// # Errors
 /// As [`load`].
 pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
-    let (document, binary) = container::open(bytes, path)?;
-    container::check_version(&document, path)?;
     let mut report = Report::new(path);
+    let (mut document, binary) = container::open(bytes, path, &mut report)?;
+    container::check_version(&document, path)?;
     extensions::check(&document, &mut report);
     if report.has_errors() {
         // What an unknown extension changes cannot be told from damage.
         return Err(LoadError::Invalid(report.into_diagnostics()));
     }
-    let buffers = buffers::load(&document, binary, path, files, &mut report)?;
-    let unpacked = draco::unpack(&document, &buffers, path, &mut report);
+    specular_glossiness::convert(&mut document, &mut report);
+    let buffers = buffers::load(&document, binary, path, files, &mut report);
+    let (unpacked, damaged) = draco::unpack(&document, &buffers, path);
     let accessors = accessor::Accessors::new(&document, &buffers, unpacked);
 
     let mut scene = GltfScene {
         path: path.to_owned(),
         generator: document.asset.generator.clone(),
         nodes: nodes::nodes(&document, &mut report),
-        meshes: meshes::read(&document, &accessors, &mut report),
+        meshes: meshes::read(&document, &accessors, damaged, &mut report),
         skins: skins::read(&document, &accessors, &mut report),
-        cameras: nodes::cameras(&document, &mut report),
-        lights: nodes::lights(&document, &mut report),
         ..GltfScene::default()
     };
+    scene.cameras = nodes::cameras(&document, &mut scene.nodes, &mut report);
+    scene.lights = nodes::lights(&document, &mut scene.nodes, &mut report);
     (scene.channels, scene.properties) = animations::read(&document, &accessors, &mut report);
     instancing::read(&document, &mut scene.nodes, &accessors, &mut report);
     let targets: Vec<usize> = scene.meshes.iter().map(|mesh| mesh.weights.len()).collect();
@@ -476,7 +484,16 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
     pictures::read(&mut scene, files, &mut report)?;
-    (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report)?;
+    (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report);
+    if scene.meshes.iter().all(|mesh| mesh.primitives.is_empty())
+        && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()
+    {
+        // Without its only meshes a file would be a picture of nothing.
+        if let Some(missing) = buffers.missing() {
+            return Err(missing);
+        }
+        report.push(report.first_damage(Loss::BufferUnreadable).cloned().unwrap_or(damage));
+    }
     if report.has_errors() {
         return Err(LoadError::Invalid(report.into_diagnostics()));
     }

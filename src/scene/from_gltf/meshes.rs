@@ -77,6 +77,7 @@ impl Builder<'_> {
         let mut parts = Vec::new();
         let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
         let colored = primitives.iter().any(|primitive| !primitive.colors.is_empty());
+        let fading = primitives.iter().any(|primitive| !primitive.alphas.is_empty());
         let mapped = primitives.iter().any(|primitive| !primitive.tangents.is_empty());
         let layers = primitives.iter().map(|primitive| primitive.more_uvs.len()).max().unwrap_or_default();
         mesh.more_uvs.resize(layers, Vec::new());
@@ -93,6 +94,10 @@ impl Builder<'_> {
             if colored {
                 mesh.colors.extend(part.colors);
                 mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
+            }
+            if fading {
+                mesh.alphas.extend(part.alphas);
+                mesh.alphas.resize(mesh.positions.len(), 1.0);
             }
             if mapped {
                 mesh.tangents.extend(part.tangents);
@@ -123,6 +128,7 @@ impl Builder<'_> {
             uvs: primitive.uvs.clone(),
             more_uvs: primitive.more_uvs.clone(),
             colors: primitive.colors.clone(),
+            alphas: primitive.alphas.clone(),
             tangents: primitive.tangents.clone(),
             triangles: primitive.triangles.iter().map(triangle).collect(),
         };
