@@ -121,6 +121,9 @@ pub(super) struct SceneArguments {
     /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnitsArgument>,
+    /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not move the same things].
+    #[arg(long, value_name = "NAME|all")]
+    pub(super) animation: Option<String>,
     /// Refuse an input that asks for anything that is not honoured (exit code 3).
     #[arg(long)]
     pub(super) strict: bool,
@@ -431,7 +434,7 @@ impl DisplayArguments {
 impl SceneArguments {
     /// What of it the scene has to know.
     pub(super) fn options(&self) -> ResolveOptions {
-        ResolveOptions { light_units: self.light_units.map(Into::into) }
+        ResolveOptions { light_units: self.light_units.map(Into::into), animation: self.animation.clone() }
     }
 
     /// Refuses what is lost, if that is what the user wants.

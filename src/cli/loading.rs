@@ -4,7 +4,8 @@
 
 use super::CliError;
 use super::arguments::SceneArguments;
-use crate::description::Description;
+use super::plan::usage;
+use crate::description::{Description, SceneSource};
 use crate::frame_file;
 use crate::scene::{self, Baking, RenderSettings, Scene};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -27,6 +28,7 @@ pub(super) fn resolve(
     arguments: &SceneArguments,
     told: bool,
 ) -> Result<(Scene, RenderSettings), CliError> {
+    check_animation(&description, arguments)?;
     let folder = match arguments.bakes.bake_cache.as_deref() {
         None => user_folder(),
         Some(folder) if folder == Path::new("off") => None,
@@ -66,6 +68,18 @@ pub(super) fn resolve(
         bar.finish_and_clear();
     }
     Ok(scene?)
+}
+
+/// Refuses the name of an animation that the input does not have.
+fn check_animation(description: &Description, arguments: &SceneArguments) -> Result<(), CliError> {
+    let Some(wanted) = arguments.animation.as_deref() else { return Ok(()) };
+    let names = match &description.scene {
+        _ if wanted == "all" => return Ok(()),
+        SceneSource::Gltf(scene) if !scene.animations_called(wanted).is_empty() => return Ok(()),
+        SceneSource::Gltf(scene) => scene.animation_names(),
+        SceneSource::Ron(_) => String::from("a glTF file: in RON everything that moves is one"),
+    };
+    Err(usage("--animation", format!("there is no animation `{wanted}`"), &names))
 }
 
 fn new_bar() -> ProgressBar {

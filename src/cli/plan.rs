@@ -91,8 +91,12 @@ impl Plan {
             0.0 => String::new(),
             _ => format!(" {:?}", settings.shutter_position),
         };
+        let animation = match &arguments.scene.animation {
+            None => String::new(),
+            Some(animation) => format!(" animation {animation:?}"),
+        };
         let settings_hash = hash(&format!(
-            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}",
+            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}{animation}",
             settings.frame_rate, settings.shutter, arguments.scene.light_units
         ));
         Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })

@@ -56,7 +56,7 @@ losses! {
     AnimationDamaged "animation-damaged" "channels of animations that cannot be read are passed over"
     AnimationsLeftOut "animations-left-out" "animations that move what an earlier one moves are not played"
     TextureUnreadable "texture-unreadable" "textures that cannot be read are left out, the plain factors are used"
-    BufferUnreadable "buffer-unreadable" "buffers that cannot be read are passed over, with all that lies in them"
+    BufferUnreadable "buffer-unreadable" "buffers are missing or cut short, what would lie there is left out"
     ValueOutOfRange "value-out-of-range" "values out of their range are put back into it"
     HierarchyRepaired "hierarchy-repaired" "nodes in several places of the hierarchy stand in the first of them"
     TransformRepaired "transform-repaired" "rotations are scaled to length 1, or passed over without length; of matrices the affine part counts"

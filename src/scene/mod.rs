@@ -4,6 +4,7 @@
 
 mod baking;
 mod camera;
+mod clip;
 mod deformation;
 mod disc_picture;
 mod fall;
@@ -32,6 +33,7 @@ use std::sync::Arc;
 
 pub use baking::Baking;
 pub use camera::{Aperture, Camera, Lens};
+pub use clip::Clip;
 pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, Pose, Shape, Skin};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
@@ -72,6 +74,8 @@ pub struct Scene {
     pub background: Rgb,
     /// What lies behind the scene, added to the background, and lights it.
     pub sky: Option<Sky>,
+    /// The animations of a glTF file, played or not.
+    pub clips: Vec<Clip>,
     /// What custom properties of a glTF file said to us, as they stand there.
     pub properties: Vec<Property>,
     /// Everything that the description asks for and that is not honoured, or only nearly.

@@ -21,6 +21,8 @@ pub enum LightUnits {
 pub struct ResolveOptions {
     /// What the lights of a glTF file are measured in, whatever it says.
     pub light_units: Option<LightUnits>,
+    /// Which animations of a glTF file play, whatever its sequence says: a name, a number from 0, or `all`.
+    pub animation: Option<String>,
 }
 
 /// Resolves everything once. `light_units` overrides what a glTF file says of its lights.
@@ -31,7 +33,7 @@ pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
-    resolve_telling(description, &ResolveOptions { light_units }, &Baking::ALONE)
+    resolve_telling(description, &ResolveOptions { light_units, ..ResolveOptions::default() }, &Baking::ALONE)
 }
 
 /// The same, on the threads that it is called on; falls that take their time are told of and kept.
@@ -47,7 +49,10 @@ pub fn resolve_telling(
     let (scene, settings) = match description.scene {
         SceneSource::Ron(scene) => from_ron::resolve(scene, description.sequence, baking)?,
         SceneSource::Gltf(scene) => {
-            let (scene, settings) = from_gltf::resolve(scene, options)?;
+            let of_sequence = || description.sequence.as_ref()?.fields.animation.clone();
+            let animation = options.animation.clone().or_else(of_sequence);
+            let options = ResolveOptions { animation, ..options.clone() };
+            let (scene, settings) = from_gltf::resolve(scene, &options)?;
             match description.sequence {
                 None => (scene, settings),
                 Some(sequence) => {

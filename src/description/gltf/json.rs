@@ -317,6 +317,7 @@ pub(super) struct Orthographic {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Animation {
+    pub(super) name: Option<String>,
     pub(super) channels: Vec<Channel>,
     pub(super) samplers: Vec<AnimationSampler>,
 }

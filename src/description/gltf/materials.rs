@@ -160,7 +160,11 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
 fn in_unit_range<const N: usize>(values: [f64; N], path: &str, at: &str, report: &mut Report) -> [f64; N] {
     let within = values.map(|value| value.clamp(0.0, 1.0));
     if within != values {
-        report.put_right(Loss::ValueOutOfRange, &format!("{path}.{at}"), format!("{values:?}"));
+        let found = match values.as_slice() {
+            [value] => value.to_string(),
+            values => format!("{values:?}"),
+        };
+        report.put_right(Loss::ValueOutOfRange, &format!("{path}.{at}"), found);
     }
     within
 }

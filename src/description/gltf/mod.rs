@@ -69,6 +69,8 @@ pub struct GltfScene {
     pub sky_image: Option<DecodedImage>,
     /// Images that the extras of suns name, by those names.
     pub sun_images: BTreeMap<String, DecodedImage>,
+    /// Names of all animations: the author's, else `animation N`.
+    pub animations: Vec<String>,
     /// All channels that move nodes, of all animations, in the file's order.
     pub channels: Vec<Channel>,
     /// All others (KHR_animation_pointer), in the file's order.
@@ -389,6 +391,8 @@ pub enum LightKind {
 pub struct Channel {
     /// Where it stands in the file: `animations[0].channels[3]`.
     pub place: String,
+    /// Index into [`GltfScene::animations`].
+    pub animation: usize,
     /// Index into [`GltfScene::nodes`].
     pub node: usize,
     /// Strictly increasing, at least one, seconds.
@@ -404,6 +408,8 @@ pub struct Channel {
 pub struct PropertyChannel {
     /// Where it stands in the file: `animations[0].channels[3]`.
     pub place: String,
+    /// Index into [`GltfScene::animations`].
+    pub animation: usize,
     /// What it animates.
     pub property: Property,
     /// Whose: an index into lights, cameras, materials or nodes.
@@ -440,6 +446,26 @@ pub enum Values {
     Weights(Vec<f64>),
 }
 
+impl GltfScene {
+    /// The numbers of the animations with a name, else of the one with that number, counted from 0.
+    pub fn animations_called(&self, wanted: &str) -> Vec<usize> {
+        let named =
+            |name: &str| (0..self.animations.len()).filter(|&index| self.animations[index] == name).collect();
+        let called: Vec<usize> = named(wanted);
+        let number = wanted.parse().ok().filter(|number| *number < self.animations.len());
+        if called.is_empty() { number.into_iter().collect() } else { called }
+    }
+
+    /// What there is to ask for, for a message.
+    pub fn animation_names(&self) -> String {
+        let names: Vec<String> = self.animations.iter().map(|name| format!("`{name}`")).collect();
+        match names.len() {
+            0 => String::from("no animation, as the file has none"),
+            _ => format!("`all`, or one of {}", names.join(", ")),
+        }
+    }
+}
+
 /// Loads a `.glb` or `.gltf` file with everything it refers to.
 ///
 /// # Errors
@@ -473,6 +499,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         nodes: nodes::nodes(&document, &mut report),
         meshes: meshes::read(&document, &accessors, damaged, &mut report),
         skins: skins::read(&document, &accessors, &mut report),
+        animations: animations::names(&document),
         ..GltfScene::default()
     };
     scene.cameras = nodes::cameras(&document, &mut scene.nodes, &mut report);

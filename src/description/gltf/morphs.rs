@@ -2,8 +2,8 @@
 //! all primitives of a mesh have as many targets as it has weights, if need be none.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::json::{self, Document};
 use super::attributes::vectors;
+use super::json::{self, Document};
 use super::report::Report;
 use super::{MorphTarget, Node, Primitive};
 use crate::diagnostic::{Diagnostic, Loss};

@@ -41,7 +41,7 @@ impl Report {
     }
 
     /// Tells an error as this kind of loss: what it is about is left out.
-    pub(super) fn leave_out(&mut self, loss: Loss, damage: Diagnostic) {
+    pub(crate) fn leave_out(&mut self, loss: Loss, damage: Diagnostic) {
         let place = match &damage.place {
             Place::Field { path, .. } => format!("{path}: "),
             Place::File(file) if *file != self.file => format!("{}: ", readable(file).display()),
@@ -63,6 +63,11 @@ impl Report {
     /// The value, or its error put on the list.
     pub(crate) fn keep<T>(&mut self, result: Result<T, Diagnostic>) -> Option<T> {
         result.map_err(|diagnostic| self.push(diagnostic)).ok()
+    }
+
+    /// The file.
+    pub(crate) fn file(&self) -> Place {
+        Place::File(self.file.clone())
     }
 
     /// A place in this file.
