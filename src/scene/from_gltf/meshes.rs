@@ -77,7 +77,6 @@ impl Builder<'_> {
         let mut parts = Vec::new();
         let textured = primitives.iter().any(|primitive| !primitive.uvs.is_empty());
         let colored = primitives.iter().any(|primitive| !primitive.colors.is_empty());
-        let fading = primitives.iter().any(|primitive| !primitive.alphas.is_empty());
         let mapped = primitives.iter().any(|primitive| !primitive.tangents.is_empty());
         let layers = primitives.iter().map(|primitive| primitive.more_uvs.len()).max().unwrap_or_default();
         mesh.more_uvs.resize(layers, Vec::new());
@@ -95,7 +94,9 @@ impl Builder<'_> {
                 mesh.colors.extend(part.colors);
                 mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
             }
-            if fading {
+            // What a mask has cut is opaque.
+            if !part.alphas.is_empty() || !mesh.alphas.is_empty() {
+                mesh.alphas.resize(first as usize, 1.0);
                 mesh.alphas.extend(part.alphas);
                 mesh.alphas.resize(mesh.positions.len(), 1.0);
             }
