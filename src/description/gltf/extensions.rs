@@ -38,6 +38,7 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_mesh_quantization"
         | "KHR_meshopt_compression"
         | "KHR_node_visibility"
+        | "KHR_texture_basisu"
         | "KHR_texture_transform" => Support::Honoured,
         // Textures in formats that are not read, each told as one that cannot be read.
         "EXT_texture_astc"
@@ -50,7 +51,6 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_materials_transmission"
         | "KHR_materials_variants"
         | "KHR_materials_volume"
-        | "KHR_texture_basisu"
         | "MSFT_texture_dds" => Support::Reported,
         // Facts about things, sounds, what may be clicked, and physics that nobody has simulated.
         "AGI_articulations"

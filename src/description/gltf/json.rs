@@ -270,6 +270,8 @@ pub(super) struct Texture {
 pub(super) struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
     pub(super) webp: Option<ImageReference>,
+    #[serde(rename = "KHR_texture_basisu")]
+    pub(super) basisu: Option<ImageReference>,
 }
 
 #[derive(Debug, Deserialize)]

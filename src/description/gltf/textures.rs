@@ -117,11 +117,12 @@ impl<'a> Textures<'a> {
     fn source(&self, index: usize, texture: &json::Texture) -> Result<usize, Diagnostic> {
         let path = format!("textures[{index}].source");
         // The plain image is the same picture, and every reader's first choice.
-        let webp = texture.extensions.webp.as_ref().map(|webp| webp.source);
-        let Some(source) = texture.source.or(webp) else {
+        let others = [&texture.extensions.webp, &texture.extensions.basisu];
+        let others = others.into_iter().flatten().map(|image| image.source);
+        let Some(source) = texture.source.into_iter().chain(others).next() else {
             return Err(invalid(self.file, path, "the texture has no image that can be read")
-                .expected("an image in PNG, JPEG or WebP")
-                .remedy("export images as PNG or JPEG (Blender: Material > Images; gltfpack: without -tc; glTF-Transform: `ktxdecompress`)"));
+                .expected("an image in PNG, JPEG, WebP or KTX2")
+                .remedy("export images as PNG or JPEG (Blender: Material > Images)"));
         };
         if source >= self.document.images.len() {
             return Err(invalid(self.file, path, format!("image {source} does not exist")));
