@@ -92,7 +92,14 @@ fn seen(material: &Material, from_eye: DVec3, suns: &[(DVec3, f64)]) -> Rgb {
 }
 
 fn leaf(albedo: f64, transmission: f64, roughness: Option<f64>) -> Material {
-    let coat = |roughness| Coat { metallic: 0.0, roughness, texture: None, f0: Rgb::splat(0.04), f90: 1.0 };
+    let coat = |roughness| Coat {
+        metallic: 0.0,
+        roughness,
+        texture: None,
+        f0: Rgb::splat(0.04),
+        f0_texture: None,
+        f90: 1.0,
+    };
     Material {
         base_color: Rgb::splat(albedo),
         transmission: Rgb::splat(transmission),

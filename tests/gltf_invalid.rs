@@ -1,5 +1,5 @@
-//! Damaged and hostile glTF files: each is refused with a message that names the reason, whatever is
-//! changed in a good file nothing panics. The files under tests/data/invalid/gltf are
+//! Damaged and hostile glTF files: each is read as far as it makes sense and tells what is lost, or is refused with a
+//! message that names the reason; whatever is changed in a good file nothing panics. The files under tests/data/invalid/gltf are
 //! tests/data/valid/gltf/leaf.gltf with one thing wrong.
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use sunfleck::description::{self, Description, Files, SceneSource, gltf};
 use sunfleck::scene;
 
 /// File and what its message must hold.
-const CASES: &[(&str, &str)] = &[
+const REFUSED: &[(&str, &str)] = &[
     (
         "accessor_beyond_view.gltf",
         "accessors[0].count: error: 4 elements, 12 bytes apart, from byte 0 on reach beyond the 36 bytes",
@@ -21,51 +21,20 @@ const CASES: &[(&str, &str)] = &[
     ("accessor_empty.gltf", "accessors[0].count: error: the accessor is empty"),
     ("accessor_missing.gltf", "attributes.POSITION: error: accessor 99 does not exist"),
     ("accessor_offset_huge.gltf", "accessors[0].count: error"),
-    ("albedo_above_one.gltf", "baseColorFactor: error: 1.5 is out of range"),
-    ("alpha_mode_unknown.gltf", "materials[0].alphaMode: error: `SOFT` is no alpha mode"),
-    ("animation_key_time_nan.gltf", "of these key times is not finite"),
-    ("animation_key_times_decrease.gltf", "accessors[2]: error: key time 1 is not after the one before it"),
-    ("animation_node_missing.gltf", "target.node: error: node 25 does not exist"),
-    ("animation_of_matrix_node.gltf", "node 1 is animated and has a matrix"),
-    ("animation_output_count.gltf", "2 keys cannot have 1 values"),
-    ("animation_path_unknown.gltf", "`colour` cannot be animated"),
-    ("animation_rotation_zero.gltf", "rotation 1 has no length"),
-    ("animation_sampler_missing.gltf", "sampler 3 does not exist"),
-    ("buffer_cut_short.gltf", "buffers[0].byteLength: error: the buffer is to have 100 bytes and has 84"),
     ("buffer_file_missing.gltf", "nowhere.bin: error: cannot be read"),
     ("buffer_missing.gltf", "bufferViews[0].buffer: error: buffer 7 does not exist"),
     ("buffer_uri_damaged.gltf", "buffers[0].uri: error: the data URI is damaged"),
     ("buffer_uri_on_the_web.gltf", "is not a file beside this one"),
-    ("buffer_view_beyond_buffer.gltf", "bufferViews[3]: error: the view spans 400 bytes from 52"),
-    ("buffer_view_overflows.gltf", "bufferViews[3]: error: the view spans"),
-    ("camera_fov_zero.gltf", "cameras[0].perspective.yfov: error: the vertical field of view is 0"),
-    ("camera_missing.gltf", "nodes[2].camera: error: camera 4 does not exist"),
+    ("camera_fov_zero.gltf", "there is no camera `camera`"),
+    ("camera_missing.gltf", "there is no camera `camera`"),
     ("camera_named_but_missing.gltf", "there is no camera `other`"),
-    ("camera_of_no_kind.gltf", "cameras[0]: error: the camera is not of one kind"),
-    ("camera_orthographic_flat.gltf", "cameras[0].orthographic.ymag: error: half the picture's extent is 0"),
+    ("camera_of_no_kind.gltf", "there is no camera `camera`"),
+    ("camera_orthographic_flat.gltf", "there is no camera `camera`"),
     ("camera_shift_huge.gltf", "sunfleck_camera.shift: error: the lens is shifted by [0.0, 1000000.0]"),
     ("component_type_of_indices.gltf", "indices cannot be of component type 5126"),
     (
         "component_type_unknown.gltf",
         "accessors[0].componentType: error: positions cannot be of component type 5130",
-    ),
-    ("ior_negative.gltf", "materials[0].extensions.KHR_materials_ior.ior: error: -1.5 is out of range"),
-    (
-        "specular_color_text.gltf",
-        "KHR_materials_specular.specularColorFactor: error: \"red\" is out of range",
-    ),
-    ("diffuse_transmission_above_one.gltf", "diffuseTransmissionFactor: error: 1.5 is out of range"),
-    ("transmission_text.gltf", "transmissionFactor: error: \"much\" is out of range"),
-    ("normal_texture_missing.gltf", "materials[0].normalTexture.index: error: texture 7 does not exist"),
-    ("clearcoat_above_one.gltf", "KHR_materials_clearcoat.clearcoatFactor: error: 1.5 is out of range"),
-    (
-        "clearcoat_normal_texture_missing.gltf",
-        "KHR_materials_clearcoat.clearcoatNormalTexture.index: error: texture 3 does not exist",
-    ),
-    ("sheen_color_of_two.gltf", "KHR_materials_sheen.sheenColorFactor: error: [1,1] is out of range"),
-    (
-        "sheen_roughness_negative.gltf",
-        "KHR_materials_sheen.sheenRoughnessFactor: error: -0.5 is out of range",
     ),
     (
         "sky_image_and_color.gltf",
@@ -78,19 +47,12 @@ const CASES: &[(&str, &str)] = &[
     ("sky_image_missing.gltf", "nowhere.hdr: error: cannot be read"),
     ("sky_image_on_the_web.gltf", "`https://example.org/sky.hdr` is not a file beside this one"),
     ("sky_rotation_text.gltf", "sunfleck_env"),
-    ("tangents_fewer.gltf", "attributes.TANGENT: error: there are 6 positions and 5 of these"),
-    ("tangents_missing.gltf", "attributes.TANGENT: error: accessor 77 does not exist"),
-    ("tangents_of_three.gltf", "tangents cannot be of type `VEC3`"),
-    ("tangents_u8.gltf", "tangents cannot be of component type 5121"),
-    ("colors_scalar.gltf", "vertex colours cannot be of type `SCALAR`"),
-    ("texture_transform_infinite.gltf", "transform makes these texture coordinates infinite"),
     ("ctl_anisotropy_one.gltf", "sunfleck_ctl: error: from 0.0000 s on the value is or comes near 1"),
     ("ctl_channel_unknown.gltf", "sunfleck_ctl.channel: error: `rotation.x` is no channel"),
     ("ctl_density_negative.gltf", "sunfleck_ctl: error: from 0.0000 s on the value is or comes near -0.5"),
     ("ctl_without_target.gltf", "extras.sunfleck_ctl: error: missing field `target`"),
     ("empty.glb", "the file is empty"),
     ("empty.gltf", "the file is empty"),
-    ("extension_required_basisu.gltf", "KHR_texture_basisu"),
     ("extension_required_unknown.gltf", "the file requires the extension `ACME_leaves`, which is not read"),
     ("fog_albedo_above_one.gltf", "sunfleck_fog_volume.albedo: error: the albedo is out of range"),
     ("fog_anisotropy_one.gltf", "sunfleck_fog_volume.anisotropy: error: the anisotropy is 1"),
@@ -114,24 +76,7 @@ const CASES: &[(&str, &str)] = &[
     ("glb_magic_wrong.glb", "this is no glTF file"),
     ("glb_version_one.glb", "version 1 of the GLB container"),
     ("glb_without_binary.glb", "buffers[0]: error: the buffer has no data"),
-    ("image_cut_short.gltf", "images[0]: error"),
-    ("image_file_missing.gltf", "nowhere.png: error: cannot be read"),
-    ("image_is_no_image.gltf", "images[0]: error"),
-    ("image_missing.gltf", "image 5 does not exist"),
     ("index_out_of_range.gltf", "index 2 is 9, and there are 3 vertices"),
-    (
-        "instances_accessor_missing.gltf",
-        "nodes[1].extensions.EXT_mesh_gpu_instancing.attributes.TRANSLATION: error: accessor 55 does not exist",
-    ),
-    (
-        "instances_of_unequal_number.gltf",
-        "nodes[1].extensions.EXT_mesh_gpu_instancing.attributes: error: the attributes have different numbers of instances",
-    ),
-    (
-        "instances_rotation_zero.gltf",
-        "nodes[1].extensions.EXT_mesh_gpu_instancing.attributes.ROTATION: error: rotation 0 has no length",
-    ),
-    ("instances_scale_as_bytes.gltf", "places and sizes of instances cannot be of component type 5121"),
     ("json_cut_short.gltf", "the JSON is damaged"),
     ("json_nan.gltf", "the JSON is damaged"),
     ("json_negative_index.gltf", "nodes[1].mesh: error: invalid value: integer `-1`"),
@@ -155,70 +100,24 @@ const CASES: &[(&str, &str)] = &[
     ("light_power_negative.gltf", "sunfleck_light.power_w: error: -1 W times [1, 1, 1] is no power"),
     ("light_radius_negative.gltf", "nodes[3].extras.sunfleck_light.radius: error: the radius is -0.1"),
     ("light_sun_angle_pi.gltf", "nodes[3].extras.sunfleck_light.angle: error: the angle is 3.2"),
-    ("light_intensity_negative.gltf", "lights[0].intensity: error: the intensity is -1"),
-    ("light_missing.gltf", "KHR_lights_punctual.light: error: light 8 does not exist"),
     ("light_spot_angles.gltf", "lights[0].spot.outerConeAngle: error: the cone's outer angle is 0"),
     ("light_units_unknown.gltf", "`candles` are no light units"),
-    ("material_missing.gltf", "primitives[0].material: error: material 3 does not exist"),
     (
         "material_sum_above_one.gltf",
         "sunfleck_material: error: base colour, transmission, mirror and filter add up to",
     ),
-    ("matrix_projective.gltf", "nodes[4].matrix: error: the matrix is not affine"),
-    ("mesh_empty.gltf", "meshes[0].primitives: error: the mesh is empty"),
-    ("mesh_missing.gltf", "nodes[1].mesh: error: mesh 2 does not exist"),
     ("mesh_without_positions.gltf", "the mesh has no positions"),
-    ("node_child_missing.gltf", "nodes[0].children[0]: error: node 77 does not exist"),
-    ("node_cycle.gltf", "the node is its own ancestor"),
-    ("node_is_its_own_child.gltf", "the node is its own ancestor"),
-    ("node_rotation_zero.gltf", "nodes[1].rotation: error: the rotation has length 0"),
     ("node_translation_infinite.gltf", "the JSON is damaged: number out of range"),
-    ("node_with_two_parents.gltf", "node 1 is a child of node 0 already"),
-    ("normals_fewer_than_positions.gltf", "there are 3 positions and 2 of these"),
     ("passes_unknown.gltf", "sunfleck.passes[1]: error: `beauty` is no pass"),
-    ("pointer_fov_out_of_range.gltf", "animations[0].channels[0]: error: an animated value is"),
-    (
-        "pointer_light_missing.gltf",
-        "`/extensions/KHR_lights_punctual/lights/9/intensity` points at nothing in the file",
-    ),
-    ("pointer_node_missing.gltf", "`/nodes/99/translation` points at nothing in the file"),
-    ("pointer_roughness_above_one.gltf", "animations[0].channels[0]: error: an animated value is"),
     (
         "shutter_offset_huge.gltf",
         "sunfleck.shutter_offset: error: the shutter opens 1000000 frames after the frame",
     ),
-    ("pointer_values_of_another_type.gltf", "animated values cannot be of type `SCALAR`"),
     ("position_nan.gltf", "element 1 of these positions is not finite"),
     ("position_scalar.gltf", "positions cannot be of type `SCALAR`"),
-    ("morph_accessor_missing.gltf", "targets[0].POSITION: error: accessor 77 does not exist"),
-    ("morph_fewer_than_positions.gltf", "targets[0].POSITION: error: there are 3 positions and 2 of these"),
-    ("morph_keys_fewer.gltf", "keys cannot have"),
-    (
-        "morph_targets_differ.gltf",
-        "meshes[0].primitives: error: the primitives of the mesh have different numbers of morph targets",
-    ),
-    ("morph_weights_of_node_huge.gltf", "nodes[1].weights: error: [1e30] are no weights of 1 morph targets"),
-    ("morph_weights_too_many.gltf", "meshes[0].weights: error: [0.5, 0.5] are no weights of 1 morph targets"),
-    (
-        "skin_joint_beyond_skin.gltf",
-        "nodes[1].skin: error: the mesh hangs on joint 7 of `skin 0`, which has 1",
-    ),
-    ("skin_joint_missing.gltf", "skins[0].joints[0]: error: node 44 does not exist"),
-    ("skin_joint_outside_scene.gltf", "skins[0].joints[0]: error: node 5 is not in the scene that is shown"),
-    ("skin_joints_as_floats.gltf", "joints cannot be of component type 5126"),
-    ("skin_joints_without_weights.gltf", "attributes.JOINTS_0: error: there are joints without weights"),
-    ("skin_matrices_as_vectors.gltf", "inverse bind matrices cannot be of type `VEC4`"),
-    ("skin_matrices_fewer.gltf", "there are 2 joints and 1 inverse bind matrices"),
-    ("skin_matrix_projective.gltf", "skins[0].inverseBindMatrices: error: matrix 0 is not affine"),
-    ("skin_missing.gltf", "nodes[1].skin: error: skin 3 does not exist"),
-    ("skin_weight_negative.gltf", "WEIGHTS_0: error: a weight of vertex 0 is negative"),
-    ("skin_weights_fewer.gltf", "attributes.WEIGHTS_0: error: there are 3 positions and 2 of these"),
-    ("skin_without_joints.gltf", "skins[0].joints: error: the skin has no joints"),
     ("filter_unknown.gltf", "sunfleck.filter: error: `gauss` is no filter"),
     ("resolution_huge.gltf", "resolution[0]: error: 65537 is not usable"),
     ("resolution_zero.gltf", "0 is not usable"),
-    ("root_is_a_child_too.gltf", "node 1 is a root of the scene and a child too"),
-    ("scene_missing.gltf", "scene 4 does not exist"),
     ("seed_fraction.gltf", "sunfleck.seed: error: 1.5 is not usable"),
     ("sparse_index_out_of_range.gltf", "element 9 does not exist"),
     ("stride_too_small.gltf", "a byteStride of 4 is less than the element"),
@@ -230,30 +129,8 @@ const CASES: &[(&str, &str)] = &[
     // Written by tools/corpus/make_invalid_gltf.py.
     ("accessor_count_negative.gltf", "accessors[0].count: error: invalid value: integer `-1`"),
     ("accessor_without_count.gltf", "accessors[0]: error: missing field `count`"),
-    (
-        "animation_interpolation_unknown.gltf",
-        "animations[0].channels[0]: error: `BEZIER` is no interpolation",
-    ),
-    ("animation_key_times_of_vectors.gltf", "accessors[2].type: error: key times cannot be of type `VEC2`"),
-    (
-        "animation_output_of_quaternions.gltf",
-        "accessors[3].type: error: translations and scales cannot be of type `VEC4`",
-    ),
-    ("animation_output_short_of_tangents.gltf", "accessors[3].count: error: 2 keys cannot have 2 values"),
     ("asset_missing.gltf", "asset.version: error"),
-    (
-        "base_color_negative.gltf",
-        "materials[0].pbrMetallicRoughness.baseColorFactor: error: -1 is out of range",
-    ),
     ("buffer_view_without_length.gltf", "bufferViews[0]: error: missing field `byteLength`"),
-    (
-        "camera_aspect_zero.gltf",
-        "cameras[0].perspective.aspectRatio: error: the aspect ratio is not positive",
-    ),
-    (
-        "camera_fov_of_half_a_turn.gltf",
-        "cameras[0].perspective.yfov: error: the vertical field of view is 3.1416",
-    ),
     (
         "draco_attribute_without_accessor.gltf",
         "KHR_draco_mesh_compression: error: the primitive has no accessor for the compressed NORMAL",
@@ -265,22 +142,17 @@ const CASES: &[(&str, &str)] = &[
     ("draco_malformed.gltf", "KHR_draco_mesh_compression: error: the extension is malformed"),
     ("draco_mode_strip.gltf", "KHR_draco_mesh_compression: error: a compressed mesh cannot be of mode 5"),
     ("draco_view_missing.gltf", "KHR_draco_mesh_compression.bufferView: error: buffer view 9 does not exist"),
-    ("emission_negative.gltf", "materials[0].emissiveFactor: error: -1 is out of range"),
     ("glb_binary_chunk_first.glb", "the GLB container is damaged: was not expecting BIN"),
     ("glb_json_empty.glb", "the JSON is damaged: EOF while parsing a value"),
     ("glb_without_chunks.glb", "the GLB container is damaged"),
-    ("image_webp_damaged.gltf", "images[0]: error: the image cannot be decoded"),
     ("indices_missing.gltf", "meshes[0].primitives[0].indices: error: accessor 9 does not exist"),
     ("indices_of_vectors.gltf", "accessors[1].type: error: indices cannot be of type `VEC3`"),
     ("indices_restart.gltf", "primitives[0].indices: error: index 3 is 65535, and there are 4 vertices"),
-    ("json_byte_order_mark.gltf", "1:1: error: the JSON is damaged"),
     ("json_is_a_list.gltf", "asset.version: error"),
-    ("json_is_a_number.gltf", "invalid type: floating point `2.0`"),
-    ("json_nested_without_end.gltf", "asset[0]: error: invalid type: sequence"),
+    ("json_is_a_number.gltf", "invalid type: integer `2`"),
+    ("json_nested_without_end.gltf", "the JSON is damaged: recursion limit exceeded"),
     ("json_not_utf8.gltf", "30:14: error: the JSON is damaged: invalid unicode code point"),
     ("extension_required_double.gltf", "move the scene near the origin first"),
-    ("extension_required_glossiness.gltf", "`KHR_materials_pbrSpecularGlossiness`"),
-    ("extension_required_dds.gltf", "export images as PNG, JPEG or WebP"),
     ("extension_required_packing.gltf", "plain metallic-roughness"),
     ("extension_required_restart.gltf", "or as plain triangles"),
     ("extension_required_sky.gltf", "the custom property `sunfleck_env`"),
@@ -309,8 +181,6 @@ const CASES: &[(&str, &str)] = &[
     ),
     ("sun_limb_above_one.gltf", "sunfleck_light.limb_darkening: error: the limb_darkening is 1.5"),
     ("suns_with_too_many_pictures.gltf", "sunfleck_light: error: too many suns have pictures"),
-    ("light_color_negative.gltf", "lights[0].color: error: the colour is [1.0, -1.0, 1.0]"),
-    ("light_type_unknown.gltf", "lights[0].type: error: `candle` is no kind of light"),
     ("meshopt_buffer_missing.gltf", "EXT_meshopt_compression.buffer: error: buffer 3 does not exist"),
     (
         "meshopt_count_huge.gltf",
@@ -328,13 +198,7 @@ const CASES: &[(&str, &str)] = &[
     ),
     ("mode_unknown.gltf", "meshes[0].primitives[0].mode: error: 6 vertices of mode 7"),
     ("node_child_negative.gltf", "nodes[0].children[0]: error: invalid value: integer `-1`"),
-    ("node_matrix_and_parts.gltf", "nodes[0]: error: the node has a matrix and its parts as well"),
     ("node_matrix_short.gltf", "nodes[0].matrix: error: invalid length 4"),
-    (
-        "roughness_above_one.gltf",
-        "materials[0].pbrMetallicRoughness.roughnessFactor: error: 2 is out of range",
-    ),
-    ("scene_node_missing.gltf", "scenes[0].nodes[3]: error: node 40 does not exist"),
     (
         "sparse_count_too_many.gltf",
         "accessors[0].sparse.count: error: more elements are replaced than there are",
@@ -343,19 +207,108 @@ const CASES: &[(&str, &str)] = &[
         "sparse_indices_float.gltf",
         "accessors[0].sparse.indices.componentType: error: indices cannot be of this type",
     ),
-    ("texture_coordinates_fewer.gltf", "TEXCOORD_0: error: there are 4 positions and 3 of these"),
-    (
-        "texture_coordinates_of_three.gltf",
-        "accessors[2].type: error: texture coordinates cannot be of type `VEC3`",
-    ),
-    (
-        "texture_coordinates_u32.gltf",
-        "accessors[2].componentType: error: texture coordinates cannot be of component type 5125",
-    ),
-    ("texture_missing.gltf", "baseColorTexture.index: error: texture 4 does not exist"),
-    ("texture_sampler_missing.gltf", "textures[0].sampler: error: sampler 2 does not exist"),
-    ("texture_without_image.gltf", "textures[0].source: error: the texture has no image that can be read"),
     ("triangles_none.gltf", "meshes[0].primitives[0].mode: error: 1 vertices of mode 4"),
+];
+
+/// File and the kinds of what is lost: it is read without that, or with it put right.
+const LENIENT: &[(&str, &[&str])] = &[
+    ("albedo_above_one.gltf", &["value-out-of-range"]),
+    ("alpha_mode_unknown.gltf", &["value-out-of-range"]),
+    ("animation_interpolation_unknown.gltf", &["animation-damaged"]),
+    ("animation_key_time_nan.gltf", &["animation-damaged"]),
+    ("animation_key_times_decrease.gltf", &["animation-damaged"]),
+    ("animation_key_times_of_vectors.gltf", &["animation-damaged"]),
+    ("animation_node_missing.gltf", &["animation-damaged"]),
+    ("animation_of_matrix_node.gltf", &["animation-damaged"]),
+    ("animation_output_count.gltf", &["animation-damaged"]),
+    ("animation_output_of_quaternions.gltf", &["animation-damaged"]),
+    ("animation_output_short_of_tangents.gltf", &["animation-damaged"]),
+    ("animation_path_unknown.gltf", &["animation-damaged"]),
+    ("animation_rotation_zero.gltf", &["animation-damaged"]),
+    ("animation_sampler_missing.gltf", &["animation-damaged"]),
+    ("base_color_negative.gltf", &["value-out-of-range"]),
+    ("buffer_cut_short.gltf", &["buffer-unreadable"]),
+    ("buffer_view_beyond_buffer.gltf", &["animation-damaged"]),
+    ("buffer_view_overflows.gltf", &["animation-damaged"]),
+    ("camera_aspect_zero.gltf", &["value-out-of-range"]),
+    ("camera_fov_of_half_a_turn.gltf", &["camera-unusable"]),
+    ("clearcoat_above_one.gltf", &["value-out-of-range"]),
+    ("clearcoat_normal_texture_missing.gltf", &["texture-unreadable"]),
+    ("colors_scalar.gltf", &["attribute-damaged"]),
+    ("diffuse_transmission_above_one.gltf", &["value-out-of-range"]),
+    ("emission_negative.gltf", &["value-out-of-range"]),
+    ("extension_required_basisu.gltf", &[]),
+    ("extension_required_dds.gltf", &[]),
+    ("extension_required_glossiness.gltf", &[]),
+    ("image_cut_short.gltf", &["texture-coordinates-missing", "texture-unreadable"]),
+    ("image_file_missing.gltf", &["texture-coordinates-missing", "texture-unreadable"]),
+    ("image_is_no_image.gltf", &["texture-coordinates-missing", "texture-unreadable"]),
+    ("image_missing.gltf", &["texture-coordinates-missing", "texture-unreadable"]),
+    ("image_webp_damaged.gltf", &["texture-unreadable"]),
+    ("instances_accessor_missing.gltf", &["instances-damaged"]),
+    ("instances_of_unequal_number.gltf", &["instances-damaged"]),
+    ("instances_rotation_zero.gltf", &["instances-damaged"]),
+    ("instances_scale_as_bytes.gltf", &["instances-damaged"]),
+    ("ior_negative.gltf", &["value-out-of-range"]),
+    ("json_byte_order_mark.gltf", &[]),
+    ("light_color_negative.gltf", &["value-out-of-range"]),
+    ("light_intensity_negative.gltf", &["value-out-of-range"]),
+    ("light_missing.gltf", &["reference-missing"]),
+    ("light_type_unknown.gltf", &["light-unusable"]),
+    ("material_missing.gltf", &["reference-missing"]),
+    ("matrix_projective.gltf", &["transform-repaired"]),
+    ("mesh_empty.gltf", &["mesh-without-triangles"]),
+    ("mesh_missing.gltf", &["reference-missing"]),
+    ("morph_accessor_missing.gltf", &["morph-targets-damaged"]),
+    ("morph_fewer_than_positions.gltf", &["morph-targets-damaged"]),
+    ("morph_keys_fewer.gltf", &["animation-damaged"]),
+    ("morph_targets_differ.gltf", &["morph-targets-damaged"]),
+    ("morph_weights_of_node_huge.gltf", &["morph-targets-damaged"]),
+    ("morph_weights_too_many.gltf", &["morph-targets-damaged"]),
+    ("node_child_missing.gltf", &["nodes-outside-scene", "reference-missing"]),
+    ("node_cycle.gltf", &["hierarchy-repaired", "nodes-outside-scene"]),
+    ("node_is_its_own_child.gltf", &["hierarchy-repaired", "nodes-outside-scene"]),
+    ("node_matrix_and_parts.gltf", &["transform-repaired"]),
+    ("node_rotation_zero.gltf", &["transform-repaired"]),
+    ("node_with_two_parents.gltf", &["hierarchy-repaired"]),
+    ("normal_texture_missing.gltf", &["texture-coordinates-missing", "texture-unreadable"]),
+    ("normals_fewer_than_positions.gltf", &["attribute-damaged"]),
+    ("pointer_fov_out_of_range.gltf", &["animation-damaged"]),
+    ("pointer_light_missing.gltf", &["animation-damaged"]),
+    ("pointer_node_missing.gltf", &["animation-damaged"]),
+    ("pointer_roughness_above_one.gltf", &["animation-damaged"]),
+    ("pointer_values_of_another_type.gltf", &["animation-damaged"]),
+    ("root_is_a_child_too.gltf", &["hierarchy-repaired"]),
+    ("roughness_above_one.gltf", &["value-out-of-range"]),
+    ("scene_missing.gltf", &["reference-missing"]),
+    ("scene_node_missing.gltf", &["reference-missing"]),
+    ("sheen_color_of_two.gltf", &["value-out-of-range"]),
+    ("sheen_roughness_negative.gltf", &["value-out-of-range"]),
+    ("skin_joint_beyond_skin.gltf", &["skin-damaged"]),
+    ("skin_joint_missing.gltf", &["skin-damaged"]),
+    ("skin_joint_outside_scene.gltf", &["nodes-outside-scene", "skin-damaged"]),
+    ("skin_joints_as_floats.gltf", &["skin-damaged", "skin-without-joints"]),
+    ("skin_joints_without_weights.gltf", &["skin-damaged", "skin-without-joints"]),
+    ("skin_matrices_as_vectors.gltf", &["skin-damaged"]),
+    ("skin_matrices_fewer.gltf", &["skin-damaged"]),
+    ("skin_matrix_projective.gltf", &["skin-damaged"]),
+    ("skin_missing.gltf", &["reference-missing"]),
+    ("skin_weight_negative.gltf", &["joint-weights"]),
+    ("skin_weights_fewer.gltf", &["skin-damaged", "skin-without-joints"]),
+    ("skin_without_joints.gltf", &["skin-damaged"]),
+    ("specular_color_text.gltf", &["value-out-of-range"]),
+    ("tangents_fewer.gltf", &["attribute-damaged"]),
+    ("tangents_missing.gltf", &["attribute-damaged"]),
+    ("tangents_of_three.gltf", &["attribute-damaged"]),
+    ("tangents_u8.gltf", &["attribute-damaged"]),
+    ("texture_coordinates_fewer.gltf", &["attribute-damaged"]),
+    ("texture_coordinates_of_three.gltf", &["attribute-damaged"]),
+    ("texture_coordinates_u32.gltf", &["attribute-damaged"]),
+    ("texture_missing.gltf", &["texture-unreadable"]),
+    ("texture_sampler_missing.gltf", &["reference-missing"]),
+    ("texture_transform_infinite.gltf", &["attribute-damaged"]),
+    ("texture_without_image.gltf", &["texture-unreadable"]),
+    ("transmission_text.gltf", &["transmission-rough", "value-out-of-range"]),
 ];
 
 fn data(name: &str) -> PathBuf {
@@ -385,7 +338,7 @@ fn survives(bytes: &[u8]) {
 
 #[test]
 fn every_invalid_file_is_refused_with_its_reason() {
-    for (name, reason) in CASES.iter().copied() {
+    for (name, reason) in REFUSED.iter().copied() {
         let message =
             refusal(&data("invalid/gltf").join(name)).unwrap_or_else(|| panic!("{name} is not refused"));
         assert!(message.contains(reason), "{name}: {reason} is not in\n{message}");
@@ -396,9 +349,30 @@ fn every_invalid_file_is_refused_with_its_reason() {
     }
 }
 
+/// Losses that have nothing to do with what is wrong.
+const BESIDE: [&str; 2] = ["backface-culling", "no-light"];
+
+#[test]
+fn what_can_be_done_without_is_left_out_and_told() {
+    for (name, expected) in LENIENT.iter().copied() {
+        let description = description::load(&data("invalid/gltf").join(name))
+            .unwrap_or_else(|error| panic!("{name} is refused: {error}"));
+        let (scene, _) = scene::resolve(description, None)
+            .unwrap_or_else(|problems| panic!("{name} is refused: {problems}"));
+        let ids: BTreeSet<&str> = scene.remarks.losses().map(|(loss, _)| loss.id()).collect();
+        let ids: Vec<&str> = ids.into_iter().filter(|id| !BESIDE.contains(id)).collect();
+        assert_eq!(ids, expected, "{name}");
+        // What `--strict` refuses.
+        assert!(expected.is_empty() || scene.remarks.refusing_losses().is_some(), "{name}");
+    }
+}
+
 #[test]
 fn every_invalid_file_is_in_the_table() {
-    let listed: BTreeSet<String> = CASES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let refused = REFUSED.iter().map(|(name, _)| (*name).to_owned());
+    let listed: BTreeSet<String> =
+        refused.chain(LENIENT.iter().map(|(name, _)| (*name).to_owned())).collect();
+    assert_eq!(listed.len(), REFUSED.len() + LENIENT.len());
     let entries = std::fs::read_dir(data("invalid/gltf")).unwrap();
     let files: BTreeSet<String> =
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

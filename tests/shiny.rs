@@ -19,7 +19,8 @@ use sunfleck::scene::{
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, radiance};
 
-const METAL: Coat = Coat { metallic: 1.0, roughness: 0.5, texture: None, f0: Rgb::splat(0.04), f90: 1.0 };
+const METAL: Coat =
+    Coat { metallic: 1.0, roughness: 0.5, texture: None, f0: Rgb::splat(0.04), f0_texture: None, f90: 1.0 };
 
 /// A large square 3 m before the camera; `u` goes to the right and `v` down.
 fn square(material: Material) -> Scene {

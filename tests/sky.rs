@@ -129,7 +129,7 @@ fn a_roof_takes_its_form_factor_away() {
 fn white_furnace() {
     let coat = |f0: f64, roughness: f64| {
         let f0 = Rgb::splat(f0);
-        Some(Coat { metallic: 0.0, roughness, texture: None, f0, f90: 1.0 })
+        Some(Coat { metallic: 0.0, roughness, texture: None, f0, f0_texture: None, f90: 1.0 })
     };
     let leaf = |share: f64, coat| Material {
         base_color: Rgb::splat(share),

@@ -29,6 +29,7 @@ const THIN_COAT: Coat = Coat {
     roughness: 0.5,
     texture: None,
     f0: Rgb::splat(NEXT_TO_NOTHING),
+    f0_texture: None,
     f90: NEXT_TO_NOTHING,
 };
 const THIN_CLEARCOAT: Clearcoat = Clearcoat {

@@ -124,6 +124,9 @@ pub(super) struct SceneArguments {
     /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
     #[arg(long, value_enum, value_name = "on|off")]
     pub(super) default_light: Option<Switch>,
+    /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not move the same things].
+    #[arg(long, value_name = "NAME|all")]
+    pub(super) animation: Option<String>,
     /// Refuse an input that asks for anything that is not honoured (exit code 3).
     #[arg(long)]
     pub(super) strict: bool,
@@ -492,6 +495,7 @@ impl SceneArguments {
         ResolveOptions {
             light_units: self.light_units.map(Into::into),
             no_default_light: self.default_light == Some(Switch::Off),
+            animation: self.animation.clone(),
             ..ResolveOptions::default()
         }
     }

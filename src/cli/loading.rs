@@ -5,7 +5,7 @@
 use super::CliError;
 use super::arguments::BakeArguments;
 use super::plan::usage;
-use crate::description::{Description, read_regular};
+use crate::description::{Description, SceneSource, read_regular};
 use crate::diagnostic::readable;
 use crate::frame_file;
 use crate::scene::{self, Baking, RenderSettings, ResolveOptions, Scene};
@@ -30,6 +30,7 @@ pub(super) fn resolve(
     bakes: &BakeArguments,
     told: bool,
 ) -> Result<(Scene, RenderSettings), CliError> {
+    check_animation(&description, options.animation.as_deref())?;
     let folder = match bakes.bake_cache.as_deref() {
         None => user_folder(),
         Some(folder) if folder == Path::new("off") => None,
@@ -79,6 +80,18 @@ pub(super) fn check_not_read(flag: &str, output: &Path, inputs: &[PathBuf]) -> R
             "a file of another name",
         )),
     }
+}
+
+/// Refuses the name of an animation that the input does not have.
+fn check_animation(description: &Description, wanted: Option<&str>) -> Result<(), CliError> {
+    let Some(wanted) = wanted else { return Ok(()) };
+    let names = match &description.scene {
+        _ if wanted == "all" => return Ok(()),
+        SceneSource::Gltf(scene) if !scene.animations_called(wanted).is_empty() => return Ok(()),
+        SceneSource::Gltf(scene) => scene.animation_names(),
+        SceneSource::Ron(_) => String::from("a glTF file: in RON everything that moves is one"),
+    };
+    Err(usage("--animation", format!("there is no animation `{wanted}`"), &names))
 }
 
 fn new_bar() -> ProgressBar {

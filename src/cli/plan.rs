@@ -97,8 +97,12 @@ impl Plan {
         };
         let default_light =
             arguments.scene.default_light.map_or(String::new(), |light| format!(" {light:?}"));
+        let animation = match &arguments.scene.animation {
+            None => String::new(),
+            Some(animation) => format!(" animation {animation:?}"),
+        };
         let settings_hash = hash(&format!(
-            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}{default_light}",
+            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{animation}",
             settings.frame_rate, settings.shutter, arguments.scene.light_units
         ));
         Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })

@@ -1,6 +1,7 @@
 //! Image files in, linear light out. Invariant: `width * height` texels, none larger than the
 //! limits allow, whatever the file's header claims.
 
+use super::ktx2;
 use crate::color::{Primaries, linear_from_srgb};
 use crate::diagnostic::{Diagnostic, Place};
 use ::image::{DynamicImage, ImageFormat, ImageReader, Limits, Rgba};
@@ -54,14 +55,14 @@ static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
 });
 
-/// Decodes a PNG, JPEG, WebP or PPM image, or one of radiances, recognised by its content.
+/// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances, recognised by its content.
 ///
 /// # Errors
 /// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
 pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedImage, Diagnostic> {
     let (expected, remedy) = match encoding {
         Encoding::Srgb | Encoding::Linear => (
-            "a PNG, JPEG, WebP or PPM image of at most 16384 texels a side",
+            "a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image of at most 16384 texels a side",
             "save the image again as PNG, or scale it down",
         ),
         Encoding::Radiance => (
@@ -70,6 +71,11 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         ),
     };
     let reject = |found: String| Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy);
+    if encoding != Encoding::Radiance && ktx2::is_ktx2(bytes) {
+        return ktx2::decode(bytes, MAX_SIDE, MAX_TEXELS)
+            .map(|image| linear(image, encoding))
+            .map_err(reject);
+    }
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|error| reject(format!("the image cannot be read: {error}")))?;

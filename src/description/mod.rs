@@ -4,6 +4,7 @@
 mod files;
 pub mod gltf;
 pub mod image;
+mod ktx2;
 pub mod obj;
 mod peers;
 pub mod ron;

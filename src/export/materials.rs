@@ -145,7 +145,11 @@ pub(super) fn texture_info(map: TextureMap) -> Value {
 /// factor, which alone counts at grazing angles (KHR_materials_specular, "Implementation").
 fn specular(coat: Coat) -> Value {
     let color = if coat.f90 > 0.0 { coat.f0 / (0.04 * coat.f90) } else { Rgb::ONE };
-    json!({ "specularFactor": coat.f90, "specularColorFactor": color.to_array() })
+    let mut written = json!({ "specularFactor": coat.f90, "specularColorFactor": color.to_array() });
+    if let Some(map) = coat.f0_texture {
+        written["specularColorTexture"] = texture_info(map);
+    }
+    written
 }
 
 fn wrap(wrap: Wrap) -> u32 {

@@ -150,8 +150,13 @@ impl Writer<'_> {
             let uvs: Vec<[f32; 2]> = used.iter().map(|&vertex| uvs[vertex].to_array()).collect();
             attribute(&format!("TEXCOORD_{}", layer + 1), self.binary.floats(&uvs, vertices, false));
         }
-        if !mesh.colors.is_empty() {
-            let colors: Vec<[f32; 3]> = used.iter().map(|&vertex| mesh.colors[vertex].to_array()).collect();
+        let color = |vertex: usize| mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
+        if !mesh.alphas.is_empty() {
+            let colors: Vec<[f32; 4]> =
+                used.iter().map(|&vertex| color(vertex).extend(mesh.alphas[vertex]).to_array()).collect();
+            attribute("COLOR_0", self.binary.floats(&colors, vertices, false));
+        } else if !mesh.colors.is_empty() {
+            let colors: Vec<[f32; 3]> = used.iter().map(|&vertex| color(vertex).to_array()).collect();
             attribute("COLOR_0", self.binary.floats(&colors, vertices, false));
         }
         let mut primitive = Map::new();
@@ -182,6 +187,7 @@ fn faceted(mesh: &Mesh, corners: &[u32]) -> Mesh {
         uvs: at(&mesh.uvs, corners),
         more_uvs: mesh.more_uvs.iter().map(|uvs| at(uvs, corners)).collect(),
         colors: at(&mesh.colors, corners),
+        alphas: at(&mesh.alphas, corners),
         tangents: at(&mesh.tangents, corners),
         triangles: Vec::new(),
     }

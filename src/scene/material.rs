@@ -81,6 +81,8 @@ pub struct Coat {
     pub texture: Option<TextureMap>,
     /// Reflectance along the normal of what is no metal, `0..=1`.
     pub f0: Rgb,
+    /// Image whose colour multiplies `f0`.
+    pub f0_texture: Option<TextureMap>,
     /// The same at grazing angles.
     pub f90: f64,
 }

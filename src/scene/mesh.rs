@@ -19,6 +19,8 @@ pub struct Mesh {
     pub more_uvs: Vec<Vec<Vec2>>,
     /// One linear colour a vertex, which multiplies the base colour; empty means white.
     pub colors: Vec<Vec3>,
+    /// One alpha a vertex, `0..=1`, which multiplies that of a blended material; empty means 1.
+    pub alphas: Vec<f32>,
     /// One tangent a vertex for normal maps: unit length, and in `w` on which side of it the bitangent
     /// `w * normal x tangent` lies; empty means that no map bends the normals.
     pub tangents: Vec<Vec4>,

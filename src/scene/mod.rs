@@ -2,6 +2,7 @@
 //! [`crate::description`], out comes a [`Scene`]. Invariant: a `Scene` that exists is valid;
 //! every index points somewhere, every number is finite and in range, parents come before children.
 
+mod animation;
 mod baking;
 mod camera;
 mod darkness;
@@ -34,6 +35,7 @@ use glam::{DAffine3, Vec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
+pub use animation::Animation;
 pub use baking::Baking;
 pub use camera::{Aperture, Camera, Clip, Lens};
 pub use darkness::{DarkCause, dark_cause};
@@ -79,6 +81,8 @@ pub struct Scene {
     pub background: Rgb,
     /// What lies behind the scene, added to the background, and lights it.
     pub sky: Option<Sky>,
+    /// The animations of a glTF file, played or not.
+    pub animations: Vec<Animation>,
     /// What custom properties of a glTF file said to us, as they stand there.
     pub properties: Vec<Property>,
     /// Everything that the description asks for and that is not honoured, or only nearly.

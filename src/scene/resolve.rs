@@ -24,6 +24,8 @@ pub enum LightUnits {
 pub struct ResolveOptions {
     /// What the lights of a glTF file are measured in, whatever it says.
     pub light_units: Option<LightUnits>,
+    /// Which animations of a glTF file play, whatever its sequence says: a name, a number from 0, or `all`.
+    pub animation: Option<String>,
     /// Leaves inputs dark that have no light.
     pub no_default_light: bool,
     /// What is rendered instead of what the input says; a camera and light that are made up depend on it.
@@ -70,9 +72,13 @@ pub fn resolve_telling(
     let (path, file) = (description.path.clone(), Place::File(description.path));
     let (is_bare, scene_file) =
         (description.scene.is_bare(), Place::File(description.scene.path().to_owned()));
+    let of_sequence = || description.sequence.as_ref()?.fields.animation.clone();
+    let animation = options.animation.clone().or_else(of_sequence);
     let (mut scene, mut settings) = match description.scene {
         SceneSource::Ron(scene) => from_ron::resolve(scene, baking)?,
-        SceneSource::Gltf(scene) => from_gltf::resolve(scene, options)?,
+        SceneSource::Gltf(scene) => {
+            from_gltf::resolve(scene, &ResolveOptions { animation, ..options.clone() })?
+        }
     };
     // A sequence may name it, and says what it has to show.
     let has_made_up_camera = default_view::add(&mut scene);

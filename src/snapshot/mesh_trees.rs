@@ -31,7 +31,7 @@ impl MeshTrees {
     pub fn new(scene: &Scene) -> Self {
         Self {
             trees: scene.meshes.iter().map(|_| PartTrees::default()).collect(),
-            is_blended: scene.materials.iter().map(|material| is_blended(scene, material)).collect(),
+            is_blended: blended(scene),
             bent: BentMeshes::default(),
         }
     }
@@ -108,11 +108,25 @@ impl MeshTrees {
     }
 }
 
-/// Whether anything shows through a material anywhere.
-fn is_blended(scene: &Scene, material: &Material) -> bool {
+/// Of each material, whether anything shows through it anywhere.
+fn blended(scene: &Scene) -> Arc<[bool]> {
+    let mut fades = vec![false; scene.materials.len()];
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh];
+        let fading = if mesh.alphas.is_empty() { &[] } else { mesh.triangles.as_slice() };
+        for triangle in fading {
+            fades[instance.material.unwrap_or(triangle.material)] = true;
+        }
+    }
+    scene.materials.iter().zip(fades).map(|(material, fades)| is_blended(scene, material, fades)).collect()
+}
+
+/// Whether anything shows through a material anywhere; `fades` if it is shown by vertices that have an alpha.
+fn is_blended(scene: &Scene, material: &Material, fades: bool) -> bool {
     let texture = material.base_color_texture.map(|texture| &scene.textures[texture]);
     material.alpha_mode == AlphaMode::Blend
         && (material.opacity < 1.0
+            || fades
             || material.changes.is_some()
             || material.filter_color != Rgb::ZERO
             || texture.is_some_and(|texture| texture.has_alpha()))

@@ -133,9 +133,14 @@ impl Snapshot<'_> {
     /// Whether alpha may differ from place to place on a triangle.
     pub fn is_textured(&self, primitive: PrimitiveId) -> bool {
         let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];
-        let triangle = self.scene.meshes[instance.mesh].triangles[primitive.triangle as usize];
+        let mesh = &self.scene.meshes[instance.mesh];
+        let triangle = mesh.triangles[primitive.triangle as usize];
         let material = &self.materials[instance.material.unwrap_or(triangle.material)];
-        material.base_color_texture.is_some_and(|texture| self.scene.textures[texture].has_alpha())
+        let fades = || {
+            let [a, b, c] = triangle.vertices.map(|vertex| mesh.alphas.get(vertex as usize));
+            a != b || a != c
+        };
+        material.base_color_texture.is_some_and(|texture| self.scene.textures[texture].has_alpha()) || fades()
     }
 
     /// Looks up everything about a hit of `ray`.
@@ -216,7 +221,8 @@ impl Facet<'_> {
             let texel = coat.texture.and_then(|map| self.texel(map, weights)).unwrap_or(Rgb::ONE);
             let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
             // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
-            let gloss = Gloss::new(coat.f0, Rgb::splat(coat.f90), roughness).with_metal(metallic, albedo);
+            let f0 = coat.f0 * looked_up(coat.f0_texture);
+            let gloss = Gloss::new(f0, Rgb::splat(coat.f90), roughness).with_metal(metallic, albedo);
             albedo *= 1.0 - metallic;
             transmission *= 1.0 - metallic;
             gloss
@@ -224,8 +230,8 @@ impl Facet<'_> {
         let (alpha, see_through) = match material.alpha_mode {
             AlphaMode::Opaque => (1.0, Rgb::ZERO),
             AlphaMode::Blend => {
-                let alpha =
-                    material.opacity * texture.map_or(1.0, |(texture, uv)| texture.alpha(uv).clamp(0.0, 1.0));
+                let of_texture = texture.map_or(1.0, |(texture, uv)| texture.alpha(uv).clamp(0.0, 1.0));
+                let alpha = material.opacity * of_texture * self.vertex_alpha(weights);
                 (alpha, Rgb::splat(1.0 - alpha) + alpha * material.filter_color)
             }
         };
@@ -260,6 +266,16 @@ impl Facet<'_> {
         // Seen from behind, it is bent as seen from the front and then turned over.
         let is_turned = unbent.dot(normal) < 0.0;
         bent.try_normalize().map_or(normal, |bent| if is_turned { -bent } else { bent })
+    }
+
+    /// The alpha of the mesh's vertices.
+    fn vertex_alpha(&self, weights: [f64; 3]) -> f64 {
+        let alphas = &self.mesh.alphas;
+        if alphas.is_empty() {
+            return 1.0;
+        }
+        let sum: f64 = (0..3).map(|corner| weights[corner] * f64::from(alphas[self.corners[corner]])).sum();
+        sum.clamp(0.0, 1.0)
     }
 
     fn uv(&self, uvs: &[Vec2], weights: [f64; 3]) -> Vec2 {

@@ -65,3 +65,81 @@ fn damaged_meshes_are_drawn_with_a_word_and_refused_by_strict() {
     }
     studio.succeed(&format!("render {} --strict --size 8x4 --samples 1 --out c/", case("Ks_one_number")));
 }
+
+/// Each file is drawn without what is damaged, unless that is not wanted.
+#[test]
+fn strict_refuses_what_is_only_nearly_drawn() {
+    let studio = Studio::new();
+    for (name, id) in [
+        ("missing_image_file.gltf", "texture-unreadable"),
+        ("basisu_used_not_required.gltf", "texture-unreadable"),
+        ("rotation_zero.gltf", "transform-repaired"),
+        ("camera_yfov_above_pi.gltf", "camera-unusable"),
+        ("root_here_child_in_other_scene.gltf", "hierarchy-repaired"),
+        ("glb_unknown_third_chunk.glb", "container-rest"),
+        ("points_beside_triangles.gltf", "points-and-lines"),
+        ("two_clips.gltf", "animations-left-out"),
+        ("asset_only.gltf", "nothing-to-draw"),
+    ] {
+        let path = repository("tests/data/cases/gltf").join(name).display().to_string();
+        studio.succeed(&format!("inspect {path}"));
+        let message = studio.fail(&format!("inspect {path} --strict"), SCENE);
+        assert!(message.contains(&format!("error[{id}]: ")), "{name}: {message}");
+    }
+    let clean = repository("tests/data/cases/gltf/ok.gltf").display().to_string();
+    studio.succeed(&format!("inspect {clean} --strict"));
+}
+
+#[test]
+fn animations_are_chosen_by_name_and_listed() {
+    let studio = Studio::new();
+    let clips = repository("tests/data/cases/gltf/two_clips.gltf").display().to_string();
+    let described: Value =
+        serde_json::from_str(&studio.succeed(&format!("inspect {clips} --animation up --json")).out).unwrap();
+    let animations = described["animations"].as_array().unwrap();
+    assert_eq!(animations[0]["name"], "right");
+    assert_eq!((&animations[0]["played"], &animations[1]["played"]), (&false.into(), &true.into()));
+    assert_eq!(animations[1]["frame_end"], 24.0);
+    assert_eq!(animations[1]["moves"], serde_json::json!(["node 0"]));
+    assert!(studio.succeed(&format!("inspect {clips}")).out.contains("animation  `up`: frames 0 to 24"));
+
+    let message = studio.fail(&format!("inspect {clips} --animation down"), 2);
+    assert!(message.contains("`right`, `up`") && message.contains("remedy: "), "{message}");
+    studio.fail("inspect scene.ron --animation down", 2);
+
+    let sequence = |animation: &str| {
+        let text = format!("Sequence(version: 1, scene: \"{clips}\", animation: \"{animation}\")");
+        std::fs::write(studio.path("clip.ron"), text).unwrap();
+    };
+    sequence("up");
+    assert!(studio.succeed("inspect clip.ron").out.contains("`up`: frames 0 to 24, moves `node 0`; played"));
+    // The command line goes before the file.
+    assert!(
+        studio
+            .succeed("inspect clip.ron --animation right")
+            .out
+            .contains("`up`: frames 0 to 24, moves `node 0`; not played")
+    );
+    sequence("down");
+    assert!(studio.fail("inspect clip.ron", SCENE).contains("there is no animation `down`"));
+    std::fs::write(studio.path("clip.ron"), "Sequence(version: 1, scene: \"scene.ron\", animation: \"up\")")
+        .unwrap();
+    assert!(studio.fail("inspect clip.ron", SCENE).contains("clip.ron: animation: error"));
+}
+
+/// Frames of one animation are none of another; without the flag the hash is what it was.
+#[test]
+fn frames_of_another_animation_are_rendered_again() {
+    let studio = Studio::new();
+    let clips = repository("tests/data/cases/gltf/two_clips.gltf").display().to_string();
+    let render = |more: &str| {
+        let line = format!(
+            "render {clips} --size 8x4 --samples 1 --frames 12 --out a/ --skip valid --progress plain {more}"
+        );
+        studio.succeed(&line).err
+    };
+    render("--animation up");
+    let bytes = studio.bytes("a/two_clips.0012.exr");
+    render("--animation right");
+    assert_ne!(bytes, studio.bytes("a/two_clips.0012.exr"));
+}

@@ -3,7 +3,7 @@
 
 use super::Inspected;
 use crate::diagnostic::Diagnostics;
-use crate::scene::{AreaShape, Camera, Lens, LightKind, Placement, Sampling};
+use crate::scene::{Animation, AreaShape, Camera, Lens, LightKind, Placement, RenderSettings, Sampling};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
@@ -25,6 +25,7 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
         "samples": samples,
         "tolerance": tolerance,
         "filter": settings.filter.name(),
+        "animations": scene.animations.iter().map(|animation| describe_animation(animation, settings)).collect::<Vec<_>>(),
         "instances": scene.instances.len(),
         "triangles": scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum::<usize>(),
         "losses": losses(&scene.remarks),
@@ -32,6 +33,17 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
         "frames": frames.iter().map(|&frame| describe_frame(inspected, frame)).collect::<Vec<_>>(),
     });
     format!("{described:#}")
+}
+
+fn describe_animation(animation: &Animation, settings: &RenderSettings) -> Value {
+    let frames = animation.frames(settings.frame_rate);
+    json!({
+        "name": animation.name,
+        "played": animation.is_played,
+        "frame_start": frames.map(|(first, _)| first),
+        "frame_end": frames.map(|(_, last)| last),
+        "moves": animation.moves,
+    })
 }
 
 /// What the input asks for and does not get: one object a kind and place.

@@ -4,7 +4,7 @@
 use super::super::pass_names;
 use super::Inspected;
 use crate::scene::{
-    AreaShape, Clip, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture,
+    Animation, AreaShape, Clip, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture,
     SunPicture, SunShows,
 };
 use glam::DVec3;
@@ -54,6 +54,7 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
         pass_names(&settings.passes)
     )?;
     write_geometry(out, scene)?;
+    write_animations(out, inspected)?;
     for &frame in frames {
         write_frame(out, inspected, frame)?;
     }
@@ -85,6 +86,28 @@ fn write_geometry(out: &mut String, scene: &Scene) -> std::fmt::Result {
         count(scene.nodes.len(), "node", "nodes"),
         count(scene.textures.len(), "texture", "textures")
     )
+}
+
+/// The animations, which one can ask for by their names.
+fn write_animations(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
+    const NAMED: usize = 4;
+    for animation in &inspected.scene.animations {
+        let Animation { name, moves, is_played, .. } = animation;
+        let rounded = |frame: f64| (frame * 1e3).round() / 1e3;
+        let frames = match animation.frames(inspected.settings.frame_rate) {
+            Some((first, last)) => format!("frames {} to {}", rounded(first), rounded(last)),
+            None => String::from("no keys"),
+        };
+        let more = match moves.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let moves: Vec<String> = moves.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+        let moves = if moves.is_empty() { String::from("nothing") } else { moves.join(", ") };
+        let played = if *is_played { "played" } else { "not played" };
+        writeln!(out, "  animation  `{name}`: {frames}, moves {moves}{more}; {played}")?;
+    }
+    Ok(())
 }
 
 fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt::Result {

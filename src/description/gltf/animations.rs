@@ -30,6 +30,12 @@ enum Read {
     Nothing,
 }
 
+/// Names of all animations.
+pub(super) fn names(document: &Document) -> Vec<String> {
+    let name = |(index, animation): (usize, &Animation)| named(&animation.name, "animation", index);
+    document.animations.iter().enumerate().map(name).collect()
+}
+
 /// Every channel that moves a node, and every one that changes something else.
 pub(super) fn read(
     document: &Document,
@@ -41,9 +47,11 @@ pub(super) fn read(
         for number in 0..animation.channels.len() {
             let place = format!("animations[{index}].channels[{number}]");
             let channel = read_channel(document, animation, number, place, accessors, report);
-            match report.keep(channel) {
-                Some(Read::Moves(channel)) => channels.push(channel),
-                Some(Read::Changes(channel)) => properties.push(channel),
+            match report.spare(Loss::AnimationDamaged, channel) {
+                Some(Read::Moves(channel)) => channels.push(Channel { animation: index, ..channel }),
+                Some(Read::Changes(channel)) => {
+                    properties.push(PropertyChannel { animation: index, ..channel });
+                }
                 Some(Read::Nothing) | None => {}
             }
         }
@@ -103,7 +111,7 @@ fn property_channel(
     let wanted = property.wanted();
     let Sampled { times_s, interpolation, values } =
         sampled(animation, sampler, wanted, 1, &place, accessors)?;
-    let channel = PropertyChannel { place, property, index, times_s, interpolation, values };
+    let channel = PropertyChannel { place, animation: 0, property, index, times_s, interpolation, values };
     match channel.out_of_range() {
         None => Ok(Read::Changes(channel)),
         Some(value) => Err(accessors
@@ -162,7 +170,7 @@ fn node_channel(
                 .expected("unit quaternions")
         })?),
     };
-    Ok(Read::Moves(Channel { place, node, times_s, interpolation, values }))
+    Ok(Read::Moves(Channel { place, animation: 0, node, times_s, interpolation, values }))
 }
 
 /// What a sampler holds.

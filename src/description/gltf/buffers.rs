@@ -1,11 +1,12 @@
 //! Buffers and the views into them: bytes from the binary chunk, from data URIs and from files, and
-//! what is compressed there unpacked. Invariant: a view that is handed out lies inside its buffer.
+//! what is compressed there unpacked. Invariant: a view that is handed out lies inside its buffer;
+//! what lies in a buffer that cannot be had is left out by whoever asks for it.
 
 use super::json::{self, Document};
 use super::meshopt;
 use super::report::Report;
 use super::{Files, LoadError, invalid};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Loss, readable};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;
@@ -18,8 +19,10 @@ pub(super) struct Buffers<'a> {
     document: &'a Document,
     /// `None` where the buffer could not be had; that is reported already.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
-    /// What compressed views hold, by the view's index; `None` where that is damaged and reported.
-    unpacked: BTreeMap<usize, Option<Vec<u8>>>,
+    /// What compressed views hold, by the view's index, or what is wrong with that.
+    unpacked: BTreeMap<usize, Result<Vec<u8>, Diagnostic>>,
+    /// Why the first file could not be read, if there is one.
+    missing: Option<LoadError>,
 }
 
 /// Reads every buffer that a view refers to.
@@ -29,7 +32,7 @@ pub(super) fn load<'a>(
     file: &'a Path,
     files: &mut Files,
     report: &mut Report,
-) -> Result<Buffers<'a>, LoadError> {
+) -> Buffers<'a> {
     let mut needed = vec![false; document.buffers.len()];
     for view in &document.buffer_views {
         // What a compressed view stands in for need not be there.
@@ -38,6 +41,7 @@ pub(super) fn load<'a>(
             *needed = true;
         }
     }
+    let mut missing = None;
     let mut buffers = Vec::with_capacity(document.buffers.len());
     for (index, buffer) in document.buffers.iter().enumerate() {
         if !needed[index] {
@@ -48,36 +52,49 @@ pub(super) fn load<'a>(
         let bytes = match (&buffer.uri, binary) {
             (Some(uri), _) => {
                 let referrer = format!("{}: {path}.uri", file.display());
-                fetch(uri, file, files, &referrer)?
-                    .map_err(|found| invalid(file, format!("{path}.uri"), found))
+                match fetch(uri, file, files, &referrer) {
+                    Ok(bytes) => bytes.map_err(|found| invalid(file, format!("{path}.uri"), found)),
+                    Err(error) => {
+                        let damage = unreadable(&error, file, &format!("{path}.uri"));
+                        missing = missing.or(Some(error));
+                        Err(damage)
+                    }
+                }
             }
             (None, Some(binary)) if index == 0 => Ok(Cow::Borrowed(binary)),
             (None, _) => {
                 Err(invalid(file, path.as_str(), "the buffer has no data: no URI and no binary chunk"))
             }
         };
-        let bytes = bytes.and_then(|bytes| {
-            if bytes.len() < buffer.byte_length {
-                Err(invalid(
-                    file,
-                    format!("{path}.byteLength"),
-                    format!("the buffer is to have {} bytes and has {}", buffer.byte_length, bytes.len()),
-                )
+        if let Some(short) =
+            bytes.as_ref().ok().map(|bytes| bytes.len()).filter(|len| *len < buffer.byte_length)
+        {
+            let found = format!("the buffer is to have {} bytes and has {short}", buffer.byte_length);
+            let damage = invalid(file, format!("{path}.byteLength"), found)
                 .expected("a buffer of that length")
-                .remedy("export or copy the file again; it is cut short"))
-            } else {
-                Ok(bytes)
-            }
-        });
-        buffers.push(report.keep(bytes));
+                .remedy("export or copy the file again; it is cut short");
+            report.leave_out(Loss::BufferUnreadable, damage);
+        }
+        buffers.push(report.spare(Loss::BufferUnreadable, bytes));
     }
-    let mut buffers = Buffers { file, document, buffers, unpacked: BTreeMap::new() };
+    let mut buffers = Buffers { file, document, buffers, unpacked: BTreeMap::new(), missing };
     let unpack = |(index, view): (usize, &json::BufferView)| {
         let packed = view.extensions.meshopt.as_ref()?;
-        Some((index, report.keep(buffers.unpack(packed, &format!("bufferViews[{index}]")))))
+        Some((index, buffers.unpack(packed, &format!("bufferViews[{index}]"))))
     };
     buffers.unpacked = document.buffer_views.iter().enumerate().filter_map(unpack).collect();
-    Ok(buffers)
+    buffers
+}
+
+/// A file that cannot be read, as what is wrong with what asks for it.
+pub(super) fn unreadable(error: &LoadError, file: &Path, path: &str) -> Diagnostic {
+    let found = match error {
+        LoadError::Io { path, source, .. } => {
+            format!("{} cannot be read: {source}", readable(path).display())
+        }
+        LoadError::Invalid(_) => error.to_string(),
+    };
+    invalid(file, path, found).remedy("put the file where this one names it, or pack it in (as .glb)")
 }
 
 /// The bytes behind a URI: a data URI's, or those of a file beside the glTF file.
@@ -143,11 +160,16 @@ impl Buffers<'_> {
         };
         let path = format!("bufferViews[{index}]");
         let bytes = match self.unpacked.get(&index) {
-            Some(Some(bytes)) => bytes,
-            Some(None) => return Err(self.invalid(path, "the view could not be unpacked")),
+            Some(Ok(bytes)) => bytes,
+            Some(Err(damage)) => return Err(damage.clone()),
             None => self.range(view.buffer, view.byte_offset, view.byte_length, &path)?,
         };
         Ok((bytes, view.byte_stride))
+    }
+
+    /// Why the first file that a buffer lies in could not be read, if there is one.
+    pub(super) fn missing(self) -> Option<LoadError> {
+        self.missing
     }
 
     fn unpack(&self, packed: &json::MeshoptView, view: &str) -> Result<Vec<u8>, Diagnostic> {
@@ -168,7 +190,7 @@ impl Buffers<'_> {
         let Some(bytes) = bytes else {
             return Err(self.invalid(path, format!("buffer {buffer} could not be read")));
         };
-        let whole = self.document.buffers[buffer].byte_length;
+        let whole = self.document.buffers[buffer].byte_length.min(bytes.len());
         match offset.checked_add(length).filter(|end| *end <= whole) {
             Some(end) => Ok(&bytes[offset..end]),
             None => Err(self.invalid(

@@ -2,20 +2,33 @@
 //! says which byte range, line or field is at fault.
 
 use super::json::Document;
+use super::report::Report;
 use super::{LoadError, field, invalid};
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Loss, Place};
+use serde_json::Value;
 use std::path::Path;
 
 /// Length of the header before a GLB file's first chunk.
 const GLB_HEADER_BYTES: usize = 12;
+/// Length and type before the data of a chunk.
+const CHUNK_HEADER_BYTES: usize = 8;
+/// What some editors put before UTF-8; readers may pass over it (RFC 8259, section 8.1).
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Integers up to here are exact in double precision.
+const MOST_EXACT: f64 = (1_u64 << 53) as f64;
 
 /// Takes the container apart and parses the JSON. The second part is the GLB's binary chunk.
-pub(super) fn open<'a>(bytes: &'a [u8], path: &Path) -> Result<(Document, Option<&'a [u8]>), LoadError> {
+pub(super) fn open<'a>(
+    bytes: &'a [u8],
+    path: &Path,
+    report: &mut Report,
+) -> Result<(Document, Option<&'a [u8]>), LoadError> {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.is_empty() {
         return Err(whole_file(path, String::from("the file is empty")).into());
     }
     if bytes.starts_with(b"glTF") {
-        let (json, binary) = chunks(bytes, path)?;
+        let (json, binary) = chunks(bytes, path, report)?;
         Ok((parse(json, path, false)?, binary))
     } else if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') || is_json(path) {
         Ok((parse(bytes, path, true)?, None))
@@ -29,7 +42,11 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"))
 }
 
-fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]>), Diagnostic> {
+fn chunks<'a>(
+    bytes: &'a [u8],
+    path: &Path,
+    report: &mut Report,
+) -> Result<(&'a [u8], Option<&'a [u8]>), Diagnostic> {
     let word = |at: usize| {
         bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize).unwrap_or(0)
     };
@@ -47,7 +64,19 @@ fn chunks<'a>(bytes: &'a [u8], path: &Path) -> Result<(&'a [u8], Option<&'a [u8]
         ));
     }
     match gltf::Glb::from_slice(&bytes[..length]) {
-        Ok(glb) => Ok((borrowed(glb.json), glb.bin.map(borrowed))),
+        Ok(glb) => {
+            let (json, binary) = (borrowed(glb.json), glb.bin.map(borrowed));
+            let chunk = |data: &[u8]| CHUNK_HEADER_BYTES + data.len().next_multiple_of(4);
+            let known = GLB_HEADER_BYTES + chunk(json) + binary.map_or(0, chunk);
+            let unknown = [
+                (length.saturating_sub(known), "after the known chunks"),
+                (bytes.len() - length, "after the end"),
+            ];
+            for (count, place) in unknown.into_iter().filter(|(count, _)| *count > 0) {
+                report.not_honoured(Loss::ContainerRest, &format!("{count} bytes {place}"));
+            }
+            Ok((json, binary))
+        }
         Err(error) => Err(whole_file(path, format!("the GLB container is damaged: {error}"))),
     }
 }
@@ -61,28 +90,39 @@ fn borrowed(bytes: std::borrow::Cow<'_, [u8]>) -> &[u8] {
 }
 
 fn parse(json: &[u8], path: &Path, is_text_file: bool) -> Result<Document, Diagnostic> {
-    let deserializer = &mut serde_json::Deserializer::from_slice(json);
-    serde_path_to_error::deserialize(deserializer).map_err(|error| {
-        let at = error.path().to_string();
-        let error = error.into_inner();
-        let damaged = error.is_syntax() || error.is_eof();
-        let place = if damaged && is_text_file {
-            Place::Text { file: path.to_owned(), line: error.line(), column: error.column() }
-        } else if damaged || at == "." {
-            Place::File(path.to_owned())
-        } else {
-            field(path, at)
+    let mut value: Value = serde_json::from_slice(json).map_err(|error| {
+        let place = match is_text_file {
+            true => Place::Text { file: path.to_owned(), line: error.line(), column: error.column() },
+            false => Place::File(path.to_owned()),
         };
-        if damaged {
-            Diagnostic::error(place, format!("the JSON is damaged: {error}"))
-                .expected("whole JSON")
-                .remedy("export or copy the file again")
-        } else {
-            Diagnostic::error(place, error.to_string())
-                .expected("JSON as the glTF 2.0 specification describes it")
-                .remedy("export the file again, or check it with the Khronos glTF validator")
-        }
+        Diagnostic::error(place, format!("the JSON is damaged: {error}"))
+            .expected("whole JSON")
+            .remedy("export or copy the file again")
+    })?;
+    with_integers(&mut value);
+    serde_path_to_error::deserialize(value).map_err(|error| {
+        let at = error.path().to_string();
+        let place = if at == "." { Place::File(path.to_owned()) } else { field(path, at) };
+        Diagnostic::error(place, error.into_inner().to_string())
+            .expected("JSON as the glTF 2.0 specification describes it")
+            .remedy("export the file again, or check it with the Khronos glTF validator")
     })
+}
+
+/// JSON knows one kind of number: `3.0` and `1e2` are integers too (RFC 8259, section 6; glTF 2.0, 2.7).
+fn with_integers(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            let whole = number.as_f64().filter(|number| number.fract() == 0.0 && number.abs() <= MOST_EXACT);
+            // The sign of -0 is not lost.
+            if let Some(whole) = whole.filter(|whole| *whole != 0.0 || whole.is_sign_positive()) {
+                *value = Value::from(whole as i64);
+            }
+        }
+        Value::Array(values) => values.iter_mut().for_each(with_integers),
+        Value::Object(values) => values.values_mut().for_each(with_integers),
+        _ => {}
+    }
 }
 
 fn whole_file(path: &Path, found: String) -> Diagnostic {
@@ -106,5 +146,25 @@ pub(super) fn check_version(document: &Document, path: &Path) -> Result<(), Diag
                 .remedy("export as glTF 2.0"))
         }
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn whole_numbers_are_integers_however_they_are_written() {
+        let mut value: Value =
+            serde_json::from_str("[3.0, 0.0, 1e2, [{\"a\": 2.50e1}], -4.0]").unwrap_or_default();
+        with_integers(&mut value);
+        assert_eq!(value, json!([3, 0, 100, [{ "a": 25 }], -4]));
+        for kept in ["1.5", "1e300", "-0.0", "\"3.0\"", "true"] {
+            let mut value: Value = serde_json::from_str(kept).unwrap_or_default();
+            let before = value.clone();
+            with_integers(&mut value);
+            assert_eq!(value, before);
+        }
     }
 }

@@ -5,7 +5,6 @@
 use super::buffers::Buffers;
 use super::invalid;
 use super::json::{Document, Primitive};
-use super::report::Report;
 use crate::diagnostic::Diagnostic;
 use draco_gltf::{DecodeLimits, DracoPrimitiveContract, DracoPrimitiveExtension, JsonValue};
 use std::collections::BTreeMap;
@@ -31,22 +30,25 @@ pub(super) struct Unpacked {
     pub(super) bytes: Vec<u8>,
 }
 
-/// All accessors that compressed primitives fill, by their index; what is damaged is reported.
+/// Primitives that cannot be unpacked, by their mesh and their number in it, and why.
+pub(super) type Damaged = BTreeMap<(usize, usize), Diagnostic>;
+
+/// All accessors that compressed primitives fill, by their index, and what is damaged.
 pub(super) fn unpack(
     document: &Document,
     buffers: &Buffers<'_>,
     file: &Path,
-    report: &mut Report,
-) -> BTreeMap<usize, Unpacked> {
-    let mut unpacked = BTreeMap::new();
+) -> (BTreeMap<usize, Unpacked>, Damaged) {
+    let (mut unpacked, mut damaged) = (BTreeMap::new(), Damaged::new());
     for (mesh_index, mesh) in document.meshes.iter().enumerate() {
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let path = format!("meshes[{mesh_index}].primitives[{number}]");
-            let filled = fill(primitive, document, buffers, file, &path, &mut unpacked);
-            report.keep(filled);
+            if let Err(damage) = fill(primitive, document, buffers, file, &path, &mut unpacked) {
+                damaged.insert((mesh_index, number), damage);
+            }
         }
     }
-    unpacked
+    (unpacked, damaged)
 }
 
 fn fill(

@@ -31,19 +31,27 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_materials_diffuse_transmission"
         | "KHR_materials_emissive_strength"
         | "KHR_materials_ior"
+        | "KHR_materials_pbrSpecularGlossiness"
         | "KHR_materials_sheen"
         | "KHR_materials_specular"
         | "KHR_materials_unlit"
         | "KHR_mesh_quantization"
         | "KHR_meshopt_compression"
         | "KHR_node_visibility"
+        | "KHR_texture_basisu"
         | "KHR_texture_transform" => Support::Honoured,
-        "KHR_materials_anisotropy"
+        // Textures in formats that are not read, each told as one that cannot be read.
+        "EXT_texture_astc"
+        | "EXT_texture_avif"
+        | "EXT_texture_heic"
+        | "GOOGLE_texture_basis"
+        | "KHR_materials_anisotropy"
         | "KHR_materials_dispersion"
         | "KHR_materials_iridescence"
         | "KHR_materials_transmission"
         | "KHR_materials_variants"
-        | "KHR_materials_volume" => Support::Reported,
+        | "KHR_materials_volume"
+        | "MSFT_texture_dds" => Support::Reported,
         // Facts about things, sounds, what may be clicked, and physics that nobody has simulated.
         "AGI_articulations"
         | "AGI_stk_metadata"
@@ -77,20 +85,11 @@ fn support(extension: &str) -> Option<Support> {
 /// How to export without an extension that changes what the file's data mean.
 fn remedy(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "KHR_texture_basisu" | "GOOGLE_texture_basis" => {
-            "export images as PNG or JPEG, not KTX2 (gltfpack: without -tc; glTF-Transform: `ktxdecompress`)"
-        }
-        "EXT_texture_astc" | "EXT_texture_avif" | "EXT_texture_heic" | "MSFT_texture_dds" => {
-            "export images as PNG, JPEG or WebP, which are those that are read"
-        }
         "KHR_texture_video" | "MPEG_media" | "MPEG_texture_video" => {
             "export a still image in place of the video: textures do not change here"
         }
         "KHR_texture_procedurals" | "EXT_texture_procedurals_mx_1_39" | "NV_materials_mdl" => {
             "bake the material's nodes to images, and export those with plain metallic-roughness"
-        }
-        "KHR_materials_pbrSpecularGlossiness" => {
-            "convert the materials to metallic-roughness (glTF-Transform: `metalrough`), or export them as such"
         }
         "KHR_materials_common" | "KHR_techniques_webgl" => {
             "export the materials as metallic-roughness, in which glTF 2.0 has them"

@@ -34,7 +34,7 @@ pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessor
                 report.not_honoured(Loss::InstanceAttributes, &name);
             }
         }
-        node.instances = report.keep(places(instancing, index, accessors));
+        node.instances = report.spare(Loss::InstancesDamaged, places(instancing, index, accessors));
     }
 }
 

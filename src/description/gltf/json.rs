@@ -138,7 +138,6 @@ pub(super) struct Skin {
     pub(super) name: Option<String>,
     pub(super) inverse_bind_matrices: Option<usize>,
     pub(super) joints: Vec<usize>,
-    pub(super) skeleton: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -168,6 +167,40 @@ pub(super) struct Material {
     pub(super) double_sided: bool,
     pub(super) extensions: BTreeMap<String, Value>,
     pub(super) extras: Value,
+    /// Not of the file: what is left of KHR_materials_pbrSpecularGlossiness once that is converted.
+    #[serde(skip)]
+    pub(super) glossiness: Option<Glossiness>,
+}
+
+/// Glossiness that differs from place to place.
+#[derive(Debug)]
+pub(super) struct Glossiness {
+    /// `0..=1`; multiplies the texture's alpha.
+    pub(super) factor: f64,
+    pub(super) texture: TextureInfo,
+}
+
+/// KHR_materials_pbrSpecularGlossiness.
+#[derive(Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct SpecularGlossiness {
+    pub(super) diffuse_factor: [f64; 4],
+    pub(super) diffuse_texture: Option<TextureInfo>,
+    pub(super) specular_factor: [f64; 3],
+    pub(super) glossiness_factor: f64,
+    pub(super) specular_glossiness_texture: Option<Value>,
+}
+
+impl Default for SpecularGlossiness {
+    fn default() -> Self {
+        Self {
+            diffuse_factor: [1.0; 4],
+            diffuse_texture: None,
+            specular_factor: [1.0; 3],
+            glossiness_factor: 1.0,
+            specular_glossiness_texture: None,
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -237,6 +270,8 @@ pub(super) struct Texture {
 pub(super) struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
     pub(super) webp: Option<ImageReference>,
+    #[serde(rename = "KHR_texture_basisu")]
+    pub(super) basisu: Option<ImageReference>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -288,6 +323,7 @@ pub(super) struct Orthographic {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Animation {
+    pub(super) name: Option<String>,
     pub(super) channels: Vec<Channel>,
     pub(super) samplers: Vec<AnimationSampler>,
 }

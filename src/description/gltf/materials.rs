@@ -1,23 +1,17 @@
-//! Materials and the textures they need. Invariant: only images that a mesh shows are opened.
+//! Materials and the textures they need. Invariant: only images that a mesh shows are opened; every number of a
+//! material is in its range.
 
-use super::buffers::{Buffers, fetch};
+use super::buffers::Buffers;
 use super::extensions::material_extension;
 use super::json::{self, Document};
 use super::report::Report;
 use super::texture_maps::{Purpose, Slot, layer, layers, slots};
-use super::{
-    AlphaMode, Clearcoat, Files, LoadError, Material, Sheen, Texture, TextureMap, Wrap, invalid, named,
-};
-use crate::description::image::{self, Encoding};
-use crate::diagnostic::{Diagnostic, Loss};
+use super::textures::Textures;
+use super::{AlphaMode, Clearcoat, Files, Material, Sheen, Texture, TextureMap, named};
+use crate::diagnostic::Loss;
 use glam::DVec3;
 use serde_json::Value;
-use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Most texels that the textures of one file may have together; 2 GiB once decoded.
-pub(super) const MAX_TEXELS: usize = 1 << 27;
 
 /// Of smoother sheens the extension's fitted shadowing gives more than there is (`scattering/sheen.rs`).
 const LEAST_HONOURED_SHEEN: f64 = 0.3;
@@ -29,15 +23,14 @@ pub(super) fn read(
     file: &Path,
     files: &mut Files,
     report: &mut Report,
-) -> Result<(Vec<Material>, Vec<Texture>), LoadError> {
+) -> (Vec<Material>, Vec<Texture>) {
     let mut used = vec![false; document.materials.len()];
     for primitive in document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
         if let Some(used) = primitive.material.and_then(|material| used.get_mut(material)) {
             *used = true;
         }
     }
-    let mut textures: Vec<Texture> = Vec::new();
-    let mut texture_numbers = BTreeMap::new();
+    let mut textures = Textures::new(document, buffers, file, files);
     let mut materials = Vec::with_capacity(document.materials.len());
     for (index, material) in document.materials.iter().enumerate() {
         let mut converted = convert(index, material, report);
@@ -45,61 +38,52 @@ pub(super) fn read(
             report_unused(material, &converted.name, report);
             let slots = slots(material);
             let layers = layers(&slots);
-            for Slot { purpose, info, path } in &slots {
-                let user = format!("materials[{index}].{path}.index");
-                let key = (info.index, purpose.encoding());
-                let number = match texture_numbers.get(&key) {
-                    Some(number) => *number,
-                    None => {
-                        let texels = textures.iter().map(|texture| texture.image.texels.len()).sum::<usize>();
-                        if texels > MAX_TEXELS {
-                            report.error(user, "the textures are too large together", "2^27 texels in all");
-                            break;
-                        }
-                        let texture = read_texture(document, key, &user, buffers, file, files, report)?;
-                        let number = report.keep(texture).map(|texture| {
-                            textures.push(texture);
-                            textures.len() - 1
-                        });
-                        texture_numbers.insert(key, number);
-                        number
-                    }
-                };
-                let layer = layers.iter().position(|known| *known == layer(info)).unwrap_or_default();
-                let map = number.map(|texture| TextureMap { texture, layer });
-                match purpose {
-                    Purpose::BaseColor => converted.base_color_texture = number,
-                    Purpose::Clearcoat => converted.clearcoat.texture = map,
-                    Purpose::ClearcoatNormal => {
-                        converted.clearcoat.normal_map = map.map(|map| (map, info.scale));
-                    }
-                    Purpose::ClearcoatRoughness => converted.clearcoat.roughness_texture = map,
-                    Purpose::SheenColor => converted.sheen.color_texture = map,
-                    Purpose::SheenRoughness => converted.sheen.roughness_texture = map,
-                    Purpose::DiffuseTransmission => converted.diffuse_transmission_texture = map,
-                    Purpose::Emission => converted.emission_texture = map,
-                    Purpose::MetallicRoughness => converted.metallic_roughness_texture = map,
-                    Purpose::Normal => converted.normal_map = map.map(|map| (map, info.scale)),
-                }
+            for slot in &slots {
+                let user = format!("materials[{index}].{}.index", slot.path);
+                let texture = textures.number(slot.info.index, slot.look, &user, report);
+                let layer = layers.iter().position(|known| *known == layer(&slot.info)).unwrap_or_default();
+                let map = texture.map(|texture| TextureMap { texture, layer });
+                put(&mut converted, slot, map);
             }
         }
         materials.push(converted);
     }
-    Ok((materials, textures))
+    (materials, textures.read)
+}
+
+/// Gives a material one of its textures.
+fn put(material: &mut Material, slot: &Slot, map: Option<TextureMap>) {
+    let bending = map.map(|map| (map, slot.info.scale));
+    match slot.purpose {
+        Purpose::BaseColor => material.base_color_texture = map.map(|map| map.texture),
+        Purpose::Clearcoat => material.clearcoat.texture = map,
+        Purpose::ClearcoatNormal => material.clearcoat.normal_map = bending,
+        Purpose::ClearcoatRoughness => material.clearcoat.roughness_texture = map,
+        Purpose::SheenColor => material.sheen.color_texture = map,
+        Purpose::SheenRoughness => material.sheen.roughness_texture = map,
+        Purpose::DiffuseTransmission => material.diffuse_transmission_texture = map,
+        Purpose::Emission => material.emission_texture = map,
+        Purpose::MetallicRoughness => material.metallic_roughness_texture = map,
+        Purpose::Glossiness => {
+            material.metallic_roughness_texture = map;
+            // The texture holds the whole of it.
+            material.roughness = if map.is_some() { 1.0 } else { material.roughness };
+        }
+        Purpose::SpecularColor => material.f0_texture = map,
+        Purpose::Normal => material.normal_map = bending,
+    }
 }
 
 fn convert(index: usize, material: &json::Material, report: &mut Report) -> Material {
     let path = format!("materials[{index}]");
     let pbr = &material.pbr_metallic_roughness;
-    let in_unit_range = |report: &mut Report, at: &str, values: &[f64]| {
-        if let Some(value) = values.iter().find(|value| !(0.0..=1.0).contains(*value)) {
-            report.error(format!("{path}.{at}"), format!("{value} is out of range"), "numbers from 0 to 1");
-        }
-    };
-    in_unit_range(report, "pbrMetallicRoughness.baseColorFactor", &pbr.base_color_factor);
-    in_unit_range(report, "pbrMetallicRoughness.metallicFactor", &[pbr.metallic_factor]);
-    in_unit_range(report, "pbrMetallicRoughness.roughnessFactor", &[pbr.roughness_factor]);
-    in_unit_range(report, "emissiveFactor", &material.emissive_factor);
+    let base_color =
+        in_unit_range(pbr.base_color_factor, &path, "pbrMetallicRoughness.baseColorFactor", report);
+    let [metallic] =
+        in_unit_range([pbr.metallic_factor], &path, "pbrMetallicRoughness.metallicFactor", report);
+    let [roughness] =
+        in_unit_range([pbr.roughness_factor], &path, "pbrMetallicRoughness.roughnessFactor", report);
+    let emission = in_unit_range(material.emissive_factor, &path, "emissiveFactor", report);
     let extensions = Extensions { material, path: &path };
     let specular = extensions.number("KHR_materials_specular", "specularFactor", 1.0, 1.0, report);
     let specular_color =
@@ -131,31 +115,35 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
         Some("BLEND") => AlphaMode::Blend,
         Some("MASK") => {
             let cutoff = material.alpha_cutoff.unwrap_or(0.5);
-            in_unit_range(report, "alphaCutoff", &[cutoff]);
-            AlphaMode::Mask(cutoff)
+            if cutoff < 0.0 {
+                report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaCutoff"), cutoff);
+            }
+            // Above 1 it hides all (specification, 5.19.9).
+            AlphaMode::Mask(cutoff.max(0.0))
         }
         Some(other) => {
-            let found = format!("`{other}` is no alpha mode");
-            report.error(format!("{path}.alphaMode"), found, "OPAQUE, MASK or BLEND");
+            let found = format!("`{other}` is no alpha mode, OPAQUE is meant");
+            report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaMode"), found);
             AlphaMode::Opaque
         }
     };
     Material {
         name: named(&material.name, "material", index),
-        base_color: pbr.base_color_factor,
+        base_color,
         base_color_texture: None,
-        metallic: pbr.metallic_factor,
-        roughness: pbr.roughness_factor,
+        metallic,
+        roughness,
         metallic_roughness_texture: None,
         // The specification of KHR_materials_specular, with F0 of KHR_materials_ior; its 0 means infinite.
         f0: (specular_color * if ior == 0.0 { 1.0 } else { ((ior - 1.0) / (ior + 1.0)).powi(2) })
             .min(DVec3::ONE)
             * specular,
+        f0_texture: None,
         specular,
         clearcoat,
         sheen,
         normal_map: None,
-        emission: DVec3::from(material.emissive_factor),
+        emission: DVec3::from(emission),
         emission_strength: strength,
         emission_texture: None,
         unlit: material.extensions.contains_key("KHR_materials_unlit"),
@@ -168,6 +156,19 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     }
 }
 
+/// Numbers from 0 to 1: what lies outside is put to the end that is nearer, and told.
+fn in_unit_range<const N: usize>(values: [f64; N], path: &str, at: &str, report: &mut Report) -> [f64; N] {
+    let within = values.map(|value| value.clamp(0.0, 1.0));
+    if within != values {
+        let found = match values.as_slice() {
+            [value] => value.to_string(),
+            values => format!("{values:?}"),
+        };
+        report.put_right(Loss::ValueOutOfRange, &format!("{path}.{at}"), found);
+    }
+    within
+}
+
 /// Numbers of a material's extensions.
 struct Extensions<'a> {
     material: &'a json::Material,
@@ -175,40 +176,37 @@ struct Extensions<'a> {
 }
 
 impl Extensions<'_> {
-    /// A number from 0 to `most`, `default` if there is none.
+    /// A number from 0 to `most`, put into that range; `default` if there is none.
     fn number(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> f64 {
-        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
-            return default;
-        };
-        let number = value.as_f64().filter(|number| (0.0..=most).contains(number));
-        number.unwrap_or_else(|| {
-            self.report(extension, field, value, most, report);
-            default
-        })
+        self.numbers(extension, field, [default], most, report, |value| Some([value.as_f64()?]))[0]
     }
 
     /// Three such numbers.
     fn color(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> DVec3 {
-        let default = DVec3::splat(default);
+        let default = [default; 3];
+        let three = |value: &Value| serde_json::from_value(value.clone()).ok();
+        DVec3::from(self.numbers(extension, field, default, most, report, three))
+    }
+
+    fn numbers<const N: usize>(
+        &self,
+        extension: &str,
+        field: &str,
+        default: [f64; N],
+        most: f64,
+        report: &mut Report,
+        read: impl Fn(&Value) -> Option<[f64; N]>,
+    ) -> [f64; N] {
         let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
             return default;
         };
-        let color = serde_json::from_value::<[f64; 3]>(value.clone()).ok();
-        let color = color.filter(|color| color.iter().all(|number| (0.0..=most).contains(number)));
-        color.map(DVec3::from).unwrap_or_else(|| {
-            self.report(extension, field, value, most, report);
-            default
-        })
-    }
-
-    fn report(&self, extension: &str, field: &str, value: &Value, most: f64, report: &mut Report) {
-        let expected = if most < f64::MAX {
-            format!("numbers from 0 to {most}")
-        } else {
-            String::from("numbers of at least 0")
-        };
-        let at = format!("{}.extensions.{extension}.{field}", self.path);
-        report.error(at, format!("{value} is out of range"), &expected);
+        let numbers = read(value).filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+        let within = numbers.map_or(default, |numbers| numbers.map(|number| number.clamp(0.0, most)));
+        if numbers != Some(within) {
+            let at = format!("{}.extensions.{extension}.{field}", self.path);
+            report.put_right(Loss::ValueOutOfRange, &at, value);
+        }
+        within
     }
 }
 
@@ -221,71 +219,8 @@ fn report_unused(material: &json::Material, name: &str, report: &mut Report) {
             report.not_honoured(loss, name);
         }
         let has = |field: &str| values.get(field).is_some();
-        if ["specularTexture", "specularColorTexture", "diffuseTransmissionTexture", "transmissionTexture"]
-            .into_iter()
-            .any(has)
-        {
+        if ["specularTexture", "diffuseTransmissionTexture", "transmissionTexture"].into_iter().any(has) {
             report.not_honoured(Loss::SpecularTextures, name);
         }
-    }
-}
-
-fn read_texture(
-    document: &Document,
-    (index, encoding): (usize, Encoding),
-    user: &str,
-    buffers: &Buffers<'_>,
-    file: &Path,
-    files: &mut Files,
-    report: &mut Report,
-) -> Result<Result<Texture, Diagnostic>, LoadError> {
-    let Some(texture) = document.textures.get(index) else {
-        return Ok(Err(invalid(file, user, format!("texture {index} does not exist"))));
-    };
-    let path = format!("textures[{index}].source");
-    // The plain image is the same picture, and every reader's first choice.
-    let webp = texture.extensions.webp.as_ref().map(|webp| webp.source);
-    let Some(source) = texture.source.or(webp) else {
-        return Ok(Err(invalid(file, path, "the texture has no image that can be read")
-            .expected("an image in PNG, JPEG or WebP")
-            .remedy("export images as PNG or JPEG (Blender: Material > Images)")));
-    };
-    let Some(image) = document.images.get(source) else {
-        return Ok(Err(invalid(file, path, format!("image {source} does not exist"))));
-    };
-    let place = format!("images[{source}]");
-    let bytes = match (&image.buffer_view, &image.uri) {
-        (Some(view), _) => {
-            buffers.view(*view, &format!("{place}.bufferView")).map(|(bytes, _)| Cow::Borrowed(bytes))
-        }
-        (None, Some(uri)) => {
-            let referrer = format!("{}: {place}.uri", file.display());
-            fetch(uri, file, files, &referrer)?.map_err(|found| invalid(file, format!("{place}.uri"), found))
-        }
-        (None, None) => Err(invalid(file, place.as_str(), "the image has neither data nor a file")),
-    };
-    let name = named(&image.name, "image", source);
-    if let Some(sampler) = texture.sampler {
-        report.index_exists(
-            format!("textures[{index}].sampler"),
-            sampler,
-            document.samplers.len(),
-            "sampler",
-        );
-    }
-    let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler));
-    let wrap = sampler.map_or([Wrap::Repeat; 2], |sampler| [sampler.wrap_s, sampler.wrap_t].map(wrap));
-    if sampler.is_some_and(|sampler| sampler.mag_filter == Some(9728)) {
-        report.not_honoured(Loss::TextureFilter, &name);
-    }
-    let decoded = bytes.and_then(|bytes| image::decode(&bytes, encoding, report.at(place)));
-    Ok(decoded.map(|image| Texture { name, image, wrap }))
-}
-
-fn wrap(code: Option<u32>) -> Wrap {
-    match code {
-        Some(33071) => Wrap::Clamp,
-        Some(33648) => Wrap::Mirror,
-        _ => Wrap::Repeat,
     }
 }

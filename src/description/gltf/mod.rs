@@ -8,6 +8,7 @@
 
 mod accessor;
 mod animations;
+mod attributes;
 mod buffers;
 mod container;
 mod draco;
@@ -23,11 +24,13 @@ mod pictures;
 mod pointers;
 pub(crate) mod report;
 mod skins;
+mod specular_glossiness;
 mod texture_maps;
+mod textures;
 
 use super::image::DecodedImage;
 use super::{Files, LoadError};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 pub use pointers::Property;
 use report::Report;
@@ -66,6 +69,8 @@ pub struct GltfScene {
     pub sky_image: Option<DecodedImage>,
     /// Images that the extras of suns name, by those names.
     pub sun_images: BTreeMap<String, DecodedImage>,
+    /// Names of all animations: the author's, else `animation N`.
+    pub animations: Vec<String>,
     /// All channels that move nodes, of all animations, in the file's order.
     pub channels: Vec<Channel>,
     /// All others (KHR_animation_pointer), in the file's order.
@@ -175,6 +180,8 @@ pub struct Primitive {
     pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
     pub colors: Vec<Vec3>,
+    /// In `0..=1`, one a position, or none at all; they multiply the base colour's alpha.
+    pub alphas: Vec<f32>,
     /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on which
     /// the bitangent `w * normal x tangent` lies, 1 or -1.
     pub tangents: Vec<Vec4>,
@@ -205,6 +212,8 @@ pub struct Material {
     pub metallic_roughness_texture: Option<TextureMap>,
     /// Reflectance along the normal where it is no metal (KHR_materials_ior, KHR_materials_specular).
     pub f0: DVec3,
+    /// Multiplies it (KHR_materials_specular).
+    pub f0_texture: Option<TextureMap>,
     /// Strength of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
     pub specular: f64,
     /// Clear coat over all (KHR_materials_clearcoat).
@@ -385,6 +394,8 @@ pub enum LightKind {
 pub struct Channel {
     /// Where it stands in the file: `animations[0].channels[3]`.
     pub place: String,
+    /// Index into [`GltfScene::animations`].
+    pub animation: usize,
     /// Index into [`GltfScene::nodes`].
     pub node: usize,
     /// Strictly increasing, at least one, seconds.
@@ -400,6 +411,8 @@ pub struct Channel {
 pub struct PropertyChannel {
     /// Where it stands in the file: `animations[0].channels[3]`.
     pub place: String,
+    /// Index into [`GltfScene::animations`].
+    pub animation: usize,
     /// What it animates.
     pub property: Property,
     /// Whose: an index into lights, cameras, materials or nodes.
@@ -436,6 +449,26 @@ pub enum Values {
     Weights(Vec<f64>),
 }
 
+impl GltfScene {
+    /// The numbers of the animations with a name, else of the one with that number, counted from 0.
+    pub fn animations_called(&self, wanted: &str) -> Vec<usize> {
+        let named =
+            |name: &str| (0..self.animations.len()).filter(|&index| self.animations[index] == name).collect();
+        let called: Vec<usize> = named(wanted);
+        let number = wanted.parse().ok().filter(|number| *number < self.animations.len());
+        if called.is_empty() { number.into_iter().collect() } else { called }
+    }
+
+    /// What there is to ask for, for a message.
+    pub fn animation_names(&self) -> String {
+        let names: Vec<String> = self.animations.iter().map(|name| format!("`{name}`")).collect();
+        match names.len() {
+            0 => String::from("no animation, as the file has none"),
+            _ => format!("`all`, or one of {}", names.join(", ")),
+        }
+    }
+}
+
 /// Loads a `.glb` or `.gltf` file with everything it refers to.
 ///
 /// # Errors
@@ -450,28 +483,30 @@ pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
 /// # Errors
 /// As [`load`].
 pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
-    let (document, binary) = container::open(bytes, path)?;
-    container::check_version(&document, path)?;
     let mut report = Report::new(path);
+    let (mut document, binary) = container::open(bytes, path, &mut report)?;
+    container::check_version(&document, path)?;
     extensions::check(&document, &mut report);
     if report.has_errors() {
         // What an unknown extension changes cannot be told from damage.
         return Err(LoadError::Invalid(report.into_diagnostics()));
     }
-    let buffers = buffers::load(&document, binary, path, files, &mut report)?;
-    let unpacked = draco::unpack(&document, &buffers, path, &mut report);
+    specular_glossiness::convert(&mut document, &mut report);
+    let buffers = buffers::load(&document, binary, path, files, &mut report);
+    let (unpacked, damaged) = draco::unpack(&document, &buffers, path);
     let accessors = accessor::Accessors::new(&document, &buffers, unpacked);
 
     let mut scene = GltfScene {
         path: path.to_owned(),
         generator: document.asset.generator.clone(),
         nodes: nodes::nodes(&document, &mut report),
-        meshes: meshes::read(&document, &accessors, &mut report),
+        meshes: meshes::read(&document, &accessors, damaged, &mut report),
         skins: skins::read(&document, &accessors, &mut report),
-        cameras: nodes::cameras(&document, &mut report),
-        lights: nodes::lights(&document, &mut report),
+        animations: animations::names(&document),
         ..GltfScene::default()
     };
+    scene.cameras = nodes::cameras(&document, &mut scene.nodes, &mut report);
+    scene.lights = nodes::lights(&document, &mut scene.nodes, &mut report);
     (scene.channels, scene.properties) = animations::read(&document, &accessors, &mut report);
     instancing::read(&document, &mut scene.nodes, &accessors, &mut report);
     let targets: Vec<usize> = scene.meshes.iter().map(|mesh| mesh.weights.len()).collect();
@@ -479,7 +514,16 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
     pictures::read(&mut scene, files, &mut report)?;
-    (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report)?;
+    (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report);
+    if scene.meshes.iter().all(|mesh| mesh.primitives.is_empty())
+        && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()
+    {
+        // Without its only meshes a file would be a picture of nothing.
+        if let Some(missing) = buffers.missing() {
+            return Err(missing);
+        }
+        report.push(report.first_damage(Loss::BufferUnreadable).cloned().unwrap_or(damage));
+    }
     if report.has_errors() {
         return Err(LoadError::Invalid(report.into_diagnostics()));
     }

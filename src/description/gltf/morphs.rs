@@ -1,11 +1,11 @@
 //! Morph targets, checked. Invariant: a target has a difference for every vertex, or none at all, and
-//! all primitives of a mesh have as many targets as it has weights.
+//! all primitives of a mesh have as many targets as it has weights, if need be none.
 
 use super::accessor::{Accessors, Component, Wanted};
+use super::attributes::vectors;
 use super::json::{self, Document};
-use super::meshes::vectors;
 use super::report::Report;
-use super::{MorphTarget, Node};
+use super::{MorphTarget, Node, Primitive};
 use crate::diagnostic::{Diagnostic, Loss};
 use glam::Vec3;
 
@@ -51,14 +51,25 @@ pub(super) fn targets(
     Ok(targets)
 }
 
-/// The weights of a mesh, 0 where the file has none.
-pub(super) fn weights(mesh: &json::Mesh, index: usize, report: &mut Report) -> Vec<f64> {
+/// The weights of a mesh with these primitives, 0 where the file has none. Primitives that do not have the same number of
+/// targets lose them.
+pub(super) fn weights(
+    mesh: &json::Mesh,
+    index: usize,
+    primitives: &mut [Primitive],
+    report: &mut Report,
+) -> Vec<f64> {
+    let path = format!("meshes[{index}]");
     let count = mesh.primitives.first().map_or(0, |primitive| primitive.targets.len());
-    if mesh.primitives.iter().any(|primitive| primitive.targets.len() != count) {
-        let found = "the primitives of the mesh have different numbers of morph targets";
-        report.error(format!("meshes[{index}].primitives"), found, "the same targets in all of them");
+    if primitives.iter().any(|primitive| primitive.targets.len() != count) {
+        if mesh.primitives.iter().any(|primitive| primitive.targets.len() != count) {
+            let found = "the primitives have different numbers of morph targets";
+            report.put_right(Loss::MorphTargetsDamaged, &format!("{path}.primitives"), found);
+        }
+        primitives.iter_mut().for_each(|primitive| primitive.targets.clear());
+        return Vec::new();
     }
-    checked(&mesh.weights, count, &format!("meshes[{index}].weights"), report).unwrap_or(vec![0.0; count])
+    checked(&mesh.weights, count, &format!("{path}.weights"), report).unwrap_or(vec![0.0; count])
 }
 
 /// Checks the weights of nodes against the targets of their meshes.
@@ -79,11 +90,11 @@ fn checked(weights: &[f64], count: usize, path: &str, report: &mut Report) -> Op
     }
     if weights.len() != count || weights.iter().any(|weight| weight.abs() > LARGEST_WEIGHT) {
         let found = format!("{weights:?} are no weights of {count} morph targets");
-        report.error(path, found, "a number for each of them, at most a million");
+        report.put_right(Loss::MorphTargetsDamaged, path, found);
         return None;
     }
     Some(weights.to_vec())
 }
 
-/// Weights beyond this are refused: products with them shall stay in single precision.
+/// Weights beyond this are passed over: products with them shall stay in single precision.
 const LARGEST_WEIGHT: f64 = 1e6;

@@ -6,25 +6,32 @@ use super::report::Report;
 use super::{Camera, GltfScene, Lens, Light, LightKind, Node, Transform, named};
 use crate::diagnostic::Loss;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How far from 1 the length of a rotation may be; Blender's are good to 1e-7.
 const UNIT_TOLERANCE: f64 = 1e-2;
+/// Shorter rotations have no direction.
+const LEAST_LENGTH: f64 = 1e-6;
 
 /// Exporters round angles, radians, to single precision: half of 180 degrees comes out a little above pi/2.
 const ROUNDING: f64 = 1e-6;
 
-/// All nodes.
+/// All nodes; each stands below the first node that names it.
 pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {
-    check_hierarchy(document, report);
-    document.nodes.iter().enumerate().map(|(index, node)| convert(document, index, node, report)).collect()
+    let convert = |(index, node): (usize, &json::Node)| convert(document, index, node, report);
+    let mut nodes: Vec<Node> = document.nodes.iter().enumerate().map(convert).collect();
+    for (node, children) in nodes.iter_mut().zip(children(document, report)) {
+        node.children = children;
+    }
+    nodes
 }
 
 fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Report) -> Node {
     let path = format!("nodes[{index}]");
     let name = named(&node.name, "node", index);
     let mut existing = |at: &str, index: Option<usize>, count: usize, what: &str| {
-        index.filter(|&index| report.index_exists(format!("{path}.{at}"), index, count, what))
+        index.filter(|&index| report.index_exists(&format!("{path}.{at}"), index, count, what))
     };
     let mesh = existing("mesh", node.mesh, document.meshes.len(), "mesh");
     let skin = existing("skin", node.skin, document.skins.len(), "skin");
@@ -34,7 +41,7 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
     let light = existing("extensions.KHR_lights_punctual.light", light, lights.len(), "light");
     Node {
         transform: transform(node, &path, report),
-        children: node.children.clone(),
+        children: Vec::new(),
         mesh,
         skin,
         weights: None,
@@ -47,154 +54,158 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
     }
 }
 
+/// Where a node stands in its parent.
 fn transform(node: &json::Node, path: &str, report: &mut Report) -> Transform {
     if let Some(matrix) = node.matrix {
         if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
-            let found = "the node has a matrix and its parts as well";
-            report.error(path, found, "a matrix, or translation, rotation and scale");
+            let found = "the node has a matrix and its parts as well, the matrix counts";
+            report.put_right(Loss::TransformRepaired, path, found);
         }
         let matrix = DMat4::from_cols_array(&matrix);
-        if matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6) {
-            return Transform::Matrix(DAffine3::from_mat4(matrix));
+        if !matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6) {
+            report.put_right(Loss::TransformRepaired, &format!("{path}.matrix"), "the matrix is not affine");
         }
-        report.error(format!("{path}.matrix"), "the matrix is not affine", "a last row of 0, 0, 0, 1");
+        return Transform::Matrix(DAffine3::from_mat4(matrix));
     }
     let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
     if (rotation.length() - 1.0).abs() > UNIT_TOLERANCE {
         let found = format!("the rotation has length {}", rotation.length());
-        report.error(format!("{path}.rotation"), found, "a unit quaternion");
+        report.put_right(Loss::TransformRepaired, &format!("{path}.rotation"), found);
     }
     Transform::Parts {
         translation: DVec3::from(node.translation.unwrap_or_default()),
-        rotation: rotation.normalize(),
+        rotation: if rotation.length() > LEAST_LENGTH { rotation.normalize() } else { DQuat::IDENTITY },
         scale: DVec3::from(node.scale.unwrap_or([1.0; 3])),
     }
 }
 
-fn check_hierarchy(document: &Document, report: &mut Report) {
+/// The children of each node: those that it names, if no node before it does and they are not above it.
+fn children(document: &Document, report: &mut Report) -> Vec<Vec<usize>> {
     let count = document.nodes.len();
-    let mut parents: Vec<Option<usize>> = vec![None; count];
+    let roots = roots(document);
+    let mut has_parent = vec![false; count];
+    let mut above: Vec<usize> = (0..count).collect();
+    let mut children = vec![Vec::new(); count];
     for (index, node) in document.nodes.iter().enumerate() {
         for (position, &child) in node.children.iter().enumerate() {
             let path = format!("nodes[{index}].children[{position}]");
-            if !report.index_exists(path.clone(), child, count, "node") {
+            if !report.index_exists(&path, child, count, "node") {
                 continue;
             }
-            match parents[child] {
-                None => parents[child] = Some(index),
-                Some(other) => report.error(
-                    path,
-                    format!("node {child} is a child of node {other} already"),
-                    "every node below one parent only",
-                ),
-            }
+            let found = if has_parent[child] {
+                "is a child of a node before it"
+            } else if roots.contains(&child) {
+                "is a root of the scene that is shown"
+            } else if top(&mut above, index) == child {
+                "would be its own ancestor"
+            } else {
+                (has_parent[child], above[child]) = (true, index);
+                children[index].push(child);
+                continue;
+            };
+            report.put_right(Loss::HierarchyRepaired, &path, format!("node {child} {found}"));
         }
     }
-    // Every node has one parent at most: following parents either ends or comes round.
-    let mut ends = vec![false; count];
-    for start in 0..count {
-        let mut path = Vec::new();
-        let mut at = Some(start);
-        while let Some(node) = at.filter(|&node| !ends[node]) {
-            if path.len() == count {
-                report.error(
-                    format!("nodes[{start}]"),
-                    "the node is its own ancestor: the hierarchy runs in a circle",
-                    "nodes that form trees",
-                );
-                return;
-            }
-            path.push(node);
-            at = parents[node];
-        }
-        path.into_iter().for_each(|node| ends[node] = true);
+    children
+}
+
+/// The topmost node over a node; the way there is halved for the next time (Tarjan and van Leeuwen 1984).
+fn top(above: &mut [usize], mut node: usize) -> usize {
+    while above[node] != node {
+        above[node] = above[above[node]];
+        node = above[node];
     }
+    node
+}
+
+/// The roots that the shown scene names, if there is one.
+fn roots(document: &Document) -> BTreeSet<usize> {
+    let shown = document.scenes.get(shown_scene(document));
+    shown.map(|scene| scene.nodes.iter().copied().collect()).unwrap_or_default()
+}
+
+/// The scene that the file names, else the first.
+fn shown_scene(document: &Document) -> usize {
+    document.scene.filter(|&scene| scene < document.scenes.len()).unwrap_or(0)
 }
 
 /// Which scene is shown, and its roots.
 pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &mut Report) {
-    scene.scene = document.scene.unwrap_or(0);
+    if let Some(named) = document.scene {
+        report.index_exists("scene", named, document.scenes.len(), "scene");
+    }
+    scene.scene = shown_scene(document);
     let Some(shown) = document.scenes.get(scene.scene) else {
-        if document.scene.is_some() {
-            report.index_exists(String::from("scene"), scene.scene, document.scenes.len(), "scene");
-        }
-        let mut is_child = vec![false; scene.nodes.len()];
-        for &child in scene.nodes.iter().flat_map(|node| &node.children) {
-            if let Some(is_child) = is_child.get_mut(child) {
-                *is_child = true;
-            }
-        }
-        scene.roots = (0..scene.nodes.len()).filter(|&node| !is_child[node]).collect();
+        // A file without scenes shows all that it holds.
+        let children: BTreeSet<usize> =
+            scene.nodes.iter().flat_map(|node| node.children.iter().copied()).collect();
+        scene.roots = (0..scene.nodes.len()).filter(|node| !children.contains(node)).collect();
         return;
     };
     for (index, other) in document.scenes.iter().enumerate().filter(|(index, _)| *index != scene.scene) {
         report.not_honoured(Loss::OtherScenes, &named(&other.name, "scene", index));
     }
     scene.extras = shown.extras.clone();
-    let mut listed = vec![false; scene.nodes.len()];
+    let mut listed = BTreeSet::new();
     for (position, &root) in shown.nodes.iter().enumerate() {
         let path = format!("scenes[{}].nodes[{position}]", scene.scene);
-        if !report.index_exists(path.clone(), root, scene.nodes.len(), "node") {
+        if !report.index_exists(&path, root, scene.nodes.len(), "node") {
             continue;
         }
-        if std::mem::replace(&mut listed[root], true) {
-            report.error(path, format!("node {root} is listed twice"), "every node once");
-            continue;
-        }
-        scene.roots.push(root);
-    }
-    for (index, node) in scene.nodes.iter().enumerate() {
-        for (position, &child) in node.children.iter().enumerate() {
-            if listed.get(child) == Some(&true) {
-                report.error(
-                    format!("nodes[{index}].children[{position}]"),
-                    format!("node {child} is a root of the scene and a child too"),
-                    "every node in one place of the hierarchy",
-                );
-            }
+        if listed.insert(root) {
+            scene.roots.push(root);
+        } else {
+            report.put_right(Loss::HierarchyRepaired, &path, format!("node {root} is listed twice"));
         }
     }
 }
 
-/// All cameras.
-pub(super) fn cameras(document: &Document, report: &mut Report) -> Vec<Camera> {
-    let convert = |(index, camera): (usize, &json::Camera)| {
+/// All cameras; those without a usable lens are taken from the nodes.
+pub(super) fn cameras(document: &Document, nodes: &mut [Node], report: &mut Report) -> Vec<Camera> {
+    let mut convert = |(index, camera): (usize, &json::Camera)| {
         let name = named(&camera.name, "camera", index);
-        let lens = lens(camera, &format!("cameras[{index}]"), report);
+        let lens = lens(camera, &format!("cameras[{index}]"), report).unwrap_or_else(|| {
+            nodes.iter_mut().for_each(|node| node.camera = node.camera.filter(|&camera| camera != index));
+            Lens::Perspective { fov_y: 1.0, aspect: None }
+        });
         let clip_m = clip_m(camera, &name, report);
         Camera { name, lens, clip_m, extras: camera.extras.clone() }
     };
-    document.cameras.iter().enumerate().map(convert).collect()
+    document.cameras.iter().enumerate().map(&mut convert).collect()
 }
 
-fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Lens {
+/// What a camera sees; nothing if it has no usable lens.
+fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Option<Lens> {
+    let mut unusable = |path: &str, found: String| report.put_right(Loss::CameraUnusable, path, found);
     match (&camera.perspective, &camera.orthographic) {
         (Some(json::Perspective { yfov, aspect_ratio, .. }), None) => {
             let path = format!("{path}.perspective");
             if !(*yfov > 0.0 && *yfov < PI) {
-                let found = format!("the vertical field of view is {yfov}");
-                report.error(format!("{path}.yfov"), found, "radians between 0 and pi");
+                let found = format!("the vertical field of view is {yfov}, not between 0 and pi");
+                unusable(&format!("{path}.yfov"), found);
+                return None;
             }
-            if aspect_ratio.is_some_and(|aspect| aspect <= 0.0) {
-                let found = "the aspect ratio is not positive";
-                report.error(format!("{path}.aspectRatio"), found, "a number above 0");
+            let aspect = aspect_ratio.filter(|aspect| *aspect > 0.0);
+            if aspect != *aspect_ratio {
+                let found = "the aspect ratio is not positive, the picture's counts";
+                report.put_right(Loss::ValueOutOfRange, &format!("{path}.aspectRatio"), found);
             }
-            Lens::Perspective { fov_y: *yfov, aspect: *aspect_ratio }
+            Some(Lens::Perspective { fov_y: *yfov, aspect })
         }
         (None, Some(json::Orthographic { xmag, ymag, .. })) => {
             // Smaller or larger ones would not survive single precision.
             for (name, size) in [("xmag", *xmag), ("ymag", *ymag)] {
                 if !(1e-15..1e15).contains(&size) {
-                    let found = format!("half the picture's extent is {size}");
-                    report.error(format!("{path}.orthographic.{name}"), found, "metres, more than 0");
+                    let found = format!("half the picture's extent is {size}, not above 0");
+                    unusable(&format!("{path}.orthographic.{name}"), found);
+                    return None;
                 }
             }
-            Lens::Orthographic { half_width: *xmag, half_height: *ymag }
+            Some(Lens::Orthographic { half_width: *xmag, half_height: *ymag })
         }
         _ => {
-            let expected = "either `perspective` or `orthographic`";
-            report.error(path, "the camera is not of one kind", expected);
-            Lens::Perspective { fov_y: 1.0, aspect: None }
+            unusable(path, String::from("the camera is not of one kind"));
+            None
         }
     }
 }
@@ -214,9 +225,16 @@ fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) 
     (0.0, f64::INFINITY)
 }
 
-/// All lights.
-pub(super) fn lights(document: &Document, report: &mut Report) -> Vec<Light> {
+/// All lights; those of no known kind are taken from the nodes.
+pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Report) -> Vec<Light> {
     let lights = &document.extensions.lights_punctual.lights;
+    for (index, light) in lights.iter().enumerate() {
+        if !["directional", "point", "spot"].contains(&light.kind.as_str()) {
+            let path = format!("extensions.KHR_lights_punctual.lights[{index}].type");
+            report.put_right(Loss::LightUnusable, &path, format!("`{}` is no kind of light", light.kind));
+            nodes.iter_mut().for_each(|node| node.light = node.light.filter(|&light| light != index));
+        }
+    }
     lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
 }
 
@@ -240,18 +258,12 @@ fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Ligh
     let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
     let color = DVec3::from(light.color);
     if color.min_element() < 0.0 {
-        report.error(
-            format!("{path}.color"),
-            format!("the colour is {:?}", light.color),
-            "numbers of at least 0",
-        );
+        let found = format!("the colour is {:?}", light.color);
+        report.put_right(Loss::ValueOutOfRange, &format!("{path}.color"), found);
     }
     if light.intensity < 0.0 {
-        report.error(
-            format!("{path}.intensity"),
-            format!("the intensity is {}", light.intensity),
-            "at least 0",
-        );
+        let found = format!("the intensity is {}", light.intensity);
+        report.put_right(Loss::ValueOutOfRange, &format!("{path}.intensity"), found);
     }
     let kind = match (light.kind.as_str(), &light.spot) {
         ("directional", _) => LightKind::Directional,
@@ -261,16 +273,12 @@ fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Ligh
             LightKind::Spot { inner_angle, outer_angle }
         }
         ("spot", None) => LightKind::Spot { inner_angle: 0.0, outer_angle: PI / 4.0 },
-        (other, _) => {
-            let found = format!("`{other}` is no kind of light");
-            report.error(format!("{path}.type"), found, "directional, point or spot");
-            LightKind::Point
-        }
+        _ => LightKind::Point,
     };
     Light {
         name: named(&light.name, "light", index),
-        color,
-        intensity: light.intensity,
+        color: color.max(DVec3::ZERO),
+        intensity: light.intensity.max(0.0),
         range_m: light.range,
         kind,
     }

@@ -3,7 +3,7 @@
 
 use super::buffers::fetch;
 use super::report::Report;
-use super::{GltfScene, LightKind, LoadError, invalid, materials};
+use super::{GltfScene, LightKind, LoadError, invalid, textures};
 use crate::description::Files;
 use crate::description::image::{self, DecodedImage, Encoding};
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
         }
         let place = format!("nodes[{index}].extras.sunfleck_light.image");
         let texels: usize = on_suns.values().map(|image: &DecodedImage| image.texels.len()).sum();
-        if texels > materials::MAX_TEXELS {
+        if texels > textures::MAX_TEXELS {
             report.error(place, "the images on suns are too large together", "2^27 texels in all");
             break;
         }

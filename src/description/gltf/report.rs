@@ -1,8 +1,10 @@
 //! Collects what is wrong with one file. Invariant: things of the same kind end up in one message
-//! that lists their names, however many there are.
+//! that lists their names, however many there are; what is left out or put right is a warning, and
+//! an error only where nothing would be left.
 
 use super::field;
-use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, readable};
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// How many names one message lists.
@@ -20,6 +22,8 @@ struct Kind {
     loss: Loss,
     first_names: Vec<String>,
     more: usize,
+    /// What was wrong with the first, where there is more to say than its name.
+    first: Option<Diagnostic>,
 }
 
 impl Report {
@@ -31,9 +35,39 @@ impl Report {
         self.diagnostics.push(diagnostic);
     }
 
+    /// The value, or nothing and its error told as this kind of loss.
+    pub(super) fn spare<T>(&mut self, loss: Loss, result: Result<T, Diagnostic>) -> Option<T> {
+        result.map_err(|damage| self.leave_out(loss, damage)).ok()
+    }
+
+    /// Tells an error as this kind of loss: what it is about is left out.
+    pub(crate) fn leave_out(&mut self, loss: Loss, damage: Diagnostic) {
+        let place = match &damage.place {
+            Place::Field { path, .. } => format!("{path}: "),
+            Place::File(file) if *file != self.file => format!("{}: ", readable(file).display()),
+            _ => String::new(),
+        };
+        self.add(loss, format!("{place}{}", damage.found), Some(damage));
+    }
+
+    /// Tells of a value that was put right.
+    pub(crate) fn put_right(&mut self, loss: Loss, path: &str, found: impl fmt::Display) {
+        self.add(loss, format!("{path}: {found}"), None);
+    }
+
+    /// What was wrong with the first thing of a kind, if there is any.
+    pub(super) fn first_damage(&self, loss: Loss) -> Option<&Diagnostic> {
+        self.kinds.iter().find(|kind| kind.loss == loss)?.first.as_ref()
+    }
+
     /// The value, or its error put on the list.
     pub(crate) fn keep<T>(&mut self, result: Result<T, Diagnostic>) -> Option<T> {
         result.map_err(|diagnostic| self.push(diagnostic)).ok()
+    }
+
+    /// The file.
+    pub(crate) fn file(&self) -> Place {
+        Place::File(self.file.clone())
     }
 
     /// A place in this file.
@@ -51,25 +85,22 @@ impl Report {
 
     /// Puts `name` on the list of those who lose what `loss` says.
     pub(crate) fn not_honoured(&mut self, loss: Loss, name: &str) {
+        self.add(loss, format!("`{name}`"), None);
+    }
+
+    fn add(&mut self, loss: Loss, name: String, first: Option<Diagnostic>) {
         match self.kinds.iter_mut().find(|kind| kind.loss == loss) {
-            Some(kind) if kind.first_names.len() < NAMES_LISTED => kind.first_names.push(name.to_owned()),
+            Some(kind) if kind.first_names.len() < NAMES_LISTED => kind.first_names.push(name),
             Some(kind) => kind.more += 1,
-            None => self.kinds.push(Kind { loss, first_names: vec![name.to_owned()], more: 0 }),
+            None => self.kinds.push(Kind { loss, first_names: vec![name], more: 0, first }),
         }
     }
 
-    /// True, with an error, unless `index` is one of `count` things called `what`.
-    pub(crate) fn index_exists(&mut self, path: String, index: usize, count: usize, what: &str) -> bool {
+    /// True, or a loss, unless `index` is one of `count` things called `what`.
+    pub(super) fn index_exists(&mut self, path: &str, index: usize, count: usize, what: &str) -> bool {
         if index >= count {
-            self.error(
-                path,
-                format!("{what} {index} does not exist"),
-                &match count {
-                    0 => format!("none, as there is no {what} in the file"),
-                    1 => format!("0, as there is one {what} in the file"),
-                    _ => format!("a number from 0 to {}, as counted in the file", count - 1),
-                },
-            );
+            let found = format!("there is no {what} {index}, only {count} of them");
+            self.put_right(Loss::ReferenceMissing, path, found);
         }
         index < count
     }
@@ -79,12 +110,13 @@ impl Report {
     }
 
     pub(crate) fn into_diagnostics(mut self) -> Diagnostics {
-        for Kind { loss, first_names, more } in self.kinds {
-            let names = first_names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        for Kind { loss, first_names, more, first } in self.kinds {
             let more_names = if more > 0 { format!(" and {more} more") } else { String::new() };
             let place = Place::File(self.file.clone());
-            let found = format!("{}: {names}{}", loss.sentence(), more_names);
-            self.diagnostics.push(Diagnostic::warning(loss, place, found).counting(first_names.len() + more));
+            let found = format!("{}: {}{more_names}", loss.sentence(), first_names.join(", "));
+            let warning = Diagnostic::warning(loss, place, found).counting(first_names.len() + more);
+            let remedy = first.and_then(|first| first.remedy);
+            self.diagnostics.push(Diagnostic { remedy, ..warning });
         }
         self.diagnostics
     }

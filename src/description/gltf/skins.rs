@@ -21,28 +21,33 @@ const WEIGHTS: Wanted = Wanted {
 /// How far from 1 the weights of a vertex may add up to before it is said; 8 bits round four of them to 8e-3.
 const SUM_TOLERANCE: f64 = 1e-2;
 
-/// All skins.
+/// All skins; one that cannot be read has no joints.
 pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Skin> {
     let convert = |(index, skin): (usize, &json::Skin)| {
-        let path = format!("skins[{index}]");
-        if skin.joints.is_empty() {
-            report.error(format!("{path}.joints"), "the skin has no joints", "at least one joint");
-        }
-        for (number, &joint) in skin.joints.iter().enumerate() {
-            report.index_exists(format!("{path}.joints[{number}]"), joint, document.nodes.len(), "node");
-        }
-        if let Some(skeleton) = skin.skeleton {
-            report.index_exists(format!("{path}.skeleton"), skeleton, document.nodes.len(), "node");
-        }
-        let matrices = report.keep(inverse_bind_matrices(skin, &path, accessors)).unwrap_or_default();
-        let identity = || vec![DAffine3::IDENTITY; skin.joints.len()];
-        Skin {
-            name: named(&skin.name, "skin", index),
-            joints: skin.joints.clone(),
-            inverse_bind: if matrices.is_empty() { identity() } else { matrices },
-        }
+        let checked = checked(document, skin, &format!("skins[{index}]"), accessors);
+        let (joints, inverse_bind) = report.spare(Loss::SkinDamaged, checked).unwrap_or_default();
+        Skin { name: named(&skin.name, "skin", index), joints, inverse_bind }
     };
     document.skins.iter().enumerate().map(convert).collect()
+}
+
+/// The joints of a skin, and the way to each of them.
+fn checked(
+    document: &Document,
+    skin: &json::Skin,
+    path: &str,
+    accessors: &Accessors<'_>,
+) -> Result<(Vec<usize>, Vec<DAffine3>), Diagnostic> {
+    if skin.joints.is_empty() {
+        return Err(accessors.invalid(format!("{path}.joints"), "the skin has no joints"));
+    }
+    if let Some(number) = skin.joints.iter().position(|joint| *joint >= document.nodes.len()) {
+        let found = format!("node {} does not exist", skin.joints[number]);
+        return Err(accessors.invalid(format!("{path}.joints[{number}]"), found));
+    }
+    let matrices = inverse_bind_matrices(skin, path, accessors)?;
+    let identity = || vec![DAffine3::IDENTITY; skin.joints.len()];
+    Ok((skin.joints.clone(), if matrices.is_empty() { identity() } else { matrices }))
 }
 
 fn inverse_bind_matrices(
@@ -80,6 +85,7 @@ pub(super) fn influences(
     report: &mut Report,
 ) -> Result<Option<Influences>, Diagnostic> {
     let mut sets = Vec::new();
+    let mut is_uneven = false;
     // Four joints a vertex in each set, as many sets as there are.
     while let Some(&joints) = attributes.get(&format!("JOINTS_{}", sets.len())) {
         let set = sets.len();
@@ -96,17 +102,13 @@ pub(super) fn influences(
                 return Err(accessors.invalid(user(name), found).expected("as many as there are positions"));
             }
         }
-        if let Some(at) = weights.iter().position(|&weight| weight < 0.0) {
-            let found = format!("a weight of vertex {} is negative", at / 4);
-            return Err(accessors.invalid(user("WEIGHTS"), found).expected("weights of at least 0"));
-        }
-        sets.push((joints, weights));
+        is_uneven |= weights.iter().any(|&weight| weight < 0.0);
+        sets.push((joints, weights.into_iter().map(|weight| weight.max(0.0)).collect::<Vec<_>>()));
     }
     if sets.is_empty() {
         return Ok(None);
     }
     let mut influences = Influences { per_vertex: 4 * sets.len(), ..Influences::default() };
-    let mut is_uneven = false;
     for vertex in 0..vertices {
         let own = 4 * vertex..4 * vertex + 4;
         let sum: f64 = sets.iter().flat_map(|(_, weights)| &weights[own.clone()]).sum();
@@ -136,21 +138,28 @@ pub(super) fn check_nodes(scene: &mut GltfScene, report: &mut Report) {
         };
         let (Some(skin), Some(mesh)) = (scene.skins.get(skin), scene.meshes.get(mesh)) else { continue };
         let joints = skin.joints.len();
+        if joints == 0 {
+            // That is reported.
+            node.skin = None;
+            continue;
+        }
         let mut is_bound = !mesh.primitives.is_empty();
+        let mut fits = true;
         for primitive in &mesh.primitives {
             let Some(influences) = &primitive.influences else {
                 is_bound = false;
                 continue;
             };
             if let Some(&joint) = influences.joints.iter().find(|joint| usize::from(**joint) >= joints) {
-                report.error(
-                    format!("nodes[{index}].skin"),
-                    format!("the mesh hangs on joint {joint} of `{}`, which has {joints}", skin.name),
-                    "joints that the skin has",
-                );
+                let found = format!("the mesh hangs on joint {joint} of `{}`, which has {joints}", skin.name);
+                report.put_right(Loss::SkinDamaged, &format!("nodes[{index}].skin"), found);
+                fits = false;
+                break;
             }
         }
-        if !is_bound {
+        if !fits {
+            node.skin = None;
+        } else if !is_bound {
             report.not_honoured(Loss::SkinWithoutJoints, &node.name);
             node.skin = None;
         }

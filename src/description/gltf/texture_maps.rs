@@ -2,6 +2,7 @@
 //! the base colour's coordinates come first; coordinates that textures have in common are there once.
 
 use super::json::{Material, TextureInfo, TextureTransform};
+use super::textures::Look;
 use crate::description::image::Encoding;
 use glam::{DAffine2, DMat2, DVec2};
 
@@ -9,6 +10,7 @@ use glam::{DAffine2, DMat2, DVec2};
 #[derive(Debug)]
 pub(super) struct Slot {
     pub(super) purpose: Purpose,
+    pub(super) look: Look,
     pub(super) info: TextureInfo,
     /// Where in the material.
     pub(super) path: &'static str,
@@ -23,19 +25,26 @@ pub(super) enum Purpose {
     ClearcoatRoughness,
     DiffuseTransmission,
     Emission,
+    Glossiness,
     MetallicRoughness,
     Normal,
     SheenColor,
     SheenRoughness,
+    SpecularColor,
 }
 
 impl Purpose {
     pub(super) fn encoding(self) -> Encoding {
         match self {
-            Self::BaseColor | Self::DiffuseTransmission | Self::Emission | Self::SheenColor => Encoding::Srgb,
+            Self::BaseColor
+            | Self::DiffuseTransmission
+            | Self::Emission
+            | Self::SheenColor
+            | Self::SpecularColor => Encoding::Srgb,
             Self::Clearcoat
             | Self::ClearcoatNormal
             | Self::ClearcoatRoughness
+            | Self::Glossiness
             | Self::MetallicRoughness
             | Self::Normal
             | Self::SheenRoughness => Encoding::Linear,
@@ -58,7 +67,7 @@ pub(super) fn slots(material: &Material) -> Vec<Slot> {
         let (extension, field) = path.strip_prefix("extensions.")?.split_once('.')?;
         // One that is malformed is reported with its extension.
         let info = material.extensions.get(extension)?.get(field)?;
-        Some(Slot { purpose, info: serde_json::from_value(info.clone()).ok()?, path })
+        Some(plain(purpose, serde_json::from_value(info.clone()).ok()?, path))
     };
     let unlit = material.extensions.contains_key("KHR_materials_unlit");
     let all = [
@@ -71,14 +80,26 @@ pub(super) fn slots(material: &Material) -> Vec<Slot> {
         ),
         (Purpose::Normal, material.normal_texture.clone(), "normalTexture"),
     ];
-    let plain = all.into_iter().filter_map(|(purpose, info, path)| Some(Slot { purpose, info: info?, path }));
-    plain
+    let glossiness = material.glossiness.iter().map(|glossiness| Slot {
+        purpose: Purpose::Glossiness,
+        look: Look::Roughness { glossiness: glossiness.factor },
+        info: glossiness.texture.clone(),
+        path: "extensions.KHR_materials_pbrSpecularGlossiness.specularGlossinessTexture",
+    });
+    all.into_iter()
+        .filter_map(|(purpose, info, path)| Some(plain(purpose, info?, path)))
+        .chain(glossiness)
         .chain(OF_EXTENSIONS.into_iter().filter_map(of_extension))
         .filter(|slot| !unlit || slot.purpose == Purpose::BaseColor)
         .collect()
 }
 
-const OF_EXTENSIONS: [(Purpose, &str); 6] = [
+/// A texture whose numbers are looked at as they are.
+fn plain(purpose: Purpose, info: TextureInfo, path: &'static str) -> Slot {
+    Slot { purpose, look: Look::Plain(purpose.encoding()), info, path }
+}
+
+const OF_EXTENSIONS: [(Purpose, &str); 7] = [
     (
         Purpose::DiffuseTransmission,
         "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorTexture",
@@ -88,6 +109,7 @@ const OF_EXTENSIONS: [(Purpose, &str); 6] = [
     (Purpose::ClearcoatNormal, "extensions.KHR_materials_clearcoat.clearcoatNormalTexture"),
     (Purpose::SheenColor, "extensions.KHR_materials_sheen.sheenColorTexture"),
     (Purpose::SheenRoughness, "extensions.KHR_materials_sheen.sheenRoughnessTexture"),
+    (Purpose::SpecularColor, "extensions.KHR_materials_specular.specularColorTexture"),
 ];
 
 /// The texture coordinates that a material looks up.

@@ -21,6 +21,8 @@ pub struct SequenceFields {
     pub frame_rate: Option<FrameRate>,
     /// Columns and rows.
     pub size: Option<(Whole<1, 65536>, Whole<1, 65536>)>,
+    /// Which animations of a glTF scene play: a name, a number from 0, or `all`.
+    pub animation: Option<String>,
     /// Name of the camera.
     pub camera: Option<String>,
     /// Samples a pixel; with a tolerance, at most.

@@ -4,6 +4,7 @@
 use super::Builder;
 use super::nodes::track;
 use crate::description::gltf::{Interpolation, Primitive, Values};
+use crate::diagnostic::Loss;
 use crate::scene::outline::Between;
 use crate::scene::{Deformation, Influences, InnerVertex, Joint, MeshIndex, MorphTarget, Pose, Skin, Track};
 use glam::Vec3;
@@ -162,7 +163,7 @@ impl Builder<'_> {
                 None => {
                     let path = format!("skins[{index}].joints[{number}]");
                     let found = format!("node {joint} is not in the scene that is shown");
-                    self.report.error(path, found, "joints in the scene of the mesh");
+                    self.report.put_right(Loss::SkinDamaged, &path, found);
                     return None;
                 }
             }

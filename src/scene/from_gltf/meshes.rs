@@ -94,6 +94,12 @@ impl Builder<'_> {
                 mesh.colors.extend(part.colors);
                 mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
             }
+            // What a mask has cut is opaque.
+            if !part.alphas.is_empty() || !mesh.alphas.is_empty() {
+                mesh.alphas.resize(first as usize, 1.0);
+                mesh.alphas.extend(part.alphas);
+                mesh.alphas.resize(mesh.positions.len(), 1.0);
+            }
             if mapped {
                 mesh.tangents.extend(part.tangents);
                 mesh.tangents.resize(mesh.positions.len(), Vec4::X + Vec4::W);
@@ -123,6 +129,7 @@ impl Builder<'_> {
             uvs: primitive.uvs.clone(),
             more_uvs: primitive.more_uvs.clone(),
             colors: primitive.colors.clone(),
+            alphas: primitive.alphas.clone(),
             tangents: primitive.tangents.clone(),
             triangles: primitive.triangles.iter().map(triangle).collect(),
         };

@@ -1,6 +1,7 @@
 //! A glTF description in, a [`Scene`] and its [`RenderSettings`] out. Invariant: glTF's space is our
-//! world (metres, Y up); every animation is played, all at once.
+//! world (metres, Y up); animations that are played are played all at once.
 
+mod animations;
 mod cameras;
 mod clock;
 mod controls;
@@ -23,7 +24,7 @@ use super::outline::Tally;
 use super::{RenderSettings, ResolveOptions, Scene, Texture};
 use crate::description::gltf::report::Report;
 use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
 use clock::Clock;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -61,15 +62,17 @@ pub(super) fn resolve(
     let sky_image = source.sky_image.take();
     let sun_images = sun_pictures::images(std::mem::take(&mut source.sun_images));
     let extras = extras::scene_extras(&source, sky_image, &mut report);
+    let mut animations = animations::choose(&mut source, options.animation.as_deref(), &mut report);
     let (mut settings, clock) = clock::settings(&source, &extras.sunfleck, &mut report);
 
+    animations::set_right(&mut animations, &clock);
     let textures = std::mem::take(&mut source.textures);
     let node_numbers = vec![None; source.nodes.len()];
     let weight_channels = vec![None; source.nodes.len()];
     let mut builder = Builder {
         source: &source,
         clock,
-        scene: Scene::default(),
+        scene: Scene { animations, ..Scene::default() },
         report,
         node_numbers,
         weight_channels,
@@ -92,6 +95,10 @@ pub(super) fn resolve(
     builder.keep_properties();
 
     let Builder { mut scene, mut report, outlines, .. } = builder;
+    if scene.instances.is_empty() && scene.fogs.is_empty() && scene.sky.is_none() {
+        let (found, place) = (Loss::NothingToDraw.sentence(), report.file());
+        report.push(Diagnostic::warning(Loss::NothingToDraw, place, found));
+    }
     outlines.remark(report.at("meshes")).into_iter().for_each(|remark| report.push(remark));
     let remarks = report.into_diagnostics();
     if remarks.has_errors() {

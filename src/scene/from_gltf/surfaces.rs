@@ -169,6 +169,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         roughness: material.roughness,
         texture: material.metallic_roughness_texture.map(map),
         f0: material.f0,
+        f0_texture: material.f0_texture.map(map),
         f90: material.specular,
     });
     // What goes through is taken from what is reflected: diffuse on the far side, or straight on.

@@ -264,7 +264,7 @@ impl<'a> Resolver<'a> {
             return None;
         };
         let f0 = Rgb::splat(DIELECTRIC_F0);
-        Some(Coat { metallic, roughness: roughness.si(), texture: None, f0, f90: 1.0 })
+        Some(Coat { metallic, roughness: roughness.si(), texture: None, f0, f0_texture: None, f90: 1.0 })
     }
 
     fn material(&mut self, field: &str, name: &str) -> Option<MaterialIndex> {

@@ -40,6 +40,7 @@ impl<'a> Resolver<'a> {
             more_uvs: Vec::new(),
             tangents: Vec::new(),
             colors: model.colors.clone(),
+            alphas: Vec::new(),
             triangles: model
                 .triangles
                 .iter()
@@ -97,6 +98,7 @@ impl<'a> Resolver<'a> {
             roughness: factor(coat.roughness, coat.roughness_texture.is_some()),
             texture: texture.map(|texture| TextureMap { texture, layer: 0 }),
             f0: Rgb::splat(coat.f0),
+            f0_texture: None,
             f90: if coat.f0 > 0.0 { 1.0 } else { 0.0 },
         })
     }

@@ -27,6 +27,10 @@ pub(in crate::scene) fn apply_sequence(
         settings.only_these_frames = true;
         outside_animation(&settings, scene, &mut problems);
     }
+    if scene.animations.is_empty() && fields.animation.is_some_and(|name| name != "all") {
+        let found = "the scene has no animations by name";
+        problems.error("animation", found, "a .glb or .gltf scene with animations", "leave `animation` out");
+    }
     if let Some((Whole(width), Whole(height))) = fields.size {
         settings.size = Size { width: width as usize, height: height as usize };
     }

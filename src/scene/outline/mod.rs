@@ -1,9 +1,10 @@
-//! Masked triangles in, opaque ones out: what a texture's alpha hides is cut away along the curve where
-//! alpha equals the cutoff. Invariant: neighbouring triangles are cut at the very same points of their
+//! Masked triangles in, opaque ones out: what the alpha of a texture or of vertices hides is cut away along the
+//! curve where alpha equals the cutoff. Invariant: neighbouring triangles are cut at the very same points of their
 //! common edge, and a triangle without anything to cut away stays as it is.
 
 mod contour;
 mod cut;
+mod fading;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
@@ -95,7 +96,19 @@ pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, Loss> {
 /// The same, and the vertices that follow the mesh's own.
 pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), Loss> {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
-    let Outlined { added, triangles } = outlined(mask, &mesh.uvs, &triangles)?;
+    Ok(rebuilt(mesh, outlined(mask, &mesh.uvs, &triangles)?))
+}
+
+/// What is left of a mesh where the alpha of its vertices is below `threshold`, and the vertices that follow its own.
+pub(super) fn faded_cut_out(mesh: &Mesh, threshold: f64) -> (Mesh, Vec<Between>) {
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
+    let (mut cut, added) = rebuilt(mesh, fading::outlined(&mesh.alphas, threshold, &triangles));
+    cut.alphas.clear();
+    (cut, added)
+}
+
+/// A mesh with other triangles, whose added vertices have everything that its own have.
+fn rebuilt(mesh: &Mesh, Outlined { added, triangles }: Outlined) -> (Mesh, Vec<Between>) {
     let blended = |values: &[Vec3]| -> Vec<Vec3> {
         let blend = |Between { corners, weights }: &Between| {
             let terms = (0..3).map(|corner| weights[corner] * values[corners[corner] as usize].as_dvec3());
@@ -108,6 +121,7 @@ pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Betwe
         let uvs: Vec<Vec3> = uvs.iter().map(|uv| uv.extend(0.0)).collect();
         blended(&uvs).into_iter().map(Vec3::truncate).collect()
     };
+    let alphas: Vec<Vec3> = mesh.alphas.iter().map(|alpha| Vec3::splat(*alpha)).collect();
     // Their side is the same all over a triangle.
     let sides: Vec<Vec3> = mesh.tangents.iter().map(|tangent| Vec3::splat(tangent.w)).collect();
     let tangents: Vec<Vec3> = mesh.tangents.iter().map(|tangent| tangent.truncate()).collect();
@@ -121,10 +135,11 @@ pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Betwe
         uvs: blended_uvs(&mesh.uvs),
         more_uvs: mesh.more_uvs.iter().map(blended_uvs).collect(),
         colors: blended(&mesh.colors),
+        alphas: blended(&alphas).into_iter().map(|alpha| alpha.x).collect(),
         tangents: tangents.map(|(tangent, side)| tangent.extend(side.x.signum())).collect(),
         triangles: triangles.into_iter().map(|vertices| Triangle { vertices, material }).collect(),
     };
-    Ok((cut, added))
+    (cut, added)
 }
 
 /// Cuts out what the mask shows; the reason if that cannot be done.
