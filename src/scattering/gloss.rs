@@ -201,11 +201,13 @@ fn schlick(cos: f64) -> f64 {
 }
 
 /// Numbers of the last row and column of the table.
-const LAST_ROW: usize = 47;
+const LAST_ROW: usize = 111;
 const LAST_COLUMN: usize = 79;
 /// Microfacets that an entry of the table is the mean of: from the one that faces the eye to the rim, and half around.
-const RINGS: usize = 40;
+const RINGS: usize = 20;
 const AROUND: usize = 20;
+/// Without a divisor in common with `AROUND`.
+const STRIDE: usize = 7;
 
 /// Albedos of a coat, by roughness and by cosine: the factors of `f0` and of `f90`.
 ///
@@ -271,9 +273,11 @@ fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2
     let alpha2 = alpha * alpha;
     let mut sum = [0.0; 2];
     for ring in 0..RINGS {
-        // Denser towards the rim, where light begins to be lost below the surface.
-        let left = 1.0 - (ring as f64 + 0.5) / RINGS as f64;
-        for &around in around {
+        for (step, &around) in around.iter().enumerate() {
+            // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
+            // it (a lattice: Niederreiter 1992, chapter 5), or all would be lost there at once.
+            let within = (step * STRIDE % AROUND) as f64 + 0.5;
+            let left = 1.0 - (ring as f64 + within / AROUND as f64) / RINGS as f64;
             let half = visible_normal(alpha, to_eye, around, 1.0 - left * left);
             let cos_half = to_eye.dot(half);
             let cos_light = 2.0 * cos_half * half.z - cos;
