@@ -21,6 +21,7 @@ from .lenses import read_camera
 from .losses import Loss, Losses
 from .meshes import Meshes
 from .nodes import Nodes
+from .options import ImportOptions
 from .places import local_matrices
 from .properties import custom_data, number_of, read_properties, text_of
 from .source import Source, open_stage, usd_said
@@ -37,7 +38,7 @@ class Imported:
     lost: list[Loss] = field(default_factory=list)
 
 
-def import_usd(source: str | Path, target: str | Path) -> Imported:
+def import_usd(source: str | Path, target: str | Path, options: ImportOptions = ImportOptions()) -> Imported:
     """Writes the stage `source` as the .glb `target`. Raises `SceneError` or `OSError`."""
     source, target = Path(source), Path(target)
     if target.suffix.lower() != ".glb":
@@ -45,7 +46,7 @@ def import_usd(source: str | Path, target: str | Path) -> Imported:
     if not target.parent.is_dir():
         raise SceneError(f"{target}: there is no folder {target.parent}")
     with usd_said(source):
-        conversion = _Import(open_stage(source))
+        conversion = _Import(open_stage(source), options)
         data = conversion.run()
     handle, scratch = tempfile.mkstemp(dir=target.parent, prefix=".sunfleck-glb-")
     try:
@@ -64,8 +65,8 @@ def import_usd(source: str | Path, target: str | Path) -> Imported:
 class _Import:
     """One file under construction."""
 
-    def __init__(self, source: Source):
-        self.source, self.lost = source, Losses()
+    def __init__(self, source: Source, options: ImportOptions):
+        self.source, self.options, self.lost = source, options, Losses()
         self.writer = GlbWriter("sunfleck-tools import-usd")
         self.nodes = Nodes(self.writer, source, self.lost)
         self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
