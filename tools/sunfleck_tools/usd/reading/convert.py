@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
+from ...whole_file import write_whole
 from ..properties import SPACE
 from ..surroundings import ENVIRONMENT, OF_SCENE
 from .crowds import place_crowd, read_crowd
@@ -35,6 +35,7 @@ class Imported:
 
     counts: dict[str, int]
     frames: tuple[int, int]
+    fps: Fraction
     lost: list[Loss] = field(default_factory=list)
 
 
@@ -46,27 +47,23 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
     if not target.parent.is_dir():
         raise SceneError(f"{target}: there is no folder {target.parent}")
     with usd_said(source):
-        conversion = _Import(open_stage(source), options)
+        lost = Losses()
+        conversion = _Import(open_stage(source, options, lost), options, lost)
         data = conversion.run()
-    handle, scratch = tempfile.mkstemp(dir=target.parent, prefix=".sunfleck-glb-")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(scratch, 0o644)
-        os.replace(scratch, target)
-    except BaseException:
-        os.unlink(scratch)
-        raise
+    if options.strict and lost.list():
+        said = "\n".join(f"  {loss}" for loss in lost.list())
+        raise SceneError(f"{source}: is not carried as it is, and --strict asks for that:\n{said}")
+    write_whole(target, data)
     document = conversion.writer.document
     counts = {kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")}
-    return Imported(counts, conversion.source.frames, conversion.lost.list())
+    return Imported(counts, conversion.source.frames, conversion.source.fps, lost.list())
 
 
 class _Import:
     """One file under construction."""
 
-    def __init__(self, source: Source, options: ImportOptions):
-        self.source, self.options, self.lost = source, options, Losses()
+    def __init__(self, source: Source, options: ImportOptions, lost: Losses):
+        self.source, self.options, self.lost = source, options, lost
         self.writer = GlbWriter("sunfleck-tools import-usd")
         self.nodes = Nodes(self.writer, source, self.lost)
         self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
@@ -293,5 +290,8 @@ class _Import:
         document["scenes"] = [{"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
-        if not self.nodes.roots:
-            raise SceneError(f"{source.path}: holds nothing that can be shown")
+        shown = [document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene]
+        missing = [loss for loss in self.lost.list() if loss.kind == "usd-missing"]
+        if not self.nodes.roots or (missing and not any(shown)):
+            said = "".join(f"\n  {loss}" for loss in missing)
+            raise SceneError(f"{source.path}: holds nothing that can be shown{said}")

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 
 KINDS = {
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
+    "usd-composition": "an arc or an opinion that USD itself passes over",
     "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
     "usd-faces-animated": "faces that change over time",
     "usd-light-cone": "a cone wider than a half space",
     "usd-material": "a material that is no UsdPreviewSurface",
     "usd-material-input": "an input of a material that is not carried",
     "usd-meshes-together": "several meshes in one place that bend",
+    "usd-missing": "a layer or a prim that the stage refers to and that is not there",
     "usd-shape": "a shape that is no mesh",
     "usd-shear": "a node that shears as it moves",
     "usd-skeleton": "a skeleton that cannot be followed",
@@ -26,9 +28,10 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Loss:
-    """One kind of loss: the first place, in words, and how many there are."""
+    """One kind of loss: the first place, the sentence that says it, and how many there are."""
 
     kind: str
+    place: str
     sentence: str
     count: int
 
@@ -41,7 +44,7 @@ class Losses:
     """Collects losses as a stage is read."""
 
     def __init__(self) -> None:
-        self._first: dict[str, str] = {}
+        self._first: dict[str, tuple[str, str]] = {}
         self._seen: set[tuple[str, str, str]] = set()
         self._counts: Counter[str] = Counter()
 
@@ -54,8 +57,8 @@ class Losses:
             return
         self._seen.add(key)
         self._counts[kind] += 1
-        self._first.setdefault(kind, f"{place}: {what}")
+        self._first.setdefault(kind, (str(place), f"{place}: {what}"))
 
     def list(self) -> list[Loss]:
         """One a kind, in the order in which they were found."""
-        return [Loss(kind, sentence, self._counts[kind]) for kind, sentence in self._first.items()]
+        return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]
