@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import struct
 
@@ -40,7 +41,7 @@ class GlbWriter:
         rows = np.ascontiguousarray(rows, "<f4")
         rows = rows.reshape(len(rows), -1)
         data = rows.tobytes()
-        key = bytes([rows.shape[1], with_bounds]) + data
+        key = bytes([rows.shape[1], with_bounds]) + hashlib.blake2b(data).digest()
         if key not in self._known:
             accessor = {"bufferView": self.view(data), "componentType": FLOAT, "count": len(rows), "type": KINDS[rows.shape[1]]}
             if with_bounds:
@@ -49,10 +50,14 @@ class GlbWriter:
         return self._known[key]
 
     def indices(self, triangles: np.ndarray) -> int:
-        """An accessor of the corners of triangles."""
+        """An accessor of the corners of triangles. The same corners have the same one."""
         corners = np.ascontiguousarray(triangles, "<u4").ravel()
-        accessor = {"bufferView": self.view(corners.tobytes()), "componentType": UNSIGNED_INT, "count": len(corners)}
-        return self.add("accessors", {**accessor, "type": "SCALAR"})
+        data = corners.tobytes()
+        key = b"indices" + hashlib.blake2b(data).digest()
+        if key not in self._known:
+            accessor = {"bufferView": self.view(data), "componentType": UNSIGNED_INT, "count": len(corners), "type": "SCALAR"}
+            self._known[key] = self.add("accessors", accessor)
+        return self._known[key]
 
     def animate(self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR") -> None:
         """Moves a node's property; all animation of a file is one."""

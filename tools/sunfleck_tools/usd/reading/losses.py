@@ -6,24 +6,41 @@ Invariant: whatever `KINDS` does not name cannot be lost; a kind is said once, w
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+
+from pxr import Tf, Usd
+
+from ...errors import SceneError
 
 KINDS = {
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
     "usd-composition": "an arc or an opinion that USD itself passes over",
+    "usd-dome-animated": "a DomeLight that is invisible for a while",
     "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
-    "usd-faces-animated": "faces that change over time",
+    "usd-instances": "times at which the arrays of an instancer do not fit one another",
     "usd-light-cone": "a cone wider than a half space",
     "usd-material": "a material that is no UsdPreviewSurface",
     "usd-material-input": "an input of a material that is not carried",
-    "usd-meshes-together": "several meshes in one place that bend",
     "usd-missing": "a layer or a prim that the stage refers to and that is not there",
+    "usd-prim": "a prim that cannot be read, and is left out",
+    "usd-primvar": "values that do not fit their mesh",
+    "usd-purpose": "a shape of a purpose that is not drawn",
     "usd-shape": "a shape that is no mesh",
     "usd-shear": "a node that shears as it moves",
     "usd-skeleton": "a skeleton that cannot be followed",
-    "usd-subdivision": "a subdivision surface of which the cage is taken",
+    "usd-subdivision": "a subdivision surface that is refined less than twice",
 }
 """Ids and what they stand for; docs/usd.md lists them for users."""
+
+
+UNREADABLE = (SceneError, Tf.ErrorException, TypeError, ValueError, OverflowError)
+"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make of those is one fault."""
+
+
+class TooMuch(SceneError):
+    """More than a file may hold: no single prim is at fault."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +75,17 @@ class Losses:
         self._seen.add(key)
         self._counts[kind] += 1
         self._first.setdefault(kind, (str(place), f"{place}: {what}"))
+
+    @contextmanager
+    def leaving_out(self, prim: Usd.Prim) -> Iterator[None]:
+        """Leaves out a prim that cannot be read, and says why."""
+        try:
+            yield
+        except TooMuch:
+            raise
+        except UNREADABLE as error:
+            place = str(prim.GetPath())
+            self.add("usd-prim", place, f"is left out: {str(error).removeprefix(f'{place}: ')}")
 
     def list(self) -> list[Loss]:
         """One a kind, in the order in which they were found."""

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...errors import SceneError
 from ...gltf.writer import GlbWriter
 from ..samples import thinned
-from .losses import Losses
+from .losses import Losses, TooMuch
 from .places import parts, sheared
 from .source import Source
 
 MOST_NODES = 2_000_000
 MOST_SAMPLES = 30_000_000
-LARGEST = 1e15
-"""Of all elements of matrices, as in the renderer."""
 
 
 class Nodes:
@@ -29,7 +26,7 @@ class Nodes:
     def add(self, name: str, parent: int | None) -> int:
         """A node below another, or at the top."""
         if len(self.writer.document.get("nodes", ())) >= MOST_NODES:
-            raise SceneError(f"{self.source.path}: is more than {MOST_NODES} nodes")
+            raise TooMuch(f"{self.source.path}: is more than {MOST_NODES} nodes")
         number = self.writer.add("nodes", {"name": self._unused(name)})
         if parent is None:
             self.roots.append(number)
@@ -52,8 +49,6 @@ class Nodes:
 
     def place(self, node: int, codes: np.ndarray, matrices: np.ndarray) -> int:
         """Puts a node where matrices say; its children belong to the node that is returned."""
-        if not (np.abs(matrices) < LARGEST).all():
-            raise SceneError(f"{self.source.path}: the place of `{self.of(node)['name']}` is not finite")
         translations, turns, scales, is_all = parts(matrices)
         if is_all:
             self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
@@ -73,7 +68,7 @@ class Nodes:
     def _move(self, node: int, codes: np.ndarray, rows: dict[str, np.ndarray]) -> None:
         self._samples += len(codes)
         if self._samples > MOST_SAMPLES:
-            raise SceneError(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
+            raise TooMuch(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
         rests = {"translation": [0.0] * 3, "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0] * 3}
         for path, values in rows.items():
             # What differs by rounding alone stands still.
@@ -85,6 +80,16 @@ class Nodes:
             if len(values) > 1:
                 kept, values = thinned(codes, values)
                 self.writer.animate(node, path, self.source.seconds(kept), values)
+
+    def show(self, node: int, codes: np.ndarray, shown: np.ndarray) -> None:
+        """Has a node and all below it seen, or not, from each code on."""
+        if shown.all():
+            return
+        if shown.any():
+            self.carry(node, "sunfleck_node.visible", codes, shown[:, None].astype(float), steps=True)
+        else:
+            self.writer.extensions.add("KHR_node_visibility")
+            self.of(node).setdefault("extensions", {})["KHR_node_visibility"] = {"visible": False}
 
     def extra(self, node: int, name: str, value: object) -> None:
         """A custom property."""

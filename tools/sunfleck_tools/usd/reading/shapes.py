@@ -1,22 +1,25 @@
-"""Meshes of a stage to primitives of glTF. Invariant: no index is used that was not checked."""
+"""Meshes and solids of a stage to primitives of glTF. Invariant: no index is used that was not checked."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
+from .bends import Bend, read_bend
+from .bindings import Bound
+from .cages import LEVELS, Refiner, Subdivided, depth_of, smooth_normals
+from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
-from .places import codes_of
+from .primvars import Primvars, Stream
+from .solids import SOLIDS, read_solid
 from .source import Source
+from .spans import Span
 from .triangles import triangulate
-
-MOST_BYTES = 2**30
-"""Of the points of a mesh over all frames."""
-SMALLEST = 1e-6
-"""Of the size of a mesh: how far vertices that bend may lie from where they should."""
 
 
 @dataclass
@@ -31,15 +34,6 @@ class Shape:
 
 
 @dataclass
-class Bend:
-    """Points that move: what is added to them, times weights, a row a code."""
-
-    codes: np.ndarray
-    targets: list[np.ndarray]
-    weights: np.ndarray
-
-
-@dataclass
 class Shapes:
     """A mesh of a stage."""
 
@@ -47,157 +41,157 @@ class Shapes:
     bend: Bend | None = None
 
 
-def read_mesh(prim: Usd.Prim, source: Source, lost: Losses) -> Shapes:
-    """All of a mesh."""
-    mesh = UsdGeom.Mesh(prim)
-    if mesh.GetFaceVertexIndicesAttr().ValueMightBeTimeVarying():
-        lost.add("usd-faces-animated", prim.GetPath(), "its faces change over time; those of the first frame are taken")
-    if _value(mesh.GetSubdivisionSchemeAttr(), source, "none") != "none" and mesh.GetSubdivisionSchemeAttr().HasAuthoredValue():
-        lost.add("usd-subdivision", prim.GetPath(), "subdivision is not carried, only its cage")
-    points_attribute = mesh.GetPointsAttr()
-    codes = codes_of([points_attribute], source.codes)
-    points = _points(prim, points_attribute, codes[0])
-    counts, corners = _faces(prim, mesh, source, len(points))
-    try:
-        triangles = triangulate(counts, points, corners)
-    except ValueError as error:
-        raise SceneError(f"{prim.GetPath()}: {error}") from None
-    if _value(mesh.GetOrientationAttr(), source) == UsdGeom.Tokens.leftHanded:
-        triangles = triangles[:, [0, 2, 1, 3]]
-    holes = np.array(_value(mesh.GetHoleIndicesAttr(), source, []), np.int64)
-    triangles = triangles[~np.isin(triangles[:, 3], holes)]
-    moves = len(codes) > 1
-    streams, layers = _streams(prim, mesh, source, len(points), corners, counts, with_normals=not moves)
-    shapes = Shapes()
-    for material, faces in _subsets(prim, mesh, source, len(counts)):
-        chosen = triangles[faces[triangles[:, 3]]] if faces is not None else triangles
-        if len(chosen):
-            shapes.parts.append(_part(points, corners, chosen, streams, layers, material))
-    if moves and shapes.parts:
-        shapes.bend = _bend(prim, points_attribute, codes, points)
-    return shapes
+@dataclass
+class _Outline:
+    """A prim's points and faces, what belongs to its corners, its faces' subsets, and its points at any code."""
+
+    points: np.ndarray
+    faces: Faces
+    streams: list[Stream]
+    layers: list[str]
+    masks: list[tuple[Usd.Prim | None, np.ndarray | None]]
+    points_at: Callable[[float], np.ndarray]
+    normals: np.ndarray | None = None
+    refine: Callable[[np.ndarray], np.ndarray] | None = None
 
 
-def _value(attribute: Usd.Attribute, source: Source, default=None):
-    found = attribute.Get(source.first) if attribute else None
-    return default if found is None else found
+def is_shape(prim: Usd.Prim) -> bool:
+    """True for what has faces here."""
+    return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in SOLIDS
 
 
-def _points(prim: Usd.Prim, attribute: Usd.Attribute, code: float) -> np.ndarray:
-    found = attribute.Get(code)
-    points = np.zeros((0, 3)) if found is None else np.array(found, float).reshape(-1, 3)
-    if not np.isfinite(points).all():
-        raise SceneError(f"{prim.GetPath()}: points are not all finite")
-    return points
+class ShapeReader:
+    """Reads the shapes of a stage."""
+
+    def __init__(self, source: Source, lost: Losses):
+        self.source, self.lost = source, lost
+        self._refiner: Refiner | None = None
+
+    def read(self, prim: Usd.Prim, bound: Bound, span: Span) -> Shapes:
+        """A shape for as long as its faces are the same. Raises `SceneError`."""
+        codes, rests_at = span.codes, span.rests_at
+        outline = self._mesh(prim, bound, span) if prim.IsA(UsdGeom.Mesh) else self._solid(prim, bound, rests_at)
+        try:
+            triangles = triangulate(outline.faces.counts, outline.points, outline.faces.corners)
+        except ValueError as error:
+            raise SceneError(f"{prim.GetPath()}: {error}") from None
+        if outline.faces.flips:
+            triangles = triangles[:, [0, 2, 1, 3]]
+        triangles = triangles[~np.isin(triangles[:, 3], outline.faces.holes)]
+        streams = {each.name: each.rows(outline.faces) for each in outline.streams}
+        if outline.normals is not None and len(codes) == 1:
+            streams["NORMAL"] = outline.normals
+        shapes = Shapes()
+        for material, mask in outline.masks:
+            chosen = triangles if mask is None else triangles[mask[triangles[:, 3]]]
+            if len(chosen):
+                shapes.parts.append(_part(outline, chosen, streams, material))
+        if len(codes) > 1 and shapes.parts:
+            rest = outline.points_at(rests_at)
+            shapes.bend = read_bend(prim.GetPath(), outline.points_at, codes, rest)
+            if shapes.bend is not None and outline.refine is not None:
+                shapes.bend.targets = [outline.refine(target) for target in shapes.bend.targets]
+        return shapes
+
+    def _solid(self, prim: Usd.Prim, bound: Bound, code: float) -> _Outline:
+        solid = read_solid(prim, code)
+        streams = self._colors(bound, Primvars(prim, code, solid.faces, self.lost))
+        return _Outline(
+            solid.points, solid.faces, [each for each in streams if each.interpolation == "constant"], [], [(bound.material, None)],
+            lambda at: read_solid(prim, at).points, solid.normals,
+        )  # fmt: skip
+
+    def _mesh(self, prim: Usd.Prim, bound: Bound, span: Span) -> _Outline:
+        code, moves = span.rests_at, len(span.codes) > 1
+        points = read_points(prim, code)
+        faces = read_faces(prim, code, len(points))
+        primvars = Primvars(prim, code, faces, self.lost)
+        streams, layers = primvars.coordinates()
+        streams += self._colors(bound, primvars)
+        outline = _Outline(points, faces, streams, layers, _masks(bound, faces.count, code), span.points_at or partial(read_points, prim))
+        if self._is_refined(prim, faces, code):
+            self._refine(prim, outline, code, moves)
+        elif not moves:
+            normals = primvars.normals()
+            outline.streams += [normals] if normals is not None else []
+        return outline
+
+    def _colors(self, bound: Bound, primvars: Primvars) -> list[Stream]:
+        """Colours of the mesh, which a material has its own of."""
+        if not self.source.by_us and bound.material is not None:
+            return []
+        colors = primvars.colors()
+        return [colors] if colors is not None else []
+
+    def _is_refined(self, prim: Usd.Prim, faces: Faces, code: float) -> bool:
+        scheme = value_of(UsdGeom.Mesh(prim).GetSubdivisionSchemeAttr(), code)
+        if scheme == UsdGeom.Tokens.none or not (faces.counts >= 3).any():
+            return False
+        if self._refiner is None:
+            self._refiner = Refiner(depth_of(_cage_faces(self.source)))
+        if self._refiner.depth < LEVELS:
+            what = "is refined once" if self._refiner.depth else "is not refined"
+            self.lost.add("usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels")
+        return self._refiner.depth > 0
+
+    def _refine(self, prim: Usd.Prim, outline: _Outline, code: float, moves: bool) -> None:
+        finer = Subdivided(prim, outline.faces, len(outline.points), code, self._refiner)
+        outline.streams = [finer.stream(stream) for stream in outline.streams]
+        outline.masks = [(material, None if mask is None else mask[finer.parents]) for material, mask in outline.masks]
+        outline.points, outline.faces, outline.refine = finer.points(outline.points), finer.faces, finer.points
+        if not moves:
+            outline.normals = smooth_normals(finer.levels[-1].finer, outline.points)
 
 
-def _faces(prim: Usd.Prim, mesh: UsdGeom.Mesh, source: Source, points: int) -> tuple[np.ndarray, np.ndarray]:
-    counts = np.array(_value(mesh.GetFaceVertexCountsAttr(), source, []), np.int64)
-    corners = np.array(_value(mesh.GetFaceVertexIndicesAttr(), source, []), np.int64)
-    if (counts < 0).any() or counts.sum() != len(corners):
-        raise SceneError(f"{prim.GetPath()}: faceVertexCounts ask for {counts.sum()} corners, faceVertexIndices have {len(corners)}")
-    if len(corners) and (corners.min() < 0 or corners.max() >= points):
-        raise SceneError(f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} points")
-    return counts, corners
+def _cage_faces(source: Source) -> int:
+    """Faces of all subdivision surfaces of a stage."""
+    total = 0
+    for root in (source.stage.GetPseudoRoot(), *source.stage.GetPrototypes()):
+        for prim in Usd.PrimRange(root):
+            if prim.IsA(UsdGeom.Mesh):
+                mesh = UsdGeom.Mesh(prim)
+                if value_of(mesh.GetSubdivisionSchemeAttr(), source.first) != UsdGeom.Tokens.none:
+                    total += len(value_of(mesh.GetFaceVertexCountsAttr(), source.first, ()))
+    return total
 
 
-def _streams(prim, mesh, source, points, corners, counts, with_normals):
-    """Attributes as a row a corner, by their glTF names, and the names of the texture coordinates."""
-    streams: dict[str, np.ndarray] = {}
-    layers: list[str] = []
-    api = UsdGeom.PrimvarsAPI(prim)
-    rows = {"vertex": corners, "varying": corners, "faceVarying": np.arange(len(corners)),
-            "uniform": np.repeat(np.arange(len(counts)), counts), "constant": np.zeros(len(corners), np.int64)}  # fmt: skip
-
-    def spread(values, interpolation: str, width: int) -> np.ndarray | None:
-        array = np.array(values, float).reshape(-1, width) if values is not None else np.zeros((0, width))
-        places = rows.get(interpolation)
-        if places is None or len(corners) == 0 or len(array) <= places.max() or not np.isfinite(array).all():
-            return None
-        return array[places]
-
-    if with_normals:
-        primvar = api.GetPrimvar("normals")
-        if primvar and primvar.HasValue():
-            normals = spread(primvar.ComputeFlattened(source.first), primvar.GetInterpolation(), 3)
-        else:
-            normals = spread(_value(mesh.GetNormalsAttr(), source), mesh.GetNormalsInterpolation(), 3)
-        lengths = np.linalg.norm(normals, axis=1) if normals is not None else np.zeros(1)
-        if (lengths > 1e-6).all():
-            streams["NORMAL"] = normals / lengths[:, None]
-    kinds = (Sdf.ValueTypeNames.TexCoord2fArray, Sdf.ValueTypeNames.Float2Array, Sdf.ValueTypeNames.TexCoord2hArray)
-    coordinates = [primvar for primvar in api.GetPrimvars() if primvar.GetTypeName() in kinds]
-    coordinates.sort(key=lambda primvar: (primvar.GetPrimvarName() not in ("st", "UVMap"), primvar.GetPrimvarName()))
-    for primvar in coordinates[:8]:
-        found = spread(primvar.ComputeFlattened(source.first), primvar.GetInterpolation(), 2)
-        if found is not None:
-            # glTF counts rows of texels from the top.
-            streams[f"TEXCOORD_{len(layers)}"] = found * [1, -1] + [0, 1]
-            layers.append(primvar.GetPrimvarName())
-    colors = api.GetPrimvar("displayColor")
-    is_bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-    if colors and colors.HasValue() and (source.by_us or not is_bound):
-        found = spread(colors.ComputeFlattened(source.first), colors.GetInterpolation(), 3)
-        if found is not None:
-            streams["COLOR_0"] = np.clip(found, 0, 1)
-    return streams, layers
-
-
-def _subsets(prim, mesh, source, faces):
+def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None, np.ndarray | None]]:
     """Materials, and a mask of the faces that have each; None for all."""
-    own = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-    left = np.ones(faces, bool)
-    subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
-    if not subsets:
-        yield (own.GetPrim() if own else None), None
-        return
-    for subset in subsets:
-        chosen = np.array(_value(subset.GetIndicesAttr(), source, []), np.int64)
+    if not bound.subsets:
+        return [(bound.material, None)]
+    found, left = [], np.ones(faces, bool)
+    for subset, material in bound.subsets:
+        chosen = rows_of(UsdGeom.Subset(subset).GetIndicesAttr(), code, 1, np.int64).ravel()
         if len(chosen) and (chosen.min() < 0 or chosen.max() >= faces):
             raise SceneError(f"{subset.GetPath()}: indices go from {chosen.min()} to {chosen.max()}, of {faces} faces")
         mask = np.zeros(faces, bool)
         mask[chosen] = True
         left &= ~mask
-        material = UsdShade.MaterialBindingAPI(subset).ComputeBoundMaterial()[0]
-        yield (material.GetPrim() if material else None), mask
-    yield (own.GetPrim() if own else None), left
+        found.append((material, mask))
+    return [*found, (bound.material, left)]
 
 
-def _part(points, corners, triangles, streams, layers, material) -> Shape:
+def _part(outline: _Outline, triangles: np.ndarray, streams: dict[str, np.ndarray], material: Usd.Prim | None) -> Shape:
     """One material's triangles, with a row for each different corner."""
+    corners = outline.faces.corners
     places = triangles[:, :3].ravel()
     columns = [corners[places][:, None].astype(float)] + [values[places] for values in streams.values()]
-    _, first, number = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
+    first, number = _different(np.column_stack(columns))
     kept = places[first]
-    attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in streams.items()}}
-    return Shape(attributes, number.reshape(-1, 3), corners[kept], material, layers)
+    attributes = {"POSITION": outline.points[corners[kept]], **{name: values[kept] for name, values in streams.items()}}
+    return Shape(attributes, number.reshape(-1, 3), corners[kept], material, outline.layers)
 
 
-def _bend(prim: Usd.Prim, attribute: Usd.Attribute, codes: np.ndarray, rest: np.ndarray) -> Bend | None:
-    """Principal components of the points' movement: as few targets as give every vertex at every code (Alexa and Mueller 2000)."""
-    if len(codes) * rest.size * 8 > MOST_BYTES:
-        raise SceneError(f"{prim.GetPath()}: {len(rest)} points that change over {len(codes)} frames are too many")
-    moved = np.empty((len(codes), rest.size))
-    for row, code in enumerate(codes.tolist()):
-        points = _points(prim, attribute, code)
-        if len(points) != len(rest):
-            raise SceneError(f"{prim.GetPath()}: has {len(rest)} points at first and {len(points)} at time code {code:g}")
-        moved[row] = (points - rest).ravel()
-    bar = SMALLEST * max(float(np.ptp(rest, axis=0).max()), 1e-9)
-    if np.abs(moved).max() <= bar:
-        return None
-    # Of the small matrix of codes with codes.
-    squares, turns = np.linalg.eigh(moved @ moved.T)
-    order = np.argsort(-squares)
-    targets, weights, left = [], [], moved.copy()
-    for number in order:
-        if np.abs(left).max() <= bar:
-            break
-        weight = turns[:, number]
-        target = weight @ moved
-        # Weights of about 1.
-        largest = np.abs(weight).max()
-        targets.append((target * largest).reshape(-1, 3))
-        weights.append(weight / largest)
-        left -= np.outer(weight, target)
-    return Bend(codes, targets, np.stack(weights, axis=1))
+def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The first place of each different row, and for each row which of those it is."""
+    bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)
+    mixed = np.zeros(len(rows), np.uint64)
+    for column in bits.T:
+        # Multiplied by the fraction of the golden ratio; to fold the high bits down makes them count (Knuth 6.4).
+        mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
+        mixed ^= mixed >> np.uint64(29)
+    _, first, number = np.unique(mixed, return_index=True, return_inverse=True)
+    if (rows[first[number]] == rows).all():
+        return first, number
+    _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return first, number.ravel()
