@@ -61,12 +61,19 @@ class GlbWriter:
 
     def animate(self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR") -> None:
         """Moves a node's property; all animation of a file is one."""
+        self._channel({"node": node, "path": path}, times_s, rows, interpolation)
+
+    def animate_value(self, pointer: str, times_s: np.ndarray, rows: np.ndarray) -> None:
+        """Changes what a JSON pointer points at (KHR_animation_pointer)."""
+        self.extensions.add("KHR_animation_pointer")
+        self._channel({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}, times_s, rows, "LINEAR")
+
+    def _channel(self, target: dict, times_s: np.ndarray, rows: np.ndarray, interpolation: str) -> None:
         if "animations" not in self.document:
             self.document["animations"] = [{"channels": [], "samplers": []}]
         animation = self.document["animations"][0]
         sampler = {"input": self.floats(times_s[:, None], True), "output": self.floats(rows), "interpolation": interpolation}
         animation["samplers"].append(sampler)
-        target = {"node": node, "path": path}
         animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
 
     def bytes(self) -> bytes:

@@ -1,13 +1,15 @@
-"""Which material a prim is bound to, by UsdShade's rules: its own binding, else an ancestor's, or a collection's.
-
-Of the purposes of bindings `preview` comes first, as materials here are UsdPreviewSurfaces; then what is for all, then `full`.
-"""
+"""Which material a prim has, by UsdShade's rules (UsdShadeMaterialBindingAPI): inherited, by collections, by strength, by purpose."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from pxr import Usd, UsdShade
+
+from .shaders import surface_of
+
+PURPOSES = (UsdShade.Tokens.full, UsdShade.Tokens.preview)
+"""Final quality first; either falls back on bindings for all purposes."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +32,16 @@ def path_of(prim: Usd.Prim | None) -> str:
 
 
 def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
-    """The material of a prim. An instance's parts see the bindings of the instance."""
+    """The material of a prim for final pictures; for previews where only that has a surface that is known.
+
+    An instance's parts see the bindings of the instance.
+    """
     api = UsdShade.MaterialBindingAPI(prim)
-    for purpose in (UsdShade.Tokens.preview, UsdShade.Tokens.full):
-        # Each of them falls back to what is for all purposes.
-        material = api.ComputeBoundMaterial(purpose)[0]
-        if material:
-            return material.GetPrim()
-    return None
+    bound = [api.ComputeBoundMaterial(purpose)[0] for purpose in PURPOSES]
+    found = [material for material in bound if material]
+    if len(found) == 2 and found[0].GetPath() != found[1].GetPath():
+        found = [material for material in found if surface_of(material)[2] is not None] or found
+    return found[0].GetPrim() if found else None
 
 
 def read_bound(prim: Usd.Prim) -> Bound:

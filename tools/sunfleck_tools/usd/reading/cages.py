@@ -46,7 +46,7 @@ class Subdivided:
         for level in self.levels:
             parents = parents[level.parents]
         self.parents = whole[parents]
-        finest = self.levels[-1].finer
+        finest = self.cage_of_faces = self.levels[-1].finer
         self.faces = Faces(finest.counts, finest.corners, np.nonzero(holes[parents])[0], faces.flips)
 
     def points(self, values: np.ndarray) -> np.ndarray:

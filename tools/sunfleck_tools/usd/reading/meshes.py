@@ -102,9 +102,9 @@ class Meshes:
 
     def _material(self, part: Shape) -> int | None:
         try:
-            return self.surfaces.number(part.material, part.layers)
+            return self.surfaces.number(part.material, part.layers, part.attributes.get("COLOR_0"))
         except UNREADABLE as error:
-            place = str(part.material.GetPath())
+            place = str(part.material.GetPath()) if part.material else ""
             self.lost.add("usd-material", place, f"cannot be read: {str(error).removeprefix(f'{place}: ')}")
             return None
 

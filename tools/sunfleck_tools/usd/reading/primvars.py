@@ -1,4 +1,4 @@
-"""Normals, texture coordinates and colours of a mesh. Invariant: what is handed out is finite and fits the mesh."""
+"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite and fits the mesh."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ class Primvars:
         """Unit normals, which a primvar of that name says before the attribute."""
         primvar = self.api.GetPrimvar("normals")
         if primvar and primvar.HasValue():
-            found = self._fit("NORMAL", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), 3)
+            found = self.fit("NORMAL", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), 3)
         else:
             gprim = UsdGeom.PointBased(self.prim)
-            found = self._fit("NORMAL", value_of(gprim.GetNormalsAttr(), self.code), gprim.GetNormalsInterpolation(), 3)
+            found = self.fit("NORMAL", value_of(gprim.GetNormalsAttr(), self.code), gprim.GetNormalsInterpolation(), 3)
         lengths = np.linalg.norm(found.values, axis=1) if found else np.zeros(1)
         if not (lengths > 1e-6).all():
             return None
@@ -66,22 +66,15 @@ class Primvars:
         streams, names = [], []
         for primvar in chosen[:MOST_LAYERS]:
             width = 3 if "3" in str(primvar.GetTypeName()) else 2
-            found = self._fit(f"TEXCOORD_{len(names)}", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), width)
+            found = self.fit(f"TEXCOORD_{len(names)}", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), width)
             if found is not None:
                 # glTF counts rows of texels from the top.
                 streams.append(Stream(found.name, found.values[:, :2] * [1, -1] + [0, 1], found.interpolation))
                 names.append(primvar.GetPrimvarName())
         return streams, names
 
-    def colors(self) -> Stream | None:
-        """`displayColor`, also one that an ancestor has for all below it."""
-        primvar = self.api.FindPrimvarWithInheritance("displayColor")
-        if not primvar or not primvar.HasValue():
-            return None
-        found = self._fit("COLOR_0", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), 3)
-        return found and Stream(found.name, np.clip(found.values, 0, 1), found.interpolation)
-
-    def _fit(self, name: str, values, interpolation: str, width: int) -> Stream | None:
+    def fit(self, name: str, values, interpolation: str, width: int) -> Stream | None:
+        """Values as a stream; None, and said, if they do not fit."""
         array = np.zeros((0, width)) if values is None else np.array(values, float).reshape(-1, width)
         if not len(array) or not len(self.faces.corners):
             return None

@@ -13,6 +13,7 @@ from ...errors import SceneError
 from .bends import Bend, read_bend
 from .bindings import Bound
 from .cages import LEVELS, Refiner, Subdivided, depth_of, smooth_normals
+from .colors import shows_colors, vertex_colors
 from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
 from .primvars import Primvars, Stream
@@ -43,16 +44,20 @@ class Shapes:
 
 @dataclass
 class _Outline:
-    """A prim's points and faces, what belongs to its corners, its faces' subsets, and its points at any code."""
+    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and attributes of corners."""
 
     points: np.ndarray
     faces: Faces
-    streams: list[Stream]
-    layers: list[str]
-    masks: list[tuple[Usd.Prim | None, np.ndarray | None]]
     points_at: Callable[[float], np.ndarray]
-    normals: np.ndarray | None = None
-    refine: Callable[[np.ndarray], np.ndarray] | None = None
+    finer: Subdivided | None = None
+    rows: dict[str, np.ndarray] = field(default_factory=dict)
+    layers: list[str] = field(default_factory=list)
+
+    def spread(self, stream: Stream | None) -> np.ndarray | None:
+        """A row for each corner of the faces that are written."""
+        if stream is None or self.finer is None:
+            return stream and stream.rows(self.faces)
+        return self.finer.stream(stream).rows(self.finer.faces)
 
 
 def is_shape(prim: Usd.Prim) -> bool:
@@ -69,59 +74,55 @@ class ShapeReader:
 
     def read(self, prim: Usd.Prim, bound: Bound, span: Span) -> Shapes:
         """A shape for as long as its faces are the same. Raises `SceneError`."""
-        codes, rests_at = span.codes, span.rests_at
-        outline = self._mesh(prim, bound, span) if prim.IsA(UsdGeom.Mesh) else self._solid(prim, bound, rests_at)
-        try:
-            triangles = triangulate(outline.faces.counts, outline.points, outline.faces.corners)
-        except ValueError as error:
-            raise SceneError(f"{prim.GetPath()}: {error}") from None
-        if outline.faces.flips:
-            triangles = triangles[:, [0, 2, 1, 3]]
-        triangles = triangles[~np.isin(triangles[:, 3], outline.faces.holes)]
-        streams = {each.name: each.rows(outline.faces) for each in outline.streams}
-        if outline.normals is not None and len(codes) == 1:
-            streams["NORMAL"] = outline.normals
-        shapes = Shapes()
-        for material, mask in outline.masks:
-            chosen = triangles if mask is None else triangles[mask[triangles[:, 3]]]
-            if len(chosen):
-                shapes.parts.append(_part(outline, chosen, streams, material))
-        if len(codes) > 1 and shapes.parts:
-            rest = outline.points_at(rests_at)
-            shapes.bend = read_bend(prim.GetPath(), outline.points_at, codes, rest)
-            if shapes.bend is not None and outline.refine is not None:
-                shapes.bend.targets = [outline.refine(target) for target in shapes.bend.targets]
+        moves = len(span.codes) > 1
+        if prim.IsA(UsdGeom.Mesh):
+            outline = self._mesh(prim, span, with_normals=not moves)
+        else:
+            outline = self._solid(prim, span.rests_at, with_normals=not moves)
+        if shows_colors(bound.material, self.source):
+            self._color(prim, outline, span.rests_at)
+        shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
+        if moves and shapes.parts:
+            rest = outline.points_at(span.rests_at)
+            shapes.bend = read_bend(prim.GetPath(), outline.points_at, span.codes, rest)
+            if shapes.bend is not None and outline.finer is not None:
+                shapes.bend.targets = [outline.finer.points(target) for target in shapes.bend.targets]
         return shapes
 
-    def _solid(self, prim: Usd.Prim, bound: Bound, code: float) -> _Outline:
+    def _solid(self, prim: Usd.Prim, code: float, with_normals: bool) -> _Outline:
         solid = read_solid(prim, code)
-        streams = self._colors(bound, Primvars(prim, code, solid.faces, self.lost))
-        return _Outline(
-            solid.points, solid.faces, [each for each in streams if each.interpolation == "constant"], [], [(bound.material, None)],
-            lambda at: read_solid(prim, at).points, solid.normals,
-        )  # fmt: skip
-
-    def _mesh(self, prim: Usd.Prim, bound: Bound, span: Span) -> _Outline:
-        code, moves = span.rests_at, len(span.codes) > 1
-        points = read_points(prim, code)
-        faces = read_faces(prim, code, len(points))
-        primvars = Primvars(prim, code, faces, self.lost)
-        streams, layers = primvars.coordinates()
-        streams += self._colors(bound, primvars)
-        outline = _Outline(points, faces, streams, layers, _masks(bound, faces.count, code), span.points_at or partial(read_points, prim))
-        if self._is_refined(prim, faces, code):
-            self._refine(prim, outline, code, moves)
-        elif not moves:
-            normals = primvars.normals()
-            outline.streams += [normals] if normals is not None else []
+        outline = _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points)
+        if with_normals:
+            outline.rows["NORMAL"] = solid.normals
         return outline
 
-    def _colors(self, bound: Bound, primvars: Primvars) -> list[Stream]:
-        """Colours of the mesh, which a material has its own of."""
-        if not self.source.by_us and bound.material is not None:
-            return []
-        colors = primvars.colors()
-        return [colors] if colors is not None else []
+    def _mesh(self, prim: Usd.Prim, span: Span, with_normals: bool) -> _Outline:
+        code = span.rests_at
+        points = read_points(prim, code)
+        faces = read_faces(prim, code, len(points))
+        outline = _Outline(points, faces, span.points_at or partial(read_points, prim))
+        if self._is_refined(prim, faces, code):
+            outline.finer = Subdivided(prim, faces, len(points), code, self._refiner)
+        primvars = Primvars(prim, code, faces, self.lost)
+        streams, outline.layers = primvars.coordinates()
+        outline.rows.update({each.name: outline.spread(each) for each in streams})
+        if with_normals and outline.finer is not None:
+            outline.rows["NORMAL"] = smooth_normals(outline.finer.cage_of_faces, outline.finer.points(points))
+        elif with_normals and (normals := primvars.normals()):
+            outline.rows["NORMAL"] = outline.spread(normals)
+        return outline
+
+    def _color(self, prim: Usd.Prim, outline: _Outline, code: float) -> None:
+        primvars = Primvars(prim, code, outline.faces, self.lost)
+
+        def spread(values: object, interpolation: str, width: int) -> np.ndarray | None:
+            # Faces of solids are this program's own.
+            fits = prim.IsA(UsdGeom.Mesh) or interpolation == "constant"
+            return outline.spread(primvars.fit("COLOR_0", values, interpolation, width)) if fits else None
+
+        colors = vertex_colors(prim, code, self.lost, spread)
+        if colors is not None:
+            outline.rows["COLOR_0"] = colors
 
     def _is_refined(self, prim: Usd.Prim, faces: Faces, code: float) -> bool:
         scheme = value_of(UsdGeom.Mesh(prim).GetSubdivisionSchemeAttr(), code)
@@ -134,13 +135,27 @@ class ShapeReader:
             self.lost.add("usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels")
         return self._refiner.depth > 0
 
-    def _refine(self, prim: Usd.Prim, outline: _Outline, code: float, moves: bool) -> None:
-        finer = Subdivided(prim, outline.faces, len(outline.points), code, self._refiner)
-        outline.streams = [finer.stream(stream) for stream in outline.streams]
-        outline.masks = [(material, None if mask is None else mask[finer.parents]) for material, mask in outline.masks]
-        outline.points, outline.faces, outline.refine = finer.points(outline.points), finer.faces, finer.points
-        if not moves:
-            outline.normals = smooth_normals(finer.levels[-1].finer, outline.points)
+
+def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list[Shape]:
+    """Triangles by their materials. Raises `SceneError`."""
+    finer = outline.finer
+    points, faces = (outline.points, outline.faces) if finer is None else (finer.points(outline.points), finer.faces)
+    try:
+        triangles = triangulate(faces.counts, points, faces.corners)
+    except ValueError as error:
+        raise SceneError(f"{prim.GetPath()}: {error}") from None
+    if faces.flips:
+        triangles = triangles[:, [0, 2, 1, 3]]
+    triangles = triangles[~np.isin(triangles[:, 3], faces.holes)]
+    found = []
+    for material, mask in _masks(bound, outline.faces.count, code):
+        if mask is not None:
+            chosen = triangles[(mask if finer is None else mask[finer.parents])[triangles[:, 3]]]
+        else:
+            chosen = triangles
+        if len(chosen):
+            found.append(_part(points, faces.corners, chosen, outline, material))
+    return found
 
 
 def _cage_faces(source: Source) -> int:
@@ -171,14 +186,13 @@ def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None,
     return [*found, (bound.material, left)]
 
 
-def _part(outline: _Outline, triangles: np.ndarray, streams: dict[str, np.ndarray], material: Usd.Prim | None) -> Shape:
+def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outline: _Outline, material: Usd.Prim | None) -> Shape:
     """One material's triangles, with a row for each different corner."""
-    corners = outline.faces.corners
     places = triangles[:, :3].ravel()
-    columns = [corners[places][:, None].astype(float)] + [values[places] for values in streams.values()]
+    columns = [corners[places][:, None].astype(float)] + [values[places] for values in outline.rows.values()]
     first, number = _different(np.column_stack(columns))
     kept = places[first]
-    attributes = {"POSITION": outline.points[corners[kept]], **{name: values[kept] for name, values in streams.items()}}
+    attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in outline.rows.items()}}
     return Shape(attributes, number.reshape(-1, 3), corners[kept], material, outline.layers)
 
 
