@@ -49,6 +49,9 @@ class Nodes:
 
     def place(self, node: int, codes: np.ndarray, matrices: np.ndarray) -> int:
         """Puts a node where matrices say; its children belong to the node that is returned."""
+        if len(codes) == 1 and (matrices[0, :3, :3] == np.eye(3)).all():
+            self._move(node, codes, {"translation": matrices[:, :3, 3]})
+            return node
         translations, turns, scales, is_all = parts(matrices)
         if is_all:
             self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
@@ -73,10 +76,11 @@ class Nodes:
         for path, values in rows.items():
             # What differs by rounding alone stands still.
             values = np.asarray(values, np.float32)
-            if np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
+            if len(values) > 1 and np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
                 values = values[:1]
-            if not np.allclose(values[0], rests[path], rtol=0, atol=1e-9):
-                self.of(node)[path] = values[0].astype(float).tolist()
+            first = values[0].tolist()
+            if any(abs(value - rest) > 1e-9 for value, rest in zip(first, rests[path])):
+                self.of(node)[path] = first
             if len(values) > 1:
                 kept, values = thinned(codes, values)
                 self.writer.animate(node, path, self.source.seconds(kept), values)

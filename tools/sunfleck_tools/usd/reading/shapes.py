@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
 from .bends import Bend, read_bend
-from .bindings import Bound
+from .bindings import Bound, path_of
 from .cages import LEVELS, Refiner, Subdivided, depth_of, smooth_normals
 from .colors import shows_colors, vertex_colors
 from .faces import Faces, read_faces, read_points, rows_of, value_of
@@ -71,6 +71,7 @@ class ShapeReader:
     def __init__(self, source: Source, lost: Losses):
         self.source, self.lost = source, lost
         self._refiner: Refiner | None = None
+        self._shows: dict[str, bool] = {}
 
     def read(self, prim: Usd.Prim, bound: Bound, span: Span) -> Shapes:
         """A shape for as long as its faces are the same. Raises `SceneError`."""
@@ -79,7 +80,10 @@ class ShapeReader:
             outline = self._mesh(prim, span, with_normals=not moves)
         else:
             outline = self._solid(prim, span.rests_at, with_normals=not moves)
-        if shows_colors(bound.material, self.source):
+        looks = path_of(bound.material)
+        if looks not in self._shows:
+            self._shows[looks] = shows_colors(bound.material, self.source)
+        if self._shows[looks]:
             self._color(prim, outline, span.rests_at)
         shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
         if moves and shapes.parts:
