@@ -90,7 +90,10 @@ class Refusals(ImportCase):
         shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(output)
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
-        self.assertIn("/m/t: there is no texture `./no such.png`", self.refused(stage))
+        material = self.load(stage).document.raw["materials"][0]
+        np.testing.assert_allclose(material["pbrMetallicRoughness"]["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
+        self.assertEqual([loss.kind for loss in self.imported.lost], ["usd-texture"])
+        self.assertIn("/m/t: the texture `./no such.png` is left out: there is no such file", self.imported.lost[0].sentence)
 
     def test_custom_data_of_any_type(self):
         for data in ("text", 3, {"sunfleck_material": "text", "KHR_materials_transmission": 3, "sunfleck_camera": Vt.DoubleArray([1.0, 2.0])},

@@ -15,7 +15,7 @@ from ...whole_file import write_whole
 from ..properties import SPACE
 from ..surroundings import ENVIRONMENT, OF_SCENE
 from .crowds import check_depth, place_crowd, read_crowd
-from .domes import picture_uri, read_dome
+from .domes import is_dome, picture_uri, read_dome
 from .lamps import read_lamp
 from .lenses import read_camera
 from .losses import Loss, Losses
@@ -80,6 +80,7 @@ class _Import:
         self.lights: list[dict] = []
         self.shutter: tuple[float, float] | None = None
         self.scene: dict = {}
+        self.has_dome = False
         # Cameras by the names that the stage has for them: nodes may have to get others.
         self.cameras: dict[str, int] = {}
 
@@ -254,8 +255,8 @@ class _Import:
             place_crowd(members, self.nodes, node, lambda prototype, place: self._instance(prototype, place, depth))
 
     def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
-        if prim.IsA(UsdLux.DomeLight):
-            return self._background(UsdLux.DomeLight(prim))
+        if is_dome(prim):
+            return self._background(prim)
         lamp = read_lamp(prim, self.source, self.lost)
         if lamp is None:
             return
@@ -271,19 +272,19 @@ class _Import:
         for name, (codes, rows) in lamp.carried.items():
             self.nodes.carry(node, f"sunfleck_light.{name}", codes, rows)
 
-    def _background(self, light: UsdLux.DomeLight) -> None:
+    def _background(self, light: Usd.Prim) -> None:
         if ENVIRONMENT in self.scene:
-            # The renderer's own words, which say more.
+            # The renderer's own words say more than any dome.
+            if self.has_dome:
+                self.lost.add("usd-dome-second", light.GetPath(), "a second DomeLight is not carried: there is one sky")
             return
-        hidden = seen(up_to(light.GetPrim(), light.GetPrim().GetStage().GetPseudoRoot()), self.source)
-        if hidden is not None and not hidden[1].all():
-            if hidden[1].any():
-                self.lost.add("usd-dome-animated", light.GetPath(), "a sky that is seen for a while is seen as it is at first")
-            if not hidden[1][0]:
-                return
-        found = read_dome(light, self.source, self._ours_from_stage(), self.lost)
-        if found is not None:
-            self.scene[ENVIRONMENT] = found
+        hidden = seen(up_to(light, light.GetStage().GetPseudoRoot()), self.source)
+        if hidden is not None and hidden[1].any():
+            self.lost.add("usd-dome-animated", light.GetPath(), "a sky that is seen for a while is seen as it is at first")
+        if hidden is not None and not hidden[1][0]:
+            return
+        self.has_dome = True
+        self.scene[ENVIRONMENT] = read_dome(light, self.source, self._ours_from_stage(), self.lost)
 
     def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
         """A prototype below a node, or in it if it is nothing but shapes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom
 from ...gltf.writer import GlbWriter
 from .bends import Bend
 from .bindings import Bound, path_of, read_bound
+from .glows import read_glow
 from .losses import UNREADABLE, Losses
 from .nodes import Nodes
 from .shapes import Shape, ShapeReader, Shapes
@@ -61,10 +62,12 @@ class Meshes:
         still, moving = [], []
         for prim, each in zip(prims, bound):
             with self.lost.leaving_out(prim):
+                glow = read_glow(prim, self.source, self.lost)
                 for span in read_spans(prim, self.source):
                     # Of a mesh that changes a time at which it cannot be read is no reason to lose the others.
                     with self.lost.leaving_out(prim):
                         shapes = self._reader.read(prim, each, span)
+                        shapes.parts = [replace(part, glow=glow) for part in shapes.parts]
                         if shapes.bend is None and span.is_always:
                             still += shapes.parts
                         elif shapes.parts:
@@ -102,7 +105,7 @@ class Meshes:
 
     def _material(self, part: Shape) -> int | None:
         try:
-            return self.surfaces.number(part.material, part.layers, part.attributes.get("COLOR_0"))
+            return self.surfaces.number(part.material, part.layers, part.attributes.get("COLOR_0"), part.glow)
         except UNREADABLE as error:
             place = str(part.material.GetPath()) if part.material else ""
             self.lost.add("usd-material", place, f"cannot be read: {str(error).removeprefix(f'{place}: ')}")

@@ -32,6 +32,8 @@ class Shape:
     point_of_row: np.ndarray
     material: Usd.Prim | None
     layers: list[str]
+    glow: tuple[float, float, float] | None = None
+    """Of a mesh that is a light: its radiance."""
 
 
 @dataclass

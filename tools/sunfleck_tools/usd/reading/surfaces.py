@@ -34,26 +34,23 @@ class Surfaces:
         self.writer, self.source, self.lost = writer, source, lost
         self.textures = Textures(lost, source.first)
         self.bakery = Bakery(writer, self.textures, lost)
-        self._written: dict[tuple[str, tuple[str, ...]], int] = {}
+        self._written: dict[tuple, int] = {}
         self._known: dict[str, int] = {}
 
-    def number(self, prim: Usd.Prim | None, layers: list[str], colors: np.ndarray | None = None) -> int | None:
-        """The glTF material of a material of the stage; without one, of a mesh's own colours (rows of RGB or RGBA)."""
-        if prim is None:
-            return None if self.source.by_us else self._unbound(colors)
-        same = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-        key = str(same.GetPath()), tuple(layers)
-        if key not in self._written:
-            self._written[key] = self._add(self._looks(prim, layers))
-        return self._written[key]
+    def number(
+        self, prim: Usd.Prim | None, layers: list[str], colors: np.ndarray | None = None, glow: tuple[float, ...] | None = None
+    ) -> int | None:
+        """The glTF material of a material of the stage; without one, of a mesh's own `colors` (rows of RGB or RGBA).
 
-    def _unbound(self, colors: np.ndarray | None) -> int:
-        base = GREY if colors is None else (1.0,) * 3
-        pbr = {"baseColorFactor": [*base, 1.0], "metallicFactor": 0.0}
-        material = {"name": "displayColor", "doubleSided": True, "pbrMetallicRoughness": pbr}
-        if colors is not None and colors.shape[1] == 4:
-            material["alphaMode"] = "BLEND"
-        return self._add(Looks(material))
+        `glow` is the radiance of a mesh that is a light.
+        """
+        if prim is None:
+            return None if self.source.by_us else self._add(_glowing(_unbound(colors), glow))
+        same = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        key = str(same.GetPath()), tuple(layers), glow
+        if key not in self._written:
+            self._written[key] = self._add(_glowing(self._looks(prim, layers), glow))
+        return self._written[key]
 
     def _add(self, looks: Looks) -> int:
         self.writer.extensions.update(looks.material.get("extensions", ()))
@@ -88,6 +85,29 @@ class Surfaces:
         Preview(network, self.bakery, self.source.codes).read(looks, extras if dialect is PREVIEW else {})
         _keep_shares(looks.material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material"))
         return looks
+
+
+def _unbound(colors: np.ndarray | None) -> Looks:
+    """Of a mesh without a material."""
+    base = GREY if colors is None else (1.0,) * 3
+    pbr = {"baseColorFactor": [*base, 1.0], "metallicFactor": 0.0}
+    material = {"name": "displayColor", "doubleSided": True, "pbrMetallicRoughness": pbr}
+    if colors is not None and colors.shape[1] == 4:
+        material["alphaMode"] = "BLEND"
+    return Looks(material)
+
+
+def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
+    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light (`materialSyncMode`)."""
+    material = looks.material
+    shines = "emissiveFactor" in material or "emissiveTexture" in material
+    if glow is None or shines or max(glow) <= 0:
+        return looks
+    strength = max(*glow, 1.0)
+    material["emissiveFactor"] = [each / strength for each in glow]
+    if strength > 1:
+        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": strength}
+    return looks
 
 
 def _keep(material: dict, extras: dict) -> None:
