@@ -40,7 +40,7 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
     opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(asset.resolvedPath)) if asset.resolvedPath else None
     if not opened or opened.GetSize() > MOST_BYTES:
         raise SceneError(f"{place}: the picture `{asset.path}` cannot be read")
-    data = bytes(opened.GetBuffer())
+    data = bytes(opened.GetBuffer() or b"")
     if not data.startswith(tuple(SKY_KINDS)):
         try:
             data = _exr_of(asset.resolvedPath)

@@ -60,7 +60,7 @@ def open_picture(resolved: str) -> Picture:
         raise PictureError("there is no such file")
     if opened.GetSize() > MOST_BYTES:
         raise PictureError(f"has {opened.GetSize()} bytes, more than {MOST_BYTES}")
-    data = bytes(opened.GetBuffer())
+    data = bytes(opened.GetBuffer() or b"")
     return _exr_head(resolved, data) if data.startswith(MAGIC) else _pillow_head(resolved, data)
 
 
