@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Sdf, UsdGeom, UsdLux, UsdShade
 
 from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.gltf.container import Container
@@ -105,6 +105,22 @@ class Sizes(LookCase):
     def watts(self, gltf: Gltf, name: str) -> float:
         lights = punctual(gltf)
         return lights[name]["intensity"] / LUMENS_PER_WATT * 4 * math.pi if name in lights else of_node(gltf, name)["power_w"]
+
+    def test_instances_of_a_light_have_their_own_sizes(self):
+        stage = self.stage()
+        instancer = UsdGeom.PointInstancer.Define(stage, "/crowd")
+        instancer.AddScaleOp().Set((2, 2, 2))
+        lamp = UsdLux.SphereLight.Define(stage, "/crowd/lamp")
+        lamp.CreateRadiusAttr(0.5)
+        lamp.CreateIntensityAttr(2.0)
+        instancer.CreatePrototypesRel().SetTargets(["/crowd/lamp"])
+        instancer.CreateProtoIndicesAttr([0, 0])
+        instancer.CreatePositionsAttr([(0, 0, 0), (3, 0, 0)])
+        instancer.CreateScalesAttr([(1, 1, 1), (3, 3, 3)])
+        lights = self.load(stage).document.raw["extensions"]["KHR_lights_punctual"]["lights"]
+        found = [light["intensity"] / LUMENS_PER_WATT for light in lights]
+        # Spheres of radius 1 and 3 m.
+        np.testing.assert_allclose(found, [2 * math.pi, 18 * math.pi], rtol=1e-5)
 
     def test_a_stretched_sphere_and_a_cylinder_send_out_as_much(self):
         stage = self.stage()

@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from pxr import Sdf, UsdGeom, UsdLux
+from pxr import Sdf, UsdGeom
 
 import sunfleck_tools
 from sunfleck_tools import SceneError
@@ -16,6 +16,7 @@ from sunfleck_tools.gltf.container import Container
 from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ImportOptions, import_usd
 from sunfleck_tools.usd.reading.clock import exact_rate
+from sunfleck_tools.usd.reading.losses import KINDS
 
 from .json_schema import faults
 from .test_usd_import import quad
@@ -117,7 +118,9 @@ class Parts(LookCase):
             code, _, found = run("import-usd", CASES / "J_23976.usda", target, *arguments)
             self.assertEqual(code, 2)
             self.assertIn(said, found)
-        code, out, _ = run("import-usd", CASES / "Z_no_range.usda", target, "--frames", "2-4", "--mask", "/World/Mover", "--mask", "/World/Cam")
+        code, out, _ = run(
+            "import-usd", CASES / "Z_no_range.usda", target, "--frames", "2-4", "--mask", "/World/Mover", "--mask", "/World/Cam"
+        )
         self.assertEqual((code, "frames 2 to 4" in out), (0, True))
         code, _, said = run("import-usd", CASES / "J_23976.usda", target, "--variant", "/World{a=b}{c=d}")
         self.assertEqual((code, "has no variant set `a`" in said), (3, True))
@@ -132,8 +135,15 @@ class Report(LookCase):
         schema = json.loads((Path(sunfleck_tools.__file__).parent / "import_usd.schema.json").read_text())
         self.assertEqual(list(faults(found, schema)), [])
         self.assertEqual(found["frames"], {"first": 1, "last": 1})
-        self.assertEqual([(loss["id"], loss["count"], loss["first_place"]) for loss in found["losses"]], [("usd-light-input", 3, "/World/L")])
+        self.assertEqual(
+            [(loss["id"], loss["count"], loss["first_place"]) for loss in found["losses"]], [("usd-light-input", 3, "/World/L")]
+        )
         self.assertIn(f"[usd-light-input] {found['losses'][0]['sentence']} (and 2 more)", said)
+
+    def test_all_kinds_are_documented(self):
+        text = (Path(__file__).parents[2] / "docs/usd.md").read_text()
+        self.assertEqual([kind for kind in KINDS if f"| `{kind}` |" not in text], [])
+        self.assertEqual(list(KINDS), sorted(KINDS))
 
     def test_it_needs_a_folder(self):
         target = self.folder / "out.glb"
@@ -145,7 +155,9 @@ class Missing(LookCase):
     def test_the_rest_is_read(self):
         for arc in ("references = @./nope.usda@</x>", "payload = @./nope.usda@</x>", "references = </nowhere>"):
             path = self.folder / f"part_{len(list(self.folder.iterdir()))}.usda"
-            path.write_text(f'#usda 1.0\n(\n    subLayers = [@./no_layer.usda@]\n)\ndef Xform "a" ({arc})\n{{\n}}\ndef Camera "b"\n{{\n}}\n')
+            path.write_text(
+                f'#usda 1.0\n(\n    subLayers = [@./no_layer.usda@]\n)\ndef Xform "a" ({arc})\n{{\n}}\ndef Camera "b"\n{{\n}}\n'
+            )
             imported = import_usd(path, self.folder / "out.glb")
             self.assertEqual(imported.counts["cameras"], 1)
             losses = {loss.kind: loss for loss in imported.lost}

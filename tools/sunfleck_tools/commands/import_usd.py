@@ -60,9 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(source: Path, imported) -> str:
     """What `import_usd.schema.json` describes."""
-    losses = [
-        {"id": lost.kind, "count": lost.count, "first_place": lost.place, "sentence": lost.sentence} for lost in imported.lost
-    ]
+    losses = [{"id": lost.kind, "count": lost.count, "first_place": lost.place, "sentence": lost.sentence} for lost in imported.lost]
     said = {
         "format_version": REPORT_VERSION,
         "source": str(source),

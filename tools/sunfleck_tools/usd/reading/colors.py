@@ -13,6 +13,8 @@ from .source import Source
 
 Spread = Callable[[object, str, int], "np.ndarray | None"]
 """Values, their interpolation and width to a row a corner; None where they do not fit the mesh."""
+GREY = (0.18,) * 3
+"""Of what has neither material nor colour: the diffuse colour that UsdPreviewSurface has by default."""
 READERS = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
 
 
@@ -39,8 +41,9 @@ def vertex_colors(prim: Usd.Prim, code: float, lost: Losses, spread: Spread) -> 
     colors, opacity = rows
     if opacity is None or (opacity >= 1).all():
         return None if colors is None else np.clip(colors, 0, 1)
-    white = np.ones((len(opacity), 3))
-    return np.clip(np.concatenate([white if colors is None else colors, opacity], axis=1), 0, 1)
+    # What a material shows is multiplied; without one it is what is shown.
+    plain = np.tile(GREY if material is None else (1.0,) * 3, (len(opacity), 1))
+    return np.clip(np.concatenate([plain if colors is None else colors, opacity], axis=1), 0, 1)
 
 
 def reads_colors(material: Usd.Prim) -> bool:

@@ -257,7 +257,7 @@ class _Import:
     def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
         if is_dome(prim):
             return self._background(prim)
-        lamp = read_lamp(prim, self.source, self.lost)
+        lamp = read_lamp(prim, self.source, self.nodes.linear(node), self.lost)
         if lamp is None:
             return
         if lamp.light is not None:

@@ -36,6 +36,12 @@ def linears(prim: Usd.Prim, codes: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(found), found, 0.0)
 
 
+def instance_linears(prim: Usd.Prim, codes: np.ndarray, still: np.ndarray) -> np.ndarray:
+    """The same of an instance, which stands elsewhere than the prim: `still` is where it does at the first code."""
+    found = linears(prim, codes)
+    return still @ np.linalg.inv(found[0]) @ found if abs(np.linalg.det(found[0])) > 0 else np.broadcast_to(still, found.shape)
+
+
 def ball_area(halves: np.ndarray) -> np.ndarray:
     """Surface of ellipsoids, by rows of their three half axes."""
     a, b, c = (halves**THOMSEN).T

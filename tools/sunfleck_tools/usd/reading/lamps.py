@@ -16,7 +16,7 @@ from pxr import Usd, UsdLux
 from ...gltf.lights import LUMENS_PER_WATT
 from ..lights import BLENDER_ANGLE, BLENDER_SUN
 from .lamp_inputs import LampInputs
-from .lamp_sizes import ball_area, linears, moving_scales
+from .lamp_sizes import ball_area, instance_linears, moving_scales
 from .losses import Losses
 from .places import codes_of
 from .source import Source
@@ -37,10 +37,13 @@ class Lamp:
     carried: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def read_lamp(prim: Usd.Prim, source: Source, lost: Losses) -> Lamp | None:
-    """The light that a prim is; None if it is none that there is here."""
+def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -> Lamp | None:
+    """The light that a prim is; None if it is none that there is here.
+
+    `still` is world from light at the first frame, in metres, without translation: instances of one prim differ in it.
+    """
     kind = str(prim.GetTypeName())
-    reader = _Reader(prim, source, lost)
+    reader = _Reader(prim, source, still, lost)
     if kind == "DistantLight":
         lamp = reader.sun()
     elif kind in ("SphereLight", "CylinderLight"):
@@ -55,8 +58,8 @@ def read_lamp(prim: Usd.Prim, source: Source, lost: Losses) -> Lamp | None:
 
 
 class _Reader:
-    def __init__(self, prim: Usd.Prim, source: Source, lost: Losses):
-        self.prim, self.source, self.lost = prim, source, lost
+    def __init__(self, prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses):
+        self.prim, self.source, self.still, self.lost = prim, source, still, lost
         self.inputs = LampInputs(prim, lost)
         self.codes = codes_of([*self.inputs.attributes(), *moving_scales(prim)], source.codes)
         # Blender's suns, as it writes and reads them.
@@ -65,6 +68,10 @@ class _Reader:
     def number(self, name: str, default: float) -> np.ndarray:
         """One number a code."""
         return self.inputs.numbers(name, default, self.codes)
+
+    def linears(self) -> np.ndarray:
+        """World from light in units of the stage, a matrix a code."""
+        return instance_linears(self.prim, self.codes, self.still / self.source.metres)
 
     def radiance(self, stage_area: np.ndarray) -> np.ndarray:
         """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of the stage squared."""
@@ -92,10 +99,10 @@ class _Reader:
 
     def ball(self, is_cylinder: bool) -> Lamp:
         """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which sends out as much."""
-        axes = linears(self.prim, self.codes) * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
+        axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
         if is_cylinder:
             # Along x, without caps.
-            along = linears(self.prim, self.codes)[:, :, 0] * np.maximum(self.number("length", 1.0), 0)[:, None]
+            along = self.linears()[:, :, 0] * np.maximum(self.number("length", 1.0), 0)[:, None]
             around = 0.5 * (np.linalg.norm(axes[:, :, 1], axis=1) + np.linalg.norm(axes[:, :, 2], axis=1))
             stage_area = 2 * math.pi * around * np.linalg.norm(along, axis=1)
             self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
@@ -138,7 +145,7 @@ class _Reader:
         """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as the node is scaled."""
         width = np.maximum(2 * self.number("radius", 0.5) if is_disk else self.number("width", 1.0), 1e-9)
         height = width if is_disk else np.maximum(self.number("height", 1.0), 1e-9)
-        world = linears(self.prim, self.codes)
+        world = self.linears()
         scale = np.linalg.norm(np.cross(world[:, :, 0], world[:, :, 1]), axis=1)
         stage_area = np.maximum(width * height * scale * (math.pi / 4 if is_disk else 1.0), 1e-30)
         power = math.pi * self.radiance(stage_area) * stage_area[:, None] * self.source.metres**2

@@ -7,7 +7,7 @@ import numpy as np
 from ...gltf.writer import GlbWriter
 from ..samples import thinned
 from .losses import Losses, TooMuch
-from .places import parts, sheared
+from .places import parts, sheared, turn_of
 from .source import Source
 
 MOST_NODES = 2_000_000
@@ -21,6 +21,7 @@ class Nodes:
         self.writer, self.source, self.lost = writer, source, lost
         self.roots: list[int] = []
         self._names: dict[str, int] = {}
+        self._parents: dict[int, int] = {}
         self._samples = 0
 
     def add(self, name: str, parent: int | None) -> int:
@@ -32,11 +33,21 @@ class Nodes:
             self.roots.append(number)
         else:
             self.of(parent).setdefault("children", []).append(number)
+            self._parents[number] = parent
         return number
 
     def of(self, number: int) -> dict:
         """A node itself."""
         return self.writer.document["nodes"][number]
+
+    def linear(self, number: int) -> np.ndarray:
+        """World from node without translation, as it stands still, metres."""
+        found, at = np.eye(3), number
+        while at is not None:
+            node = self.of(at)
+            found = turn_of(node.get("rotation", [0.0, 0.0, 0.0, 1.0])) @ np.diag(node.get("scale", [1.0] * 3)) @ found
+            at = self._parents.get(at)
+        return found
 
     def _unused(self, name: str) -> str:
         """Values that change are carried by name; so names must differ."""

@@ -87,6 +87,13 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
     return chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
 
 
+def turn_of(quaternion: list[float]) -> np.ndarray:
+    """The rotation matrix of a unit quaternion (x, y, z, w)."""
+    x, y, z, w = quaternion
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + 2 * (w * skew + skew @ skew)
+
+
 def steady(turns: np.ndarray) -> np.ndarray:
     """The same turns, each on the side of the one before."""
     flips = np.sum(turns[1:] * turns[:-1], axis=1) < 0

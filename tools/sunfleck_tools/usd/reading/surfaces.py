@@ -11,6 +11,7 @@ from pxr import Usd, UsdShade
 from ...gltf.writer import GlbWriter
 from ..materials import NOT_CARRIED, OURS
 from .bakes import Bakery
+from .colors import GREY
 from .losses import Losses
 from .networks import Network
 from .preview import Looks, Preview
@@ -19,8 +20,6 @@ from .shaders import PREVIEW, surface_of
 from .source import Source
 from .textures import Textures
 
-GREY = (0.18,) * 3
-"""Of what has no material: the diffuse colour that UsdPreviewSurface has by default."""
 OTHER_SHARES = ("transmission", "mirror", "filter_color")
 """Of `sunfleck_material`, beside the base colour's."""
 SINGLE_PRECISION = 1e-6
