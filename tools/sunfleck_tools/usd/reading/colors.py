@@ -23,7 +23,7 @@ def shows_colors(material: Usd.Prim | None, source: Source) -> bool:
     return source.by_us or material is None or reads_colors(material)
 
 
-def vertex_colors(prim: Usd.Prim, code: float, lost: Losses, spread: Spread) -> np.ndarray | None:
+def vertex_colors(prim: Usd.Prim, material: Usd.Prim | None, code: float, lost: Losses, spread: Spread) -> np.ndarray | None:
     """COLOR_0 of a mesh, RGB or RGBA, at a time code; None if it has none."""
     api = UsdGeom.PrimvarsAPI(prim)
     rows = []

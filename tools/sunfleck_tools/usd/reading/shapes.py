@@ -86,7 +86,7 @@ class ShapeReader:
         if looks not in self._shows:
             self._shows[looks] = shows_colors(bound.material, self.source)
         if self._shows[looks]:
-            self._color(prim, outline, span.rests_at)
+            self._color(prim, bound.material, outline, span.rests_at)
         shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
         if moves and shapes.parts:
             rest = outline.points_at(span.rests_at)
@@ -118,7 +118,7 @@ class ShapeReader:
             outline.rows["NORMAL"] = outline.spread(normals)
         return outline
 
-    def _color(self, prim: Usd.Prim, outline: _Outline, code: float) -> None:
+    def _color(self, prim: Usd.Prim, material: Usd.Prim | None, outline: _Outline, code: float) -> None:
         primvars = Primvars(prim, code, outline.faces, self.lost)
 
         def spread(values: object, interpolation: str, width: int) -> np.ndarray | None:
@@ -126,7 +126,7 @@ class ShapeReader:
             fits = prim.IsA(UsdGeom.Mesh) or interpolation == "constant"
             return outline.spread(primvars.fit("COLOR_0", values, interpolation, width)) if fits else None
 
-        colors = vertex_colors(prim, code, self.lost, spread)
+        colors = vertex_colors(prim, material, code, self.lost, spread)
         if colors is not None:
             outline.rows["COLOR_0"] = colors
 
