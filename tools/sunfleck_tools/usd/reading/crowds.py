@@ -113,7 +113,7 @@ class _Reader:
             return *_nobody(), f"protoIndices go from {numbers.min()} to {numbers.max()}, of {len(self.prototypes)} prototypes"
         placed = self._places(code)
         if len(placed) != len(numbers):
-            return *_nobody(), f"has {len(numbers)} protoIndices and {len(placed)} places"
+            return *_nobody(), f"has {len(numbers)} protoIndices, which its positions, orientations or scales do not fit"
         if not np.isfinite(placed).all():
             return *_nobody(), "its places are not all finite"
         ids = np.array(self.instancer.GetIdsAttr().Get(time) or [], np.int64)
