@@ -152,7 +152,7 @@ class Faces(MotionCase):
             points = self.bent(gltf, self.shown(gltf, frame)[0], frame)
             self.assertEqual(len(points), count)
             # 8 units a second are 1 a frame.
-            np.testing.assert_allclose(points[:, 2], frame % 1, atol=1e-5)
+            np.testing.assert_allclose(points[:, 2], frame % 1, atol=1e-5, err_msg=str(frame))
 
     def test_a_time_that_cannot_be_read_is_left_out(self):
         stage = self.stage()

@@ -16,11 +16,15 @@ from ...errors import SceneError
 
 MOST_VALUES = 2**26
 """Coordinates of a mesh over all codes: 256 MiB in single precision, and as much again as targets."""
-ROWS_A_TIME = 16
+COLUMNS_A_TIME = 2**14
 """In double precision."""
 SMALLEST = 1e-6
 """Of the size of a mesh: how far points may lie from where they should."""
-TRIED_RANKS = (8, 32, 128)
+SAMPLED = 512
+"""Coordinates from which the number of components is found."""
+MOST_TARGETS = 128
+FEW = 16
+"""Of rows: as many components as there are rows are no more than those."""
 
 
 @dataclass
@@ -62,46 +66,50 @@ def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _components(moved: np.ndarray, bar: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """Principal components of movement (Alexa and Mueller 2000), if those are at most half as many as its rows.
+    """Targets and weights: principal components of movement (Alexa and Mueller 2000), if those are at most half as many as its rows.
 
-    The space of the rows by random mixtures of them (Halko, Martinsson and Tropp 2011, algorithm 4.1): where few components do, the
-    cost is that of reading the rows a few times, and where many are needed, that is soon known.
+    How rows are mixed is found from a sample of the columns alone, as if those were all (Frieze, Kannan and Vempala 2004), and then
+    held against every one. So the cost of the decomposition does not grow with the points, and where many components are needed that
+    is known before all the columns are read.
     """
-    mixer = np.random.default_rng(0)
-    for rank in TRIED_RANKS:
-        if 2 * rank > max(len(moved), 2 * TRIED_RANKS[0]):
-            return None
-        mixtures = mixer.standard_normal((min(rank, len(moved)), len(moved)), np.float32) @ moved
-        basis = np.linalg.qr(mixtures.T.astype(float))[0].T
-        weights = np.concatenate([moved[start : start + ROWS_A_TIME] @ basis.T for start in range(0, len(moved), ROWS_A_TIME)])
-        if _is_within(bar, moved, weights, basis):
-            return _fewest(moved, *_turned(weights, basis), bar)
+    chosen = np.random.default_rng(0).permutation(moved.shape[1])[:SAMPLED]
+    sample = moved[:, np.sort(chosen)].astype(float)
+    most = min(len(moved) // 2 if len(moved) > FEW else len(moved), MOST_TARGETS)
+    mixes = np.linalg.svd(sample, full_matrices=False)[0]
+    rank = _rank(sample, mixes[:, :most], bar)
+    while rank is not None:
+        targets = _targets(moved, mixes[:, :rank], bar)
+        if targets is not None:
+            # Weights of about 1.
+            largest = np.abs(mixes[:, :rank]).max(axis=0)
+            return targets * largest[:, None], mixes[:, :rank] / largest
+        rank = rank + max(rank // 4, 1)
+        rank = rank if rank <= min(most, mixes.shape[1]) else None
     return None
 
 
-def _is_within(bar: float, moved: np.ndarray, weights: np.ndarray, basis: np.ndarray) -> bool:
-    """True if a product is the rows, but for the bar."""
-    blocks = [slice(start, start + ROWS_A_TIME) for start in range(0, len(moved), ROWS_A_TIME)]
-    return all(np.abs(moved[block] - weights[block] @ basis).max() <= bar for block in blocks)
+def _rank(sample: np.ndarray, mixes: np.ndarray, bar: float) -> int | None:
+    """How many mixes give the sample, but for the bar; None if all of them do not."""
+    left = sample.copy()
+    for rank in range(1, mixes.shape[1] + 1):
+        mix = mixes[:, rank - 1]
+        left -= np.outer(mix, mix @ sample)
+        if np.abs(left).max() <= bar:
+            return rank
+    return None
 
 
-def _turned(weights: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same product, by components in the order of their size."""
-    left, sizes, right = np.linalg.svd(weights, full_matrices=False)
-    return left * sizes, right @ basis
-
-
-def _fewest(moved: np.ndarray, weights: np.ndarray, basis: np.ndarray, bar: float) -> tuple[np.ndarray, np.ndarray]:
-    """The first components, as many as the bar asks for; weights about 1."""
-    too_few, enough = 0, len(basis)
-    while enough - too_few > 1:
-        middle = (too_few + enough) // 2
-        if _is_within(bar, moved, weights[:, :middle], basis[:middle]):
-            enough = middle
-        else:
-            too_few = middle
-    largest = np.abs(weights[:, :enough]).max(axis=0)
-    return basis[:enough] * largest[:, None], weights[:, :enough] / largest
+def _targets(moved: np.ndarray, mixes: np.ndarray, bar: float) -> np.ndarray | None:
+    """What the mixes of rows have in each column; None as soon as a column comes out wrong."""
+    found = np.empty((mixes.shape[1], moved.shape[1]), np.float32)
+    for start in range(0, moved.shape[1], COLUMNS_A_TIME):
+        columns = slice(start, start + COLUMNS_A_TIME)
+        part = moved[:, columns].astype(float)
+        target = mixes.T @ part
+        if np.abs(part - mixes @ target).max() > bar:
+            return None
+        found[:, columns] = target
+    return found
 
 
 def _one_each(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

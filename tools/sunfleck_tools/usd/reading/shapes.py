@@ -104,9 +104,10 @@ class ShapeReader:
 
     def _mesh(self, prim: Usd.Prim, span: Span, with_normals: bool) -> _Outline:
         code = span.rests_at
-        points = read_points(prim, code)
+        points_at = span.points_at or partial(read_points, prim)
+        points = points_at(code)
         faces = read_faces(prim, code, len(points))
-        outline = _Outline(points, faces, span.points_at or partial(read_points, prim))
+        outline = _Outline(points, faces, points_at)
         if self._is_refined(prim, faces, code):
             outline.finer = Subdivided(prim, faces, len(points), code, self._refiner)
         primvars = Primvars(prim, code, faces, self.lost)
