@@ -36,7 +36,7 @@ KINDS = {
     "usd-prim": "a prim that cannot be read, and is left out",
     "usd-primvar": "values that do not fit their mesh",
     "usd-purpose": "a shape of a purpose that is not drawn",
-    "usd-shape": "a shape that is no mesh",
+    "usd-shape": "a shape without faces",
     "usd-shear": "a node that shears as it moves",
     "usd-skeleton": "a skeleton that cannot be followed",
     "usd-subdivision": "a subdivision surface that is refined less than twice",

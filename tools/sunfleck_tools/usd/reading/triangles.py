@@ -36,6 +36,11 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
     return triangles[np.argsort(triangles[:, 3], kind="stable")]
 
 
+def _following(rows: np.ndarray) -> np.ndarray:
+    """The next of each face's rows."""
+    return np.concatenate([rows[:, 1:], rows[:, :1]], axis=1)
+
+
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """numpy's own takes several times as long for a few vectors, of which a stage has many."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
@@ -45,12 +50,12 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _normals(polygons: np.ndarray) -> np.ndarray:
     """Newell's: of polygons that need not be flat."""
-    return _cross(polygons, np.roll(polygons, -1, axis=1)).sum(axis=1)
+    return _cross(polygons, _following(polygons)).sum(axis=1)
 
 
 def _is_convex(polygons: np.ndarray) -> np.ndarray:
-    edges = np.roll(polygons, -1, axis=1) - polygons
-    turns = _cross(edges, np.roll(edges, -1, axis=1))
+    edges = _following(polygons) - polygons
+    turns = _cross(edges, _following(edges))
     return (np.einsum("fci,fi->fc", turns, _normals(polygons)) >= 0).all(axis=1)
 
 
