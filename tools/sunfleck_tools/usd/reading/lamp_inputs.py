@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .losses import Losses
+from .numbers import numbers_in
 from .texels import PictureError, linear_from_srgb, open_picture
 
 BRIGHTEST = 1e15
 COLDEST, HOTTEST = 1000.0, 10000.0
 """Kelvin, between which UsdLux defines colours."""
 RESTS = {
-    "diffuse": 1.0, "specular": 1.0, "shaping:focus": 0.0, "shadow:enable": True, "shadow:color": (0.0, 0.0, 0.0), "shadow:distance": -1.0,
+    "diffuse": 1.0, "specular": 1.0, "shaping:focus": 0.0, "shadow:enable": 1.0, "shadow:color": 0.0, "shadow:distance": -1.0,
 }  # fmt: skip
 """Inputs that are not carried, and the values at which nobody misses them."""
 NAMES = ("intensity", "exposure", "color", "radius", "length", "width", "height", "angle", "enableColorTemperature", "colorTemperature")
@@ -45,33 +44,38 @@ class LampInputs:
 
     def numbers(self, name: str, default: float, codes: np.ndarray) -> np.ndarray:
         """One number a code."""
-        attribute = self.prim.GetAttribute(f"inputs:{name}")
-        values = [attribute.Get(code) if attribute else None for code in codes.tolist()]
-        return np.clip(self._finite(name, [default if value is None else float(value) for value in values], default), -BRIGHTEST, BRIGHTEST)
+        return np.clip(self._rows(name, (default,), codes)[:, 0], -BRIGHTEST, BRIGHTEST)
 
     def radiance(self, codes: np.ndarray) -> np.ndarray:
         """Intensity, exposure, colour, temperature, and the mean of a picture: three numbers a code."""
-        attribute = self.prim.GetAttribute("inputs:color")
-        values = [(attribute.Get(code) if attribute else None) or (1.0, 1.0, 1.0) for code in codes.tolist()]
-        colors = self._finite("color", values, 1.0)
+        colors = self._rows("color", (1.0, 1.0, 1.0), codes)
         scale = self.numbers("intensity", 1.0, codes) * np.exp2(np.clip(self.numbers("exposure", 0.0, codes), -60, 60))
         tints = np.array([self._temperature(code) for code in codes.tolist()])
         return np.clip(colors * tints * self._picture() * scale[:, None], 0, BRIGHTEST)
 
-    def _finite(self, name: str, values: list, default: float) -> np.ndarray:
-        rows = np.array(values, float)
-        if not np.isfinite(rows).all():
-            self.lost.add("usd-light-value", self.prim.GetPath(), f"its {name} is not finite, and {default:g} is taken")
-        return np.where(np.isfinite(rows), rows, default)
+    def _rows(self, name: str, default: tuple[float, ...], codes: np.ndarray) -> np.ndarray:
+        """So many numbers as the default has, a row a code."""
+        attribute = self.prim.GetAttribute(f"inputs:{name}")
+        rows = []
+        for code in codes.tolist():
+            value = attribute.Get(code) if attribute else None
+            numbers = default if value is None else numbers_in(value, len(default))
+            if numbers is None:
+                self.lost.add(
+                    "usd-light-value", self.prim.GetPath(), f"its {name} is not finite, or no number, and {default[0]:g} is taken"
+                )
+            rows.append(numbers or default)
+        return np.array(rows)
 
     def _temperature(self, code: float) -> np.ndarray:
         light = UsdLux.LightAPI(self.prim)
         if not light.GetEnableColorTemperatureAttr().Get(code):
             return np.ones(3)
-        kelvin = light.GetColorTemperatureAttr().Get(code)
-        if kelvin is None or not math.isfinite(kelvin):
+        found = numbers_in(light.GetColorTemperatureAttr().Get(code), 1)
+        if found is None:
             self.lost.add("usd-light-value", self.prim.GetPath(), "its colorTemperature is not finite, and is passed over")
             return np.ones(3)
+        kelvin = found[0]
         if not COLDEST <= kelvin <= HOTTEST:
             said = f"its colorTemperature of {kelvin:g} K is taken as one from {COLDEST:g} to {HOTTEST:g} K"
             self.lost.add("usd-light-value", self.prim.GetPath(), said)
@@ -97,7 +101,8 @@ class LampInputs:
         for name, rest in RESTS.items():
             attribute = self.prim.GetAttribute(f"inputs:{name}")
             value = attribute.Get() if attribute else None
-            if value is not None and (tuple(value) if hasattr(value, "__len__") else value) != rest:
+            numbers = numbers_in(value, 3 if name == "shadow:color" else 1)
+            if value is not None and (numbers is None or numbers[0] != rest or len(set(numbers)) > 1):
                 self._say(f"its {name}")
         ies = self.prim.GetAttribute("inputs:shaping:ies:file")
         if ies and isinstance(ies.Get(), Sdf.AssetPath) and ies.Get().path:

@@ -5,14 +5,14 @@ Invariant: whatever cannot feed it is said, and the input has its default.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 from pxr import Usd, UsdShade
 
 from .losses import Losses
+from .numbers import numbers_in
 from .shaders import Dialect
-from .textures import Texture, Textures, file_input, shortest
+from .textures import Texture, Textures, file_input
 
 COLORS_OF_MESH = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
 """Inputs that vertex colours can feed, and by which primvar."""
@@ -71,7 +71,7 @@ class Network:
         return Fed(numbers, changing=attributes[0] if attributes[0].ValueMightBeTimeVarying() else None)
 
     def _numbers(self, attribute: Usd.Attribute, default: tuple[float, ...]) -> tuple[float, ...]:
-        numbers = numbers_of(attribute, self.textures.code, len(default))
+        numbers = numbers_in(attribute.Get(self.textures.code), len(default))
         if numbers is None:
             value = attribute.Get(self.textures.code)
             said = f"expected {len(default)} finite numbers, found {value}; the default is taken"
@@ -101,26 +101,8 @@ class Network:
             return Fed((1.0,) * len(default), is_of_mesh=True)
         self.say(f"{ours} from the primvar `{varname}`")
         fallback = node.GetInput("fallback")
-        numbers = numbers_of(fallback.GetAttr(), self.textures.code, len(default)) if fallback else None
+        numbers = numbers_in(fallback.GetAttr().Get(self.textures.code), len(default)) if fallback else None
         return Fed(numbers or default)
-
-
-def numbers_of(attribute: Usd.Attribute, code: float, width: int) -> tuple[float, ...] | None:
-    """So many finite numbers at a time code; one for three, and the mean of three for one, as shaders convert them."""
-    value = attribute.Get(code)
-    if value is None or isinstance(value, str):
-        return None
-    try:
-        numbers = shortest(value if hasattr(value, "__len__") else [value])
-    except (TypeError, ValueError):
-        return None
-    if not all(map(math.isfinite, numbers)):
-        return None
-    if len(numbers) == 1:
-        return numbers * width
-    if width == 1 and len(numbers) == 3:
-        return (sum(numbers) / 3,)
-    return numbers[:3] if len(numbers) == width or (width == 3 and len(numbers) == 4) else None
 
 
 def _picked(rgba: tuple[float, ...], output: str, width: int) -> tuple[float, ...]:

@@ -17,6 +17,8 @@ from .textures import Placement, Texture, Textures
 MOST_BAKED = 2**24
 """Texels of a picture that is made: 4096 x 4096."""
 CLAMP = 33071
+LARGEST = np.float32(1e6)
+"""Of scales: beyond it there is no picture left."""
 
 
 class Planes:
@@ -33,7 +35,7 @@ class Planes:
     def mean(self, fed: Fed) -> tuple[float, ...]:
         """What an input has on the average of its texture."""
         texels = self._texels(fed, len(fed.numbers) == 3, self._size([fed]), _grid([fed]))
-        return tuple(float(each) for each in texels.mean(axis=(0, 1))[: len(fed.numbers)])
+        return tuple(float(each) for each in texels.mean(axis=(0, 1), dtype=np.float64)[: len(fed.numbers)])
 
     def _size(self, inputs: Sequence[Fed]) -> tuple[int, int]:
         """Of a tile: the largest of all pictures, or less where that is too much; said."""
@@ -63,7 +65,7 @@ class Planes:
                 continue
             if self.is_srgb(texture, is_color):
                 texels = np.concatenate([linear_from_srgb(texels[..., :3]), texels[..., 3:]], axis=-1)
-            texels = texels * np.float32(texture.scale) + np.float32(texture.bias or (0.0,) * 4)
+            texels = texels * np.clip(np.float32(texture.scale), -LARGEST, LARGEST) + np.float32(texture.bias or (0.0,) * 4)
             first = 0 if fed.output == "rgb" else "rgba".index(fed.output)
             top = (rows - 1 - row) * high
             whole[top : top + high, column * wide : (column + 1) * wide] = texels[..., first : first + whole.shape[2]]

@@ -12,7 +12,8 @@ import numpy as np
 from pxr import Usd
 
 from .bakes import Bakery
-from .networks import Fed, Network, numbers_of
+from .networks import Fed, Network
+from .numbers import numbers_in
 from .places import codes_of
 
 SMALLEST = 1e-6
@@ -148,7 +149,7 @@ class Preview:
             rows = np.tile(np.array(still, float), (len(codes), 1))
             if fed.changing is not None:
                 for row, code in enumerate(codes.tolist()):
-                    numbers = numbers_of(fed.changing, code, len(still))
+                    numbers = numbers_in(fed.changing.Get(code), len(still))
                     rows[row] = rows[max(row - 1, 0)] if numbers is None else numbers
             found.append(rows)
         return codes, found

@@ -9,10 +9,16 @@ import numpy as np
 from pxr import Ar, Sdf, Usd, UsdShade
 
 from .losses import Losses
+from .numbers import numbers_in
 from .texels import Picture, PictureError, open_picture
 
 WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648, "black": 33071}
+SRGB = ("srgb", "g22_rec709", "gamma22")
+LINEAR = ("raw", "data", "identity", "none", "unknown", "lin_rec709", "lin_srgb", "linear")
+"""How names of colour spaces begin, in small letters."""
 FIRST_TILE = 1001
+MOVES = {"rotation": 0.0, "scale": (1.0, 1.0), "translation": (0.0, 0.0)}
+"""Inputs of UsdTransform2d, and what they are by themselves."""
 UDIM_COLUMNS = 10
 READERS = {"UsdUVTexture": "file", "ND_UsdUVTexture": "file", "ND_UsdUVTexture_23": "file", "arnold:image": "filename"}
 """Nodes that read a file, and the input that names it; those of MaterialX begin with `ND_image` or `ND_tiledimage`."""
@@ -45,11 +51,6 @@ def file_input(shader: UsdShade.Shader) -> str | None:
     return "file" if kind.startswith(("ND_image", "ND_tiledimage")) else READERS.get(kind)
 
 
-def shortest(numbers) -> tuple[float, ...]:
-    """What was written, not what single precision made of it."""
-    return tuple(float(str(np.float32(each))) for each in numbers)
-
-
 class Textures:
     """Reads nodes of one stage; each file is opened once."""
 
@@ -70,9 +71,7 @@ class Textures:
             self.lost.add("usd-texture", shader.GetPath(), "has no file")
         if not files:
             return None
-        space = self._value(shader, "sourceColorSpace", "auto")
-        if space not in ("sRGB", "raw"):
-            space = _space_of(producers[0])
+        space = self._space(shader, producers[0])
         bias = self._numbers(shader, "bias", None)
         scale = self._numbers(shader, "scale", (1.0,) * 4)
         return Texture(str(shader.GetPath()), tuple(sorted(files.items())), space, scale, bias, self._placement(shader, layers))
@@ -88,9 +87,8 @@ class Textures:
         return default if value is None else value
 
     def _numbers(self, shader: UsdShade.Shader, name: str, default):
-        value = self._value(shader, name, None)
-        numbers = shortest(value) if hasattr(value, "__len__") and not isinstance(value, str) else ()
-        return numbers if len(numbers) == 4 and all(map(math.isfinite, numbers)) else default
+        found = numbers_in(self._value(shader, name, None), 4)
+        return default if found is None else found
 
     def _files(self, attribute: Usd.Attribute, place: str) -> dict[tuple[int, int], str]:
         """Files that open, by column and row of their tiles; without tiles all is column 0, row 0."""
@@ -121,6 +119,18 @@ class Textures:
             self.lost.add("usd-texture", place, f"the texture `{named}` is left out: {error}")
         return self._pictures[resolved] is not None
 
+    def _space(self, shader: UsdShade.Shader, attribute: Usd.Attribute) -> str:
+        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than Rec. 709's are said."""
+        names = (str(self._value(shader, "sourceColorSpace", "auto")), str(attribute.GetColorSpace() or "auto"))
+        name = next((name for name in names if name != "auto"), "auto")
+        if name.lower().startswith(SRGB):
+            return "sRGB"
+        if name != "auto" and not name.lower().startswith(LINEAR):
+            self.lost.add(
+                "usd-material-input", shader.GetPath(), f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709"
+            )
+        return "raw" if name != "auto" else "auto"
+
     def _placement(self, shader: UsdShade.Shader, layers: list[str]) -> Placement:
         """Which coordinates, moved how; layer -1 of a mesh that has none."""
         wraps = [str(self._value(shader, f"wrap{axis}", "repeat")) for axis in "ST"]
@@ -139,15 +149,16 @@ class Textures:
                 self.lost.add("usd-material-input", shader.GetPath(), what)
         return Placement(layer, moved, tuple(WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps))
 
-    def _moved(self, shader: UsdShade.Shader) -> tuple:
+    def _moved(self, shader: UsdShade.Shader) -> tuple | None:
         """The reverse of what export writes: glTF turns about the upper left corner, USD about the lower left one."""
-        angle = math.radians(float(self._value(shader, "rotation", 0.0)))
-        wide, high = (float(each) for each in self._value(shader, "scale", (1.0, 1.0)))
-        x, y = (float(each) for each in self._value(shader, "translation", (0.0, 0.0)))
-        offset = np.round([x - high * math.sin(angle), 1 - y - high * math.cos(angle)], 7).tolist()
-        if not all(map(math.isfinite, (angle, wide, high, *offset))):
-            self.lost.add("usd-material-input", shader.GetPath(), "moves a texture by numbers that are not finite, and is left out")
+        given = {name: self._value(shader, name, rest) for name, rest in MOVES.items()}
+        numbers = {name: numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()}
+        if None in numbers.values():
+            self.lost.add("usd-material-input", shader.GetPath(), "moves a texture by what are no numbers, and is left out")
             return None
+        (degrees,), (wide, high), (x, y) = numbers.values()
+        angle = math.radians(degrees)
+        offset = np.round([x - high * math.sin(angle), 1 - y - high * math.cos(angle)], 7).tolist()
         return tuple(offset), angle, (wide, high)
 
 
@@ -156,11 +167,3 @@ def _before(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
     found = shader.GetInput(name)
     attributes = found.GetValueProducingAttributes() if found else []
     return UsdShade.Shader(attributes[0].GetPrim()) if attributes else None
-
-
-def _space_of(attribute: Usd.Attribute) -> str:
-    """The colour space that the attribute of a file names itself, where it does."""
-    name = str(attribute.GetColorSpace() or "").lower()
-    if "srgb" in name and not name.startswith("lin"):
-        return "sRGB"
-    return "raw" if name in ("raw", "data", "identity", "none") or name.startswith("lin") else "auto"
