@@ -94,4 +94,4 @@ def _axes(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray) -> np.nda
         is_z = pole == UsdLux.Tokens.Z or (pole == UsdLux.Tokens.scene and UsdGeom.GetStageUpAxis(source.stage) == UsdGeom.Tokens.z)
         stage_from_dome = stage_from_dome @ Y_FROM_Z if is_z else stage_from_dome
     axes = ours_from_stage[:3, :3] @ stage_from_dome
-    return axes / np.linalg.norm(axes, axis=0)
+    return axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-300)
