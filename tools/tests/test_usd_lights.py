@@ -228,6 +228,27 @@ class Inputs(LookCase):
         self.assertTrue(np.isfinite(ours["power_w"]))
         self.assertEqual({loss.kind for loss in self.imported.lost}, {"usd-light-value"})
 
+    def test_a_light_without_a_size_keeps_its_power(self):
+        stage = self.stage()
+        light = UsdLux.SphereLight.Define(stage, "/light")
+        light.CreateRadiusAttr(0.0)
+        light.CreateIntensityAttr(4.0)
+        light.CreateNormalizeAttr(True)
+        found = punctual(self.load(stage))["light"]["intensity"] / LUMENS_PER_WATT
+        self.assertAlmostEqual(found, 1.0, 5)
+
+    def test_inputs_of_other_types_are_passed_over(self):
+        for kind in ("SphereLight", "RectLight", "DistantLight", "DomeLight", "CylinderLight"):
+            stage = self.stage()
+            quad(stage, "/leaf")
+            stage.DefinePrim("/light", kind)
+            spec = stage.GetRootLayer().GetPrimAtPath("/light")
+            names = ("intensity", "exposure", "color", "radius", "width", "angle", "length", "normalize", "shaping:cone:angle")
+            for name in names:
+                Sdf.AttributeSpec(spec, f"inputs:{name}", Sdf.ValueTypeNames.String).default = "bright"
+            self.load(stage)
+            self.assertIn("usd-light-value", self.said(), kind)
+
     def test_a_spot_fades_over_the_angles_that_it_says(self):
         stage = self.stage()
         light = UsdLux.SphereLight.Define(stage, "/light")

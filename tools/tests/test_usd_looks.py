@@ -217,6 +217,10 @@ class Texels(SurfaceCase):
         np.testing.assert_allclose(self.color(scale=(2.0, 2.0, 2.0, 1.0)), np.minimum(2 * linear, 1), atol=4e-3)
         self.assertIn("clipped", self.said()["usd-texture-range"])
 
+    def test_a_space_that_is_not_known(self):
+        np.testing.assert_allclose(self.color(sourceColorSpace="ACEScg"), ORANGE, atol=4e-3)
+        self.assertIn("`ACEScg` is not known", self.said()["usd-material-input"])
+
     @needs_program
     def test_bias_and_raw_as_rendered(self):
         """Of 3 W/m2 head on a matte wall of colour c gives back 3 c / pi, and its coat of roughness 0.5 F / (4 pi a^2), a = 0.25."""
@@ -351,6 +355,30 @@ class Reflection(SurfaceCase):
         stage = self.stage()
         self.shown(stage, self.surface(stage, displacement=0.1))
         self.assertIn("displacement is not carried", self.said()["usd-material-input"])
+
+
+class Values(SurfaceCase):
+    def test_what_is_no_number_has_its_default(self):
+        stage = self.stage()
+        material = self.surface(stage)
+        spec = stage.GetRootLayer().GetPrimAtPath("/m/surface")
+        for name in ("diffuseColor", "roughness", "opacity"):
+            Sdf.AttributeSpec(spec, f"inputs:{name}", TYPES.String).default = "green"
+        pbr = self.shown(stage, material)["pbrMetallicRoughness"]
+        np.testing.assert_allclose(pbr["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
+        self.assertEqual(pbr["roughnessFactor"], 0.5)
+        self.assertEqual({loss.kind: loss.count for loss in self.imported.lost}, {"usd-material-value": 3})
+
+    def test_textures_are_placed_by_numbers_alone(self):
+        stage = self.stage()
+        leaf = self.texture(stage, "leaf.png", np.full((2, 2, 3), 255, np.uint8))
+        move = UsdShade.Shader.Define(stage, "/move")
+        move.CreateIdAttr("UsdTransform2d")
+        move.CreateInput("rotation", TYPES.Float).Set(float("nan"))
+        leaf.CreateInput("st", TYPES.Float2).ConnectToSource(move.CreateOutput("result", TYPES.Float2))
+        found = self.shown(stage, self.surface(stage, diffuseColor=(leaf, "rgb")))
+        self.assertNotIn("extensions", found["pbrMetallicRoughness"]["baseColorTexture"])
+        self.assertIn("no numbers", self.said()["usd-material-input"])
 
 
 class OtherSurfaces(SurfaceCase):

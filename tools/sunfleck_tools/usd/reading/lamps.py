@@ -24,6 +24,8 @@ from .source import Source
 NARROWEST_EDGE = 1e-6
 WIDEST_SUN = math.radians(179.0)
 """Across, where the renderer's end, below 180 degrees."""
+SMALLEST_AREA = 1e-30
+"""In units of the stage squared: what has none still emits what it does when normalised."""
 EVEN = 1e-4
 """How much longer one axis of a sphere may be than another that still counts as one."""
 
@@ -77,8 +79,7 @@ class _Reader:
         """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of the stage squared."""
         radiance = self.inputs.radiance(self.codes)
         if self.prim.GetAttribute("inputs:normalize").Get(self.source.first):
-            # Where there is no area, it is taken as small: the power stays.
-            radiance = radiance / np.maximum(stage_area, 1e-30)[:, None]
+            radiance = radiance / stage_area[:, None]
         return radiance
 
     def sun(self) -> Lamp:
@@ -99,24 +100,11 @@ class _Reader:
 
     def ball(self, is_cylinder: bool) -> Lamp:
         """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which sends out as much."""
-        axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
-        if is_cylinder:
-            # Along x, without caps.
-            along = self.linears()[:, :, 0] * np.maximum(self.number("length", 1.0), 0)[:, None]
-            around = 0.5 * (np.linalg.norm(axes[:, :, 1], axis=1) + np.linalg.norm(axes[:, :, 2], axis=1))
-            stage_area = 2 * math.pi * around * np.linalg.norm(along, axis=1)
-            self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
-        else:
-            halves = np.linalg.svd(axes, compute_uv=False)
-            stage_area = ball_area(halves)
-            if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
-                self.lost.add("usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area")
+        stage_area = np.maximum(self._cylinder_area() if is_cylinder else self._sphere_area(), SMALLEST_AREA)
         area = stage_area * self.source.metres**2
-        is_normalized = bool(self.prim.GetAttribute("inputs:normalize").Get(self.source.first))
         # A quarter of a convex body's surface is what it shows on average (Cauchy).
-        quarter = np.where(is_normalized, np.maximum(stage_area, 1e-30) * self.source.metres**2, area) / 4
-        intensity = self.radiance(stage_area) * quarter[:, None]
-        radius = np.sqrt(area / (4 * math.pi))
+        intensity = self.radiance(stage_area) * area[:, None] / 4
+        radius = np.where(stage_area > SMALLEST_AREA, np.sqrt(area / (4 * math.pi)), 0.0)
         is_point = bool(UsdLux.SphereLight(self.prim).GetTreatAsPointAttr().Get()) and not is_cylinder
         lamp = Lamp(self._light("point", intensity), {} if is_point else {"radius": radius[0]})
         self._carry(lamp, "power_w", intensity * 4 * math.pi)
@@ -125,6 +113,22 @@ class _Reader:
         if self.inputs.has_cone():
             self._shape(lamp)
         return lamp
+
+    def _sphere_area(self) -> np.ndarray:
+        """Of a sphere in the world, units of the stage squared, one a code."""
+        axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
+        halves = np.linalg.svd(axes, compute_uv=False)
+        if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
+            self.lost.add("usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area")
+        return ball_area(halves)
+
+    def _cylinder_area(self) -> np.ndarray:
+        """The same of a cylinder along x, which has no caps; its ends count as circles of their mean radius."""
+        world = self.linears()
+        along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
+        around = 0.5 * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1) * np.maximum(self.number("radius", 0.5), 0)
+        self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
+        return 2 * math.pi * around * along
 
     def _shape(self, lamp: Lamp) -> None:
         self.codes = codes_of(self.inputs.cone_attributes(), self.source.codes)
@@ -147,7 +151,7 @@ class _Reader:
         height = width if is_disk else np.maximum(self.number("height", 1.0), 1e-9)
         world = self.linears()
         scale = np.linalg.norm(np.cross(world[:, :, 0], world[:, :, 1]), axis=1)
-        stage_area = np.maximum(width * height * scale * (math.pi / 4 if is_disk else 1.0), 1e-30)
+        stage_area = np.maximum(width * height * scale * (math.pi / 4 if is_disk else 1.0), SMALLEST_AREA)
         power = math.pi * self.radiance(stage_area) * stage_area[:, None] * self.source.metres**2
         brightest = max(power[0].max(), 0.0)
         extras = {
