@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from sunfleck_tools.usd.reading.cages import smooth_normals
+from sunfleck_tools.usd.reading.normals import smooth_normals
 from sunfleck_tools.usd.reading.subdivision import Cage, refined
 
 CUBE = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)

@@ -29,6 +29,8 @@ from .source import Source, open_stage, usd_said
 from .visibility import says_visibility, seen, up_to
 
 STILL = np.eye(4)[None]
+NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
+"""What stands nowhere itself."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ class _Import:
         pending = [(first, above)]
         while pending:
             prim, parent = pending.pop()
-            if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.Shader) or prim.IsA(UsdGeom.Subset) or (prim.IsAbstract() and depth == 0):
+            if any(prim.IsA(kind) for kind in NOWHERE) or (prim.IsAbstract() and depth == 0):
                 continue
             below = parent
             if not prim.IsA(UsdGeom.Xformable):
@@ -169,7 +171,7 @@ class _Import:
                         self.nodes.carry(None, field_name, codes, rows)
         return found
 
-    def _node(self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int) -> tuple[int | None, list[Usd.Prim]]:
+    def _node(self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int) -> tuple:
         """The node of a prim, and those children that are not in it."""
         children = _children(prim)
         is_drawn = self._is_drawn(prim)
@@ -294,7 +296,7 @@ class _Import:
         if stands and is_shape(prototype) and not children:
             if self._is_drawn(prototype):
                 self.meshes.place([prototype], node)
-        elif stands and not is_shape(prototype) and children and all(is_shape(child) and self._joins(child) for child in children):
+        elif stands and not is_shape(prototype) and children and all(is_shape(each) and self._joins(each) for each in children):
             self.meshes.place(children, node)
         else:
             self._visit(prototype, node, depth + 1)

@@ -72,15 +72,15 @@ class _Reader:
             if what:
                 self.lost.add("usd-instances", self.prim.GetPath(), f"{what} at time code {code:g}; nothing is seen then")
         # A row for each instance at each code: id, prototype, number of the code, place in the arrays.
-        rows = np.concatenate([
-            np.column_stack([keys, numbers, np.full(len(keys), at), np.arange(len(keys))]) for at, (keys, numbers, *_) in enumerate(moments)
-        ])  # fmt: skip
+        each = [(keys, numbers, np.full(len(keys), at), np.arange(len(keys))) for at, (keys, numbers, *_) in enumerate(moments)]
+        rows = np.concatenate([np.column_stack(columns) for columns in each])
         placed = np.concatenate([placed for _, _, placed, _, _ in moments])
         shown = np.concatenate([shown for _, _, _, shown, _ in moments])
         order = np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))
         rows, placed, shown = rows[order], placed[order], shown[order]
         starts = np.nonzero(np.diff(rows[:, :2], axis=0, prepend=rows[:1, :2] - 1).any(axis=1))[0]
-        found = [self._member(rows[a:b], placed[a:b], shown[a:b]) for a, b in zip(starts, [*starts[1:], len(rows)]) if shown[a:b].any()]
+        slices = [slice(first, last) for first, last in zip(starts, [*starts[1:], len(rows)])]
+        found = [self._member(rows[part], placed[part], shown[part]) for part in slices if shown[part].any()]
         # In the order in which they come, and in that of the arrays.
         return [member for _, member in sorted(found, key=lambda each: each[0])]
 

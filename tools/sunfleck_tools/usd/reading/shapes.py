@@ -12,10 +12,11 @@ from pxr import Usd, UsdGeom
 from ...errors import SceneError
 from .bends import Bend, read_bend
 from .bindings import Bound, path_of
-from .cages import LEVELS, Refiner, Subdivided, depth_of, smooth_normals
+from .cages import LEVELS, Refiner, Subdivided, depth_of
 from .colors import shows_colors, vertex_colors
 from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
+from .normals import smooth_normals
 from .primvars import Primvars, Stream
 from .solids import SOLIDS, read_solid
 from .source import Source
