@@ -76,6 +76,31 @@ class Bends(MotionCase):
             np.testing.assert_allclose(self.bent(gltf, "a", frame).max(axis=0), [size, size, 0], atol=1e-5)
             np.testing.assert_allclose(np.linalg.norm(self.bent(gltf, "b", frame), axis=1), size, rtol=1e-5)
 
+    def test_normals_turn_along(self):
+        """A square that turns about x, as a cage and with normals of its own; between samples points go straight."""
+        for scheme in ("catmullClark", "none"):
+            stage = self.stage()
+            mesh = quad(stage, "/a")
+            mesh.CreateSubdivisionSchemeAttr(scheme)
+            for code in range(1, 6):
+                angle = np.radians(20 * (code - 1))
+                turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+                mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy((np.array(QUAD) @ turn.T).astype(np.float32)), code)
+                if scheme == "none":
+                    mesh.CreateNormalsAttr().Set([tuple(turn[:, 2])] * 4, code)
+            mesh.SetNormalsInterpolation("vertex")
+            gltf = self.load(stage)
+            node = self.node(gltf, "a")
+            primitive = gltf.document.items("meshes")[node.source.raw["mesh"]].items("primitives")[0]
+            lists = [primitive.member("attributes"), *primitive.items("targets")]
+            rest, *targets = (gltf.accessors.floats(each.member("NORMAL"), 3) for each in lists)
+            for frame in (1, 2, 3.5, 5):
+                weights = node.weights.at(gltf.settings.seconds(np.array([frame])))[0]
+                normals = rest + np.tensordot(weights, targets, 1)
+                normals /= np.linalg.norm(normals, axis=1)[:, None]
+                angle = np.radians(20 * (frame - 1))
+                np.testing.assert_allclose(normals, np.tile([0, -np.sin(angle), np.cos(angle)], (len(rest), 1)), atol=1e-3)
+
     def test_few_targets_where_few_do(self):
         random = np.random.default_rng(1)
         modes, codes = random.standard_normal((3, 50, 3)), np.arange(40.0)

@@ -23,6 +23,8 @@ SMALLEST = 1e-6
 SAMPLED = 512
 """Coordinates from which the number of components is found."""
 MOST_TARGETS = 128
+LEAST_NORMALS = 32
+"""Codes at which normals are read, if there are as many."""
 FEW = 16
 """Of rows: as many components as there are rows are no more than those."""
 
@@ -118,3 +120,21 @@ def _one_each(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     weights = np.zeros((len(moved), int(moves.sum())))
     weights[moves] = np.eye(int(moves.sum()))
     return moved[moves], weights
+
+
+def normal_targets(normals_at: Callable[[float], np.ndarray | None], bend: Bend, rest: np.ndarray) -> np.ndarray | None:
+    """What the weights of points have to be multiplied by to move normals (rows at rest) along, as near as least squares come.
+
+    None if normals stay. Normals do not follow points in straight lines; a renderer makes them as long as 1 again.
+    """
+    count = max(2 * len(bend.targets), LEAST_NORMALS)
+    count = min(len(bend.codes), count, max(MOST_VALUES // max(rest.size, 1), 2))
+    chosen = np.unique(np.linspace(0, len(bend.codes) - 1, count).round().astype(int))
+    turned = np.zeros((len(chosen), rest.size), np.float32)
+    for row, code in enumerate(bend.codes[chosen].tolist()):
+        normals = normals_at(code)
+        if normals is not None and normals.shape == rest.shape:
+            turned[row] = (normals - rest).ravel()
+    if np.abs(turned).max() < SMALLEST:
+        return None
+    return (np.linalg.pinv(bend.weights[chosen]) @ turned).reshape(len(bend.targets), *rest.shape)

@@ -101,6 +101,9 @@ class Meshes:
         if bend is not None:
             targets = [target[part.point_of_row] for target in bend.targets]
             primitive["targets"] = [{"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets]
+            if part.normal_targets is not None:
+                for target, normals in zip(primitive["targets"], part.normal_targets):
+                    target["NORMAL"] = self.writer.floats(normals)
         return primitive
 
     def _material(self, part: Shape) -> int | None:

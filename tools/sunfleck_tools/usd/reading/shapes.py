@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
-from .bends import Bend, read_bend
+from .bends import Bend, normal_targets, read_bend
 from .bindings import Bound, path_of
 from .cages import LEVELS, Refiner, Subdivided, depth_of
 from .colors import shows_colors, vertex_colors
@@ -35,6 +35,9 @@ class Shape:
     layers: list[str]
     glow: tuple[float, float, float] | None = None
     """Of a mesh that is a light: its radiance."""
+    corner_of_row: np.ndarray | None = None
+    normal_targets: np.ndarray | None = None
+    """Of what bends: what is added to each row's normal, times the weights."""
 
 
 @dataclass
@@ -52,6 +55,7 @@ class _Outline:
     points: np.ndarray
     faces: Faces
     points_at: Callable[[float], np.ndarray]
+    normals_at: Callable[[float], np.ndarray | None] = lambda _: None
     finer: Subdivided | None = None
     rows: dict[str, np.ndarray] = field(default_factory=dict)
     layers: list[str] = field(default_factory=list)
@@ -78,32 +82,27 @@ class ShapeReader:
 
     def read(self, prim: Usd.Prim, bound: Bound, span: Span) -> Shapes:
         """A shape for as long as its faces are the same. Raises `SceneError`."""
-        moves = len(span.codes) > 1
-        if prim.IsA(UsdGeom.Mesh):
-            outline = self._mesh(prim, span, with_normals=not moves)
-        else:
-            outline = self._solid(prim, span.rests_at, with_normals=not moves)
+        outline = self._mesh(prim, span) if prim.IsA(UsdGeom.Mesh) else _solid(prim, span.rests_at)
+        normals = outline.normals_at(span.rests_at)
+        if normals is not None:
+            outline.rows["NORMAL"] = normals
         looks = path_of(bound.material)
         if looks not in self._shows:
             self._shows[looks] = shows_colors(bound.material, self.source)
         if self._shows[looks]:
             self._color(prim, bound.material, outline, span.rests_at)
         shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
-        if moves and shapes.parts:
-            rest = outline.points_at(span.rests_at)
-            shapes.bend = read_bend(prim.GetPath(), outline.points_at, span.codes, rest)
-            if shapes.bend is not None and outline.finer is not None:
-                shapes.bend.targets = [outline.finer.points(target) for target in shapes.bend.targets]
+        if len(span.codes) > 1 and shapes.parts:
+            shapes.bend = read_bend(prim.GetPath(), outline.points_at, span.codes, outline.points)
+        if shapes.bend is not None and normals is not None:
+            targets = normal_targets(outline.normals_at, shapes.bend, normals)
+            for part in shapes.parts:
+                part.normal_targets = targets[:, part.corner_of_row] if targets is not None else None
+        if shapes.bend is not None and outline.finer is not None:
+            shapes.bend.targets = [outline.finer.points(target) for target in shapes.bend.targets]
         return shapes
 
-    def _solid(self, prim: Usd.Prim, code: float, with_normals: bool) -> _Outline:
-        solid = read_solid(prim, code)
-        outline = _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points)
-        if with_normals:
-            outline.rows["NORMAL"] = solid.normals
-        return outline
-
-    def _mesh(self, prim: Usd.Prim, span: Span, with_normals: bool) -> _Outline:
+    def _mesh(self, prim: Usd.Prim, span: Span) -> _Outline:
         code = span.rests_at
         points_at = span.points_at or partial(read_points, prim)
         points = points_at(code)
@@ -114,10 +113,10 @@ class ShapeReader:
         primvars = Primvars(prim, code, faces, self.lost)
         streams, outline.layers = primvars.coordinates()
         outline.rows.update({each.name: outline.spread(each) for each in streams})
-        if with_normals and outline.finer is not None:
-            outline.rows["NORMAL"] = smooth_normals(outline.finer.cage_of_faces, outline.finer.points(points))
-        elif with_normals and (normals := primvars.normals()):
-            outline.rows["NORMAL"] = outline.spread(normals)
+        if finer := outline.finer:
+            outline.normals_at = lambda at: smooth_normals(finer.cage_of_faces, finer.points(points_at(at)))
+        else:
+            outline.normals_at = lambda at: outline.spread(Primvars(prim, at, faces, self.lost).normals())
         return outline
 
     def _color(self, prim: Usd.Prim, material: Usd.Prim | None, outline: _Outline, code: float) -> None:
@@ -166,6 +165,11 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
     return found
 
 
+def _solid(prim: Usd.Prim, code: float) -> _Outline:
+    solid = read_solid(prim, code)
+    return _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points, lambda at: read_solid(prim, at).normals)
+
+
 def _cage_faces(source: Source) -> int:
     """Faces of all subdivision surfaces of a stage."""
     total = 0
@@ -201,7 +205,7 @@ def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outlin
     first, number = _different(np.column_stack(columns))
     kept = places[first]
     attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in outline.rows.items()}}
-    return Shape(attributes, number.reshape(-1, 3), corners[kept], material, outline.layers)
+    return Shape(attributes, number.reshape(-1, 3), corners[kept], material, outline.layers, corner_of_row=kept)
 
 
 def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
