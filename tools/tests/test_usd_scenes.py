@@ -12,7 +12,7 @@ from sunfleck_tools.gltf.meshes import Meshes
 from sunfleck_tools.gltf.nodes import Node
 from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ImportOptions, import_usd
-from sunfleck_tools.usd.reading.cages import MOST_REFINED
+from sunfleck_tools.usd.reading.cages import MOST_OF_ONE
 from sunfleck_tools.usd.reading.solids import SOLIDS
 
 from .test_usd_export import inspect, needs_program
@@ -362,7 +362,7 @@ class Subdivision(SceneCase):
 
     def test_too_many_faces_are_refined_less(self):
         stage = self.stage()
-        size = int((MOST_REFINED // 4) ** 0.5) - 100
+        size = int((MOST_OF_ONE // 4) ** 0.5) - 100
         at = np.arange((size + 1) ** 2).reshape(size + 1, size + 1)
         corners = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], axis=-1).ravel()
         mesh = UsdGeom.Mesh.Define(stage, "/a")

@@ -11,11 +11,14 @@ from pxr import Usd, UsdGeom
 from ...errors import SceneError
 from .faces import Faces, rows_of, value_of
 from .primvars import Stream
+from .rows import different_rows
 from .subdivision import Cage, Refinement, refined
 
 LEVELS = 2
 MOST_REFINED = 2**21
-"""Faces of a stage after refining: about a gigabyte with all that belongs to them."""
+"""Faces of a stage after refining: a quarter of a gigabyte of a file, and half a minute."""
+MOST_OF_ONE = 2**19
+"""Faces of a mesh after refining: they take most memory while they are numbered, half a gigabyte."""
 MOST_KEPT = 200_000
 """Corners of cages of which the levels are kept for the next mesh."""
 SEAM_RULES = ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all")
@@ -75,8 +78,7 @@ class Subdivided:
     def _face_varying(self, values: np.ndarray) -> np.ndarray:
         """Corners that agree are vertices of a surface of their own; where its seams are sharp is a choice of the mesh."""
         cage = self.cage
-        _, first, ids = np.unique(np.column_stack([cage.corners, values]), axis=0, return_index=True, return_inverse=True)
-        ids = ids.ravel()
+        first, ids = different_rows(np.column_stack([cage.corners, values]))
         sharpness = cage.edges.sharpness[cage.edges.of_corner]
         sharp = np.nonzero((sharpness > 0) & (cage.edges.faces[cage.edges.of_corner] > 1))[0]
         ends = np.stack([ids[sharp], ids[cage.next_corner[sharp]]], axis=1)
@@ -145,9 +147,9 @@ class Refiner:
         return self._known[key]
 
 
-def depth_of(faces: int) -> int:
-    """To how many levels the cages of a stage can be refined that have so many faces together."""
-    return max((levels for levels in range(LEVELS + 1) if faces * 4**levels <= MOST_REFINED), default=0)
+def depth_of(faces: int, largest: int) -> int:
+    """To how many levels the cages of a stage can be refined that have so many faces together, and the largest so many."""
+    return max((each for each in range(LEVELS + 1) if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE), default=0)
 
 
 def _cage(prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.ndarray, points: int, code: float) -> Cage:

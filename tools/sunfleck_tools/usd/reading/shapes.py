@@ -18,6 +18,7 @@ from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
 from .normals import smooth_normals
 from .primvars import Primvars, Stream
+from .rows import different_rows
 from .solids import SOLIDS, read_solid
 from .source import Source
 from .spans import Span
@@ -136,7 +137,7 @@ class ShapeReader:
         if scheme == UsdGeom.Tokens.none or not (faces.counts >= 3).any():
             return False
         if self._refiner is None:
-            self._refiner = Refiner(depth_of(_cage_faces(self.source)))
+            self._refiner = Refiner(depth_of(*_cage_faces(self.source)))
         if self._refiner.depth < LEVELS:
             what = "is refined once" if self._refiner.depth else "is not refined"
             self.lost.add("usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels")
@@ -170,16 +171,16 @@ def _solid(prim: Usd.Prim, code: float) -> _Outline:
     return _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points, lambda at: read_solid(prim, at).normals)
 
 
-def _cage_faces(source: Source) -> int:
-    """Faces of all subdivision surfaces of a stage."""
-    total = 0
+def _cage_faces(source: Source) -> tuple[int, int]:
+    """Faces of all subdivision surfaces of a stage, and of the largest."""
+    found = [0]
     for root in (source.stage.GetPseudoRoot(), *source.stage.GetPrototypes()):
         for prim in Usd.PrimRange(root):
             if prim.IsA(UsdGeom.Mesh):
                 mesh = UsdGeom.Mesh(prim)
                 if value_of(mesh.GetSubdivisionSchemeAttr(), source.first) != UsdGeom.Tokens.none:
-                    total += len(value_of(mesh.GetFaceVertexCountsAttr(), source.first, ()))
-    return total
+                    found.append(len(value_of(mesh.GetFaceVertexCountsAttr(), source.first, ())))
+    return sum(found), max(found)
 
 
 def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None, np.ndarray | None]]:
@@ -200,24 +201,12 @@ def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None,
 
 def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outline: _Outline, material: Usd.Prim | None) -> Shape:
     """One material's triangles, with a row for each different corner."""
-    places = triangles[:, :3].ravel()
-    columns = [corners[places][:, None].astype(float)] + [values[places] for values in outline.rows.values()]
-    first, number = _different(np.column_stack(columns))
-    kept = places[first]
+    is_used = np.zeros(len(corners), bool)
+    is_used[triangles[:, :3]] = True
+    used = np.nonzero(is_used)[0]
+    first, number = different_rows(np.column_stack([corners[used], *(values[used] for values in outline.rows.values())]).astype(float))
+    row_of_corner = np.zeros(len(corners), np.int64)
+    row_of_corner[used] = number
+    kept = used[first]
     attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in outline.rows.items()}}
-    return Shape(attributes, number.reshape(-1, 3), corners[kept], material, outline.layers, corner_of_row=kept)
-
-
-def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The first place of each different row, and for each row which of those it is."""
-    bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)
-    mixed = np.zeros(len(rows), np.uint64)
-    for column in bits.T:
-        # Multiplied by the fraction of the golden ratio; to fold the high bits down makes them count (Knuth 6.4).
-        mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
-        mixed ^= mixed >> np.uint64(29)
-    _, first, number = np.unique(mixed, return_index=True, return_inverse=True)
-    if (rows[first[number]] == rows).all():
-        return first, number
-    _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    return first, number.ravel()
+    return Shape(attributes, row_of_corner[triangles[:, :3]], corners[kept], material, outline.layers, corner_of_row=kept)
