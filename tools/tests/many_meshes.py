@@ -1,6 +1,6 @@
 """Stages of many meshes, and what it costs to import them: processor seconds, and megabytes at most.
 
-    python -m tests.many_meshes        (in tools/)
+python -m tests.many_meshes        (in tools/)
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ def make_stage(path: Path, many: Many) -> None:
     corners = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], axis=-1).ravel().astype(np.int32)
     u, v = (each.ravel() for each in np.meshgrid(*[np.linspace(0, 1, many.side)] * 2, indexing="ij"))
     for number in range(MATERIALS):
-        material, shader = (kind.Define(stage, f"/m{number}{end}") for kind, end in ((UsdShade.Material, ""), (UsdShade.Shader, "/s")))
+        material, shader = (
+            kind.Define(stage, f"/m{number}{end}") for kind, end in ((UsdShade.Material, ""), (UsdShade.Shader, "/s"))
+        )
         shader.CreateIdAttr("UsdPreviewSurface")
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
     for number in range(many.meshes):

@@ -51,7 +51,9 @@ class Costs(ImportCase):
             self.calls(Many(20, scheme=None))
         self.assertEqual(made.call_count, 2)
         document = Container(self.folder / "many_20.glb").document.raw
-        self.assertEqual({document["accessors"][mesh["primitives"][0]["indices"]]["count"] for mesh in document["meshes"]}, {9 * 16 * 6})
+        self.assertEqual(
+            {document["accessors"][mesh["primitives"][0]["indices"]]["count"] for mesh in document["meshes"]}, {9 * 16 * 6}
+        )
 
     def test_decompositions_do_not_grow_with_the_points(self):
         random, codes = np.random.default_rng(0), np.arange(300.0)
@@ -65,9 +67,10 @@ class Costs(ImportCase):
             (lambda code: rest + np.random.default_rng(int(code)).standard_normal(rest.shape), 300, 0),
         )
         for points_at, expected, passes in cases:
-            with mock.patch.object(np.linalg, "svd", side_effect=np.linalg.svd) as svd, mock.patch.object(
-                bends, "_targets", side_effect=bends._targets
-            ) as targets:
+            with (
+                mock.patch.object(np.linalg, "svd", side_effect=np.linalg.svd) as svd,
+                mock.patch.object(bends, "_targets", side_effect=bends._targets) as targets,
+            ):
                 found = read_bend("/a", points_at, codes, rest)
             self.assertEqual(len(found.targets), expected)
             self.assertEqual([call.args[0].shape for call in svd.call_args_list], [(300, SAMPLED)])

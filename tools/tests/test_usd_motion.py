@@ -33,7 +33,9 @@ class MotionCase(SceneCase):
 
     def shown(self, gltf: Gltf, frame: float) -> list[str]:
         """Nodes with meshes that are seen at a frame."""
-        return [each.name for each in gltf.nodes if each.source.member("mesh") is not None and self.is_seen(gltf, each.name, frame)]
+        return [
+            each.name for each in gltf.nodes if each.source.member("mesh") is not None and self.is_seen(gltf, each.name, frame)
+        ]
 
     def x_of(self, gltf: Gltf, frame: float) -> list[float]:
         """Where those are, along x."""

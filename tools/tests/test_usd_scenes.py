@@ -236,7 +236,9 @@ class Solids(SceneCase):
                 self.assertGreater(facing.min(), 0, kind)
                 if kind != "Plane":
                     extent = np.array(UsdGeom.Boundable.ComputeExtentFromPlugins(UsdGeom.Boundable(prim), Usd.TimeCode(1)))
-                    np.testing.assert_allclose([primitive.positions.min(axis=0), primitive.positions.max(axis=0)], extent, atol=3e-3)
+                    np.testing.assert_allclose(
+                        [primitive.positions.min(axis=0), primitive.positions.max(axis=0)], extent, atol=3e-3
+                    )
 
     def test_a_plane_lies_as_the_schema_says(self):
         for axis, size in (("X", [0, 3, 2]), ("Y", [2, 0, 3]), ("Z", [2, 3, 0])):
@@ -345,7 +347,15 @@ class Subdivision(SceneCase):
             self.assertIn((0.5, 0.5), corners)
 
     def test_coordinates_are_read_in_every_precision(self):
-        for kind in ("TexCoord2fArray", "TexCoord2dArray", "TexCoord2hArray", "Float2Array", "Double2Array", "Half2Array", "TexCoord3fArray"):
+        for kind in (
+            "TexCoord2fArray",
+            "TexCoord2dArray",
+            "TexCoord2hArray",
+            "Float2Array",
+            "Double2Array",
+            "Half2Array",
+            "TexCoord3fArray",
+        ):
             stage = self.stage()
             mesh = quad(stage, "/a")
             primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", getattr(Sdf.ValueTypeNames, kind), "vertex")

@@ -54,6 +54,13 @@ class Subdivided:
         finest = self.cage_of_faces = self.levels[-1].finer
         self.faces = Faces(finest.counts, finest.corners, np.nonzero(holes[parents])[0], faces.flips)
 
+    def triangles(self) -> np.ndarray:
+        """Finer faces as `triangulate` gives them: they are small enough to be cut anywhere."""
+        sides = int(self.faces.counts[0])
+        places = np.arange(len(self.faces.corners)).reshape(-1, sides)
+        fans = np.stack([places[:, [0, step, step + 1]] for step in range(1, sides - 1)], axis=1).reshape(-1, 3)
+        return np.column_stack([fans, np.repeat(np.arange(len(places)), sides - 2)])
+
     def points(self, values: np.ndarray) -> np.ndarray:
         """Values of points (rows), refined as positions are."""
         for level in self.levels:
@@ -149,7 +156,9 @@ class Refiner:
 
 def depth_of(faces: int, largest: int) -> int:
     """To how many levels the cages of a stage can be refined that have so many faces together, and the largest so many."""
-    return max((each for each in range(LEVELS + 1) if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE), default=0)
+    return max(
+        (each for each in range(LEVELS + 1) if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE), default=0
+    )
 
 
 def _cage(prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.ndarray, points: int, code: float) -> Cage:

@@ -58,6 +58,7 @@ class _Outline:
     points_at: Callable[[float], np.ndarray]
     normals_at: Callable[[float], np.ndarray | None] = lambda _: None
     finer: Subdivided | None = None
+    finer_points: np.ndarray | None = None
     rows: dict[str, np.ndarray] = field(default_factory=dict)
     layers: list[str] = field(default_factory=list)
 
@@ -111,11 +112,13 @@ class ShapeReader:
         outline = _Outline(points, faces, points_at)
         if self._is_refined(prim, faces, code):
             outline.finer = Subdivided(prim, faces, len(points), code, self._refiner)
+            outline.finer_points = outline.finer.points(points)
         primvars = Primvars(prim, code, faces, self.lost)
         streams, outline.layers = primvars.coordinates()
         outline.rows.update({each.name: outline.spread(each) for each in streams})
         if finer := outline.finer:
-            outline.normals_at = lambda at: smooth_normals(finer.cage_of_faces, finer.points(points_at(at)))
+            finest, refined = finer.cage_of_faces, outline.finer_points
+            outline.normals_at = lambda at: smooth_normals(finest, refined if at == code else finer.points(points_at(at)))
         else:
             outline.normals_at = lambda at: outline.spread(Primvars(prim, at, faces, self.lost).normals())
         return outline
@@ -140,18 +143,23 @@ class ShapeReader:
             self._refiner = Refiner(depth_of(*_cage_faces(self.source)))
         if self._refiner.depth < LEVELS:
             what = "is refined once" if self._refiner.depth else "is not refined"
-            self.lost.add("usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels")
+            self.lost.add(
+                "usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels"
+            )
         return self._refiner.depth > 0
 
 
 def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list[Shape]:
     """Triangles by their materials. Raises `SceneError`."""
     finer = outline.finer
-    points, faces = (outline.points, outline.faces) if finer is None else (finer.points(outline.points), finer.faces)
-    try:
-        triangles = triangulate(faces.counts, points, faces.corners)
-    except ValueError as error:
-        raise SceneError(f"{prim.GetPath()}: {error}") from None
+    if finer is not None:
+        points, faces, triangles = outline.finer_points, finer.faces, finer.triangles()
+    else:
+        points, faces = outline.points, outline.faces
+        try:
+            triangles = triangulate(faces.counts, points, faces.corners)
+        except ValueError as error:
+            raise SceneError(f"{prim.GetPath()}: {error}") from None
     if faces.flips:
         triangles = triangles[:, [0, 2, 1, 3]]
     triangles = triangles[~np.isin(triangles[:, 3], faces.holes)]
@@ -204,7 +212,9 @@ def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outlin
     is_used = np.zeros(len(corners), bool)
     is_used[triangles[:, :3]] = True
     used = np.nonzero(is_used)[0]
-    first, number = different_rows(np.column_stack([corners[used], *(values[used] for values in outline.rows.values())]).astype(float))
+    first, number = different_rows(
+        np.column_stack([corners[used], *(values[used] for values in outline.rows.values())]).astype(float)
+    )
     row_of_corner = np.zeros(len(corners), np.int64)
     row_of_corner[used] = number
     kept = used[first]

@@ -79,7 +79,9 @@ class Cage:
     def with_sharp_vertices(self, chosen: np.ndarray) -> Cage:
         """The same, where chosen vertices stay where they are."""
         sharp = np.where(chosen, np.inf, self.vertex_sharpness)
-        return Cage(self.counts, self.corners, self.crease_ends, self.crease_sharpness, sharp, self.is_loop, self.smooth_triangles)
+        return Cage(
+            self.counts, self.corners, self.crease_ends, self.crease_sharpness, sharp, self.is_loop, self.smooth_triangles
+        )
 
 
 @dataclass(frozen=True)
