@@ -147,6 +147,18 @@ class Faces(MotionCase):
             self.assertEqual((len(points), points[:, 1].max()), (corners, top))
         self.assertEqual(self.imported.lost, [])
 
+    def test_that_change_right_after_the_last_frame(self):
+        stage = self.stage()
+        stage.SetEndTimeCode(1)
+        mesh = quad(stage, "/a")
+        for code, count in ((1, 4), (2, 3)):
+            mesh.GetPointsAttr().Set(QUAD[:count], code)
+            mesh.GetFaceVertexCountsAttr().Set([count], code)
+            mesh.GetFaceVertexIndicesAttr().Set(list(range(count)), code)
+        gltf = self.load(stage)
+        self.assertEqual(len(self.bent(gltf, self.shown(gltf, 1)[0], 1)), 4)
+        self.assertEqual(self.imported.lost, [])
+
     def test_the_same_points_with_other_faces(self):
         """Points are then mixed between samples, as USD does, and faces are not."""
         stage = self.stage()
@@ -257,6 +269,15 @@ class Instances(MotionCase):
             instancer.CreateVelocitiesAttr().Set([(10, 0, 0)], code)
         gltf = self.load(stage)
         self.assertEqual([self.x_of(gltf, frame) for frame in (1, 2, 4, 5)], [[0], [1], [3], [100]])
+
+    def test_a_prototype_that_is_missing_leaves_the_others(self):
+        stage = self.stage()
+        instancer = self.crowd(stage)
+        instancer.GetPrototypesRel().SetTargets(["/crowd/p", "/nothing"])
+        instancer.CreatePositionsAttr([(0, 0, 0), (1, 0, 0), (2, 0, 0)])
+        instancer.CreateProtoIndicesAttr([0, 1, 0])
+        self.assertEqual(self.x_of(self.load(stage), 1), [0, 2])
+        self.assertIn("there is no prototype /nothing", self.said()["usd-missing"])
 
     def test_arrays_that_do_not_fit_for_a_while(self):
         stage = self.stage()

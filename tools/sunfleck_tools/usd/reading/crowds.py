@@ -57,8 +57,10 @@ class _Reader:
         targets = self.instancer.GetPrototypesRel().GetForwardedTargets()
         prototypes = [stage.GetPrimAtPath(target) for target in targets]
         missing = [str(target) for target, found in zip(targets, prototypes) if not found]
-        if missing:
+        if missing and not any(prototypes):
             raise SceneError(f"{path}: there is no prototype {', '.join(missing)}")
+        for target in missing:
+            self.lost.add("usd-missing", path, f"there is no prototype {target}; its instances are left out")
         if any(path.HasPrefix(target) for target in targets):
             raise SceneError(f"{path}: is an instance of itself")
         return prototypes
@@ -80,7 +82,7 @@ class _Reader:
         rows, placed, shown = rows[order], placed[order], shown[order]
         starts = np.nonzero(np.diff(rows[:, :2], axis=0, prepend=rows[:1, :2] - 1).any(axis=1))[0]
         slices = [slice(first, last) for first, last in zip(starts, [*starts[1:], len(rows)])]
-        found = [self._member(rows[part], placed[part], shown[part]) for part in slices if shown[part].any()]
+        found = [self._member(rows[part], placed[part], shown[part]) for part in slices if shown[part].any() and self.prototypes[rows[part][0, 1]]]
         # In the order in which they come, and in that of the arrays.
         return [member for _, member in sorted(found, key=lambda each: each[0])]
 

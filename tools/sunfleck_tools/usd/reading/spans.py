@@ -61,7 +61,7 @@ def _changes(attributes: list[Usd.Attribute], source: Source) -> list[float]:
     points, *faces = attributes
     varying = [attribute for attribute in faces if attribute.ValueMightBeTimeVarying()]
     starts, before = [], None
-    for code in sorted({first, *(code for code in samples if first < code < last)}):
+    for code in sorted({first, *(code for code in samples if first < code <= last)}):
         here = (len(points.Get(code) or ()), *(np.array(attribute.Get(code)).tobytes() for attribute in varying))
         if here != before:
             starts.append(code if starts else -math.inf)
