@@ -21,7 +21,7 @@ import numpy as np
 from .errors import ToolError
 from .pictures import Shown, fitted
 from .png import AnimatedPng
-from .webp import Webp, has_pillow
+from .webp import Webp
 
 BY_FFMPEG = {
     ".mp4": ["-c:v", "libx264", "-crf", "16", "-preset", "medium", "-pix_fmt", "yuv420p", "-movflags", "+faststart"],
@@ -91,11 +91,8 @@ def check_ending(out: Path) -> None:
     ending = out.suffix.lower()
     if ending not in ENDINGS:
         raise ToolError(f"{out} is no name of a movie: expected one that ends in {', '.join(ENDINGS)}")
-    if ending in BY_FFMPEG and shutil.which("ffmpeg") is None and not (ending == ".webp" and has_pillow()):
-        pillow = "pip install pillow, " if ending == ".webp" else ""
-        raise ToolError(
-            f"{ending} is made by ffmpeg, which is not on the PATH: install it, {pillow}or write an animated PNG, OUT.png"
-        )
+    if ending in BY_FFMPEG and ending != ".webp" and shutil.which("ffmpeg") is None:
+        raise ToolError(f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, OUT.png")
 
 
 class Ffmpeg:

@@ -1,4 +1,4 @@
-"""Pictures as an animated WebP, by Pillow where it is installed.
+"""Pictures as an animated WebP, by Pillow.
 
 Invariant: a frame begins within half a millisecond of its time, however many there are: WebP counts whole ones.
 """
@@ -6,7 +6,6 @@ Invariant: a frame begins within half a millisecond of its time, however many th
 from __future__ import annotations
 
 from fractions import Fraction
-from importlib.util import find_spec
 from typing import BinaryIO
 
 import numpy as np
@@ -15,11 +14,6 @@ from .errors import ToolError
 
 MOST_BYTES = 2 << 30
 """Of pictures: Pillow wants all of them at the same time."""
-
-
-def has_pillow() -> bool:
-    """True if the package is there."""
-    return find_spec("PIL") is not None
 
 
 class Webp:

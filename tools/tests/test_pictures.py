@@ -14,11 +14,9 @@ from unittest import mock
 
 import numpy as np
 
-from sunfleck_tools import movie
 from sunfleck_tools.display import BAYER, Display
 from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.png import png
-from sunfleck_tools.webp import has_pillow
 
 from .command import NO_PROGRAM, PROGRAM, SEQUENCES, run
 from .files import frame_path, good_sequence, rewrite
@@ -130,11 +128,7 @@ class Movies(WithSequence):
         with mock.patch.object(shutil, "which", return_value=None):
             code, _, err = run("movie", self.folder, self.scratch / "leaf.mp4")
         self.assertEqual((code, "write an animated PNG" in err), (2, True))
-        with mock.patch.object(shutil, "which", return_value=None), mock.patch.object(movie, "has_pillow", return_value=False):
-            code, _, err = run("movie", self.folder, self.scratch / "leaf.webp")
-        self.assertEqual((code, "pip install pillow" in err), (2, True))
 
-    @unittest.skipUnless(has_pillow(), "Pillow is not installed")
     def test_webp_without_ffmpeg(self):
         path = self.scratch / "leaf.webp"
         with mock.patch.object(shutil, "which", return_value=None):
@@ -158,7 +152,6 @@ class Movies(WithSequence):
             shown = max(index for index, begin in enumerate(begins) if begin <= middle_ms)
             self.assertAlmostEqual(light[shown], meant, delta=2.0)
 
-    @unittest.skipUnless(has_pillow(), "Pillow is not installed")
     def test_webp_of_too_many_frames_says_so(self):
         with mock.patch.object(shutil, "which", return_value=None), mock.patch("sunfleck_tools.webp.MOST_BYTES", 5 * 32 * 18 * 3):
             code, _, err = run("movie", self.folder, self.scratch / "leaf.webp")

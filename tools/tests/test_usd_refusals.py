@@ -36,23 +36,33 @@ class Refusals(ImportCase):
     def test_indices_that_point_nowhere(self):
         stage = self.stage()
         quad(stage, "/a").GetFaceVertexIndicesAttr().Set([0, 1, 2, 9])
-        self.assertIn("/a: faceVertexIndices go from 0 to 9, of 4 points", self.refused(stage))
+        self.left_out(stage, "/a: is left out: faceVertexIndices go from 0 to 9, of 4 points")
         stage = self.stage()
         quad(stage, "/a").GetFaceVertexCountsAttr().Set([400])
-        self.assertIn("faceVertexCounts ask for 400 corners", self.refused(stage))
+        self.left_out(stage, "/a: is left out: faceVertexCounts ask for 400 corners")
         stage = self.stage()
         instancer = UsdGeom.PointInstancer.Define(stage, "/crowd")
         quad(stage, "/crowd/leaf")
         instancer.CreatePrototypesRel().SetTargets(["/crowd/leaf"])
         instancer.CreateProtoIndicesAttr([0, 5])
         instancer.CreatePositionsAttr([(0, 0, 0)] * 2)
-        self.assertIn("/crowd: protoIndices go from 0 to 5, of 1 prototypes", self.refused(stage))
+        self.left_out(stage, "/crowd: is left out: protoIndices go from 0 to 5, of 1 prototypes")
         instancer.GetProtoIndicesAttr().Set([0, 0, 0])
-        self.assertIn("3 protoIndices", self.refused(stage))
+        self.left_out(stage, "3 protoIndices")
         instancer.GetPrototypesRel().SetTargets(["/nothing"])
-        self.assertIn("there is no prototype /nothing", self.refused(stage))
+        self.left_out(stage, "there is no prototype /nothing")
         instancer.GetPrototypesRel().SetTargets(["/crowd"])
-        self.assertIn("instance of itself", self.refused(stage))
+        self.left_out(stage, "instance of itself")
+
+    def left_out(self, stage, said: str):
+        """One prim is, for the reason said, and nothing else."""
+        other = quad(stage, "/other").GetPrim()
+        gltf = self.load(stage)
+        self.assertEqual([(each.kind, each.count) for each in self.imported.lost], [("usd-prim", 1)])
+        self.assertIn(said, str(self.imported.lost[0]))
+        shown = [node.name for node in gltf.nodes if node.source.member("mesh") is not None]
+        self.assertEqual(shown, ["other"])
+        stage.RemovePrim(other.GetPath())
 
     def test_instancers_that_come_round(self):
         stage = self.stage()
@@ -66,17 +76,17 @@ class Refusals(ImportCase):
     def test_numbers_that_are_none(self):
         stage = self.stage()
         quad(stage, "/a").GetPointsAttr().Set([(float("nan"), 0, 0)] * 4)
-        self.assertIn("/a: points are not all finite", self.refused(stage))
+        self.left_out(stage, "/a: is left out: points are not all finite")
         stage = self.stage()
         quad(stage, "/a").AddTranslateOp().Set((float("inf"), 0, 0))
-        self.assertIn("is not finite", self.refused(stage))
+        self.left_out(stage, "/a: is left out: its place is not finite")
         stage = self.stage()
         stage.SetEndTimeCode(1e12)
         quad(stage, "/a")
         self.assertIn("no range", self.refused(stage))
         stage = self.stage()
         UsdGeom.Camera.Define(stage, "/camera").CreateFocalLengthAttr(0.0)
-        self.assertIn("/camera: a camera needs a focal length", self.refused(stage))
+        self.left_out(stage, "/camera: is left out: a camera needs a focal length")
 
     def test_textures_that_are_not_there(self):
         stage = self.stage()
@@ -90,7 +100,10 @@ class Refusals(ImportCase):
         shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(output)
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
-        self.assertIn("/m/t: there is no texture `./no such.png`", self.refused(stage))
+        material = self.load(stage).document.raw["materials"][0]
+        np.testing.assert_allclose(material["pbrMetallicRoughness"]["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
+        self.assertEqual([loss.kind for loss in self.imported.lost], ["usd-texture"])
+        self.assertIn("/m/t: the texture `./no such.png` is left out: there is no such file", self.imported.lost[0].sentence)
 
     def test_custom_data_of_any_type(self):
         for data in ("text", 3, {"sunfleck_material": "text", "KHR_materials_transmission": 3, "sunfleck_camera": Vt.DoubleArray([1.0, 2.0])},

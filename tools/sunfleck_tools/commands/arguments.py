@@ -16,6 +16,14 @@ def frames(text: str) -> tuple[int, ...]:
         raise ArgumentTypeError(str(error)) from None
 
 
+def frame_range(text: str) -> tuple[int, int]:
+    """First and last frame of a range without gaps."""
+    listed = frames(text)
+    if len(listed) != listed[-1] - listed[0] + 1:
+        raise ArgumentTypeError(f"`{text}` leaves frames out: write the first and the last, 1-48")
+    return listed[0], listed[-1]
+
+
 def frame_rate(text: str) -> Fraction:
     """Frames a second, exactly."""
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import struct
 
@@ -40,7 +41,7 @@ class GlbWriter:
         rows = np.ascontiguousarray(rows, "<f4")
         rows = rows.reshape(len(rows), -1)
         data = rows.tobytes()
-        key = bytes([rows.shape[1], with_bounds]) + data
+        key = bytes([rows.shape[1], with_bounds]) + hashlib.blake2b(data).digest()
         if key not in self._known:
             accessor = {"bufferView": self.view(data), "componentType": FLOAT, "count": len(rows), "type": KINDS[rows.shape[1]]}
             if with_bounds:
@@ -49,19 +50,30 @@ class GlbWriter:
         return self._known[key]
 
     def indices(self, triangles: np.ndarray) -> int:
-        """An accessor of the corners of triangles."""
+        """An accessor of the corners of triangles. The same corners have the same one."""
         corners = np.ascontiguousarray(triangles, "<u4").ravel()
-        accessor = {"bufferView": self.view(corners.tobytes()), "componentType": UNSIGNED_INT, "count": len(corners)}
-        return self.add("accessors", {**accessor, "type": "SCALAR"})
+        data = corners.tobytes()
+        key = b"indices" + hashlib.blake2b(data).digest()
+        if key not in self._known:
+            accessor = {"bufferView": self.view(data), "componentType": UNSIGNED_INT, "count": len(corners), "type": "SCALAR"}
+            self._known[key] = self.add("accessors", accessor)
+        return self._known[key]
 
     def animate(self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR") -> None:
         """Moves a node's property; all animation of a file is one."""
+        self._channel({"node": node, "path": path}, times_s, rows, interpolation)
+
+    def animate_value(self, pointer: str, times_s: np.ndarray, rows: np.ndarray) -> None:
+        """Changes what a JSON pointer points at (KHR_animation_pointer)."""
+        self.extensions.add("KHR_animation_pointer")
+        self._channel({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}, times_s, rows, "LINEAR")
+
+    def _channel(self, target: dict, times_s: np.ndarray, rows: np.ndarray, interpolation: str) -> None:
         if "animations" not in self.document:
             self.document["animations"] = [{"channels": [], "samplers": []}]
         animation = self.document["animations"][0]
         sampler = {"input": self.floats(times_s[:, None], True), "output": self.floats(rows), "interpolation": interpolation}
         animation["samplers"].append(sampler)
-        target = {"node": node, "path": path}
         animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
 
     def bytes(self) -> bytes:

@@ -2,5 +2,6 @@
 
 from .export import Exported, ExportOptions, export_usd
 from .reading.convert import Imported, import_usd
+from .reading.options import ImportOptions
 
-__all__ = ["ExportOptions", "Exported", "Imported", "export_usd", "import_usd"]
+__all__ = ["ExportOptions", "Exported", "ImportOptions", "Imported", "export_usd", "import_usd"]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +11,26 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
+from ...whole_file import write_whole
 from ..properties import SPACE
 from ..surroundings import ENVIRONMENT, OF_SCENE
-from .crowds import place_crowd, read_crowd
-from .domes import picture_uri, read_dome
+from .crowds import check_depth, place_crowd, read_crowd
+from .domes import is_dome, picture_uri, read_dome
 from .lamps import read_lamp
 from .lenses import read_camera
 from .losses import Loss, Losses
 from .meshes import Meshes
 from .nodes import Nodes
-from .places import local_matrices
+from .options import ImportOptions
+from .places import local_matrices, reach
 from .properties import custom_data, number_of, read_properties, text_of
+from .shapes import is_shape
 from .source import Source, open_stage, usd_said
+from .visibility import says_visibility, seen, up_to
 
 STILL = np.eye(4)[None]
+NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
+"""What stands nowhere itself."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +39,11 @@ class Imported:
 
     counts: dict[str, int]
     frames: tuple[int, int]
+    fps: Fraction
     lost: list[Loss] = field(default_factory=list)
 
 
-def import_usd(source: str | Path, target: str | Path) -> Imported:
+def import_usd(source: str | Path, target: str | Path, options: ImportOptions = ImportOptions()) -> Imported:
     """Writes the stage `source` as the .glb `target`. Raises `SceneError` or `OSError`."""
     source, target = Path(source), Path(target)
     if target.suffix.lower() != ".glb":
@@ -45,33 +51,38 @@ def import_usd(source: str | Path, target: str | Path) -> Imported:
     if not target.parent.is_dir():
         raise SceneError(f"{target}: there is no folder {target.parent}")
     with usd_said(source):
-        conversion = _Import(open_stage(source))
+        lost = Losses()
+        conversion = _Import(open_stage(source, options, lost), options, lost)
         data = conversion.run()
-    handle, scratch = tempfile.mkstemp(dir=target.parent, prefix=".sunfleck-glb-")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(scratch, 0o644)
-        os.replace(scratch, target)
-    except BaseException:
-        os.unlink(scratch)
-        raise
+    if options.strict and lost.list():
+        said = "\n".join(f"  {loss}" for loss in lost.list())
+        raise SceneError(f"{source}: is not carried as it is, and --strict asks for that:\n{said}")
+    write_whole(target, data)
     document = conversion.writer.document
     counts = {kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")}
-    return Imported(counts, conversion.source.frames, conversion.lost.list())
+    return Imported(counts, conversion.source.frames, conversion.source.fps, lost.list())
+
+
+def _children(prim: Usd.Prim) -> list[Usd.Prim]:
+    """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is not there by itself."""
+    kinds = Usd.PrimIsActive & Usd.PrimIsLoaded
+    kinds = kinds if prim.IsAbstract() else kinds & ~Usd.PrimIsAbstract
+    kinds = kinds & Usd.PrimIsDefined if prim.IsDefined() else kinds
+    return list(prim.GetFilteredChildren(Usd.TraverseInstanceProxies(kinds)))
 
 
 class _Import:
     """One file under construction."""
 
-    def __init__(self, source: Source):
-        self.source, self.lost = source, Losses()
+    def __init__(self, source: Source, options: ImportOptions, lost: Losses):
+        self.source, self.options, self.lost = source, options, lost
         self.writer = GlbWriter("sunfleck-tools import-usd")
         self.nodes = Nodes(self.writer, source, self.lost)
         self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
         self.lights: list[dict] = []
         self.shutter: tuple[float, float] | None = None
         self.scene: dict = {}
+        self.has_dome = False
         # Cameras by the names that the stage has for them: nodes may have to get others.
         self.cameras: dict[str, int] = {}
 
@@ -94,7 +105,7 @@ class _Import:
         for prim in list(stage.Traverse()):
             if prim.IsInstance() and any(each.IsA(UsdSkel.Root) for each in Usd.PrimRange(prim.GetPrototype())):
                 prim.SetInstanceable(False)
-        span = Gf.Interval(float(self.source.codes[0]), float(self.source.codes[-1]))
+        span = Gf.Interval(*reach(self.source.codes))
         for prim in list(stage.Traverse()):
             if prim.IsA(UsdSkel.Root) and not UsdSkel.BakeSkinning(UsdSkel.Root(prim), span):
                 self.lost.add("usd-skeleton", prim.GetPath(), "its skeleton cannot be followed; it rests")
@@ -114,29 +125,38 @@ class _Import:
         return turn
 
     def _visit(self, first: Usd.Prim, above: int | None, depth: int) -> None:
+        """A prim and all below it, at a node; what says `!resetXformStack!` stands right there."""
         pending = [(first, above)]
         while pending:
             prim, parent = pending.pop()
-            if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.Shader) or prim.IsA(UsdGeom.Subset) or prim.IsAbstract():
+            if any(prim.IsA(kind) for kind in NOWHERE) or (prim.IsAbstract() and depth == 0):
                 continue
-            if self._is_passed_over(prim):
-                continue
+            below = parent
             if not prim.IsA(UsdGeom.Xformable):
-                below, children = parent, list(prim.GetFilteredChildren(Usd.TraverseInstanceProxies()))
+                children = _children(prim)
                 self._read_scene(prim)
+                if says_visibility(prim):
+                    below = self.nodes.add(self._name(prim), parent)
+                    self._hide([prim], below)
             else:
-                below, children = self._node(prim, parent, depth)
+                children = []
+                with self.lost.leaving_out(prim):
+                    below, children = self._node(prim, first, parent, above, depth)
             pending += [(child, below) for child in reversed(children)]
 
-    def _is_passed_over(self, prim: Usd.Prim) -> bool:
-        imageable = UsdGeom.Imageable(prim)
-        purpose = imageable.GetPurposeAttr().Get() if imageable else None
-        if purpose in (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy):
+    def _is_drawn(self, prim: Usd.Prim) -> bool:
+        """False, and said, for shapes of a kind or purpose that is not."""
+        if not (prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)):
             return True
-        is_other = prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdGeom.Mesh)
-        if is_other:
-            self.lost.add("usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only meshes are")
-        return is_other
+        purpose = UsdGeom.Imageable(prim).ComputePurpose()
+        if purpose != UsdGeom.Tokens.default_ and purpose not in self.options.purposes:
+            if not self.source.by_us:
+                self.lost.add("usd-purpose", prim.GetPath(), f"is of purpose `{purpose}`, which is not drawn")
+            return False
+        if not (is_shape(prim) or prim.IsA(UsdGeom.PointInstancer)):
+            self.lost.add("usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only faces are")
+            return False
+        return True
 
     def _read_scene(self, prim: Usd.Prim) -> dict:
         found, carried = read_properties(prim, self.source)
@@ -151,22 +171,24 @@ class _Import:
                         self.nodes.carry(None, field_name, codes, rows)
         return found
 
-    def _node(self, prim: Usd.Prim, parent: int | None, depth: int) -> tuple[int, list[Usd.Prim]]:
+    def _node(self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int) -> tuple:
         """The node of a prim, and those children that are not in it."""
-        if UsdGeom.Xformable(prim).GetResetXformStack():
-            parent = self.nodes.roots[0] if self.nodes.roots and self.nodes.of(self.nodes.roots[0])["name"] == "stage" else None
-        node = self.nodes.add(self._name(prim), parent)
+        children = _children(prim)
+        is_drawn = self._is_drawn(prim)
+        if not is_drawn and not children:
+            return parent, []
+        is_reset = UsdGeom.Xformable(prim).GetResetXformStack()
         codes, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
+        node = self.nodes.add(self._name(prim), above if is_reset else parent)
         below = self.nodes.place(node, codes, matrices)
-        self._hide(prim, node)
+        self._hide(up_to(prim, first) if is_reset else [prim], node)
         self._extras(prim, node)
-        children = list(prim.GetFilteredChildren(Usd.TraverseInstanceProxies()))
-        things = [prim]
+        things = [prim] if is_drawn else []
         if prim.GetTypeName() in ("Xform", "SkelRoot", ""):
             # What stands in its parent's place, like leaves and Blender's cameras and lights, is one node with it.
             own = [child for child in children if self._joins(child)]
-            meshes = [child for child in own if child.IsA(UsdGeom.Mesh)]
-            things = meshes if meshes else own[:1] if len(own) == 1 else []
+            shapes = [child for child in own if is_shape(child)]
+            things = shapes if shapes else own[:1] if len(own) == 1 else []
             children = [child for child in children if child not in things]
         if any(thing.IsA(UsdGeom.Camera) for thing in things):
             self.cameras.setdefault(self._name(prim), below)
@@ -181,29 +203,22 @@ class _Import:
 
     def _joins(self, prim: Usd.Prim) -> bool:
         """True if a prim has nothing that its parent's node could not hold."""
-        if not (prim.IsA(UsdGeom.Mesh) or prim.IsA(UsdGeom.Camera) or prim.HasAPI(UsdLux.LightAPI)):
+        if not (is_shape(prim) or prim.IsA(UsdGeom.Camera) or prim.HasAPI(UsdLux.LightAPI)):
             return False
-        if self._is_passed_over(prim) or UsdGeom.Xformable(prim).GetResetXformStack():
+        if says_visibility(prim) or any(child.IsA(UsdGeom.Xformable) for child in _children(prim)) or not self._is_drawn(prim):
             return False
-        if any(child.IsA(UsdGeom.Xformable) for child in prim.GetFilteredChildren(Usd.TraverseInstanceProxies())):
-            return False
-        if UsdGeom.Imageable(prim).GetVisibilityAttr().HasAuthoredValue():
-            return False
-        codes, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
-        return bool(np.abs(matrices - STILL).max() < 1e-12)
+        if UsdGeom.Xformable(prim).GetXformOpOrderAttr().HasAuthoredValue():
+            if UsdGeom.Xformable(prim).GetResetXformStack():
+                return False
+            _, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
+            return bool(np.abs(matrices - STILL).max() < 1e-12)
+        return True
 
-    def _hide(self, prim: Usd.Prim, node: int) -> None:
-        attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()
-        if not attribute.HasAuthoredValue():
-            return
-        samples = [code for code in attribute.GetTimeSamples() if code <= self.source.codes[-1]]
-        codes = np.unique(np.concatenate([self.source.codes[:1], [code for code in samples if code > self.source.first]]))
-        shown = np.array([[attribute.Get(code) != UsdGeom.Tokens.invisible] for code in codes.tolist()], float)
-        if np.ptp(shown) > 0:
-            self.nodes.carry(node, "sunfleck_node.visible", codes, shown, steps=True)
-        elif shown[0, 0] == 0:
-            self.writer.extensions.add("KHR_node_visibility")
-            self.nodes.of(node).setdefault("extensions", {})["KHR_node_visibility"] = {"visible": False}
+    def _hide(self, prims: list[Usd.Prim], node: int) -> None:
+        """Has a node seen when all the prims let it be."""
+        found = seen(prims, self.source)
+        if found is not None:
+            self.nodes.show(node, *found)
 
     def _extras(self, prim: Usd.Prim, node: int) -> None:
         found = self._read_scene(prim)
@@ -219,26 +234,32 @@ class _Import:
 
     def _things(self, things: list[Usd.Prim], node: int, depth: int) -> None:
         """What stands at a node."""
-        meshes = [thing for thing in things if thing.IsA(UsdGeom.Mesh)]
-        if meshes:
-            self.meshes.place(meshes, node)
+        shapes = [thing for thing in things if is_shape(thing)]
+        if shapes:
+            self.meshes.place(shapes, node)
         for thing in things:
-            if thing.IsA(UsdGeom.Camera):
-                seen = read_camera(thing, self.source)
-                self.shutter = self.shutter or seen.shutter
-                self.nodes.of(node)["camera"] = self.writer.add("cameras", {"name": self.nodes.of(node)["name"], **seen.camera})
-                for name, (codes, rows) in seen.carried.items():
-                    self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
-            elif thing.HasAPI(UsdLux.LightAPI) and not thing.IsA(UsdGeom.Mesh):
-                self._place_lamp(thing, node)
-            elif thing.IsA(UsdGeom.PointInstancer):
-                crowd = read_crowd(thing, self.source)
-                place_crowd(crowd, self.nodes, node, depth, lambda prototype, place: self._instance(prototype, place, depth))
+            with self.lost.leaving_out(thing):
+                self._thing(thing, node, depth)
+
+    def _thing(self, thing: Usd.Prim, node: int, depth: int) -> None:
+        """What is no shape: a camera, a light, an instancer."""
+        if thing.IsA(UsdGeom.Camera):
+            seen = read_camera(thing, self.source)
+            self.shutter = self.shutter or seen.shutter
+            self.nodes.of(node)["camera"] = self.writer.add("cameras", {"name": self.nodes.of(node)["name"], **seen.camera})
+            for name, (codes, rows) in seen.carried.items():
+                self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
+        elif thing.HasAPI(UsdLux.LightAPI) and not thing.IsA(UsdGeom.Mesh):
+            self._place_lamp(thing, node)
+        elif thing.IsA(UsdGeom.PointInstancer):
+            check_depth(thing, depth)
+            members = read_crowd(thing, self.source, self.lost)
+            place_crowd(members, self.nodes, node, lambda prototype, place: self._instance(prototype, place, depth))
 
     def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
-        if prim.IsA(UsdLux.DomeLight):
-            return self._background(UsdLux.DomeLight(prim))
-        lamp = read_lamp(prim, self.source, self.lost)
+        if is_dome(prim):
+            return self._background(prim)
+        lamp = read_lamp(prim, self.source, self.nodes.linear(node), self.lost)
         if lamp is None:
             return
         if lamp.light is not None:
@@ -253,22 +274,29 @@ class _Import:
         for name, (codes, rows) in lamp.carried.items():
             self.nodes.carry(node, f"sunfleck_light.{name}", codes, rows)
 
-    def _background(self, light: UsdLux.DomeLight) -> None:
+    def _background(self, light: Usd.Prim) -> None:
         if ENVIRONMENT in self.scene:
-            # The renderer's own words, which say more.
+            # The renderer's own words say more than any dome.
+            if self.has_dome:
+                self.lost.add("usd-dome-second", light.GetPath(), "a second DomeLight is not carried: there is one sky")
             return
-        found = read_dome(light, self.source, self._ours_from_stage(), self.lost)
-        if found is not None:
-            self.scene[ENVIRONMENT] = found
+        hidden = seen(up_to(light, light.GetStage().GetPseudoRoot()), self.source)
+        if hidden is not None and hidden[1].any():
+            self.lost.add("usd-dome-animated", light.GetPath(), "a sky that is seen for a while is seen as it is at first")
+        if hidden is not None and not hidden[1][0]:
+            return
+        self.has_dome = True
+        self.scene[ENVIRONMENT] = read_dome(light, self.source, self._ours_from_stage(), self.lost)
 
     def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
-        """A prototype below a node, or in it if it is nothing but a mesh."""
-        children = list(prototype.GetFilteredChildren(Usd.TraverseInstanceProxies()))
-        children = [child for child in children if child.IsA(UsdGeom.Imageable)]
+        """A prototype below a node, or in it if it is nothing but shapes."""
+        children = [child for child in _children(prototype) if child.IsA(UsdGeom.Imageable)]
         stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
-        if stands and prototype.IsA(UsdGeom.Mesh):
-            self.meshes.place([prototype], node)
-        elif stands and children and all(child.IsA(UsdGeom.Mesh) and self._joins(child) for child in children):
+        stands = stands and not says_visibility(prototype)
+        if stands and is_shape(prototype) and not children:
+            if self._is_drawn(prototype):
+                self.meshes.place([prototype], node)
+        elif stands and not is_shape(prototype) and children and all(is_shape(each) and self._joins(each) for each in children):
             self.meshes.place(children, node)
         else:
             self._visit(prototype, node, depth + 1)
@@ -292,5 +320,8 @@ class _Import:
         document["scenes"] = [{"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
-        if not self.nodes.roots:
-            raise SceneError(f"{source.path}: holds nothing that can be shown")
+        shown = [document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene]
+        missing = [loss for loss in self.lost.list() if loss.kind == "usd-missing"]
+        if not self.nodes.roots or (missing and not any(shown)):
+            said = "".join(f"\n  {loss}" for loss in missing)
+            raise SceneError(f"{source.path}: holds nothing that can be shown{said}")

@@ -1,4 +1,8 @@
-"""PointInstancers: a node for each instance. Invariant: nothing is an instance of itself."""
+"""PointInstancers: a node for each instance. Invariant: nothing is an instance of itself.
+
+Instances are told apart by their ids, or else by their places in the arrays; each has a prototype. One that comes or goes, or is
+masked for a while, is a node that is seen for a while; one that takes another prototype is another node.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +13,9 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
+from .losses import Losses, TooMuch
 from .nodes import Nodes
-from .places import parts, steady
+from .places import codes_of, parts, steady
 from .properties import SPACE
 from .source import Source
 
@@ -19,66 +24,141 @@ DEEPEST = 64
 
 
 @dataclass(frozen=True)
-class Crowd:
-    """The instances of an instancer: for each one of `prototypes`, for each code and instance translation, turn and scale."""
+class Member:
+    """An instance: its prototype, for each code its translation, turn and scale (ten numbers), and since when it is seen or not."""
 
-    path: str
-    prototypes: list[Usd.Prim]
-    numbers: list[int]
+    name: str
+    leaf_id: int | None
+    prototype: Usd.Prim
     codes: np.ndarray
     placed: np.ndarray
-    names: list[str]
-    ids: list[int] | None
-    mask: list[bool]
+    shown_codes: np.ndarray
+    shown: np.ndarray
 
 
-def read_crowd(prim: Usd.Prim, source: Source) -> Crowd:
-    """All of an instancer."""
-    instancer, path, code = UsdGeom.PointInstancer(prim), prim.GetPath(), Usd.TimeCode(source.first)
-    targets = instancer.GetPrototypesRel().GetForwardedTargets()
-    prototypes = [prim.GetStage().GetPrimAtPath(target) for target in targets]
-    missing = [str(target) for target, found in zip(targets, prototypes) if not found]
-    if missing:
-        raise SceneError(f"{path}: there is no prototype {', '.join(missing)}")
-    if any(path.HasPrefix(target) for target in targets):
-        raise SceneError(f"{path}: is an instance of itself")
-    numbers = np.array(instancer.GetProtoIndicesAttr().Get(code) or [], np.int64)
-    if len(numbers) and (numbers.min() < 0 or numbers.max() >= len(prototypes)):
-        raise SceneError(f"{path}: protoIndices go from {numbers.min()} to {numbers.max()}, of {len(prototypes)} prototypes")
-    attributes = [prim.GetAttribute(name) for name in ("positions", "orientations", "orientationsf", "scales")]
-    moves = any(attribute and attribute.ValueMightBeTimeVarying() for attribute in attributes)
-    codes = source.codes if moves else source.codes[:1]
-    placed = np.stack([_places(instancer, each, len(numbers)) for each in codes.tolist()])
-    names = list(prim.GetAttribute(f"{SPACE}sunfleck_names").Get() or [])
-    if len(names) != len(numbers):
-        names = [f"{prim.GetName()}.{index}" for index in range(len(numbers))]
-    ids = [int(each) for each in instancer.GetIdsAttr().Get(code) or []]
-    mask = list(instancer.ComputeMaskAtTime(code)) or [True] * len(numbers)
-    return Crowd(str(path), prototypes, numbers.tolist(), codes, placed, names, ids if len(ids) == len(numbers) else None, mask)
+def read_crowd(prim: Usd.Prim, source: Source, lost: Losses) -> list[Member]:
+    """The instances of an instancer that are ever seen. Raises `SceneError`."""
+    return _Reader(prim, source, lost).members()
 
 
-def _places(instancer: UsdGeom.PointInstancer, code: float, count: int) -> np.ndarray:
-    """Ten numbers for each instance."""
-    time, kind = Usd.TimeCode(code), UsdGeom.PointInstancer
-    found = instancer.ComputeInstanceTransformsAtTime(time, time, kind.ExcludeProtoXform, kind.IgnoreMask)
-    matrices = np.array(found, float).reshape(-1, 4, 4).transpose(0, 2, 1)
-    if len(matrices) != count:
-        raise SceneError(f"{instancer.GetPath()}: has {count} protoIndices and {len(matrices)} places at time code {code:g}")
-    if count == 0:
-        return np.zeros((0, 10), np.float32)
-    return np.concatenate(parts(matrices)[:3], axis=1).astype(np.float32)
+class _Reader:
+    def __init__(self, prim: Usd.Prim, source: Source, lost: Losses):
+        self.prim, self.source, self.lost = prim, source, lost
+        self.instancer = UsdGeom.PointInstancer(prim)
+        self.prototypes = self._prototypes()
+        names = ("protoIndices", "ids", "invisibleIds", "positions", "orientations", "orientationsf", "scales",
+                 "velocities", "accelerations", "angularVelocities")  # fmt: skip
+        self.codes = codes_of([prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes)
+        ids = self.instancer.GetIdsAttr()
+        self.mixes = not self.instancer.GetVelocitiesAttr().HasAuthoredValue() and ids.ValueMightBeTimeVarying()
+
+    def _prototypes(self) -> list[Usd.Prim]:
+        path, stage = self.prim.GetPath(), self.prim.GetStage()
+        targets = self.instancer.GetPrototypesRel().GetForwardedTargets()
+        prototypes = [stage.GetPrimAtPath(target) for target in targets]
+        missing = [str(target) for target, found in zip(targets, prototypes) if not found]
+        if missing and not any(prototypes):
+            raise SceneError(f"{path}: there is no prototype {', '.join(missing)}")
+        for target in missing:
+            self.lost.add("usd-missing", path, f"there is no prototype {target}; its instances are left out")
+        if any(path.HasPrefix(target) for target in targets):
+            raise SceneError(f"{path}: is an instance of itself")
+        return prototypes
+
+    def members(self) -> list[Member]:
+        """One for each id and prototype."""
+        moments = [self._moment(code) for code in self.codes.tolist()]
+        if not any(len(each) for each, *_ in moments) and (problems := [what for *_, what in moments if what]):
+            raise SceneError(f"{self.prim.GetPath()}: {problems[0]}")
+        for code, (*_, what) in zip(self.codes.tolist(), moments):
+            if what:
+                self.lost.add("usd-instances", self.prim.GetPath(), f"{what} at time code {code:g}; nothing is seen then")
+        # A row for each instance at each code: id, prototype, number of the code, place in the arrays.
+        each = [(keys, numbers, np.full(len(keys), at), np.arange(len(keys))) for at, (keys, numbers, *_) in enumerate(moments)]
+        rows = np.concatenate([np.column_stack(columns) for columns in each])
+        placed = np.concatenate([placed for _, _, placed, _, _ in moments])
+        shown = np.concatenate([shown for _, _, _, shown, _ in moments])
+        order = np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))
+        rows, placed, shown = rows[order], placed[order], shown[order]
+        starts = np.nonzero(np.diff(rows[:, :2], axis=0, prepend=rows[:1, :2] - 1).any(axis=1))[0]
+        slices = [slice(first, last) for first, last in zip(starts, [*starts[1:], len(rows)])]
+        found = [self._member(rows[part], placed[part], shown[part]) for part in slices if shown[part].any() and self.prototypes[rows[part][0, 1]]]
+        # In the order in which they come, and in that of the arrays.
+        return [member for _, member in sorted(found, key=lambda each: each[0])]
+
+    def _member(self, rows: np.ndarray, placed: np.ndarray, shown: np.ndarray) -> tuple[tuple[int, int], Member]:
+        key, number, at, place = rows[0].tolist()
+        is_seen = np.zeros(len(self.codes), bool)
+        is_seen[rows[:, 2]] = shown
+        # Before the range an instance is as at its first frame.
+        turns = np.concatenate([[True], is_seen[1:] != is_seen[:-1]])
+        names = self._names()
+        name = names[place] if place < len(names) and not self._changes() else f"{self.prim.GetName()}.{key}"
+        leaf_id = key if self._has_ids() and 0 <= key < 2**31 else None
+        member = Member(name, leaf_id, self.prototypes[number], self.codes[rows[:, 2]], placed, self.codes[turns], is_seen[turns])
+        return (at, place), member
+
+    def _changes(self) -> bool:
+        return any(each.ValueMightBeTimeVarying() for each in (self.instancer.GetProtoIndicesAttr(), self.instancer.GetIdsAttr()))
+
+    def _has_ids(self) -> bool:
+        return self.instancer.GetIdsAttr().HasAuthoredValue()
+
+    def _names(self) -> list[str]:
+        return list(self.prim.GetAttribute(f"{SPACE}sunfleck_names").Get() or [])
+
+    def _moment(self, code: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, str]:
+        """Of each instance at a code its key, prototype, place, and whether it is seen; what is wrong if there are none for it."""
+        time = Usd.TimeCode(code)
+        numbers = np.array(self.instancer.GetProtoIndicesAttr().Get(time) or [], np.int64)
+        if len(numbers) and (numbers.min() < 0 or numbers.max() >= len(self.prototypes)):
+            return *_nobody(), f"protoIndices go from {numbers.min()} to {numbers.max()}, of {len(self.prototypes)} prototypes"
+        placed = self._places(code)
+        if len(placed) != len(numbers):
+            return *_nobody(), f"has {len(numbers)} protoIndices, which its positions, orientations or scales do not fit"
+        if not np.isfinite(placed).all():
+            return *_nobody(), "its places are not all finite"
+        ids = np.array(self.instancer.GetIdsAttr().Get(time) or [], np.int64)
+        keys = ids if len(ids) == len(numbers) and len(np.unique(ids)) == len(ids) else np.arange(len(numbers))
+        mask = np.array(list(self.instancer.ComputeMaskAtTime(time)), bool)
+        return keys, numbers, placed, mask if len(mask) == len(numbers) else np.ones(len(numbers), bool), ""
+
+    def _places(self, code: float) -> np.ndarray:
+        """Ten numbers for each instance."""
+        time, kind = Usd.TimeCode(self._unmixed(code)), UsdGeom.PointInstancer
+        found = self.instancer.ComputeInstanceTransformsAtTime(time, time, kind.ExcludeProtoXform, kind.IgnoreMask)
+        matrices = np.array(found, float).reshape(-1, 4, 4).transpose(0, 2, 1)
+        if not len(matrices):
+            return np.zeros((0, 10), np.float32)
+        return np.concatenate(parts(matrices)[:3], axis=1).astype(np.float32)
+
+    def _unmixed(self, code: float) -> float:
+        """A code, or the sample before it if other instances are in the arrays by the next: between them USD would mix the two."""
+        attribute = self.instancer.GetIdsAttr()
+        if not self.mixes:
+            return code
+        before, after = attribute.GetBracketingTimeSamples(code) or (code, code)
+        if before < code < after and list(attribute.Get(before)) != list(attribute.Get(after)):
+            return before
+        return code
 
 
-def place_crowd(crowd: Crowd, nodes: Nodes, node: int, depth: int, fill: Callable[[Usd.Prim, int], None]) -> None:
+def _nobody() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 10), np.float32), np.zeros(0, bool)
+
+
+def place_crowd(members: list[Member], nodes: Nodes, node: int, fill: Callable[[Usd.Prim, int], None]) -> None:
     """Adds a node for each instance below a node; `fill` puts a prototype there."""
+    for member in members:
+        instance = nodes.add(member.name.partition("#")[0], node)
+        nodes.move(instance, member.codes, member.placed[:, :3], steady(member.placed[:, 3:7]), member.placed[:, 7:])
+        nodes.show(instance, member.shown_codes, member.shown)
+        if member.leaf_id is not None:
+            nodes.extra(instance, "leaf_id", member.leaf_id)
+        fill(member.prototype, instance)
+
+
+def check_depth(prim: Usd.Prim, depth: int) -> None:
+    """Raises `TooMuch` for instancers that hold themselves by way of others."""
     if depth >= DEEPEST:
-        raise SceneError(f"{crowd.path}: instancers within instancers, {DEEPEST} deep: do they come round?")
-    for index, number in enumerate(crowd.numbers):
-        if not crowd.mask[index]:
-            continue
-        instance = nodes.add(crowd.names[index].partition("#")[0], node)
-        place = crowd.placed[:, index]
-        nodes.move(instance, crowd.codes, place[:, :3], steady(place[:, 3:7]), place[:, 7:])
-        if crowd.ids is not None and 0 <= crowd.ids[index] < 2**31:
-            nodes.extra(instance, "leaf_id", crowd.ids[index])
-        fill(crowd.prototypes[number], instance)
+        raise TooMuch(f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?")

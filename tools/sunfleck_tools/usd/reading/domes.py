@@ -7,50 +7,91 @@ from __future__ import annotations
 
 import base64
 import math
+import tempfile
+from pathlib import Path
 
 import numpy as np
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdLux
 
 from ...errors import SceneError
+from ...exr.write import write_colors
 from ..textures import SKY_KINDS
+from .lamp_inputs import LampInputs
 from .losses import Losses
 from .source import Source
+from .texels import PictureError, linear_from_srgb, open_picture
 
 MOST_BYTES = 2**28
 """Of a picture's file."""
 UPRIGHT = 1e-4
 """Radians, about."""
+DOMES = (UsdLux.DomeLight, UsdLux.DomeLight_1)
+Y_FROM_Z = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+"""The dome whose pole is z from the one whose pole is y: longitude 0, +z of that, is -y of this."""
+
+
+def is_dome(prim: Usd.Prim) -> bool:
+    """True for a sky, whichever version of the schema it is of."""
+    return any(prim.IsA(kind) for kind in DOMES)
 
 
 def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
-    """The file of a picture. Raises `SceneError`."""
+    """The file of a picture: linear light as it is, what is for eyes as linear light. Raises `SceneError`."""
     opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(asset.resolvedPath)) if asset.resolvedPath else None
     if not opened or opened.GetSize() > MOST_BYTES:
         raise SceneError(f"{place}: the picture `{asset.path}` cannot be read")
-    data = bytes(opened.GetBuffer())
+    data = bytes(opened.GetBuffer() or b"")
     if not data.startswith(tuple(SKY_KINDS)):
-        raise SceneError(f"{place}: the picture `{asset.path}` is neither OpenEXR nor Radiance HDR: convert it")
+        try:
+            data = _exr_of(asset.resolvedPath)
+        except PictureError as error:
+            raise SceneError(f"{place}: the picture `{asset.path}` is neither OpenEXR nor Radiance HDR, and {error}") from None
     return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
 
 
-def read_dome(light: UsdLux.DomeLight, source: Source, ours_from_stage: np.ndarray, lost: Losses) -> dict | None:
-    """`sunfleck_env` of a dome; None, and said, for what cannot be one."""
-    place, code = str(light.GetPath()), Usd.TimeCode(source.first)
-    exposure = 2.0 ** float(np.clip(light.GetExposureAttr().Get(code) or 0.0, -60, 60))
-    radiance = np.maximum(np.array(light.GetColorAttr().Get(code), float) * float(light.GetIntensityAttr().Get(code) or 0.0) * exposure, 0)
-    if light.GetEnableColorTemperatureAttr().Get(code):
-        radiance = radiance * np.array(UsdLux.BlackbodyTemperatureAsRgb(light.GetColorTemperatureAttr().Get(code)))
-    asset = light.GetTextureFileAttr().Get(code)
-    if not asset:
-        return {"color": radiance.tolist(), "strength": 1.0, "lights": "surfaces_and_fog"}
-    stage_from_dome = np.array(UsdGeom.Xformable(light).ComputeLocalToWorldTransform(code), float).T
-    axes = (ours_from_stage @ stage_from_dome)[:3, :3]
-    axes = axes / np.linalg.norm(axes, axis=0)
-    form = light.GetTextureFormatAttr().Get(code)
+def _exr_of(resolved: str) -> bytes:
+    """A picture for eyes as OpenEXR. Raises `PictureError`."""
+    picture = open_picture(resolved)
+    texels = picture.texels(picture.size)[..., :3]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "sky.exr"
+        write_colors(path, linear_from_srgb(texels) if picture.bits == 8 and picture.channels >= 3 else texels)
+        return path.read_bytes()
+
+
+def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost: Losses) -> dict:
+    """`sunfleck_env` of a dome; of one whose picture cannot be taken, said, the colour alone."""
+    inputs = LampInputs(prim, lost)
+    radiance = inputs.radiance(source.codes[:1])[0]
+    if any(attribute.ValueMightBeTimeVarying() for attribute in inputs.attributes()):
+        lost.add("usd-dome-animated", prim.GetPath(), "a sky that changes over time is as it is at first")
+    inputs.say_the_rest("DomeLight")
+    even = {"color": radiance.tolist(), "strength": 1.0, "lights": "surfaces_and_fog"}
+    asset = prim.GetAttribute("inputs:texture:file").Get(source.first)
+    if not isinstance(asset, Sdf.AssetPath) or not asset.path:
+        return even
+    axes = _axes(prim, source, ours_from_stage)
+    form = prim.GetAttribute("inputs:texture:format").Get(source.first)
     if form not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong) or not axes[1, 1] > math.cos(UPRIGHT):
-        lost.add("usd-dome-picture", place, "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried")
-        return None
+        said = "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried: its colour is"
+        lost.add("usd-dome-picture", prim.GetPath(), said)
+        return even
+    try:
+        image = picture_uri(asset, str(prim.GetPath()))
+    except SceneError as error:
+        lost.add("usd-texture", prim.GetPath(), f"{error}: the sky has its colour alone")
+        return even
     # The picture's middle is +z of the dome, and -z of the sky.
     rotation = math.atan2(-axes[0, 2], -axes[2, 2])
-    image = picture_uri(asset, place)
     return {"image": image, "strength": radiance.tolist(), "rotation": rotation, "lights": "surfaces_and_fog"}
+
+
+def _axes(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray) -> np.ndarray:
+    """Unit axes of the dome, y its pole, in the space of glTF."""
+    stage_from_dome = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(source.first), float).T[:3, :3]
+    if prim.IsA(UsdLux.DomeLight_1):
+        pole = UsdLux.DomeLight_1(prim).GetPoleAxisAttr().Get()
+        is_z = pole == UsdLux.Tokens.Z or (pole == UsdLux.Tokens.scene and UsdGeom.GetStageUpAxis(source.stage) == UsdGeom.Tokens.z)
+        stage_from_dome = stage_from_dome @ Y_FROM_Z if is_z else stage_from_dome
+    axes = ours_from_stage[:3, :3] @ stage_from_dome
+    return axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-300)

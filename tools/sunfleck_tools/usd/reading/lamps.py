@@ -1,21 +1,33 @@
-"""UsdLux to the lights of glTF and `sunfleck_light`; `usd/lights.py` has the units, and Blender's."""
+"""UsdLux to the lights of glTF and `sunfleck_light`; `usd/lights.py` has the units, and Blender's.
+
+A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where `normalize` is on
+(https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of the stage, and what the light emits is the radiance
+times the area in m2. So both the prim's whole transform and the stage's unit count.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdLux
+from pxr import Usd, UsdLux
 
 from ...gltf.lights import LUMENS_PER_WATT
 from ..lights import BLENDER_ANGLE, BLENDER_SUN
+from .lamp_inputs import LampInputs
+from .lamp_sizes import ball_area, instance_linears, moving_scales
 from .losses import Losses
 from .places import codes_of
 from .source import Source
 
 NARROWEST_EDGE = 1e-6
+WIDEST_SUN = math.radians(179.0)
+"""Across, where the renderer's end, below 180 degrees."""
+SMALLEST_AREA = 1e-30
+"""In units of the stage squared: what has none still emits what it does when normalised."""
+EVEN = 1e-4
+"""How much longer one axis of a sphere may be than another that still counts as one."""
 
 
 @dataclass
@@ -27,102 +39,120 @@ class Lamp:
     carried: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def read_lamp(prim: Usd.Prim, source: Source, lost: Losses) -> Lamp | None:
-    """The light that a prim is; None if it is none that there is here."""
+def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -> Lamp | None:
+    """The light that a prim is; None if it is none that there is here.
+
+    `still` is world from light at the first frame, in metres, without translation: instances of one prim differ in it.
+    """
     kind = str(prim.GetTypeName())
-    if kind in ("DistantLight", "SphereLight", "RectLight", "DiskLight"):
-        return _Reader(prim, source, lost).read(kind)
-    lost.add("usd-camera-or-light-type", prim.GetPath(), f"a {kind} is not carried")
-    return None
+    reader = _Reader(prim, source, still, lost)
+    if kind == "DistantLight":
+        lamp = reader.sun()
+    elif kind in ("SphereLight", "CylinderLight"):
+        lamp = reader.ball(is_cylinder=kind == "CylinderLight")
+    elif kind in ("RectLight", "DiskLight"):
+        lamp = reader.area(is_disk=kind == "DiskLight")
+    else:
+        lost.add("usd-camera-or-light-type", prim.GetPath(), f"a {kind or 'light without a type'} is not carried")
+        return None
+    reader.inputs.say_the_rest(kind)
+    return lamp
 
 
 class _Reader:
-    def __init__(self, prim: Usd.Prim, source: Source, lost: Losses):
-        self.prim, self.source, self.lost = prim, source, lost
-        self.light = UsdLux.LightAPI(prim)
-        names = ("intensity", "exposure", "color", "radius", "width", "height", "angle", "normalize")
-        inputs = [prim.GetAttribute(f"inputs:{name}") for name in names]
-        self.codes = codes_of([each for each in inputs if each], source.codes)
+    def __init__(self, prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses):
+        self.prim, self.source, self.still, self.lost = prim, source, still, lost
+        self.inputs = LampInputs(prim, lost)
+        self.codes = codes_of([*self.inputs.attributes(), *moving_scales(prim)], source.codes)
         # Blender's suns, as it writes and reads them.
         self.blenders = source.by_blender or source.for_blender
 
-    def read(self, kind: str) -> Lamp:
-        if kind == "DistantLight":
-            return self._sun()
-        if kind == "SphereLight":
-            return self._sphere()
-        return self._area(kind)
-
     def number(self, name: str, default: float) -> np.ndarray:
-        """A row of one number for each code."""
-        attribute = self.prim.GetAttribute(f"inputs:{name}")
-        values = [attribute.Get(code) if attribute else None for code in self.codes.tolist()]
-        numbers = [default if value is None else float(value) for value in values]
-        return np.nan_to_num(np.array(numbers), nan=default, posinf=1e15, neginf=0.0)
+        """One number a code."""
+        return self.inputs.numbers(name, default, self.codes)
 
-    def radiance(self) -> np.ndarray:
-        """Intensity, exposure and colour: three numbers a code."""
-        attribute = self.light.GetColorAttr()
-        colors = np.array([attribute.Get(code) for code in self.codes.tolist()], float)
-        if self.light.GetEnableColorTemperatureAttr().Get() and self.light.GetColorTemperatureAttr().HasAuthoredValue():
-            colors = colors * np.array(UsdLux.BlackbodyTemperatureAsRgb(self.light.GetColorTemperatureAttr().Get()))
-        scale = self.number("intensity", 1.0) * np.exp2(np.clip(self.number("exposure", 0.0), -60, 60))
-        return np.maximum(colors * scale[:, None], 0.0)
+    def linears(self) -> np.ndarray:
+        """World from light in units of the stage, a matrix a code."""
+        return instance_linears(self.prim, self.codes, self.still / self.source.metres)
 
-    def power(self, of_normalised: Callable[[np.ndarray], np.ndarray], area: np.ndarray) -> np.ndarray:
-        """What the light emits; `area` is that of its surface in m2."""
-        radiance = self.radiance()
-        if not self.light.GetNormalizeAttr().Get(self.source.first):
-            radiance = radiance * area[:, None]
-        return of_normalised(radiance)
+    def radiance(self, stage_area: np.ndarray) -> np.ndarray:
+        """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of the stage squared."""
+        radiance = self.inputs.radiance(self.codes)
+        if self.prim.GetAttribute("inputs:normalize").Get(self.source.first):
+            radiance = radiance / stage_area[:, None]
+        return radiance
 
-    def _sun(self) -> Lamp:
-        degrees = self.number("angle", 0.53)
-        angles = np.radians(degrees) / (BLENDER_ANGLE if self.blenders else 1.0)
-        area = np.where(angles > 0, math.pi * np.sin(0.5 * angles) ** 2, 1.0)
-        irradiance = self.power(lambda radiance: radiance / (BLENDER_SUN if self.blenders else 1.0), area)
+    def sun(self) -> Lamp:
+        """Irradiance on a plane that faces it: radiance times pi sin2(half its angle)."""
+        angles = np.radians(np.clip(self.number("angle", 0.53), 0, 360)) / (BLENDER_ANGLE if self.blenders else 1.0)
+        squares = np.sin(0.5 * np.minimum(angles, 2 * math.pi)) ** 2
+        size = math.pi * np.where(angles > math.pi, 2 - squares, squares)
+        size = np.where(angles > 0, size, 1.0)
+        irradiance = self.radiance(size) * np.where(angles > math.pi, math.pi, size)[:, None] / (BLENDER_SUN if self.blenders else 1.0)
+        if angles.max() > WIDEST_SUN:
+            self.lost.add("usd-light-shape", self.prim.GetPath(), "a DistantLight wider than 179 degrees is one of 179 degrees")
+            angles = np.minimum(angles, WIDEST_SUN)
         lamp = Lamp(self._light("directional", irradiance), {"angle": angles[0]} if angles.max() > 0 else {})
         self._carry(lamp, "strength_w_m2", irradiance)
         if angles.max() > 0:
             self._carry(lamp, "angle", angles[:, None])
         return lamp
 
-    def _sphere(self) -> Lamp:
-        radius = self.number("radius", 0.5) * self.source.metres
-        intensity = self.power(lambda radiance: radiance / 4, 4 * math.pi * radius**2)
-        is_point = bool(UsdLux.SphereLight(self.prim).GetTreatAsPointAttr().Get())
+    def ball(self, is_cylinder: bool) -> Lamp:
+        """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which sends out as much."""
+        stage_area = np.maximum(self._cylinder_area() if is_cylinder else self._sphere_area(), SMALLEST_AREA)
+        area = stage_area * self.source.metres**2
+        # A quarter of a convex body's surface is what it shows on average (Cauchy).
+        intensity = self.radiance(stage_area) * area[:, None] / 4
+        radius = np.where(stage_area > SMALLEST_AREA, np.sqrt(area / (4 * math.pi)), 0.0)
+        is_point = bool(UsdLux.SphereLight(self.prim).GetTreatAsPointAttr().Get()) and not is_cylinder
         lamp = Lamp(self._light("point", intensity), {} if is_point else {"radius": radius[0]})
         self._carry(lamp, "power_w", intensity * 4 * math.pi)
         if not is_point:
             self._carry(lamp, "radius", radius[:, None])
-        angle = self.prim.GetAttribute("inputs:shaping:cone:angle")
-        if angle and angle.HasAuthoredValue():
-            self._shape(lamp, angle)
+        if self.inputs.has_cone():
+            self._shape(lamp)
         return lamp
 
-    def _shape(self, lamp: Lamp, angle: Usd.Attribute) -> None:
-        softness = self.prim.GetAttribute("inputs:shaping:cone:softness")
-        self.codes = codes_of([angle, softness] if softness else [angle], self.source.codes)
+    def _sphere_area(self) -> np.ndarray:
+        """Of a sphere in the world, units of the stage squared, one a code."""
+        axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
+        halves = np.linalg.svd(axes, compute_uv=False)
+        if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
+            self.lost.add("usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area")
+        return ball_area(halves)
+
+    def _cylinder_area(self) -> np.ndarray:
+        """The same of a cylinder along x, which has no caps; its ends count as circles of their mean radius."""
+        world = self.linears()
+        along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
+        around = 0.5 * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1) * np.maximum(self.number("radius", 0.5), 0)
+        self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
+        return 2 * math.pi * around * along
+
+    def _shape(self, lamp: Lamp) -> None:
+        self.codes = codes_of(self.inputs.cone_attributes(), self.source.codes)
         outer = np.radians(self.number("shaping:cone:angle", 90.0))
-        blend = np.clip(self.number("shaping:cone:softness", 0.0), 0.0, 1.0)
+        softness = np.clip(self.number("shaping:cone:softness", 0.0), 0.0, 1.0)
         if outer[0] > math.pi / 2:
-            self.lost.add("usd-light-cone", self.prim.GetPath(), "a cone wider than a half space shines to all sides")
+            if outer[0] < math.pi - 1e-6:
+                self.lost.add("usd-light-cone", self.prim.GetPath(), "a cone wider than a half space shines to all sides")
             return
         outer = np.clip(outer, 1e-4, math.pi / 2)
+        blend = softness if self.source.by_us or self.source.by_blender else _blend(outer, softness)
         inner = outer[0] * (1 - max(blend[0], NARROWEST_EDGE))
         lamp.light.update(type="spot", spot={"innerConeAngle": inner, "outerConeAngle": outer[0]})
         self._carry(lamp, "outer_angle", outer[:, None])
         self._carry(lamp, "blend", blend[:, None])
 
-    def _area(self, kind: str) -> Lamp:
-        is_disk = kind == "DiskLight"
-        width = 2 * self.number("radius", 0.5) if is_disk else self.number("width", 1.0)
-        height = width if is_disk else self.number("height", 1.0)
-        # The prim's own scale counts, and so does the stage's unit.
-        world = np.array(UsdGeom.Xformable(self.prim).ComputeLocalToWorldTransform(self.source.first))[:3, :3]
-        scale = np.linalg.norm(np.cross(world[0], world[1])) * self.source.metres**2
-        area = width * height * scale * (math.pi / 4 if is_disk else 1.0)
-        power = self.power(lambda radiance: radiance * math.pi, area)
+    def area(self, is_disk: bool) -> Lamp:
+        """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as the node is scaled."""
+        width = np.maximum(2 * self.number("radius", 0.5) if is_disk else self.number("width", 1.0), 1e-9)
+        height = width if is_disk else np.maximum(self.number("height", 1.0), 1e-9)
+        world = self.linears()
+        scale = np.linalg.norm(np.cross(world[:, :, 0], world[:, :, 1]), axis=1)
+        stage_area = np.maximum(width * height * scale * (math.pi / 4 if is_disk else 1.0), SMALLEST_AREA)
+        power = math.pi * self.radiance(stage_area) * stage_area[:, None] * self.source.metres**2
         brightest = max(power[0].max(), 0.0)
         extras = {
             "type": "area",
@@ -145,3 +175,8 @@ class _Reader:
     def _carry(self, lamp: Lamp, name: str, rows: np.ndarray) -> None:
         if len(rows) > 1 and np.ptp(rows, axis=0).max() > 0:
             lamp.carried[name] = self.codes, rows
+
+
+def _blend(outer: np.ndarray, softness: np.ndarray) -> np.ndarray:
+    """The renderer's share of 1 - cos(outer) over which a spot fades, such that it begins to where UsdLux has it: at (1 - softness) outer."""
+    return (np.cos((1 - softness) * outer) - np.cos(outer)) / (1 - np.cos(outer))

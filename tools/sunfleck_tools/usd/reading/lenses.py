@@ -62,7 +62,7 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
     if isinstance(kept, dict) and "blades" in kept:
         extras["blades"] = int(kept["blades"])
     # Time codes from the frame.
-    frames = float(source.fps) / source.stage.GetTimeCodesPerSecond()
+    frames = float(source.fps / source.codes_per_second)
     shutter = (camera.GetShutterOpenAttr(), camera.GetShutterCloseAttr())
     opening, closing = (float(each.Get(source.first) or 0.0) * frames for each in shutter)
     if 0 < closing - opening <= 1000 and abs(opening) <= 1000:

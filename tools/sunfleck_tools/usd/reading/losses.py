@@ -6,29 +6,63 @@ Invariant: whatever `KINDS` does not name cannot be lost; a kind is said once, w
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+
+from pxr import Tf, Usd
+
+from ...errors import SceneError
 
 KINDS = {
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
+    "usd-composition": "an arc or an opinion that USD itself passes over",
+    "usd-dome-animated": "a DomeLight that changes over time",
     "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
-    "usd-faces-animated": "faces that change over time",
+    "usd-dome-second": "one DomeLight more than there is sky",
+    "usd-instances": "times at which the arrays of an instancer do not fit one another",
     "usd-light-cone": "a cone wider than a half space",
-    "usd-material": "a material that is no UsdPreviewSurface",
+    "usd-light-input": "an input of a light that is not carried",
+    "usd-light-shape": "a light whose form is not carried, but one like it",
+    "usd-light-value": "an input of a light that is no number that can be",
+    "usd-material": "a material without a surface that is known",
+    "usd-material-animated": "a file or a colour of a mesh that changes over time",
+    "usd-material-approximated": "a surface of which only the most important inputs are taken",
     "usd-material-input": "an input of a material that is not carried",
-    "usd-meshes-together": "several meshes in one place that bend",
-    "usd-shape": "a shape that is no mesh",
+    "usd-material-value": "an input of a material, or a colour of a mesh, that is none that can be",
+    "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights nothing",
+    "usd-missing": "a layer or a prim that the stage refers to and that is not there",
+    "usd-normal-map": "a normal map that does not say how it is to be read",
+    "usd-prim": "a prim that cannot be read, and is left out",
+    "usd-primvar": "values that do not fit their mesh",
+    "usd-purpose": "a shape of a purpose that is not drawn",
+    "usd-shape": "a shape without faces",
     "usd-shear": "a node that shears as it moves",
     "usd-skeleton": "a skeleton that cannot be followed",
-    "usd-subdivision": "a subdivision surface of which the cage is taken",
+    "usd-subdivision": "a subdivision surface that is refined less than twice",
+    "usd-texture": "a texture that is not there or cannot be read",
+    "usd-texture-packing": "a texture of which only the mean is carried",
+    "usd-texture-range": "numbers of a texture that are clipped, or more than 256 steps can tell apart",
+    "usd-texture-size": "a texture that is made smaller",
+    "usd-texture-wrap": "a texture with black around it",
 }
 """Ids and what they stand for; docs/usd.md lists them for users."""
 
 
+UNREADABLE = (SceneError, Tf.ErrorException, TypeError, ValueError, OverflowError)
+"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make of those is one fault."""
+
+
+class TooMuch(SceneError):
+    """More than a file may hold: no single prim is at fault."""
+
+
 @dataclass(frozen=True)
 class Loss:
-    """One kind of loss: the first place, in words, and how many there are."""
+    """One kind of loss: the first place, the sentence that says it, and how many there are."""
 
     kind: str
+    place: str
     sentence: str
     count: int
 
@@ -41,7 +75,7 @@ class Losses:
     """Collects losses as a stage is read."""
 
     def __init__(self) -> None:
-        self._first: dict[str, str] = {}
+        self._first: dict[str, tuple[str, str]] = {}
         self._seen: set[tuple[str, str, str]] = set()
         self._counts: Counter[str] = Counter()
 
@@ -54,8 +88,19 @@ class Losses:
             return
         self._seen.add(key)
         self._counts[kind] += 1
-        self._first.setdefault(kind, f"{place}: {what}")
+        self._first.setdefault(kind, (str(place), f"{place}: {what}"))
+
+    @contextmanager
+    def leaving_out(self, prim: Usd.Prim) -> Iterator[None]:
+        """Leaves out a prim that cannot be read, and says why."""
+        try:
+            yield
+        except TooMuch:
+            raise
+        except UNREADABLE as error:
+            place = str(prim.GetPath())
+            self.add("usd-prim", place, f"is left out: {str(error).removeprefix(f'{place}: ')}")
 
     def list(self) -> list[Loss]:
         """One a kind, in the order in which they were found."""
-        return [Loss(kind, sentence, self._counts[kind]) for kind, sentence in self._first.items()]
+        return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]

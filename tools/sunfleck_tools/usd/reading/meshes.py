@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
-from pxr import Usd
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pxr import Usd, UsdGeom
 
 from ...gltf.writer import GlbWriter
-from .losses import Losses
+from .bends import Bend
+from .bindings import Bound, path_of, read_bound
+from .glows import read_glow
+from .losses import UNREADABLE, Losses
 from .nodes import Nodes
-from .shapes import Shapes, read_mesh
+from .shapes import Shape, ShapeReader, Shapes
 from .source import Source
+from .spans import Span, read_spans
 from .surfaces import Surfaces
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A mesh of the file, what it is called, how it bends, and when it is there."""
+
+    name: str
+    number: int
+    bend: Bend | None = None
+    span: Span | None = None
 
 
 class Meshes:
@@ -18,49 +35,91 @@ class Meshes:
     def __init__(self, writer: GlbWriter, nodes: Nodes, source: Source, lost: Losses):
         self.writer, self.nodes, self.source, self.lost = writer, nodes, source, lost
         self.surfaces = Surfaces(writer, source, lost)
-        self._read: dict[tuple[str, ...], tuple[int | None, Shapes]] = {}
+        self._reader = ShapeReader(source, lost)
+        self._read: dict[tuple, list[_Piece]] = {}
         self._known: dict[bytes, int] = {}
 
     def place(self, prims: list[Usd.Prim], node: int) -> None:
-        """Puts prims in one place, as one mesh, at a node."""
-        same = [prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim for prim in prims]
-        key = tuple(str(prim.GetPath()) for prim in same)
+        """Puts prims in one place at a node: what stays as one mesh, what bends or takes turns in nodes below it."""
+        bound = [read_bound(prim) for prim in prims]
+        key = tuple((path_of(prim), each.key(), _color_key(prim)) for prim, each in zip(prims, bound))
         if key not in self._read:
-            shapes = [read_mesh(prim, self.source, self.lost) for prim in prims]
-            bends = [shape.bend for shape in shapes if shape.bend is not None]
-            joined = Shapes([part for shape in shapes for part in shape.parts], bends[0] if len(shapes) == 1 and bends else None)
-            if bends and len(shapes) > 1:
-                self.lost.add("usd-meshes-together", prims[0].GetParent().GetPath(), "of several meshes in one place none bends")
-            self._read[key] = self._write(prims[0].GetName(), joined), joined
-        number, joined = self._read[key]
-        if number is None:
-            return
-        self.nodes.of(node)["mesh"] = number
-        if joined.bend is not None:
-            times = self.source.seconds(joined.bend.codes)
-            self.writer.animate(node, "weights", times, joined.bend.weights.reshape(-1, 1))
+            self._read[key] = self._pieces(prims, bound)
+        pieces = self._read[key]
+        for index, piece in enumerate(pieces):
+            is_still = piece.bend is None and piece.span is None
+            is_alone = len(pieces) == 1 and piece.span is None
+            at = node if is_alone or (is_still and index == 0) else self.nodes.add(piece.name, node)
+            self.nodes.of(at)["mesh"] = piece.number
+            if piece.bend is not None:
+                times = self.source.seconds(piece.bend.codes)
+                self.writer.animate(at, "weights", times, piece.bend.weights.reshape(-1, 1))
+            if piece.span is not None:
+                self._take_turns(at, piece.span)
 
-    def _write(self, name: str, shapes: Shapes) -> int | None:
-        primitives = []
-        for part in shapes.parts:
-            attributes = {
-                key: self.writer.floats(values, with_bounds=key == "POSITION") for key, values in part.attributes.items()
-            }
-            primitive: dict = {"attributes": attributes, "indices": self.writer.indices(part.triangles)}
-            material = self.surfaces.number(part.material, part.layers)
-            if material is not None:
-                primitive["material"] = material
-            if shapes.bend is not None:
-                targets = [target[part.point_of_row] for target in shapes.bend.targets]
-                primitive["targets"] = [{"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets]
-            primitives.append(primitive)
-        if not primitives:
-            return None
-        mesh = {"name": name, "primitives": primitives}
+    def _pieces(self, prims: list[Usd.Prim], bound: list[Bound]) -> list[_Piece]:
+        """Meshes of prims, what stays first."""
+        still, moving = [], []
+        for prim, each in zip(prims, bound):
+            with self.lost.leaving_out(prim):
+                glow = read_glow(prim, self.source, self.lost)
+                for span in read_spans(prim, self.source):
+                    # Of a mesh that changes a time at which it cannot be read is no reason to lose the others.
+                    with self.lost.leaving_out(prim):
+                        shapes = self._reader.read(prim, each, span)
+                        shapes.parts = [replace(part, glow=glow) for part in shapes.parts]
+                        if shapes.bend is None and span.is_always:
+                            still += shapes.parts
+                        elif shapes.parts:
+                            moving.append((prim.GetName(), shapes, None if span.is_always else span))
+        pieces = [_Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
+        return pieces + [_Piece(name, self._write(name, shapes), shapes.bend, span) for name, shapes, span in moving]
+
+    def _take_turns(self, node: int, span: Span) -> None:
+        """Shows a node for as long as a span lasts."""
+        edges = {self.source.first: span.start <= self.source.first < span.end}
+        edges.update(
+            {code: is_start for code, is_start in ((span.start, True), (span.end, False)) if self.source.first < code < np.inf}
+        )
+        codes = np.array(sorted(edges))
+        self.nodes.show(node, codes, np.array([edges[code] for code in codes.tolist()]))
+
+    def _write(self, name: str, shapes: Shapes) -> int:
+        mesh = {"name": name, "primitives": [self._primitive(part, shapes.bend) for part in shapes.parts]}
         if shapes.bend is not None:
             mesh["weights"] = shapes.bend.weights[0].tolist()
         # Blender's exports have a copy for each leaf.
-        same = repr((primitives, mesh.get("weights"))).encode()
+        same = repr((mesh["primitives"], mesh.get("weights"))).encode()
         if same not in self._known:
             self._known[same] = self.writer.add("meshes", mesh)
         return self._known[same]
+
+    def _primitive(self, part: Shape, bend: Bend | None) -> dict:
+        attributes = {key: self.writer.floats(values, with_bounds=key == "POSITION") for key, values in part.attributes.items()}
+        primitive: dict = {"attributes": attributes, "indices": self.writer.indices(part.triangles)}
+        material = self._material(part)
+        if material is not None:
+            primitive["material"] = material
+        if bend is not None:
+            targets = [target[part.point_of_row] for target in bend.targets]
+            primitive["targets"] = [{"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets]
+            if part.normal_targets is not None:
+                for target, normals in zip(primitive["targets"], part.normal_targets):
+                    target["NORMAL"] = self.writer.floats(normals)
+        return primitive
+
+    def _material(self, part: Shape) -> int | None:
+        try:
+            return self.surfaces.number(part.material, part.layers, part.attributes.get("COLOR_0"), part.glow)
+        except UNREADABLE as error:
+            place = str(part.material.GetPath()) if part.material else ""
+            self.lost.add("usd-material", place, f"cannot be read: {str(error).removeprefix(f'{place}: ')}")
+            return None
+
+
+def _color_key(prim: Usd.Prim) -> str:
+    """Whose colours an instance's part has: those of the instance may differ."""
+    if not prim.IsInstanceProxy():
+        return ""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+    return path_of(primvar.GetAttr().GetPrim()) if primvar else ""

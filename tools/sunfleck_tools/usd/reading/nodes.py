@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...errors import SceneError
 from ...gltf.writer import GlbWriter
 from ..samples import thinned
-from .losses import Losses
-from .places import parts, sheared
+from .losses import Losses, TooMuch
+from .places import parts, sheared, turn_of
 from .source import Source
 
 MOST_NODES = 2_000_000
 MOST_SAMPLES = 30_000_000
-LARGEST = 1e15
-"""Of all elements of matrices, as in the renderer."""
 
 
 class Nodes:
@@ -24,22 +21,33 @@ class Nodes:
         self.writer, self.source, self.lost = writer, source, lost
         self.roots: list[int] = []
         self._names: dict[str, int] = {}
+        self._parents: dict[int, int] = {}
         self._samples = 0
 
     def add(self, name: str, parent: int | None) -> int:
         """A node below another, or at the top."""
         if len(self.writer.document.get("nodes", ())) >= MOST_NODES:
-            raise SceneError(f"{self.source.path}: is more than {MOST_NODES} nodes")
+            raise TooMuch(f"{self.source.path}: is more than {MOST_NODES} nodes")
         number = self.writer.add("nodes", {"name": self._unused(name)})
         if parent is None:
             self.roots.append(number)
         else:
             self.of(parent).setdefault("children", []).append(number)
+            self._parents[number] = parent
         return number
 
     def of(self, number: int) -> dict:
         """A node itself."""
         return self.writer.document["nodes"][number]
+
+    def linear(self, number: int) -> np.ndarray:
+        """World from node without translation, as it stands still, metres."""
+        found, at = np.eye(3), number
+        while at is not None:
+            node = self.of(at)
+            found = turn_of(node.get("rotation", [0.0, 0.0, 0.0, 1.0])) @ np.diag(node.get("scale", [1.0] * 3)) @ found
+            at = self._parents.get(at)
+        return found
 
     def _unused(self, name: str) -> str:
         """Values that change are carried by name; so names must differ."""
@@ -52,8 +60,9 @@ class Nodes:
 
     def place(self, node: int, codes: np.ndarray, matrices: np.ndarray) -> int:
         """Puts a node where matrices say; its children belong to the node that is returned."""
-        if not (np.abs(matrices) < LARGEST).all():
-            raise SceneError(f"{self.source.path}: the place of `{self.of(node)['name']}` is not finite")
+        if len(codes) == 1 and (matrices[0, :3, :3] == np.eye(3)).all():
+            self._move(node, codes, {"translation": matrices[:, :3, 3]})
+            return node
         translations, turns, scales, is_all = parts(matrices)
         if is_all:
             self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
@@ -73,18 +82,29 @@ class Nodes:
     def _move(self, node: int, codes: np.ndarray, rows: dict[str, np.ndarray]) -> None:
         self._samples += len(codes)
         if self._samples > MOST_SAMPLES:
-            raise SceneError(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
+            raise TooMuch(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
         rests = {"translation": [0.0] * 3, "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0] * 3}
         for path, values in rows.items():
             # What differs by rounding alone stands still.
             values = np.asarray(values, np.float32)
-            if np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
+            if len(values) > 1 and np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
                 values = values[:1]
-            if not np.allclose(values[0], rests[path], rtol=0, atol=1e-9):
-                self.of(node)[path] = values[0].astype(float).tolist()
+            first = values[0].tolist()
+            if any(abs(value - rest) > 1e-9 for value, rest in zip(first, rests[path])):
+                self.of(node)[path] = first
             if len(values) > 1:
                 kept, values = thinned(codes, values)
                 self.writer.animate(node, path, self.source.seconds(kept), values)
+
+    def show(self, node: int, codes: np.ndarray, shown: np.ndarray) -> None:
+        """Has a node and all below it seen, or not, from each code on."""
+        if shown.all():
+            return
+        if shown.any():
+            self.carry(node, "sunfleck_node.visible", codes, shown[:, None].astype(float), steps=True)
+        else:
+            self.writer.extensions.add("KHR_node_visibility")
+            self.of(node).setdefault("extensions", {})["KHR_node_visibility"] = {"visible": False}
 
     def extra(self, node: int, name: str, value: object) -> None:
         """A custom property."""

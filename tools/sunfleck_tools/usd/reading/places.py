@@ -5,27 +5,45 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from ...errors import SceneError
+
+LARGEST = 1e15
+"""Of all elements of matrices, as in the renderer."""
 SHEAR = 1e-5
 """Cosine between axes that still counts as none."""
 
 
+def reach(codes: np.ndarray) -> tuple[float, float]:
+    """A frame more than the range of whole frames on either side, as far as the shutter of a frame may be open; glTF has no times before 0."""
+    frame = codes[1] - codes[0] if len(codes) > 1 else 1.0
+    return max(float(codes[0] - frame), 0.0), float(codes[-1] + frame)
+
+
 def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
-    """Whole frames, and samples between them, if any attribute moves; else the first frame."""
-    if not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
+    """Whole frames, samples between them, and beyond them as far as a shutter reaches, if any attribute moves; else the first frame."""
+    moving = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
+    if not moving:
         return codes[:1]
-    between: set[float] = set()
-    for attribute in attributes:
-        between.update(code for code in attribute.GetTimeSamples() if codes[0] < code < codes[-1])
-    found = np.unique(np.round(np.concatenate([codes, np.array(sorted(between))]), 6))
-    return found
+    samples = np.array([code for attribute in moving for code in attribute.GetTimeSamples()], float)
+    splines = any(attribute.HasSpline() for attribute in moving)
+    first, last = reach(codes)
+    found = [codes, samples[(samples > first) & (samples < last)]]
+    if splines or (samples < codes[0]).any():
+        found.append([first])
+    if splines or (samples > codes[-1]).any():
+        found.append([last])
+    return np.unique(np.round(np.concatenate(found), 6))
 
 
 def local_matrices(xformable: UsdGeom.Xformable, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Codes, and matrices for column vectors."""
+    """Codes, and matrices for column vectors. Raises `SceneError`."""
     operations = xformable.GetOrderedXformOps()
     codes = codes_of([operation.GetAttr() for operation in operations], codes)
     rows = [xformable.GetLocalTransformation(operations, Usd.TimeCode(code)) for code in codes.tolist()]
-    return codes, np.array(rows, float).reshape(-1, 4, 4).transpose(0, 2, 1)
+    matrices = np.array(rows, float).reshape(-1, 4, 4).transpose(0, 2, 1)
+    if not (np.abs(matrices) < LARGEST).all():
+        raise SceneError(f"{xformable.GetPath()}: its place is not finite")
+    return codes, matrices
 
 
 def parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -67,6 +85,13 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
     ]
     chosen = np.choose(np.argmax(squares, axis=1)[:, None], columns)
     return chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
+
+
+def turn_of(quaternion: list[float]) -> np.ndarray:
+    """The rotation matrix of a unit quaternion (x, y, z, w)."""
+    x, y, z, w = quaternion
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + 2 * (w * skew + skew @ skew)
 
 
 def steady(turns: np.ndarray) -> np.ndarray:

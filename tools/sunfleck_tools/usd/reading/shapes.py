@@ -1,22 +1,28 @@
-"""Meshes of a stage to primitives of glTF. Invariant: no index is used that was not checked."""
+"""Meshes and solids of a stage to primitives of glTF. Invariant: no index is used that was not checked."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
+from .bends import Bend, normal_targets, read_bend
+from .bindings import Bound, path_of
+from .cages import LEVELS, Refiner, Subdivided, depth_of
+from .colors import shows_colors, vertex_colors
+from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
-from .places import codes_of
+from .normals import smooth_normals
+from .primvars import Primvars, Stream
+from .rows import different_rows
+from .solids import SOLIDS, read_solid
 from .source import Source
+from .spans import Span
 from .triangles import triangulate
-
-MOST_BYTES = 2**30
-"""Of the points of a mesh over all frames."""
-SMALLEST = 1e-6
-"""Of the size of a mesh: how far vertices that bend may lie from where they should."""
 
 
 @dataclass
@@ -28,15 +34,11 @@ class Shape:
     point_of_row: np.ndarray
     material: Usd.Prim | None
     layers: list[str]
-
-
-@dataclass
-class Bend:
-    """Points that move: what is added to them, times weights, a row a code."""
-
-    codes: np.ndarray
-    targets: list[np.ndarray]
-    weights: np.ndarray
+    glow: tuple[float, float, float] | None = None
+    """Of a mesh that is a light: its radiance."""
+    corner_of_row: np.ndarray | None = None
+    normal_targets: np.ndarray | None = None
+    """Of what bends: what is added to each row's normal, times the weights."""
 
 
 @dataclass
@@ -47,157 +49,174 @@ class Shapes:
     bend: Bend | None = None
 
 
-def read_mesh(prim: Usd.Prim, source: Source, lost: Losses) -> Shapes:
-    """All of a mesh."""
-    mesh = UsdGeom.Mesh(prim)
-    if mesh.GetFaceVertexIndicesAttr().ValueMightBeTimeVarying():
-        lost.add("usd-faces-animated", prim.GetPath(), "its faces change over time; those of the first frame are taken")
-    if _value(mesh.GetSubdivisionSchemeAttr(), source, "none") != "none" and mesh.GetSubdivisionSchemeAttr().HasAuthoredValue():
-        lost.add("usd-subdivision", prim.GetPath(), "subdivision is not carried, only its cage")
-    points_attribute = mesh.GetPointsAttr()
-    codes = codes_of([points_attribute], source.codes)
-    points = _points(prim, points_attribute, codes[0])
-    counts, corners = _faces(prim, mesh, source, len(points))
-    try:
-        triangles = triangulate(counts, points, corners)
-    except ValueError as error:
-        raise SceneError(f"{prim.GetPath()}: {error}") from None
-    if _value(mesh.GetOrientationAttr(), source) == UsdGeom.Tokens.leftHanded:
-        triangles = triangles[:, [0, 2, 1, 3]]
-    holes = np.array(_value(mesh.GetHoleIndicesAttr(), source, []), np.int64)
-    triangles = triangles[~np.isin(triangles[:, 3], holes)]
-    moves = len(codes) > 1
-    streams, layers = _streams(prim, mesh, source, len(points), corners, counts, with_normals=not moves)
-    shapes = Shapes()
-    for material, faces in _subsets(prim, mesh, source, len(counts)):
-        chosen = triangles[faces[triangles[:, 3]]] if faces is not None else triangles
-        if len(chosen):
-            shapes.parts.append(_part(points, corners, chosen, streams, layers, material))
-    if moves and shapes.parts:
-        shapes.bend = _bend(prim, points_attribute, codes, points)
-    return shapes
+@dataclass
+class _Outline:
+    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and attributes of corners."""
+
+    points: np.ndarray
+    faces: Faces
+    points_at: Callable[[float], np.ndarray]
+    normals_at: Callable[[float], np.ndarray | None] = lambda _: None
+    finer: Subdivided | None = None
+    finer_points: np.ndarray | None = None
+    rows: dict[str, np.ndarray] = field(default_factory=dict)
+    layers: list[str] = field(default_factory=list)
+
+    def spread(self, stream: Stream | None) -> np.ndarray | None:
+        """A row for each corner of the faces that are written."""
+        if stream is None or self.finer is None:
+            return stream and stream.rows(self.faces)
+        return self.finer.stream(stream).rows(self.finer.faces)
 
 
-def _value(attribute: Usd.Attribute, source: Source, default=None):
-    found = attribute.Get(source.first) if attribute else None
-    return default if found is None else found
+def is_shape(prim: Usd.Prim) -> bool:
+    """True for what has faces here."""
+    return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in SOLIDS
 
 
-def _points(prim: Usd.Prim, attribute: Usd.Attribute, code: float) -> np.ndarray:
-    found = attribute.Get(code)
-    points = np.zeros((0, 3)) if found is None else np.array(found, float).reshape(-1, 3)
-    if not np.isfinite(points).all():
-        raise SceneError(f"{prim.GetPath()}: points are not all finite")
-    return points
+class ShapeReader:
+    """Reads the shapes of a stage."""
 
+    def __init__(self, source: Source, lost: Losses):
+        self.source, self.lost = source, lost
+        self._refiner: Refiner | None = None
+        self._shows: dict[str, bool] = {}
 
-def _faces(prim: Usd.Prim, mesh: UsdGeom.Mesh, source: Source, points: int) -> tuple[np.ndarray, np.ndarray]:
-    counts = np.array(_value(mesh.GetFaceVertexCountsAttr(), source, []), np.int64)
-    corners = np.array(_value(mesh.GetFaceVertexIndicesAttr(), source, []), np.int64)
-    if (counts < 0).any() or counts.sum() != len(corners):
-        raise SceneError(f"{prim.GetPath()}: faceVertexCounts ask for {counts.sum()} corners, faceVertexIndices have {len(corners)}")
-    if len(corners) and (corners.min() < 0 or corners.max() >= points):
-        raise SceneError(f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} points")
-    return counts, corners
+    def read(self, prim: Usd.Prim, bound: Bound, span: Span) -> Shapes:
+        """A shape for as long as its faces are the same. Raises `SceneError`."""
+        outline = self._mesh(prim, span) if prim.IsA(UsdGeom.Mesh) else _solid(prim, span.rests_at)
+        normals = outline.normals_at(span.rests_at)
+        if normals is not None:
+            outline.rows["NORMAL"] = normals
+        looks = path_of(bound.material)
+        if looks not in self._shows:
+            self._shows[looks] = shows_colors(bound.material, self.source)
+        if self._shows[looks]:
+            self._color(prim, bound.material, outline, span.rests_at)
+        shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
+        if len(span.codes) > 1 and shapes.parts:
+            shapes.bend = read_bend(prim.GetPath(), outline.points_at, span.codes, outline.points)
+        if shapes.bend is not None and normals is not None:
+            targets = normal_targets(outline.normals_at, shapes.bend, normals)
+            for part in shapes.parts:
+                part.normal_targets = targets[:, part.corner_of_row] if targets is not None else None
+        if shapes.bend is not None and outline.finer is not None:
+            shapes.bend.targets = [outline.finer.points(target) for target in shapes.bend.targets]
+        return shapes
 
-
-def _streams(prim, mesh, source, points, corners, counts, with_normals):
-    """Attributes as a row a corner, by their glTF names, and the names of the texture coordinates."""
-    streams: dict[str, np.ndarray] = {}
-    layers: list[str] = []
-    api = UsdGeom.PrimvarsAPI(prim)
-    rows = {"vertex": corners, "varying": corners, "faceVarying": np.arange(len(corners)),
-            "uniform": np.repeat(np.arange(len(counts)), counts), "constant": np.zeros(len(corners), np.int64)}  # fmt: skip
-
-    def spread(values, interpolation: str, width: int) -> np.ndarray | None:
-        array = np.array(values, float).reshape(-1, width) if values is not None else np.zeros((0, width))
-        places = rows.get(interpolation)
-        if places is None or len(corners) == 0 or len(array) <= places.max() or not np.isfinite(array).all():
-            return None
-        return array[places]
-
-    if with_normals:
-        primvar = api.GetPrimvar("normals")
-        if primvar and primvar.HasValue():
-            normals = spread(primvar.ComputeFlattened(source.first), primvar.GetInterpolation(), 3)
+    def _mesh(self, prim: Usd.Prim, span: Span) -> _Outline:
+        code = span.rests_at
+        points_at = span.points_at or partial(read_points, prim)
+        points = points_at(code)
+        faces = read_faces(prim, code, len(points))
+        outline = _Outline(points, faces, points_at)
+        if self._is_refined(prim, faces, code):
+            outline.finer = Subdivided(prim, faces, len(points), code, self._refiner)
+            outline.finer_points = outline.finer.points(points)
+        primvars = Primvars(prim, code, faces, self.lost)
+        streams, outline.layers = primvars.coordinates()
+        outline.rows.update({each.name: outline.spread(each) for each in streams})
+        if finer := outline.finer:
+            finest, refined = finer.cage_of_faces, outline.finer_points
+            outline.normals_at = lambda at: smooth_normals(finest, refined if at == code else finer.points(points_at(at)))
         else:
-            normals = spread(_value(mesh.GetNormalsAttr(), source), mesh.GetNormalsInterpolation(), 3)
-        lengths = np.linalg.norm(normals, axis=1) if normals is not None else np.zeros(1)
-        if (lengths > 1e-6).all():
-            streams["NORMAL"] = normals / lengths[:, None]
-    kinds = (Sdf.ValueTypeNames.TexCoord2fArray, Sdf.ValueTypeNames.Float2Array, Sdf.ValueTypeNames.TexCoord2hArray)
-    coordinates = [primvar for primvar in api.GetPrimvars() if primvar.GetTypeName() in kinds]
-    coordinates.sort(key=lambda primvar: (primvar.GetPrimvarName() not in ("st", "UVMap"), primvar.GetPrimvarName()))
-    for primvar in coordinates[:8]:
-        found = spread(primvar.ComputeFlattened(source.first), primvar.GetInterpolation(), 2)
-        if found is not None:
-            # glTF counts rows of texels from the top.
-            streams[f"TEXCOORD_{len(layers)}"] = found * [1, -1] + [0, 1]
-            layers.append(primvar.GetPrimvarName())
-    colors = api.GetPrimvar("displayColor")
-    is_bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-    if colors and colors.HasValue() and (source.by_us or not is_bound):
-        found = spread(colors.ComputeFlattened(source.first), colors.GetInterpolation(), 3)
-        if found is not None:
-            streams["COLOR_0"] = np.clip(found, 0, 1)
-    return streams, layers
+            outline.normals_at = lambda at: outline.spread(Primvars(prim, at, faces, self.lost).normals())
+        return outline
+
+    def _color(self, prim: Usd.Prim, material: Usd.Prim | None, outline: _Outline, code: float) -> None:
+        primvars = Primvars(prim, code, outline.faces, self.lost)
+
+        def spread(values: object, interpolation: str, width: int) -> np.ndarray | None:
+            # Faces of solids are this program's own.
+            fits = prim.IsA(UsdGeom.Mesh) or interpolation == "constant"
+            return outline.spread(primvars.fit("COLOR_0", values, interpolation, width)) if fits else None
+
+        colors = vertex_colors(prim, material, code, self.lost, spread)
+        if colors is not None:
+            outline.rows["COLOR_0"] = colors
+
+    def _is_refined(self, prim: Usd.Prim, faces: Faces, code: float) -> bool:
+        scheme = value_of(UsdGeom.Mesh(prim).GetSubdivisionSchemeAttr(), code)
+        if scheme == UsdGeom.Tokens.none or not (faces.counts >= 3).any():
+            return False
+        if self._refiner is None:
+            self._refiner = Refiner(depth_of(*_cage_faces(self.source)))
+        if self._refiner.depth < LEVELS:
+            what = "is refined once" if self._refiner.depth else "is not refined"
+            self.lost.add(
+                "usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels"
+            )
+        return self._refiner.depth > 0
 
 
-def _subsets(prim, mesh, source, faces):
+def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list[Shape]:
+    """Triangles by their materials. Raises `SceneError`."""
+    finer = outline.finer
+    if finer is not None:
+        points, faces, triangles = outline.finer_points, finer.faces, finer.triangles()
+    else:
+        points, faces = outline.points, outline.faces
+        try:
+            triangles = triangulate(faces.counts, points, faces.corners)
+        except ValueError as error:
+            raise SceneError(f"{prim.GetPath()}: {error}") from None
+    if faces.flips:
+        triangles = triangles[:, [0, 2, 1, 3]]
+    triangles = triangles[~np.isin(triangles[:, 3], faces.holes)]
+    found = []
+    for material, mask in _masks(bound, outline.faces.count, code):
+        if mask is not None:
+            chosen = triangles[(mask if finer is None else mask[finer.parents])[triangles[:, 3]]]
+        else:
+            chosen = triangles
+        if len(chosen):
+            found.append(_part(points, faces.corners, chosen, outline, material))
+    return found
+
+
+def _solid(prim: Usd.Prim, code: float) -> _Outline:
+    solid = read_solid(prim, code)
+    return _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points, lambda at: read_solid(prim, at).normals)
+
+
+def _cage_faces(source: Source) -> tuple[int, int]:
+    """Faces of all subdivision surfaces of a stage, and of the largest."""
+    found = [0]
+    for root in (source.stage.GetPseudoRoot(), *source.stage.GetPrototypes()):
+        for prim in Usd.PrimRange(root):
+            if prim.IsA(UsdGeom.Mesh):
+                mesh = UsdGeom.Mesh(prim)
+                if value_of(mesh.GetSubdivisionSchemeAttr(), source.first) != UsdGeom.Tokens.none:
+                    found.append(len(value_of(mesh.GetFaceVertexCountsAttr(), source.first, ())))
+    return sum(found), max(found)
+
+
+def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None, np.ndarray | None]]:
     """Materials, and a mask of the faces that have each; None for all."""
-    own = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-    left = np.ones(faces, bool)
-    subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
-    if not subsets:
-        yield (own.GetPrim() if own else None), None
-        return
-    for subset in subsets:
-        chosen = np.array(_value(subset.GetIndicesAttr(), source, []), np.int64)
+    if not bound.subsets:
+        return [(bound.material, None)]
+    found, left = [], np.ones(faces, bool)
+    for subset, material in bound.subsets:
+        chosen = rows_of(UsdGeom.Subset(subset).GetIndicesAttr(), code, 1, np.int64).ravel()
         if len(chosen) and (chosen.min() < 0 or chosen.max() >= faces):
             raise SceneError(f"{subset.GetPath()}: indices go from {chosen.min()} to {chosen.max()}, of {faces} faces")
         mask = np.zeros(faces, bool)
         mask[chosen] = True
         left &= ~mask
-        material = UsdShade.MaterialBindingAPI(subset).ComputeBoundMaterial()[0]
-        yield (material.GetPrim() if material else None), mask
-    yield (own.GetPrim() if own else None), left
+        found.append((material, mask))
+    return [*found, (bound.material, left)]
 
 
-def _part(points, corners, triangles, streams, layers, material) -> Shape:
+def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outline: _Outline, material: Usd.Prim | None) -> Shape:
     """One material's triangles, with a row for each different corner."""
-    places = triangles[:, :3].ravel()
-    columns = [corners[places][:, None].astype(float)] + [values[places] for values in streams.values()]
-    _, first, number = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
-    kept = places[first]
-    attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in streams.items()}}
-    return Shape(attributes, number.reshape(-1, 3), corners[kept], material, layers)
-
-
-def _bend(prim: Usd.Prim, attribute: Usd.Attribute, codes: np.ndarray, rest: np.ndarray) -> Bend | None:
-    """Principal components of the points' movement: as few targets as give every vertex at every code (Alexa and Mueller 2000)."""
-    if len(codes) * rest.size * 8 > MOST_BYTES:
-        raise SceneError(f"{prim.GetPath()}: {len(rest)} points that change over {len(codes)} frames are too many")
-    moved = np.empty((len(codes), rest.size))
-    for row, code in enumerate(codes.tolist()):
-        points = _points(prim, attribute, code)
-        if len(points) != len(rest):
-            raise SceneError(f"{prim.GetPath()}: has {len(rest)} points at first and {len(points)} at time code {code:g}")
-        moved[row] = (points - rest).ravel()
-    bar = SMALLEST * max(float(np.ptp(rest, axis=0).max()), 1e-9)
-    if np.abs(moved).max() <= bar:
-        return None
-    # Of the small matrix of codes with codes.
-    squares, turns = np.linalg.eigh(moved @ moved.T)
-    order = np.argsort(-squares)
-    targets, weights, left = [], [], moved.copy()
-    for number in order:
-        if np.abs(left).max() <= bar:
-            break
-        weight = turns[:, number]
-        target = weight @ moved
-        # Weights of about 1.
-        largest = np.abs(weight).max()
-        targets.append((target * largest).reshape(-1, 3))
-        weights.append(weight / largest)
-        left -= np.outer(weight, target)
-    return Bend(codes, targets, np.stack(weights, axis=1))
+    is_used = np.zeros(len(corners), bool)
+    is_used[triangles[:, :3]] = True
+    used = np.nonzero(is_used)[0]
+    first, number = different_rows(
+        np.column_stack([corners[used], *(values[used] for values in outline.rows.values())]).astype(float)
+    )
+    row_of_corner = np.zeros(len(corners), np.int64)
+    row_of_corner[used] = number
+    kept = used[first]
+    attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in outline.rows.items()}}
+    return Shape(attributes, row_of_corner[triangles[:, :3]], corners[kept], material, outline.layers, corner_of_row=kept)

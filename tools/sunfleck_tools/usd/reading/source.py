@@ -1,6 +1,6 @@
-"""A path to a stage that holds together, with its clock and its units.
+"""A path to a stage that is open, with its clock and its units.
 
-Invariant: a stage that is handed out has every file that it refers to, and no arc of it comes round.
+Invariant: no arc of a stage that is handed out comes round; what it refers to and is not there is said.
 """
 
 from __future__ import annotations
@@ -13,13 +13,17 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom, UsdUtils
+from pxr import Pcp, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from ...errors import SceneError
+from .clock import read_clock
+from .losses import Losses
+from .options import ImportOptions
 
-MOST_FRAMES = 100_000
 MOST_NAMED = 10
 """Of errors of one kind."""
+ENDLESS = (Pcp.ErrorArcCycle, Pcp.ErrorSublayerCycle, Pcp.ErrorCapacityExceeded)
+MISSING = (Pcp.ErrorInvalidAssetPath, Pcp.ErrorInvalidSublayerPath, Pcp.ErrorUnresolvedPrimPath, Pcp.ErrorMutedAssetPath)
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,7 @@ class Source:
     path: Path
     stage: Usd.Stage
     fps: Fraction
+    codes_per_second: Fraction
     codes: np.ndarray
     by_blender: bool
     by_us: bool
@@ -36,7 +41,7 @@ class Source:
 
     def seconds(self, codes: np.ndarray) -> np.ndarray:
         """The time of time codes."""
-        return np.asarray(codes, float) / self.stage.GetTimeCodesPerSecond()
+        return np.asarray(codes, float) / float(self.codes_per_second)
 
     @property
     def first(self) -> float:
@@ -46,7 +51,7 @@ class Source:
     @property
     def frames(self) -> tuple[int, int]:
         """First and last frame."""
-        rate = float(self.fps) / self.stage.GetTimeCodesPerSecond()
+        rate = float(self.fps / self.codes_per_second)
         return round(self.codes[0] * rate), round(self.codes[-1] * rate)
 
     @property
@@ -72,22 +77,65 @@ def usd_said(path: Path) -> Iterator[None]:
         silenced.TakeUncoalescedDiagnostics()
 
 
-def open_stage(path: Path) -> Source:
-    """Opens a stage; raises `SceneError` with everything that is missing or goes round in circles."""
+def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
+    """Opens a stage; raises `SceneError` with what goes round in circles, and says what is missing."""
     if not path.is_file():
         raise SceneError(f"{path}: cannot be read: there is no such file")
     stage = Usd.Stage.Open(str(path))
-    errors = [str(error).strip() for error in stage.GetCompositionErrors()]
-    if errors:
-        raise SceneError(f"{path}: does not hold together:\n" + listed(errors))
+    for variant in options.variants:
+        _choose(path, stage, *variant)
+    if options.masks:
+        stage = _masked(path, stage, options.masks)
+    _say_what_is_missing(path, stage, lost)
     metres = UsdGeom.GetStageMetersPerUnit(stage)
     if not (math.isfinite(metres) and metres > 0):
         raise SceneError(f"{path}: a unit of {metres} metres is no unit")
-    fps, codes = _clock(path, stage)
+    fps, codes_per_second, codes = read_clock(path, stage, options.frames)
     said = stage.GetRootLayer().documentation
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
     is_for = ours.get("for") if isinstance(ours, dict) else None
-    return Source(path, stage, fps, codes, said.startswith("Blender v"), bool(ours), is_for == "blender")
+    return Source(path, stage, fps, codes_per_second, codes, said.startswith("Blender v"), bool(ours), is_for == "blender")
+
+
+def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice: str) -> None:
+    """Takes a variant, whatever the stage itself chooses."""
+    prim = _prim(path, stage, prim_path)
+    sets = prim.GetVariantSets()
+    if set_name not in sets.GetNames():
+        there = ", ".join(sets.GetNames()) or "none"
+        raise SceneError(f"{path}: {prim_path} has no variant set `{set_name}`; it has {there}")
+    choices = sets.GetVariantSet(set_name).GetVariantNames()
+    if choice not in choices:
+        raise SceneError(f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has {', '.join(choices)}")
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        sets.GetVariantSet(set_name).SetVariantSelection(choice)
+
+
+def _masked(path: Path, stage: Usd.Stage, masks: tuple[str, ...]) -> Usd.Stage:
+    """The same stage with nothing but what is at some paths, and what that refers to: materials, skeletons, prototypes."""
+    mask = Usd.StagePopulationMask([_prim(path, stage, each).GetPath() for each in masks])
+    masked = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), mask)
+    masked.ExpandPopulationMask()
+    return masked
+
+
+def _prim(path: Path, stage: Usd.Stage, prim_path: str) -> Usd.Prim:
+    is_path = Sdf.Path.IsValidPathString(prim_path) and prim_path.startswith("/")
+    prim = stage.GetPrimAtPath(prim_path) if is_path else None
+    if not prim:
+        raise SceneError(f"{path}: there is no prim `{prim_path}`; expected a path such as /World/leaf")
+    return prim
+
+
+def _say_what_is_missing(path: Path, stage: Usd.Stage, lost: Losses) -> None:
+    """What USD found as it composed the stage: arcs in circles are refused, the rest is said."""
+    errors = stage.GetCompositionErrors()
+    endless = [str(error).strip() for error in errors if isinstance(error, ENDLESS)]
+    if endless:
+        raise SceneError(f"{path}: does not hold together:\n" + listed(endless))
+    for error in errors:
+        kind = "usd-missing" if isinstance(error, MISSING) else "usd-composition"
+        lost.add(kind, error.rootSite.path, " ".join(str(error).split()))
 
 
 def _said(error: Exception) -> str:
@@ -103,21 +151,3 @@ def listed(errors: list[str]) -> str:
     """The first few, a line each."""
     shown = [f"  {' '.join(error.split())}" for error in errors[:MOST_NAMED]]
     return "\n".join(shown + ([f"  and {len(errors) - MOST_NAMED} more"] if len(errors) > MOST_NAMED else []))
-
-
-def _clock(path: Path, stage: Usd.Stage) -> tuple[Fraction, np.ndarray]:
-    """Frame rate, and the codes of whole frames."""
-    per_second = stage.GetTimeCodesPerSecond()
-    rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
-    if not all(math.isfinite(each) and 1e-3 < each < 1e6 for each in (per_second, rate)):
-        raise SceneError(f"{path}: {rate} frames and {per_second} time codes a second are no rates")
-    start, end = stage.GetStartTimeCode(), stage.GetEndTimeCode()
-    if not stage.HasAuthoredTimeCodeRange():
-        start = end = 1.0
-    codes_per_frame = per_second / rate
-    first, last = math.ceil(start / codes_per_frame - 1e-6), math.floor(end / codes_per_frame + 1e-6)
-    if not (math.isfinite(start) and math.isfinite(end)) or not 0 <= last - first < MOST_FRAMES:
-        raise SceneError(f"{path}: time codes {start} to {end} are no range of 1 to {MOST_FRAMES} frames")
-    # glTF has no times before 0.
-    frames = np.arange(max(first, 0), max(last, 0) + 1)
-    return Fraction(rate).limit_denominator(1001), frames * codes_per_frame

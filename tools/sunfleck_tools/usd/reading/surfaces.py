@@ -1,4 +1,4 @@
-"""Materials of a stage to those of glTF: networks of UsdPreviewSurface, UsdUVTexture, UsdTransform2d and readers of primvars."""
+"""Materials of a stage to those of glTF. Invariant: each is written once for each order of texture coordinates."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ import json
 import math
 
 import numpy as np
-from pxr import Ar, Usd, UsdShade
+from pxr import Usd, UsdShade
 
-from ...errors import SceneError
 from ...gltf.writer import GlbWriter
 from ..materials import NOT_CARRIED, OURS
+from .bakes import Bakery
+from .colors import GREY
 from .losses import Losses
+from .networks import Network
+from .preview import Looks, Preview
 from .properties import custom_data
+from .shaders import PREVIEW, surface_of
 from .source import Source
+from .textures import Textures
 
-WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
-KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-MOST_BYTES = 2**29
-"""Of one image's file."""
 OTHER_SHARES = ("transmission", "mirror", "filter_color")
 """Of `sunfleck_material`, beside the base colour's."""
 SINGLE_PRECISION = 1e-6
@@ -26,73 +27,99 @@ SINGLE_PRECISION = 1e-6
 
 
 class Surfaces:
-    """Writes each material, for each order of texture coordinates, once."""
+    """Writes materials."""
 
     def __init__(self, writer: GlbWriter, source: Source, lost: Losses):
         self.writer, self.source, self.lost = writer, source, lost
-        self._written: dict[tuple[str, tuple[str, ...]], int] = {}
+        self.textures = Textures(lost, source.first)
+        self.bakery = Bakery(writer, self.textures, lost)
+        self._written: dict[tuple, int] = {}
         self._known: dict[str, int] = {}
-        self._images: dict[str, int] = {}
 
-    def number(self, prim: Usd.Prim | None, layers: list[str]) -> int | None:
-        """The glTF material of a material of the stage, None without one."""
+    def number(
+        self, prim: Usd.Prim | None, layers: list[str], colors: np.ndarray | None = None, glow: tuple[float, ...] | None = None
+    ) -> int | None:
+        """The glTF material of a material of the stage; without one, of a mesh's own `colors` (rows of RGB or RGBA).
+
+        `glow` is the radiance of a mesh that is a light.
+        """
         if prim is None:
-            return None
+            return None if self.source.by_us else self._add(_glowing(_unbound(colors), glow))
         same = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-        key = str(same.GetPath()), tuple(layers)
+        key = str(same.GetPath()), tuple(layers), glow
         if key not in self._written:
-            material = self._material(prim, layers)
-            # Instances refer to copies of their own.
-            text = json.dumps(material, sort_keys=True)
-            if text not in self._known:
-                self._known[text] = self.writer.add("materials", material)
-            self._written[key] = self._known[text]
+            self._written[key] = self._add(_glowing(self._looks(prim, layers), glow))
         return self._written[key]
 
-    def _material(self, prim: Usd.Prim, layers: list[str]) -> dict:
+    def _add(self, looks: Looks) -> int:
+        self.writer.extensions.update(looks.material.get("extensions", ()))
+        # Instances refer to copies of their own.
+        rows = {path: (codes.tolist(), rows.tolist()) for path, (codes, rows) in looks.changing.items()}
+        text = json.dumps([looks.material, rows], sort_keys=True)
+        if text not in self._known:
+            number = self._known[text] = self.writer.add("materials", looks.material)
+            for path, (codes, rows) in looks.changing.items():
+                self.writer.animate_value(f"/materials/{number}/{path}", self.source.seconds(codes), rows)
+        return self._known[text]
+
+    def _looks(self, prim: Usd.Prim, layers: list[str]) -> Looks:
         name = prim.GetAttribute("userProperties:blender:data_name").Get() if self.source.by_blender else None
-        material = {"name": name or prim.GetName(), "doubleSided": True}
         extras = custom_data(prim)
-        kept = {key: extras[key] for key in OURS if key in extras}
-        if kept:
-            material["extras"] = kept
-        for name in NOT_CARRIED:
-            # Textures of them have numbers of another file.
-            said = extras.get(name)
-            numbers = {key: value for key, value in said.items() if not isinstance(value, dict)} if isinstance(said, dict) else {}
-            if numbers:
-                self.extend(material, name, numbers)
-        surface = UsdShade.Material(prim).ComputeSurfaceSource()[0]
-        if not surface or surface.GetIdAttr().Get() != "UsdPreviewSurface":
-            self.lost.add("usd-material", prim.GetPath(), "is no UsdPreviewSurface, and grey here")
-            material["pbrMetallicRoughness"] = {"baseColorFactor": [0.18, 0.18, 0.18, 1.0], "metallicFactor": 0.0}
-            return material
-        reader = _Reader(self, surface, layers)
-        reader.read(material, extras)
-        _keep_shares(material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material"))
-        return material
+        looks = Looks({"name": name or prim.GetName(), "doubleSided": True})
+        _keep(looks.material, extras)
+        shader, kind, dialect = surface_of(UsdShade.Material(prim))
+        if shader is None or dialect is None:
+            what = f"has a surface `{kind}` that is not known" if shader else "has no surface"
+            self.lost.add("usd-material", prim.GetPath(), f"{what}, and is grey here")
+            looks.material["pbrMetallicRoughness"] = {"baseColorFactor": [*GREY, 1.0], "metallicFactor": 0.0}
+            return looks
+        if not dialect.is_exact:
+            what = "is approximated by colour, roughness, metal, emission, opacity and coat"
+            self.lost.add("usd-material-approximated", prim.GetPath(), f"its surface `{kind}` {what}")
+        material = UsdShade.Material(prim)
+        for what, source in (("volume", material.ComputeVolumeSource()), ("displacement", material.ComputeDisplacementSource())):
+            if source[0]:
+                self.lost.add("usd-material-input", prim.GetPath(), f"its {what} is not carried")
+        network = Network(shader, dialect, self.textures, layers)
+        Preview(network, self.bakery, self.source.codes).read(looks, extras if dialect is PREVIEW else {})
+        _keep_shares(looks.material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material"))
+        return looks
 
-    def image(self, asset, place: str) -> int:
-        """The image of a file."""
-        resolved = asset.resolvedPath
-        if not resolved:
-            raise SceneError(f"{place}: there is no texture `{asset.path}`")
-        if resolved not in self._images:
-            opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
-            if not opened or opened.GetSize() > MOST_BYTES:
-                raise SceneError(f"{place}: the texture `{asset.path}` cannot be read")
-            data = bytes(opened.GetBuffer())
-            kind = next((kind for start, kind in KINDS.items() if data.startswith(start)), None)
-            if kind is None:
-                raise SceneError(f"{place}: the texture `{asset.path}` is neither PNG nor JPEG: convert it")
-            name = resolved.replace("[", "/").rstrip("]").rpartition("/")[2].rpartition(".")[0]
-            self._images[resolved] = self.writer.add("images", {"name": name, "mimeType": kind, "bufferView": self.writer.view(data)})
-        return self._images[resolved]
 
-    def extend(self, material: dict, extension: str, value: dict) -> None:
-        """Adds an extension to a material."""
-        self.writer.extensions.add(extension)
-        material.setdefault("extensions", {})[extension] = value
+def _unbound(colors: np.ndarray | None) -> Looks:
+    """Of a mesh without a material."""
+    base = GREY if colors is None else (1.0,) * 3
+    pbr = {"baseColorFactor": [*base, 1.0], "metallicFactor": 0.0}
+    material = {"name": "displayColor", "doubleSided": True, "pbrMetallicRoughness": pbr}
+    if colors is not None and colors.shape[1] == 4:
+        material["alphaMode"] = "BLEND"
+    return Looks(material)
+
+
+def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
+    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light (`materialSyncMode`)."""
+    material = looks.material
+    shines = "emissiveFactor" in material or "emissiveTexture" in material
+    if glow is None or shines or max(glow) <= 0:
+        return looks
+    strength = max(*glow, 1.0)
+    material["emissiveFactor"] = [each / strength for each in glow]
+    if strength > 1:
+        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": strength}
+    return looks
+
+
+def _keep(material: dict, extras: dict) -> None:
+    """What export kept beside a material, as it was."""
+    kept = {key: extras[key] for key in OURS if key in extras}
+    if kept:
+        material["extras"] = kept
+    for name in NOT_CARRIED:
+        # Textures of them have numbers of another file.
+        said = extras.get(name)
+        numbers = {key: value for key, value in said.items() if not isinstance(value, dict)} if isinstance(said, dict) else {}
+        if numbers:
+            material.setdefault("extensions", {})[name] = numbers
 
 
 def _keep_shares(base: list[float], ours: object) -> None:
@@ -107,152 +134,3 @@ def _keep_shares(base: list[float], ours: object) -> None:
         if all(isinstance(each, (int, float)) for each in shares):
             room = 1.0 - math.fsum(shares)
             base[channel] = room if room < base[channel] < room + SINGLE_PRECISION else base[channel]
-
-
-class _Reader:
-    """One network."""
-
-    def __init__(self, surfaces: Surfaces, surface: UsdShade.Shader, layers: list[str]):
-        self.surfaces, self.surface, self.layers = surfaces, surface, layers
-        self.code = surfaces.source.first
-
-    def read(self, material: dict, extras: dict) -> None:
-        color, color_map = self._input("diffuseColor", [0.18] * 3)
-        opacity, opacity_map = self._input("opacity", [1.0])
-        metallic, metallic_map = self._input("metallic", [0.0])
-        roughness, rough_map = self._input("roughness", [0.5])
-        both = rough_map or metallic_map
-        pbr = {
-            "baseColorFactor": [*(min(max(each, 0.0), 1.0) for each in color), opacity[0]],
-            "metallicFactor": metallic[0],
-            "roughnessFactor": roughness[0],
-        }
-        if color_map is not None:
-            pbr["baseColorTexture"] = color_map
-        if both is not None:
-            pbr["metallicRoughnessTexture"] = both
-        material["pbrMetallicRoughness"] = pbr
-        threshold = self._input("opacityThreshold", [0.0])[0][0]
-        if threshold > 0:
-            material.update(alphaMode="MASK", alphaCutoff=threshold)
-        elif opacity_map is not None or opacity[0] < 1 or extras.get("alpha_mode") == "BLEND":
-            material["alphaMode"] = "BLEND"
-        if opacity_map is not None and opacity_map != color_map:
-            self._lost("opacity from another texture than the colour's")
-        self._read_rest(material, extras)
-
-    def _read_rest(self, material: dict, extras: dict) -> None:
-        _, normal_map = self._input("normal", [0.0, 0.0, 1.0])
-        if normal_map is not None:
-            material["normalTexture"] = {**normal_map, "scale": extras.get("normal_scale", 1.0)}
-        emission, emission_map = self._input("emissiveColor", [0.0] * 3)
-        strength = max(max(emission), 1.0)
-        if max(emission) > 0:
-            material["emissiveFactor"] = [max(each, 0.0) / strength for each in emission]
-        if emission_map is not None:
-            material["emissiveTexture"] = emission_map
-        if strength > 1:
-            self.surfaces.extend(material, "KHR_materials_emissive_strength", {"emissiveStrength": strength})
-        index = max(self._input("ior", [1.5])[0][0], 1.0)
-        if index == 1:
-            # Reflects nothing.
-            self.surfaces.extend(material, "KHR_materials_specular", {"specularFactor": 0.0})
-        elif abs(index - 1.5) > 1e-6:
-            self.surfaces.extend(material, "KHR_materials_ior", {"ior": index})
-        if self._input("useSpecularWorkflow", [0])[0][0]:
-            self._lost("specularColor")
-        coat = self._input("clearcoat", [0.0])[0][0]
-        if coat > 0:
-            rough = self._input("clearcoatRoughness", [0.01])[0][0]
-            values = {"clearcoatFactor": coat, "clearcoatRoughnessFactor": rough}
-            self.surfaces.extend(material, "KHR_materials_clearcoat", values)
-
-    def _lost(self, what: str) -> None:
-        self.surfaces.lost.add("usd-material-input", self.surface.GetPath(), f"{what} is not carried")
-
-    def _input(self, name: str, default: list[float]) -> tuple[list[float], dict | None]:
-        """Numbers, and the texture that they multiply."""
-        found = self.surface.GetInput(name)
-        attributes = found.GetValueProducingAttributes() if found else []
-        if not attributes:
-            return default, None
-        producer = UsdShade.Shader(attributes[0].GetPrim())
-        if UsdShade.Utils.GetType(attributes[0].GetName()) == UsdShade.AttributeType.Output:
-            if producer.GetIdAttr().Get() != "UsdUVTexture":
-                self._lost(f"{name} from a {producer.GetIdAttr().Get()}")
-                return default, None
-            return self._texture(producer, attributes[0].GetName().rpartition(":")[2], len(default))
-        value = attributes[0].Get(self.code)
-        numbers = _shortest(value if hasattr(value, "__len__") else [value or 0])
-        if len(numbers) != len(default) or not all(math.isfinite(each) for each in numbers):
-            raise SceneError(f"{attributes[0].GetPath()}: expected {len(default)} finite numbers, found {value}")
-        return numbers, None
-
-    def _texture(self, shader: UsdShade.Shader, output: str, width: int) -> tuple[list[float], dict]:
-        def get(name: str, default):
-            found = shader.GetInput(name)
-            value = found.Get(self.code) if found else None
-            return default if value is None else value
-
-        asset = get("file", None)
-        if asset is None:
-            raise SceneError(f"{shader.GetPath()}: has no file")
-        wraps = {f"wrap{axis}": WRAPS.get(get(f"wrap{axis}", "repeat"), WRAPS["repeat"]) for axis in "ST"}
-        samplers = self.surfaces.writer.document.setdefault("samplers", [])
-        if wraps not in samplers:
-            samplers.append(wraps)
-        texture = {"source": self.surfaces.image(asset, str(shader.GetPath())), "sampler": samplers.index(wraps)}
-        textures = self.surfaces.writer.document.setdefault("textures", [])
-        if texture not in textures:
-            textures.append(texture)
-        scale = _shortest(get("scale", [1.0] * 4))
-        info = {"index": textures.index(texture), **self._coordinates(shader)}
-        first = "rgba".find(output) if len(output) == 1 else 0
-        return scale[first : first + width], info
-
-    def _coordinates(self, shader: UsdShade.Shader) -> dict:
-        """Which texture coordinates, moved how."""
-        connected = _before(shader, "st")
-        moved = None
-        if connected and connected.GetIdAttr().Get() == "UsdTransform2d":
-            moved = self._moved(connected)
-            connected = _before(connected, "in")
-        layer = 0
-        if connected and connected.GetInput("varname"):
-            producers = connected.GetInput("varname").GetValueProducingAttributes()
-            name = str(producers[0].Get(self.code)) if producers else ""
-            if name in self.layers:
-                layer = self.layers.index(name)
-            elif self.layers:
-                self._lost(f"a texture by the coordinates `{name}`, which the mesh does not have,")
-        info: dict = {"texCoord": layer}
-        if moved is not None:
-            self.surfaces.writer.extensions.add("KHR_texture_transform")
-            info["extensions"] = {"KHR_texture_transform": moved}
-        return info
-
-    def _moved(self, shader: UsdShade.Shader) -> dict:
-        """The reverse of what export writes."""
-
-        def get(name: str, default):
-            found = shader.GetInput(name)
-            value = found.Get(self.code) if found else None
-            return default if value is None else value
-
-        angle = math.radians(float(get("rotation", 0.0)))
-        wide, high = (float(each) for each in get("scale", (1.0, 1.0)))
-        x, y = (float(each) for each in get("translation", (0.0, 0.0)))
-        offset = [x - high * math.sin(angle), 1 - y - high * math.cos(angle)]
-        return {"offset": np.round(offset, 7).tolist(), "rotation": angle, "scale": [wide, high]}
-
-
-def _shortest(numbers) -> list[float]:
-    """What was written, not what single precision made of it."""
-    return [float(str(np.float32(each))) for each in numbers]
-
-
-def _before(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
-    """What an input is connected to."""
-    found = shader.GetInput(name)
-    attributes = found.GetValueProducingAttributes() if found else []
-    return UsdShade.Shader(attributes[0].GetPrim()) if attributes else None

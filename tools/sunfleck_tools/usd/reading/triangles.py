@@ -15,35 +15,50 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
     """
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     found = []
-    for count in np.unique(counts):
+    different = np.unique(counts)
+    for count in different:
         if count < 3:
             continue
-        faces = np.nonzero(counts == count)[0]
+        faces = np.nonzero(counts == count)[0] if len(different) > 1 else np.arange(len(counts))
         places = starts[faces, None] + np.arange(count)
         bent = np.zeros(len(faces), bool) if count == 3 else ~_is_convex(points[corners[places]])
         if count > MOST_CORNERS and bent.any():
             raise ValueError(f"a face has {count} corners and is not convex: at most {MOST_CORNERS} can be")
-        whole = np.nonzero(~bent)[0]
-        for step in range(1, count - 1):
-            fan = places[whole][:, [0, step, step + 1]]
-            found.append(np.column_stack([fan, faces[whole]]))
+        whole, owners = (places[~bent], faces[~bent]) if bent.any() else (places, faces)
+        fans = np.empty((len(whole), count - 2, 4), np.int64)
+        fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = whole[:, :1], whole[:, 1:-1], whole[:, 2:], owners[:, None]
+        found.append(fans.reshape(-1, 4))
         for face in np.nonzero(bent)[0]:
             ears = places[face][_ears(points[corners[places[face]]])]
             found.append(np.column_stack([ears, np.full(len(ears), faces[face])]))
     if not found:
         return np.zeros((0, 4), np.int64)
+    if len(found) == 1:
+        return found[0]
     triangles = np.concatenate(found)
     return triangles[np.argsort(triangles[:, 3], kind="stable")]
 
 
+def _following(rows: np.ndarray) -> np.ndarray:
+    """The next of each face's rows."""
+    return np.concatenate([rows[:, 1:], rows[:, :1]], axis=1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """numpy's own takes several times as long for a few vectors, of which a stage has many."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
 def _normals(polygons: np.ndarray) -> np.ndarray:
     """Newell's: of polygons that need not be flat."""
-    return np.cross(polygons, np.roll(polygons, -1, axis=1)).sum(axis=1)
+    return _cross(polygons, _following(polygons)).sum(axis=1)
 
 
 def _is_convex(polygons: np.ndarray) -> np.ndarray:
-    edges = np.roll(polygons, -1, axis=1) - polygons
-    turns = np.cross(edges, np.roll(edges, -1, axis=1))
+    edges = _following(polygons) - polygons
+    turns = _cross(edges, _following(edges))
     return (np.einsum("fci,fi->fc", turns, _normals(polygons)) >= 0).all(axis=1)
 
 

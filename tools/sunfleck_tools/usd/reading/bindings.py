@@ -1,0 +1,50 @@
+"""Which material a prim has, by UsdShade's rules (UsdShadeMaterialBindingAPI): inherited, by collections, by strength, by purpose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pxr import Usd, UsdShade
+
+from .shaders import surface_of
+
+PURPOSES = (UsdShade.Tokens.full, UsdShade.Tokens.preview)
+"""Final quality first; either falls back on bindings for all purposes."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A prim's material, and its subsets of faces each with its own."""
+
+    material: Usd.Prim | None
+    subsets: list[tuple[Usd.Prim, Usd.Prim | None]]
+
+    def key(self) -> tuple[str, ...]:
+        """What differs between instances of the same prim that look different."""
+        return tuple(path_of(each) for each in (self.material, *(material for _, material in self.subsets)))
+
+
+def path_of(prim: Usd.Prim | None) -> str:
+    """A prim's path, of an instance's part that of what all instances share."""
+    if prim is None:
+        return ""
+    return str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())
+
+
+def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
+    """The material of a prim for final pictures; for previews where only that has a surface that is known.
+
+    An instance's parts see the bindings of the instance.
+    """
+    api = UsdShade.MaterialBindingAPI(prim)
+    bound = [api.ComputeBoundMaterial(purpose)[0] for purpose in PURPOSES]
+    found = [material for material in bound if material]
+    if len(found) == 2 and found[0].GetPath() != found[1].GetPath():
+        found = [material for material in found if surface_of(material)[2] is not None] or found
+    return found[0].GetPrim() if found else None
+
+
+def read_bound(prim: Usd.Prim) -> Bound:
+    """All bindings of a prim."""
+    subsets = [each.GetPrim() for each in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]
+    return Bound(bound_material(prim), [(each, bound_material(each)) for each in subsets])

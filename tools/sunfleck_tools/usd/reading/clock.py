@@ -1,0 +1,67 @@
+"""Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is exactly that one."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd
+
+from ...errors import SceneError
+
+MOST_FRAMES = 100_000
+NEAR_TELEVISION = 0.005
+"""Frames a second: 23.98 and 23.976 both stand for 24000/1001."""
+
+
+def exact_rate(rate: float) -> Fraction:
+    """The fraction that a rate in decimals stands for: n, n * 1000/1001, or the nearest of small denominator."""
+    whole = math.ceil(rate - 1e-9)
+    television = Fraction(whole * 1000, 1001)
+    if rate != whole and abs(rate - television) < NEAR_TELEVISION:
+        return television
+    return Fraction(rate).limit_denominator(1001)
+
+
+def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None) -> tuple[Fraction, Fraction, np.ndarray]:
+    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before the stage's own range."""
+    per_second = stage.GetTimeCodesPerSecond()
+    rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
+    if not all(math.isfinite(each) and 1e-3 < each < 1e6 for each in (per_second, rate)):
+        raise SceneError(f"{path}: {rate} frames and {per_second} time codes a second are no rates")
+    fps, codes_per_second = exact_rate(rate), exact_rate(per_second)
+    codes_per_frame = float(codes_per_second / fps)
+    start, end = _range(stage) if asked is None else (each * codes_per_frame for each in asked)
+    if not (math.isfinite(start) and math.isfinite(end)):
+        raise SceneError(f"{path}: time codes {start} to {end} are no range of 1 to {MOST_FRAMES} frames")
+    first, last = math.ceil(start / codes_per_frame - 1e-6), math.floor(end / codes_per_frame + 1e-6)
+    if not 0 <= last - first < MOST_FRAMES:
+        raise SceneError(f"{path}: time codes {start} to {end} are no range of 1 to {MOST_FRAMES} frames")
+    # glTF has no times before 0.
+    frames = np.arange(max(first, 0), max(last, 0) + 1)
+    return fps, codes_per_second, frames * codes_per_frame
+
+
+def _range(stage: Usd.Stage) -> tuple[float, float]:
+    """The stage's own first and last time code, else those of its samples, else one frame."""
+    if stage.HasAuthoredTimeCodeRange():
+        return stage.GetStartTimeCode(), stage.GetEndTimeCode()
+    ends: list[float] = []
+    for root in [stage.GetPseudoRoot(), *stage.GetPrototypes()]:
+        for prim in Usd.PrimRange.AllPrims(root):
+            for attribute in prim.GetAuthoredAttributes():
+                ends += _ends(attribute)
+    return (min(ends), max(ends)) if ends else (1.0, 1.0)
+
+
+def _ends(attribute: Usd.Attribute) -> list[float]:
+    """The first and the last time at which an attribute has a value of its own."""
+    if not attribute.ValueMightBeTimeVarying():
+        return []
+    if attribute.HasSpline():
+        knots = attribute.GetSpline().GetKnots().GetTimeSpan()
+        return [knots.min, knots.max]
+    samples = attribute.GetTimeSamples()
+    return [samples[0], samples[-1]] if samples else []

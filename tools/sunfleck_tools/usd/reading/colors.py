@@ -1,0 +1,61 @@
+"""Colours that a mesh has itself: primvars displayColor and displayOpacity (https://openusd.org/release/api/class_usd_geom_gprim.html)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdShade
+
+from .losses import Losses
+from .shaders import surface_of
+from .source import Source
+
+Spread = Callable[[object, str, int], "np.ndarray | None"]
+"""Values, their interpolation and width to a row a corner; None where they do not fit the mesh."""
+GREY = (0.18,) * 3
+"""Of what has neither material nor colour: the diffuse colour that UsdPreviewSurface has by default."""
+READERS = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
+
+
+def shows_colors(material: Usd.Prim | None, source: Source) -> bool:
+    """Whether a mesh's own colours show: its material reads them, or there is none."""
+    return source.by_us or material is None or reads_colors(material)
+
+
+def vertex_colors(prim: Usd.Prim, material: Usd.Prim | None, code: float, lost: Losses, spread: Spread) -> np.ndarray | None:
+    """COLOR_0 of a mesh, RGB or RGBA, at a time code; None if it has none."""
+    api = UsdGeom.PrimvarsAPI(prim)
+    rows = []
+    for name, width in (("displayColor", 3), ("displayOpacity", 1)):
+        primvar = api.FindPrimvarWithInheritance(name)
+        if not primvar or not primvar.HasValue():
+            rows.append(None)
+            continue
+        if primvar.ValueMightBeTimeVarying():
+            lost.add("usd-material-animated", prim.GetPath(), f"its {name} changes over time; that of the first frame is taken")
+        found = spread(primvar.ComputeFlattened(code), primvar.GetInterpolation(), width)
+        if found is None:
+            lost.add("usd-material-value", prim.GetPath(), f"its {name} does not fit the mesh, and is left out")
+        rows.append(found)
+    colors, opacity = rows
+    if opacity is None or (opacity >= 1).all():
+        return None if colors is None else np.clip(colors, 0, 1)
+    # What a material shows is multiplied; without one it is what is shown.
+    plain = np.tile(GREY if material is None else (1.0,) * 3, (len(opacity), 1))
+    return np.clip(np.concatenate([plain if colors is None else colors, opacity], axis=1), 0, 1)
+
+
+def reads_colors(material: Usd.Prim) -> bool:
+    """Whether a material's surface takes the mesh's colours."""
+    shader, _, dialect = surface_of(UsdShade.Material(material))
+    if shader is None or dialect is None:
+        return False
+    for ours, varname in READERS.items():
+        found = shader.GetInput(dialect.names.get(ours, ours))
+        for attribute in found.GetValueProducingAttributes() if found else []:
+            named = UsdShade.Shader(attribute.GetPrim()).GetInput("varname")
+            producers = named.GetValueProducingAttributes() if named else []
+            if producers and str(producers[0].Get()) == varname:
+                return True
+    return False

@@ -1,0 +1,50 @@
+"""Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a sharp edge parts them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .subdivision import Cage
+
+
+def smooth_normals(cage: Cage, points: np.ndarray) -> np.ndarray:
+    """A normal for each corner: the mean about its vertex by area, as far as no sharp edge is between."""
+    before = np.empty(len(cage.corners), np.int64)
+    before[cage.next_corner] = np.arange(len(cage.corners))
+    here = points[cage.corners]
+    facing = np.cross(here[cage.next_corner] - here, here[before] - here)
+    fans = _fans(cage, before)
+    sums = np.stack([np.bincount(fans, column) for column in facing.T], axis=1)[fans]
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    flat = np.array([0.0, 0.0, 1.0])
+    return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1.0), flat)
+
+
+def _fans(cage: Cage, before: np.ndarray) -> np.ndarray:
+    """A number for each corner, the same for those at a vertex that no sharp edge parts."""
+    edges = cage.edges
+    parts = (edges.faces == 2) & (edges.sharpness > 0)
+    if not parts.any():
+        return cage.corners
+    touched = np.zeros(cage.vertices, bool)
+    touched[edges.ends[parts]] = True
+    own = touched[cage.corners]
+    fans = np.where(own, cage.vertices + np.arange(len(cage.corners)), cage.corners)
+    # Corners on both sides of an edge, at each of its ends.
+    order = np.argsort(edges.of_corner, kind="stable")
+    twin = order[:-1][edges.of_corner[order[:-1]] == edges.of_corner[order[1:]]]
+    other = order[1:][edges.of_corner[order[:-1]] == edges.of_corner[order[1:]]]
+    open_ = ~parts[edges.of_corner[twin]] & (edges.faces[edges.of_corner[twin]] == 2)
+    twin, other = twin[open_], other[open_]
+    same_way = cage.corners[twin] == cage.corners[other]
+    left = np.concatenate([twin, cage.next_corner[twin]])
+    near, far = np.where(same_way, other, cage.next_corner[other]), np.where(same_way, cage.next_corner[other], other)
+    right = np.concatenate([near, far])
+    inside = own[left]
+    left, right = left[inside], right[inside]
+    while True:
+        lower = np.minimum(fans[left], fans[right])
+        if (lower == fans[left]).all() and (lower == fans[right]).all():
+            return fans
+        np.minimum.at(fans, left, lower)
+        np.minimum.at(fans, right, lower)

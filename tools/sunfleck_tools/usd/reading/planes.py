@@ -1,0 +1,92 @@
+"""Texels of what feeds inputs, as linear numbers: several textures at one size, tiles of UDIM side by side.
+
+Invariant: no picture that is made has more than `MOST_BAKED` texels; what is made smaller for it is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .losses import Losses
+from .networks import Fed
+from .texels import PictureError, linear_from_srgb
+from .textures import Placement, Texture, Textures
+
+MOST_BAKED = 2**24
+"""Texels of a picture that is made: 4096 x 4096."""
+CLAMP = 33071
+LARGEST = np.float32(1e6)
+"""Of scales: beyond it there is no picture left."""
+
+
+class Planes:
+    """Reads the texels of one stage's textures."""
+
+    def __init__(self, textures: Textures, lost: Losses):
+        self.textures, self.lost = textures, lost
+
+    def is_srgb(self, texture: Texture, is_color: bool) -> bool:
+        """By the specification for `auto`: eight bits of three or four channels are sRGB, where they are colours."""
+        picture = self.textures.picture(texture.files[0][1])
+        return texture.space == "sRGB" or (texture.space == "auto" and is_color and picture.bits == 8 and picture.channels >= 3)
+
+    def mean(self, fed: Fed) -> tuple[float, ...]:
+        """What an input has on the average of its texture."""
+        texels = self._texels(fed, len(fed.numbers) == 3, self._size([fed]), _grid([fed]))
+        return tuple(float(each) for each in texels.mean(axis=(0, 1), dtype=np.float64)[: len(fed.numbers)])
+
+    def _size(self, inputs: Sequence[Fed]) -> tuple[int, int]:
+        """Of a tile: the largest of all pictures, or less where that is too much; said."""
+        pictures = [self.textures.picture(path) for fed in inputs for _, path in fed.texture.files]
+        wide, high = (max(picture.size[axis] for picture in pictures) for axis in (0, 1))
+        columns, rows = _grid(inputs)
+        shrink = min(1.0, (MOST_BAKED / (wide * high * columns * rows)) ** 0.5)
+        if shrink < 1:
+            self.lost.add("usd-texture-size", inputs[0].texture.place, f"{columns * wide} x {rows * high} texels are made fewer")
+        return max(int(wide * shrink), 1), max(int(high * shrink), 1)
+
+    def read(self, inputs: Sequence[Fed], are_colors: Sequence[bool]) -> tuple[object, list[np.ndarray], Placement]:
+        """Rows of numbers of each input, all of one size, what they depend on, and where they lie."""
+        size, grid = self._size(inputs), _grid(inputs)
+        planes = [self._texels(fed, is_color, size, grid) for fed, is_color in zip(inputs, are_colors)]
+        return (tuple(inputs), size), planes, _placed(inputs[0].texture.placement, grid)
+
+    def _texels(self, fed: Fed, is_color: bool, size: tuple[int, int], grid: tuple[int, int]) -> np.ndarray:
+        """What an input has at each texel: tiles of UDIM one beside the other, the first row at the bottom."""
+        texture, (wide, high), (columns, rows) = fed.texture, size, grid
+        whole = np.zeros((rows * high, columns * wide, 3 if fed.output == "rgb" else 1), np.float32)
+        for (column, row), path in texture.files:
+            try:
+                texels = self.textures.picture(path).texels(size)
+            except PictureError as error:
+                self.lost.add("usd-texture", texture.place, f"a texture is black: {error}")
+                continue
+            if self.is_srgb(texture, is_color):
+                texels = np.concatenate([linear_from_srgb(texels[..., :3]), texels[..., 3:]], axis=-1)
+            texels = texels * np.clip(np.float32(texture.scale), -LARGEST, LARGEST) + np.float32(texture.bias or (0.0,) * 4)
+            first = 0 if fed.output == "rgb" else "rgba".index(fed.output)
+            top = (rows - 1 - row) * high
+            whole[top : top + high, column * wide : (column + 1) * wide] = texels[..., first : first + whole.shape[2]]
+        # One channel feeds all three of a colour.
+        return whole * np.float32(fed.numbers) if fed.output == "rgb" or len(fed.numbers) == 3 else whole * fed.numbers[0]
+
+
+def _grid(inputs: Sequence[Fed]) -> tuple[int, int]:
+    """Columns and rows of tiles; as many of both where the placement turns, which must not stretch."""
+    tiles = [tile for fed in inputs for tile, _ in fed.texture.files]
+    columns, rows = 1 + max(column for column, _ in tiles), 1 + max(row for _, row in tiles)
+    moved = inputs[0].texture.placement.moved
+    return (max(columns, rows),) * 2 if moved is not None and moved[1] else (columns, rows)
+
+
+def _placed(placement: Placement, grid: tuple[int, int]) -> Placement:
+    """Where all tiles together lie: coordinates of the first tile, the lower left one, span one of them."""
+    if grid == (1, 1):
+        return placement
+    columns, rows = grid
+    (x, y), angle, (wide, high) = placement.moved or ((0.0, 0.0), 0.0, (1.0, 1.0))
+    # glTF counts v from the top: v' = v / rows + 1 - 1 / rows.
+    offset = (x / columns, y / rows + 1 - 1 / rows)
+    return Placement(placement.layer, (offset, angle, (wide / columns, high / rows)), (CLAMP, CLAMP))

@@ -1,0 +1,159 @@
+"""A surface in the words of UsdPreviewSurface to a material of glTF.
+
+Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a network, out come the material's fields and which of them
+change over time. Invariant: no input that is authored is passed over unsaid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from pxr import Usd
+
+from .bakes import Bakery
+from .networks import Fed, Network
+from .numbers import numbers_in
+from .places import codes_of
+
+SMALLEST = 1e-6
+
+
+@dataclass
+class Looks:
+    """A material of glTF, extensions included, and by path within it what changes: codes and rows."""
+
+    material: dict
+    changing: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    shows_colors: bool = False
+    """Whether the mesh's own colours multiply the base colour."""
+
+
+class Preview:
+    """One surface."""
+
+    def __init__(self, network: Network, bakery: Bakery, codes: np.ndarray):
+        self.network, self.bakery, self.codes = network, bakery, codes
+
+    def read(self, looks: Looks, extras: dict) -> None:
+        """Fills in a material; `extras` is what export kept beside it."""
+        self._read_base(looks, extras)
+        self._read_metal(looks)
+        self._read_emission(looks)
+        normal = self.bakery.normal(self.network.fed("normal"))
+        if normal is not None:
+            looks.material["normalTexture"] = {**normal, "scale": extras.get("normal_scale", 1.0)}
+        self._read_reflection(looks)
+        self._read_coat(looks)
+        for name, rest in (("displacement", 0.0), ("occlusion", 1.0)):
+            found = self.network.fed(name)
+            if found.texture is not None or found.changing is not None or found.numbers[0] != rest:
+                self.network.say(name)
+
+    def _read_base(self, looks: Looks, extras: dict) -> None:
+        color, opacity = self.network.fed("diffuseColor"), self.network.fed("opacity")
+        factor, texture = self.bakery.color(color, opacity)
+        pbr = looks.material.setdefault("pbrMetallicRoughness", {})
+        pbr["baseColorFactor"] = factor
+        if texture is not None:
+            pbr["baseColorTexture"] = texture
+        looks.shows_colors = color.is_of_mesh or opacity.is_of_mesh
+        threshold = self.network.number("opacityThreshold")
+        if threshold > 0:
+            looks.material.update(alphaMode="MASK", alphaCutoff=threshold)
+        elif opacity.texture is not None or opacity.is_of_mesh or factor[3] < 1 or extras.get("alpha_mode") == "BLEND":
+            looks.material["alphaMode"] = "BLEND"
+        self._read_changing_base(looks, color, opacity)
+
+    def _read_changing_base(self, looks: Looks, color: Fed, opacity: Fed) -> None:
+        if color.changing is None and opacity.changing is None:
+            return
+        factor = looks.material["pbrMetallicRoughness"]["baseColorFactor"]
+        codes, (colors, shares) = self._rows([(color, factor[:3]), (opacity, factor[3:])])
+        rows = np.clip(np.concatenate([colors, shares], axis=1), 0, 1)
+        if rows[:, 3].min() < 1:
+            looks.material.setdefault("alphaMode", "BLEND")
+        looks.changing["pbrMetallicRoughness/baseColorFactor"] = codes, rows
+
+    def _read_metal(self, looks: Looks) -> None:
+        pbr, inputs = looks.material["pbrMetallicRoughness"], {"roughness": self.network.fed("roughness")}
+        if not self._is_specular():
+            inputs["metallic"] = self.network.fed("metallic")
+        # glTF has roughness in green and metallic in blue.
+        factors, texture = self.bakery.shares({1 + slot: fed for slot, fed in enumerate(inputs.values())})
+        pbr["roughnessFactor"], pbr["metallicFactor"] = factors[1], factors.get(2, 0.0)
+        if texture is not None:
+            pbr["metallicRoughnessTexture"] = texture
+        for name, fed in inputs.items():
+            if fed.changing is not None:
+                codes, (rows,) = self._rows([(fed, [pbr[f"{name}Factor"]])])
+                looks.changing[f"pbrMetallicRoughness/{name}Factor"] = codes, np.clip(rows, 0, 1)
+
+    def _read_emission(self, looks: Looks) -> None:
+        fed = self.network.fed("emissiveColor")
+        factor, texture = self.bakery.emission(fed)
+        codes, rows = self.codes[:1], np.array([factor])
+        if fed.changing is not None:
+            codes, (rows,) = self._rows([(fed, factor)])
+            rows = np.maximum(rows, 0)
+        strength = max(float(rows.max()), 1.0)
+        if max(factor) > 0 or rows.max() > 0:
+            looks.material["emissiveFactor"] = [each / strength for each in factor]
+        if texture is not None:
+            looks.material["emissiveTexture"] = texture
+        if strength > 1:
+            _extend(looks, "KHR_materials_emissive_strength", {"emissiveStrength": strength})
+        if fed.changing is not None:
+            looks.changing["emissiveFactor"] = codes, rows / strength
+
+    def _is_specular(self) -> bool:
+        return self.network.number("useSpecularWorkflow") > 0.5
+
+    def _read_reflection(self, looks: Looks) -> None:
+        """What is reflected along the normal: by index, or said outright."""
+        if self._is_specular():
+            fed = self.network.fed("specularColor")
+            color = self.bakery.flat(fed)
+            if fed.changing is not None:
+                self.network.say("specularColor that changes over time")
+            # KHR_materials_ior's 0 is the index at which the specular colour is all that counts.
+            _extend(looks, "KHR_materials_ior", {"ior": 0.0})
+            _extend(looks, "KHR_materials_specular", {"specularColorFactor": [min(max(each, 0.0), 1.0) for each in color]})
+            return
+        index = max(self.network.number("ior"), 1.0)
+        if index == 1:
+            # Reflects nothing.
+            _extend(looks, "KHR_materials_specular", {"specularFactor": 0.0})
+        elif abs(index - 1.5) > SMALLEST:
+            _extend(looks, "KHR_materials_ior", {"ior": index})
+
+    def _read_coat(self, looks: Looks) -> None:
+        coat, rough = self.network.fed("clearcoat"), self.network.fed("clearcoatRoughness")
+        if coat.changing is not None or rough.changing is not None:
+            self.network.say("a clearcoat that changes over time")
+        if coat.texture is None and coat.numbers[0] <= 0:
+            return
+        # The extension has red for the one and green for the other, in textures of their own that may be the same.
+        factors, texture = self.bakery.shares({0: coat, 1: rough})
+        values: dict = {"clearcoatFactor": factors[0], "clearcoatRoughnessFactor": factors[1]}
+        if texture is not None:
+            values.update(clearcoatTexture=texture, clearcoatRoughnessTexture=texture)
+        _extend(looks, "KHR_materials_clearcoat", values)
+
+    def _rows(self, inputs: list[tuple[Fed, list[float]]]) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Numbers of inputs at all codes at which any changes; of one that does not, those given."""
+        attributes: list[Usd.Attribute] = [fed.changing for fed, _ in inputs if fed.changing is not None]
+        codes = codes_of(attributes, self.codes)
+        found = []
+        for fed, still in inputs:
+            rows = np.tile(np.array(still, float), (len(codes), 1))
+            if fed.changing is not None:
+                for row, code in enumerate(codes.tolist()):
+                    numbers = numbers_in(fed.changing.Get(code), len(still))
+                    rows[row] = rows[max(row - 1, 0)] if numbers is None else numbers
+            found.append(rows)
+        return codes, found
+
+
+def _extend(looks: Looks, extension: str, value: dict) -> None:
+    looks.material.setdefault("extensions", {}).setdefault(extension, {}).update(value)

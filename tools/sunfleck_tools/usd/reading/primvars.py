@@ -1,0 +1,86 @@
+"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite and fits the mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom
+
+from .faces import Faces, value_of
+from .losses import Losses
+
+MOST_LAYERS = 8
+COORDINATES = {getattr(Sdf.ValueTypeNames, f"{name}Array") for name in
+               ("TexCoord2f", "TexCoord2d", "TexCoord2h", "TexCoord3f", "TexCoord3d", "TexCoord3h", "Float2", "Double2", "Half2")}  # fmt: skip
+FIRST_LAYERS = ("st", "UVMap")
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Values by their glTF name: a row for each point (`vertex`, `varying`), corner, face (`uniform`), or one."""
+
+    name: str
+    values: np.ndarray
+    interpolation: str
+
+    def rows(self, faces: Faces) -> np.ndarray:
+        """A row for each corner."""
+        return self.values[_places(self.interpolation, faces)]
+
+
+def _places(interpolation: str, faces: Faces) -> np.ndarray | None:
+    if interpolation in ("vertex", "varying"):
+        return faces.corners
+    if interpolation == "faceVarying":
+        return np.arange(len(faces.corners))
+    if interpolation == "uniform":
+        return np.repeat(np.arange(faces.count), faces.counts)
+    return np.zeros(len(faces.corners), np.int64) if interpolation == "constant" else None
+
+
+class Primvars:
+    """Those of one prim at one time."""
+
+    def __init__(self, prim: Usd.Prim, code: float, faces: Faces, lost: Losses):
+        self.prim, self.code, self.faces, self.lost = prim, code, faces, lost
+        self.api = UsdGeom.PrimvarsAPI(prim)
+
+    def normals(self) -> Stream | None:
+        """Unit normals, which a primvar of that name says before the attribute."""
+        primvar = self.api.GetPrimvar("normals")
+        if primvar and primvar.HasValue():
+            found = self.fit("NORMAL", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), 3)
+        else:
+            gprim = UsdGeom.PointBased(self.prim)
+            found = self.fit("NORMAL", value_of(gprim.GetNormalsAttr(), self.code), gprim.GetNormalsInterpolation(), 3)
+        lengths = np.linalg.norm(found.values, axis=1) if found else np.zeros(1)
+        if not (lengths > 1e-6).all():
+            return None
+        return Stream(found.name, found.values / lengths[:, None], found.interpolation)
+
+    def coordinates(self) -> tuple[list[Stream], list[str]]:
+        """Texture coordinates, and what they are called here."""
+        chosen = [primvar for primvar in self.api.GetPrimvarsWithValues() if primvar.GetTypeName() in COORDINATES]
+        chosen.sort(key=lambda primvar: (primvar.GetPrimvarName() not in FIRST_LAYERS, primvar.GetPrimvarName()))
+        streams, names = [], []
+        for primvar in chosen[:MOST_LAYERS]:
+            width = 3 if "3" in str(primvar.GetTypeName()) else 2
+            found = self.fit(f"TEXCOORD_{len(names)}", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), width)
+            if found is not None:
+                # glTF counts rows of texels from the top.
+                streams.append(Stream(found.name, found.values[:, :2] * [1, -1] + [0, 1], found.interpolation))
+                names.append(primvar.GetPrimvarName())
+        return streams, names
+
+    def fit(self, name: str, values, interpolation: str, width: int) -> Stream | None:
+        """Values as a stream; None, and said, if they do not fit."""
+        array = np.zeros((0, width)) if values is None else np.array(values, float).reshape(-1, width)
+        if not len(array) or not len(self.faces.corners):
+            return None
+        places = _places(interpolation, self.faces)
+        if places is None or len(array) <= places.max() or not np.isfinite(array).all():
+            what = f"{name}: {len(array)} values of interpolation `{interpolation}` that do not fit its faces"
+            self.lost.add("usd-primvar", self.prim.GetPath(), f"{what}, or are not finite, are not carried")
+            return None
+        return Stream(name, array, interpolation)

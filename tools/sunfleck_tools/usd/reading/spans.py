@@ -1,0 +1,84 @@
+"""Times in which a shape has the same faces. A mesh whose faces change is several, which take turns.
+
+Invariant: the spans of a shape follow one another without gaps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .places import codes_of, reach
+from .solids import sizes_of
+from .source import Source
+
+BEFORE_THE_NEXT = 1e-3
+"""Of a frame: when points that move by their velocities are written for the last time."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """Codes at which points are written (one if they stay), the code of what does not move, and from when until when it is.
+
+    `points_at` is for points that move by velocities; None for those that move by their samples.
+    """
+
+    codes: np.ndarray
+    rests_at: float
+    start: float = -math.inf
+    end: float = math.inf
+    points_at: Callable[[float], np.ndarray] | None = None
+
+    @property
+    def is_always(self) -> bool:
+        """True if no other span comes before or after."""
+        return math.isinf(self.start) and math.isinf(self.end)
+
+
+def read_spans(prim: Usd.Prim, source: Source) -> list[Span]:
+    """The spans of a shape within what shutters reach."""
+    if not prim.IsA(UsdGeom.Mesh):
+        return [Span(codes_of(sizes_of(prim), source.codes), source.first)]
+    mesh = UsdGeom.Mesh(prim)
+    attributes = [mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()]
+    codes = codes_of(attributes[:1], source.codes)
+    if not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
+        return [Span(codes, source.first)]
+    starts = _changes(attributes, source)
+    if len(starts) == 1:
+        return [Span(codes, source.first)]
+    return [_span(mesh, codes, start, end, source) for start, end in zip(starts, [*starts[1:], math.inf])]
+
+
+def _changes(attributes: list[Usd.Attribute], source: Source) -> list[float]:
+    """When other faces, or another number of points, come; the first have always been there."""
+    first, last = reach(source.codes)
+    samples = {code for attribute in attributes for code in attribute.GetTimeSamples()}
+    points, *faces = attributes
+    varying = [attribute for attribute in faces if attribute.ValueMightBeTimeVarying()]
+    starts, before = [], None
+    for code in sorted({first, *(code for code in samples if first < code <= last)}):
+        here = (len(points.Get(code) or ()), *(np.array(attribute.Get(code)).tobytes() for attribute in varying))
+        if here != before:
+            starts.append(code if starts else -math.inf)
+        before = here
+    return starts
+
+
+def _span(mesh: UsdGeom.Mesh, codes: np.ndarray, start: float, end: float, source: Source) -> Span:
+    first, _ = reach(source.codes)
+    inside = codes[(codes >= start) & (codes < end)]
+    rests_at = max(start, first)
+    if not mesh.GetVelocitiesAttr().HasAuthoredValue():
+        return Span(np.union1d(inside, [rests_at]), rests_at, start, end)
+    frame = codes[1] - codes[0] if len(codes) > 1 else 1.0
+    last = min(end, codes[-1] + frame) - BEFORE_THE_NEXT * frame
+
+    def points_at(code: float) -> np.ndarray:
+        return np.array(mesh.ComputePointsAtTime(Usd.TimeCode(code), Usd.TimeCode(code)), float).reshape(-1, 3)
+
+    return Span(np.union1d(inside, [rests_at, last]), rests_at, start, end, points_at)

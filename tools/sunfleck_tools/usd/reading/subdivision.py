@@ -1,0 +1,228 @@
+"""Subdivision surfaces, refined level by level.
+
+Catmull and Clark 1978, Loop 1987; creases that are sharp for some levels by DeRose, Kass and Truong 1998 ("Subdivision surfaces in
+character animation"). Where those leave a choice, it is made as OpenSubdiv makes it, which renderers of USD have: creases decay
+uniformly, edges of more than two faces are sharp. Invariant: what is refined is a mean of what was there; weights add up to 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+SHARPEST = 10.0
+"""What is as sharp stays sharp at every level (OpenSubdiv's SHARPNESS_INFINITE)."""
+SMOOTH_TRIANGLE = 0.470
+"""Weight of a triangle's centre by the rule `smooth` (Stam and Loop 2003, as in OpenSubdiv); a quad's is 1/4."""
+
+
+@dataclass(frozen=True)
+class Cage:
+    """Faces that are to be refined: corners a face, vertices of the corners, and what is sharp.
+
+    `crease_ends` are pairs of vertices, `crease_sharpness` a number for each; `vertex_sharpness` is a number for each vertex.
+    """
+
+    counts: np.ndarray
+    corners: np.ndarray
+    crease_ends: np.ndarray
+    crease_sharpness: np.ndarray
+    vertex_sharpness: np.ndarray
+    is_loop: bool = False
+    smooth_triangles: bool = False
+
+    @property
+    def vertices(self) -> int:
+        """How many there are."""
+        return len(self.vertex_sharpness)
+
+    @cached_property
+    def starts(self) -> np.ndarray:
+        """The first corner of each face."""
+        return np.cumsum(self.counts) - self.counts
+
+    @cached_property
+    def face_of_corner(self) -> np.ndarray:
+        """A face for each corner."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @cached_property
+    def next_corner(self) -> np.ndarray:
+        """The corner after each one, round its face."""
+        following = np.arange(1, len(self.corners) + 1)
+        following[self.starts + self.counts - 1] = self.starts
+        return following
+
+    @cached_property
+    def edges(self) -> Edges:
+        """Edges, each once."""
+        starts, ends = self.corners, self.corners[self.next_corner]
+        keys, of_corner, faces = np.unique(
+            np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends), return_inverse=True, return_counts=True
+        )
+        sharpness = np.zeros(len(keys))
+        if len(self.crease_ends):
+            wanted = self.crease_ends.min(axis=1) * self.vertices + self.crease_ends.max(axis=1)
+            places = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+            there = keys[places] == wanted
+            np.maximum.at(sharpness, places[there], self.crease_sharpness[there])
+        sharpness[(faces != 2) | (sharpness >= SHARPEST)] = np.inf
+        return Edges(np.stack(np.divmod(keys, self.vertices), axis=1), of_corner.ravel(), faces, sharpness)
+
+    @property
+    def faces_at_vertex(self) -> np.ndarray:
+        """How many faces have each vertex."""
+        return np.bincount(self.corners, minlength=self.vertices)
+
+    def with_sharp_vertices(self, chosen: np.ndarray) -> Cage:
+        """The same, where chosen vertices stay where they are."""
+        sharp = np.where(chosen, np.inf, self.vertex_sharpness)
+        return Cage(
+            self.counts, self.corners, self.crease_ends, self.crease_sharpness, sharp, self.is_loop, self.smooth_triangles
+        )
+
+
+@dataclass(frozen=True)
+class Edges:
+    """For each edge: its two vertices, how many faces have it, its sharpness; for each corner the edge to the next one."""
+
+    ends: np.ndarray
+    of_corner: np.ndarray
+    faces: np.ndarray
+    sharpness: np.ndarray
+
+
+class Refinement:
+    """One level: a cage, the finer one, and how values of vertices go from one to the other.
+
+    The finer vertices are those of the cage, then one for each edge, then (Catmull-Clark) one for each face.
+    """
+
+    def __init__(self, cage: Cage):
+        self.cage = cage
+        self._weigh_edges()
+        self._weigh_vertices()
+
+    def _weigh_edges(self) -> None:
+        """What of an edge's own middle and of the centres beside it makes its vertex."""
+        cage, edges = self.cage, self.cage.edges
+        sharp = np.minimum(edges.sharpness, 1.0)
+        # Loop's (3, 3, 1, 1) / 8 by the centres of both triangles.
+        beside = np.full(len(sharp), 0.375 if cage.is_loop else 0.25)
+        if cage.smooth_triangles and not cage.is_loop:
+            of_face = np.where(cage.counts == 3, SMOOTH_TRIANGLE, 0.25)
+            beside = np.bincount(edges.of_corner, of_face[cage.face_of_corner], len(sharp)) / edges.faces
+        self.edge_by_face = (1 - sharp) * beside
+        self.edge_by_middle = 1 - 2 * self.edge_by_face
+
+    def _weigh_vertices(self) -> None:
+        """What of itself, of the other ends of its edges and of the centres about it makes a vertex's new place."""
+        edges, sharpness = self.cage.edges, self.cage.vertex_sharpness
+        before = self._rule(edges.sharpness, sharpness)
+        after = self._rule(edges.sharpness - 1, sharpness - 1)
+        # Sharpness that ends at this level, in the mean of a vertex's edges (and its own).
+        ending = np.where((edges.sharpness > 0) & (edges.sharpness <= 1), edges.sharpness, 0.0)
+        own = np.where((sharpness > 0) & (sharpness <= 1), sharpness, 0.0)
+        total = self._at_ends(np.stack([ending, ending], axis=1)) + own
+        number = self._at_ends(np.stack([ending > 0, ending > 0], axis=1)) + (own > 0)
+        is_same = before.kind == after.kind
+        share = np.where(is_same, 1.0, total / np.maximum(number, 1))
+        at_end = share[edges.ends]
+        self.own = share * before.own + (1 - share) * after.own
+        self.by_end = at_end * before.by_end + (1 - at_end) * after.by_end
+        self.by_face = share * before.by_face + (1 - share) * after.by_face
+
+    def _at_ends(self, values: np.ndarray) -> np.ndarray:
+        """The sum at each vertex of a value for each end of each edge."""
+        return np.bincount(self.cage.edges.ends.ravel(), values.ravel(), self.cage.vertices)
+
+    def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> _Rule:
+        """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong 1998, section 3)."""
+        is_sharp = np.repeat((edge_sharpness > 0)[:, None], 2, axis=1)
+        sharp = self._at_ends(is_sharp)
+        valence = self._at_ends(np.ones_like(is_sharp))
+        kind = np.where((vertex_sharpness > 0) | (sharp > 2) | (valence < 2), 2, np.where(sharp == 2, 1, 0))
+        n = np.maximum(valence, 1.0)
+        if self.cage.is_loop:
+            smooth = (0.625 - (0.375 + 0.25 * np.cos(2 * np.pi / n)) ** 2) / n
+            own, by_face = 1 - n * smooth, np.zeros(len(n))
+        else:
+            smooth = 1 / n**2
+            own, by_face = 1 - 2 / n, smooth
+        kind_at_end = kind[self.cage.edges.ends]
+        by_end = np.where(kind_at_end == 0, smooth[self.cage.edges.ends], np.where((kind_at_end == 1) & is_sharp, 0.125, 0.0))
+        return _Rule(kind, np.choose(kind, [own, 0.75, 1.0]), by_end, np.where(kind == 0, by_face, 0.0))
+
+    def smooth(self, values: np.ndarray) -> np.ndarray:
+        """Values of vertices, refined by the scheme's rules: positions, and primvars of interpolation `vertex`."""
+        cage, edges = self.cage, self.cage.edges
+        centers = self._centers(values)
+        about = centers[cage.face_of_corner]
+        ends = values[edges.ends]
+        at_edges = ends.mean(axis=1) * self.edge_by_middle[:, None]
+        at_edges += _sums(edges.of_corner, about, len(edges.ends)) * self.edge_by_face[:, None]
+        others = (ends[:, ::-1] * self.by_end[:, :, None]).reshape(-1, values.shape[1])
+        at_vertices = values * self.own[:, None] + _sums(edges.ends.ravel(), others, cage.vertices)
+        at_vertices += _sums(cage.corners, about, cage.vertices) * self.by_face[:, None]
+        return np.concatenate([at_vertices, at_edges] + ([] if cage.is_loop else [centers]))
+
+    def linear(self, values: np.ndarray) -> np.ndarray:
+        """Values of vertices, refined in straight lines: primvars of interpolation `varying`."""
+        middles = values[self.cage.edges.ends].mean(axis=1)
+        return np.concatenate([values, middles] + ([] if self.cage.is_loop else [self._centers(values)]))
+
+    def _centers(self, values: np.ndarray) -> np.ndarray:
+        sums = np.add.reduceat(values[self.cage.corners], self.cage.starts, axis=0)
+        return sums / self.cage.counts[:, None]
+
+    @property
+    def parents(self) -> np.ndarray:
+        """The face of the cage that each finer face is of."""
+        return np.repeat(np.arange(len(self.cage.counts)), 4) if self.cage.is_loop else self.cage.face_of_corner
+
+    @cached_property
+    def finer(self) -> Cage:
+        """The cage of the next level, of quads or of triangles."""
+        cage, edges = self.cage, self.cage.edges
+        at_edge = cage.vertices + edges.of_corner
+        before = np.empty(len(at_edge), np.int64)
+        before[cage.next_corner] = at_edge
+        if cage.is_loop:
+            tips = np.stack([cage.corners, at_edge, before], axis=1).reshape(-1, 3, 3)
+            corners = np.concatenate([tips, at_edge.reshape(-1, 1, 3)], axis=1).reshape(-1, 3)
+        else:
+            centers = cage.vertices + len(edges.ends) + cage.face_of_corner
+            corners = np.stack([cage.corners, at_edge, centers, before], axis=1)
+        left = edges.sharpness - 1
+        kept = np.nonzero(left > 0)[0]
+        halves = np.stack([edges.ends[kept], np.repeat(cage.vertices + kept[:, None], 2, axis=1)], axis=2).reshape(-1, 2)
+        added = len(edges.ends) + (0 if cage.is_loop else len(cage.counts))
+        sharp = np.concatenate([np.maximum(cage.vertex_sharpness - 1, 0), np.zeros(added)])
+        counts = np.full(len(corners), corners.shape[1])
+        return Cage(counts, corners.ravel(), halves, np.repeat(left[kept], 2), sharp, cage.is_loop, cage.smooth_triangles)
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """Of each vertex what applies (0 smooth, 1 crease, 2 corner), and the weights."""
+
+    kind: np.ndarray
+    own: np.ndarray
+    by_end: np.ndarray
+    by_face: np.ndarray
+
+
+def _sums(places: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
+    """The sum of the rows of each place."""
+    return np.stack([np.bincount(places, column, count) for column in rows.T], axis=1)
+
+
+def refined(cage: Cage, levels: int) -> list[Refinement]:
+    """As many levels, each of the one before."""
+    found = []
+    for _ in range(levels):
+        found.append(Refinement(cage))
+        cage = found[-1].finer
+    return found

@@ -1,0 +1,176 @@
+"""Files of textures to texels, and back to PNG.
+
+In go bytes of PNG, JPEG, TGA, WebP, TIFF, BMP or OpenEXR, out come rows of red, green, blue and alpha. Invariant: nothing is decoded
+whose head claims more than it may; whatever else is wrong with a file is a `PictureError` in words.
+"""
+
+from __future__ import annotations
+
+import io
+import tempfile
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from pxr import Ar
+
+from ...exr.decode import DecodeError, claims_too_much, decode
+from ...exr.header import MAGIC, HeaderError, parse_header
+
+MOST_BYTES = 2**29
+"""Of one file."""
+MOST_TEXELS = 2**27
+"""That a head may claim: 16384 x 8192."""
+MOST_FLOATS = 2**25
+"""The same of OpenEXR: 8192 x 4096."""
+CARRIED = ("PNG", "JPEG")
+"""Formats that glTF takes as they are."""
+CARRIED_MODES = ("1", "L", "LA", "P", "RGB", "RGBA", "I;16", "I")
+"""Pillow's names of layouts that any reader of those formats knows: not CMYK."""
+TAKEN = ("PNG", "JPEG", "TGA", "WEBP", "TIFF", "BMP")
+
+
+class PictureError(Exception):
+    """A file that is no picture that can be read; says why."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A file, and what its head says: format as Pillow names it (or `EXR`), width and height, channels, bits of each."""
+
+    path: str
+    data: bytes
+    form: str
+    size: tuple[int, int]
+    channels: int
+    bits: int
+    is_carried: bool
+
+    def texels(self, size: tuple[int, int]) -> np.ndarray:
+        """Rows of RGBA as stored, at a width and height: 0 to 1 of whole numbers, anything of floats. Raises `PictureError`."""
+        return resized(_exr_texels(self.data) if self.form == "EXR" else _pillow_texels(self.data, size), size)
+
+
+def open_picture(resolved: str) -> Picture:
+    """Reads the head of a file, which may lie in a package. Raises `PictureError`."""
+    opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved)) if resolved else None
+    if not opened:
+        raise PictureError("there is no such file")
+    if opened.GetSize() > MOST_BYTES:
+        raise PictureError(f"has {opened.GetSize()} bytes, more than {MOST_BYTES}")
+    data = bytes(opened.GetBuffer() or b"")
+    return _exr_head(resolved, data) if data.startswith(MAGIC) else _pillow_head(resolved, data)
+
+
+def _checked(size: tuple[int, int], most: int) -> tuple[int, int]:
+    if min(size) < 1 or size[0] * size[1] > most:
+        raise PictureError(f"claims {size[0]} x {size[1]} texels, and {most} are read at most: make it smaller")
+    return size
+
+
+def _exr_head(resolved: str, data: bytes) -> Picture:
+    try:
+        header = parse_header(data)
+    except HeaderError as error:
+        raise PictureError(f"is a damaged OpenEXR file: {error}") from None
+    if fault := claims_too_much(header, len(data)):
+        raise PictureError(fault)
+    return Picture(resolved, data, "EXR", _checked(header.size, MOST_FLOATS), min(len(header.channels), 4), 32, False)
+
+
+def _exr_texels(data: bytes) -> np.ndarray:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "texture.exr"
+        path.write_bytes(data)
+        try:
+            channels = decode(path)
+        except DecodeError as error:
+            raise PictureError(f"cannot be decoded: {error}") from None
+    grey = channels.get("Y", next(iter(channels.values())))
+    rows = [channels.get(name, grey if name != "A" else np.ones_like(grey)) for name in "RGBA"]
+    if len({row.shape for row in rows}) > 1:
+        raise PictureError("has channels of different sizes")
+    return np.nan_to_num(np.stack(rows, axis=-1).astype(np.float32), nan=0.0, posinf=65504.0, neginf=0.0)
+
+
+def _pillow_head(resolved: str, data: bytes) -> Picture:
+    with _opened(data) as image:
+        channels = 4 if image.has_transparency_data and image.mode == "P" else 3 if image.mode == "P" else len(image.getbands())
+        bits = 16 if image.mode.startswith("I") or (image.format == "PNG" and data[24] == 16) else 32 if image.mode == "F" else 8
+        is_carried = image.format in CARRIED and image.mode in CARRIED_MODES
+        picture = Picture(resolved, data, image.format, _checked(image.size, MOST_TEXELS), channels, bits, is_carried)
+    if is_carried:
+        _verify(data)
+    return picture
+
+
+def _verify(data: bytes) -> None:
+    """That a file which is carried as it is can be decoded, as quickly as that can be said."""
+    with _opened(data) as image:
+        if image.format == "PNG":
+            image.verify()
+        else:
+            image.draft("L", (max(image.width // 8, 1), max(image.height // 8, 1)))
+            image.load()
+
+
+def _pillow_texels(data: bytes, size: tuple[int, int]) -> np.ndarray:
+    with _opened(data) as image:
+        if image.mode == "F":
+            grey = np.asarray(image, np.float32)
+        elif image.mode.startswith("I"):
+            grey = np.asarray(image, np.float32) / 65535
+        else:
+            colors = image.convert("RGBA")
+            if size[0] * size[1] < image.width * image.height:
+                # Before bytes become floats: four times the memory.
+                colors = colors.resize(size, Image.Resampling.BILINEAR)
+            return np.asarray(colors, np.float32) / 255
+    return np.stack([grey, grey, grey, np.ones_like(grey)], axis=-1)
+
+
+class _opened:
+    """Pillow's image of bytes, with whatever it finds wrong as `PictureError`."""
+
+    def __init__(self, data: bytes):
+        self.data = data
+
+    def __enter__(self) -> Image.Image:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self.image = Image.open(io.BytesIO(self.data), formats=TAKEN)
+        except Image.DecompressionBombError:
+            raise PictureError(f"claims more texels than the {MOST_TEXELS} that are read at most: make it smaller") from None
+        except Image.UnidentifiedImageError:
+            raise PictureError(f"is none of OpenEXR, {', '.join(TAKEN)}: convert it") from None
+        except (OSError, SyntaxError, ValueError) as error:
+            raise PictureError(f"is damaged: {error}") from None
+        return self.image
+
+    def __exit__(self, kind, error, trace) -> None:
+        self.image.close()
+        if isinstance(error, (OSError, SyntaxError, ValueError, EOFError, MemoryError)):
+            raise PictureError(f"is damaged: {error}") from None
+
+
+def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
+    """IEC 61966-2-1."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4)
+
+
+def resized(texels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Texels at another width and height: averages where there are fewer, straight lines where there are more."""
+    if (texels.shape[1], texels.shape[0]) == size:
+        return texels
+    planes = [Image.fromarray(np.ascontiguousarray(texels[..., channel], np.float32)) for channel in range(texels.shape[2])]
+    return np.stack([np.asarray(plane.resize(size, Image.Resampling.BILINEAR)) for plane in planes], axis=-1)
+
+
+def png(texels: np.ndarray) -> bytes:
+    """RGB or RGBA from 0 to 1, to the nearest of 256 steps."""
+    file = io.BytesIO()
+    Image.fromarray(np.round(np.clip(texels, 0, 1) * 255).astype(np.uint8)).save(file, "PNG")
+    return file.getvalue()

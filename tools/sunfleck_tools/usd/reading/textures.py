@@ -1,0 +1,169 @@
+"""Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a `Texture` has a file that opens."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Ar, Sdf, Usd, UsdShade
+
+from .losses import Losses
+from .numbers import numbers_in
+from .texels import Picture, PictureError, open_picture
+
+WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648, "black": 33071}
+SRGB = ("srgb", "g22_rec709", "gamma22")
+LINEAR = ("raw", "data", "identity", "none", "unknown", "lin_rec709", "lin_srgb", "linear")
+"""How names of colour spaces begin, in small letters."""
+FIRST_TILE = 1001
+MOVES = {"rotation": 0.0, "scale": (1.0, 1.0), "translation": (0.0, 0.0)}
+"""Inputs of UsdTransform2d, and what they are by themselves."""
+UDIM_COLUMNS = 10
+READERS = {"UsdUVTexture": "file", "ND_UsdUVTexture": "file", "ND_UsdUVTexture_23": "file", "arnold:image": "filename"}
+"""Nodes that read a file, and the input that names it; those of MaterialX begin with `ND_image` or `ND_tiledimage`."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where a texture lies: which set of coordinates, KHR_texture_transform's (offset, rotation, scale), wrapping along each axis."""
+
+    layer: int
+    moved: tuple[tuple[float, float], float, tuple[float, float]] | None
+    wraps: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and what multiplies and is added."""
+
+    place: str
+    files: tuple[tuple[tuple[int, int], str], ...]
+    space: str
+    scale: tuple[float, ...]
+    bias: tuple[float, ...] | None
+    placement: Placement
+
+
+def file_input(shader: UsdShade.Shader) -> str | None:
+    """The input that names the file, of a node that reads one."""
+    kind = str(shader.GetIdAttr().Get())
+    return "file" if kind.startswith(("ND_image", "ND_tiledimage")) else READERS.get(kind)
+
+
+class Textures:
+    """Reads nodes of one stage; each file is opened once."""
+
+    def __init__(self, lost: Losses, code: float):
+        self.lost, self.code = lost, code
+        self._pictures: dict[str, Picture | None] = {}
+
+    def picture(self, resolved: str) -> Picture:
+        """The picture of a file of a `Texture`."""
+        return self._pictures[resolved]
+
+    def read(self, shader: UsdShade.Shader, layers: list[str]) -> Texture | None:
+        """The texture of a node; None, and said, without a file that can be read."""
+        found = shader.GetInput(file_input(shader))
+        producers = found.GetValueProducingAttributes() if found else []
+        files = self._files(producers[0], str(shader.GetPath())) if producers else {}
+        if not producers:
+            self.lost.add("usd-texture", shader.GetPath(), "has no file")
+        if not files:
+            return None
+        space = self._space(shader, producers[0])
+        bias = self._numbers(shader, "bias", None)
+        scale = self._numbers(shader, "scale", (1.0,) * 4)
+        return Texture(str(shader.GetPath()), tuple(sorted(files.items())), space, scale, bias, self._placement(shader, layers))
+
+    def fallback(self, shader: UsdShade.Shader) -> tuple[float, ...] | None:
+        """What stands for a file that cannot be read, if the node says."""
+        return self._numbers(shader, "fallback", None)
+
+    def _value(self, shader: UsdShade.Shader, name: str, default):
+        found = shader.GetInput(name)
+        producers = found.GetValueProducingAttributes() if found else []
+        value = producers[0].Get(self.code) if producers else None
+        return default if value is None else value
+
+    def _numbers(self, shader: UsdShade.Shader, name: str, default):
+        found = numbers_in(self._value(shader, name, None), 4)
+        return default if found is None else found
+
+    def _files(self, attribute: Usd.Attribute, place: str) -> dict[tuple[int, int], str]:
+        """Files that open, by column and row of their tiles; without tiles all is column 0, row 0."""
+        value = attribute.Get(self.code)
+        if attribute.ValueMightBeTimeVarying():
+            self.lost.add("usd-material-animated", place, "its file changes over time; that of the first frame is taken")
+        named, resolved = (value.path, value.resolvedPath) if isinstance(value, Sdf.AssetPath) else (str(value or ""), "")
+        layer = attribute.GetPropertyStack(self.code)[0].layer
+        if UsdShade.UdimUtils.IsUdimIdentifier(named):
+            tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(named, layer)
+            listed = {divmod(int(tile) - FIRST_TILE, UDIM_COLUMNS)[::-1]: path for path, tile in tiles}
+        else:
+            # A text, as some exporters write instead of an asset, counts from its layer too.
+            resolved = resolved or Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(named)).GetPathString() if named else ""
+            listed = {(0, 0): resolved}
+        found = {tile: path for tile, path in listed.items() if self._opens(path, named, place)}
+        if not listed:
+            self.lost.add("usd-texture", place, f"the texture `{named}` has no tiles")
+        return found
+
+    def _opens(self, resolved: str, named: str, place: str) -> bool:
+        if resolved in self._pictures and self._pictures[resolved] is not None:
+            return True
+        try:
+            self._pictures[resolved] = open_picture(resolved)
+        except PictureError as error:
+            self._pictures[resolved] = None
+            self.lost.add("usd-texture", place, f"the texture `{named}` is left out: {error}")
+        return self._pictures[resolved] is not None
+
+    def _space(self, shader: UsdShade.Shader, attribute: Usd.Attribute) -> str:
+        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than Rec. 709's are said."""
+        names = (str(self._value(shader, "sourceColorSpace", "auto")), str(attribute.GetColorSpace() or "auto"))
+        name = next((name for name in names if name != "auto"), "auto")
+        if name.lower().startswith(SRGB):
+            return "sRGB"
+        if name != "auto" and not name.lower().startswith(LINEAR):
+            self.lost.add(
+                "usd-material-input", shader.GetPath(), f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709"
+            )
+        return "raw" if name != "auto" else "auto"
+
+    def _placement(self, shader: UsdShade.Shader, layers: list[str]) -> Placement:
+        """Which coordinates, moved how; layer -1 of a mesh that has none."""
+        wraps = [str(self._value(shader, f"wrap{axis}", "repeat")) for axis in "ST"]
+        if "black" in wraps:
+            self.lost.add("usd-texture-wrap", shader.GetPath(), "black around a texture is not carried: its edges go on")
+        node, moved = _before(shader, "st") or _before(shader, "texcoord"), None
+        if node and node.GetIdAttr().Get() == "UsdTransform2d":
+            moved, node = self._moved(node), _before(node, "in")
+        layer = 0 if layers else -1
+        if node and node.GetInput("varname"):
+            name = str(self._value(node, "varname", ""))
+            if name in layers:
+                layer = layers.index(name)
+            elif layers:
+                what = f"a texture by the coordinates `{name}`, which the mesh does not have, takes others"
+                self.lost.add("usd-material-input", shader.GetPath(), what)
+        return Placement(layer, moved, tuple(WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps))
+
+    def _moved(self, shader: UsdShade.Shader) -> tuple | None:
+        """The reverse of what export writes: glTF turns about the upper left corner, USD about the lower left one."""
+        given = {name: self._value(shader, name, rest) for name, rest in MOVES.items()}
+        numbers = {name: numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()}
+        if None in numbers.values():
+            self.lost.add("usd-material-input", shader.GetPath(), "moves a texture by what are no numbers, and is left out")
+            return None
+        (degrees,), (wide, high), (x, y) = numbers.values()
+        angle = math.radians(degrees)
+        offset = np.round([x - high * math.sin(angle), 1 - y - high * math.cos(angle)], 7).tolist()
+        return tuple(offset), angle, (wide, high)
+
+
+def _before(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
+    """What an input is connected to."""
+    found = shader.GetInput(name)
+    attributes = found.GetValueProducingAttributes() if found else []
+    return UsdShade.Shader(attributes[0].GetPrim()) if attributes else None

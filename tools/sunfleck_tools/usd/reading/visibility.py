@@ -1,0 +1,37 @@
+"""When a prim is seen: `UsdGeom.Imageable.ComputeVisibility`, over time.
+
+Whatever is invisible hides all below it, so a node says for its children what its prim says for its own. Prims that stand elsewhere
+in glTF than in the stage bring along what their ancestors say.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .places import reach
+from .source import Source
+
+
+def says_visibility(prim: Usd.Prim) -> bool:
+    """True if a prim has a word of its own on it."""
+    imageable = UsdGeom.Imageable(prim)
+    return bool(imageable) and imageable.GetVisibilityAttr().HasAuthoredValue()
+
+
+def up_to(prim: Usd.Prim, last: Usd.Prim) -> list[Usd.Prim]:
+    """A prim and its ancestors, as far as `last`."""
+    found = [prim]
+    while found[-1] != last and found[-1].GetParent():
+        found.append(found[-1].GetParent())
+    return found
+
+
+def seen(prims: list[Usd.Prim], source: Source) -> tuple[np.ndarray, np.ndarray] | None:
+    """Codes, and from each on whether all the prims let be seen; None if they always do."""
+    attributes = [UsdGeom.Imageable(prim).GetVisibilityAttr() for prim in prims if says_visibility(prim)]
+    samples = [code for attribute in attributes for code in attribute.GetTimeSamples()]
+    _, last = reach(source.codes)
+    codes = np.unique([source.first, *(code for code in samples if source.first < code <= last)])
+    shown = np.array([all(each.Get(code) != UsdGeom.Tokens.invisible for each in attributes) for code in codes.tolist()])
+    return None if shown.all() else (codes, shown)
