@@ -15,8 +15,6 @@ from dataclasses import dataclass, field
 
 ADDRESSES_PER_MEMORY = 3
 """Addresses that are reserved (threads' stacks, files in memory) are no memory: so many times the limit may be asked for."""
-WALL_PER_CPU = 5
-"""Other work on the machine makes a second of the processor longer; a program that sleeps uses none at all."""
 UNDER_LIMITS = 'ulimit -c 0; ulimit -t "$1"; ulimit -v "$2"; shift 2; exec "$@"'
 TEXT_BYTES = 1 << 20
 """Of what a program says are looked at."""
@@ -24,10 +22,12 @@ TEXT_BYTES = 1 << 20
 
 @dataclass(frozen=True)
 class Limits:
-    """Of one run: processor seconds of all threads, and bytes resident at once."""
+    """Of one run: processor seconds of all threads, bytes resident at once, and seconds by the clock. The last are for programs that
+    wait: other work on the machine makes a second of the processor longer."""
 
     cpu_s: int = 60
     memory_bytes: int = 2 << 30
+    wall_s: float = 300
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def run_limited(command: Sequence[object], limits: Limits, environment: dict[str
         process = subprocess.Popen(
             line, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environment, start_new_session=True
         )  # fmt: skip
-        watch = _Watch(process.pid, limits.cpu_s * WALL_PER_CPU)
+        watch = _Watch(process.pid, limits.wall_s)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         watch.end()
