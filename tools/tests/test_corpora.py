@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 import tempfile
@@ -13,6 +14,7 @@ import numpy as np
 import OpenEXR
 
 from sunfleck_tools.corpora import Limits, Programs, as_json, as_text, find_files, verdict_on
+from sunfleck_tools.corpora.limited import run_limited
 from sunfleck_tools.corpora.outcomes import Outcome, group_of
 from sunfleck_tools.corpora.probes import mean_radiance
 
@@ -109,6 +111,11 @@ class Corpora(unittest.TestCase):
         faults = text.split("faults of the program:\n")[1].split("\n\n")[0].splitlines()
         self.assertEqual(len(faults), sum(outcome.is_fault for outcome in OUTCOME_OF_NAME.values()))
         self.assertIn("black  models/black.obj  mean 0", faults)
+
+    def test_processor_time_has_a_limit_of_its_own(self):
+        ended = run_limited(["sh", "-c", "while :; do :; done"], Limits(cpu_s=1, wall_s=60))
+        self.assertEqual(ended.code, -signal.SIGXCPU)
+        self.assertTrue(ended.took_too_long)
 
     def test_sentences_of_one_kind_are_one_group(self):
         one = group_of("node 12 (`leaf`) is at /some/place/x.png, 1.5e-3 m off")

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 ADDRESSES_PER_MEMORY = 3
 """Addresses that are reserved (threads' stacks, files in memory) are no memory: so many times the limit may be asked for."""
-UNDER_LIMITS = 'ulimit -c 0; ulimit -t "$1"; ulimit -v "$2"; shift 2; exec "$@"'
+UNDER_LIMITS = 'ulimit -c 0; ulimit -S -t "$1"; ulimit -v "$2"; shift 2; exec "$@"'
 TEXT_BYTES = 1 << 20
 """Of what a program says are looked at."""
 
