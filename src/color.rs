@@ -3,10 +3,12 @@
 
 mod agx;
 mod display;
+mod texels;
 
 use glam::DVec3;
 
 pub use display::{Curve, Display, dithered};
+pub use texels::{CodeCurve, Texels};
 
 /// Linear Rec. 709 colour: `x` red, `y` green, `z` blue.
 ///

@@ -5,7 +5,7 @@ use cpu_time::ProcessTime;
 use std::cell::RefCell;
 use std::time::Instant;
 use sunfleck::description;
-use sunfleck::scene::{self, Baking, Motion, Rotation};
+use sunfleck::scene::{self, Baking, Motion, ResolveOptions, Rotation};
 
 const SCENE: &str = r#"Scene(version: 1, cameras: { "main": () }, meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.06) },
     fall: { "storm": (
@@ -33,8 +33,12 @@ pub fn run(rounds: usize) {
             let baking = Baking { recall: &recall, keep: &keep, ..Baking::ALONE };
             let resolve = || {
                 let (started, processor) = (Instant::now(), ProcessTime::now());
-                let (scene, _) =
-                    scene::resolve_telling(description::load(&path).unwrap(), None, &baking).unwrap();
+                let (scene, _) = scene::resolve_telling(
+                    description::load(&path).unwrap(),
+                    &ResolveOptions::default(),
+                    &baking,
+                )
+                .unwrap();
                 (scene, started.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64())
             };
             let (scene, seconds, processor_s) = resolve();

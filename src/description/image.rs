@@ -1,24 +1,20 @@
 //! Image files in, linear light out. Invariant: `width * height` texels, none larger than the
 //! limits allow, whatever the file's header claims.
 
-use crate::color::linear_from_srgb;
+use crate::color::{CodeCurve, Texels};
 use crate::diagnostic::{Diagnostic, Place};
-use ::image::{DynamicImage, ImageFormat, ImageReader, Limits, Rgba};
+use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use exr::math::Vec2;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use std::io::Cursor;
-use std::sync::LazyLock;
 
 /// Longest side that is accepted, in texels.
 const MAX_SIDE: u32 = 16_384;
-/// Most texels that are accepted; 1 GiB once decoded.
+/// Most texels that are accepted; 1 GiB once decoded, if they are radiances.
 const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
-
-/// Rows that are turned into texels at once.
-const ROWS_AT_ONCE: usize = 64;
 
 /// An RGBA image in linear Rec. 709, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +24,7 @@ pub struct DecodedImage {
     /// Rows, at least 1.
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
-    pub texels: Vec<[f32; 4]>,
+    pub texels: Texels,
 }
 
 /// What the numbers of an image stand for; alpha is always itself.
@@ -44,11 +40,6 @@ pub enum Encoding {
 
 /// Larger radiances are refused, as larger numbers are everywhere.
 const MOST_RADIANCE: f32 = 1e15;
-
-/// Linear light for every sRGB code of 16 bits; 8-bit codes are multiples of 257.
-static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
-    (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
-});
 
 /// Decodes a PNG, JPEG, WebP or PPM image, or one of radiances, recognised by its content.
 ///
@@ -94,10 +85,10 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     let decoded = reader
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
-    if encoding == Encoding::Radiance {
-        radiances(decoded).map_err(reject)
-    } else {
-        Ok(linear(decoded, encoding))
+    match encoding {
+        Encoding::Srgb => Ok(coded(decoded, CodeCurve::Srgb)),
+        Encoding::Linear => Ok(coded(decoded, CodeCurve::Linear)),
+        Encoding::Radiance => radiances(decoded).map_err(reject),
     }
 }
 
@@ -133,25 +124,16 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
         .map_err(|error| format!("the image cannot be decoded: {}", error.to_string().trim_end()))
 }
 
-fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
-    let curve = LINEAR_FROM_CODE.as_slice();
-    let texel = |pixel: &Rgba<u16>| {
-        let [r, g, b, alpha] = pixel.0;
-        let plain = |code: u16| f32::from(code) / f32::from(u16::MAX);
-        let [r, g, b] = match encoding {
-            Encoding::Srgb => [r, g, b].map(|code| curve[usize::from(code)]),
-            Encoding::Linear | Encoding::Radiance => [r, g, b].map(plain),
-        };
-        [r, g, b, plain(alpha)]
+/// 8 bits a number stay 8 bits.
+fn coded(decoded: DynamicImage, curve: CodeCurve) -> DecodedImage {
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let has_words = decoded.color().bytes_per_pixel() > decoded.color().channel_count();
+    let texels = if has_words {
+        Texels::of_words(decoded.into_rgba16().into_raw(), curve)
+    } else {
+        Texels::of_bytes(decoded.into_rgba8().into_raw(), curve)
     };
-    let (width, height) = (decoded.width(), decoded.height());
-    let mut texels = Vec::with_capacity(width as usize * height as usize);
-    // A band at a time: a small file may be a large image, which there need not be three of.
-    for top in (0..height).step_by(ROWS_AT_ONCE) {
-        let band = decoded.crop_imm(0, top, width, (height - top).min(ROWS_AT_ONCE as u32));
-        texels.extend(band.into_rgba16().pixels().map(texel));
-    }
-    DecodedImage { width: width as usize, height: height as usize, texels }
+    DecodedImage { width, height, texels }
 }
 
 /// What is wrong is said of the first texel concerned.
@@ -169,14 +151,15 @@ fn radiances(decoded: DynamicImage) -> Result<DecodedImage, String> {
             &texels[bad][..3]
         ));
     }
-    Ok(DecodedImage { width, height: rgba.height() as usize, texels })
+    Ok(DecodedImage { width, height: rgba.height() as usize, texels: texels.into() })
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use ::image::{ImageBuffer, Luma, Rgb};
+    use crate::color::linear_from_srgb;
+    use ::image::{ImageBuffer, Luma, Rgb, Rgba};
 
     fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -185,7 +168,7 @@ mod tests {
     }
 
     fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
-        decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap().texels
+        decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap().texels.into_floats()
     }
 
     fn linear(encoded: f64) -> f32 {
@@ -199,7 +182,7 @@ mod tests {
         {
             let image = decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap();
             assert_eq!((image.width, image.height), (1, 2));
-            assert_eq!(image.texels, expected);
+            assert_eq!(image.texels.into_floats(), expected);
         }
     }
 
