@@ -112,6 +112,15 @@ impl From<Vec<[f32; 4]>> for Texels {
     }
 }
 
+impl IntoIterator for Texels {
+    type Item = [f32; 4];
+    type IntoIter = std::vec::IntoIter<[f32; 4]>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.into_floats().into_iter()
+    }
+}
+
 impl FromIterator<[f32; 4]> for Texels {
     fn from_iter<I: IntoIterator<Item = [f32; 4]>>(texels: I) -> Self {
         Self(Stored::Floats(texels.into_iter().collect()))

@@ -85,10 +85,10 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     let decoded = reader
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
-    match encoding {
-        Encoding::Srgb => Ok(coded(decoded, CodeCurve::Srgb)),
-        Encoding::Linear => Ok(coded(decoded, CodeCurve::Linear)),
-        Encoding::Radiance => radiances(decoded).map_err(reject),
+    if encoding == Encoding::Radiance {
+        radiances(decoded).map_err(reject)
+    } else {
+        Ok(linear(decoded, encoding))
     }
 }
 
@@ -124,8 +124,9 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
         .map_err(|error| format!("the image cannot be decoded: {}", error.to_string().trim_end()))
 }
 
-/// 8 bits a number stay 8 bits.
-fn coded(decoded: DynamicImage, curve: CodeCurve) -> DecodedImage {
+/// Codes of 8 bits stay codes of 8 bits.
+fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
+    let curve = if encoding == Encoding::Srgb { CodeCurve::Srgb } else { CodeCurve::Linear };
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     let has_words = decoded.color().bytes_per_pixel() > decoded.color().channel_count();
     let texels = if has_words {

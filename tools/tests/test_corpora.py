@@ -24,7 +24,8 @@ from .files import DATA
 PROGRAM_OF_NAMES = """#!/bin/sh
 command=$1 file=$2
 case $file in
-    *refused*) echo "$file: nodes/3: error: the node 3 has no \\`size\\`" >&2; exit 3 ;;
+    *refused*) echo "$file: nodes/3: error: the node 3 has no \\`size\\`" >&2; echo "  remedy: give it one" >&2; exit 3 ;;
+    *lists*) printf 'error: a stage: does not hold together:\\n  there is no a/b.usd\\n  and more\\n' >&2; exit 3 ;;
     *sleeps*) sleep 60 ;;
     *turns*) while :; do :; done ;;
     *panics*) echo "thread 'main' panicked at src/main.rs:1:1:" >&2; exit 101 ;;
@@ -49,6 +50,7 @@ OUTCOME_OF_NAME = {
     "losses.gltf": Outcome.WITH_LOSSES,
     "unlit_black.glb": Outcome.BLACK_WITH_CAUSE,
     "refused.obj": Outcome.REFUSED,
+    "lists.obj": Outcome.REFUSED,
     "black.obj": Outcome.BLACK,
     "sleeps.glb": Outcome.HANG,
     "turns.glb": Outcome.HANG,
@@ -98,6 +100,7 @@ class Corpora(unittest.TestCase):
         self.assertEqual(rows["models/losses.gltf"]["losses"], ["points-and-lines"])
         self.assertEqual(rows["models/refused.obj"]["step"], "inspect")
         self.assertEqual(rows["models/refused.obj"]["sentence"], "the node 3 has no `size`")
+        self.assertEqual(rows["models/lists.obj"]["sentence"], "a stage: does not hold together: there is no a/b.usd")
         self.assertEqual(rows["models/black.obj"]["mean"], 0)
         self.assertGreater(rows["models/good.glb"]["mean"], 0)
         self.assertGreaterEqual(rows["models/hoards.glb"]["peak_mb"], 300)

@@ -36,7 +36,8 @@ class Outcome(str, Enum):
 REFUSALS = (SCENE, IO)
 RUST_PANIC = 101
 OUT_OF_MEMORY = re.compile(r"memory allocation of \d+ bytes failed|MemoryError|bad_alloc|the memory is not enough")
-ERROR_LINE = re.compile(r"^(?:.*?: )?error(?:\[[\w-]+\])?: (?P<sentence>.*)$", re.MULTILINE)
+ERROR_LINE = re.compile(r"^(?:.*?: )?error(?:\[[\w-]+\])?: (?P<sentence>.*(?:(?<=:)\n\s+.*)?)$", re.MULTILINE)
+"""What ends with a colon goes on in the next line."""
 WARNING_LINE = re.compile(r"^(?:.*?: )?warning(?:\[(?P<id>[\w-]+)\])?: ", re.MULTILINE)
 
 
@@ -70,7 +71,7 @@ def loss_ids(ended: Ended) -> list[str]:
 def sentence_of(ended: Ended) -> str:
     """The first error that is said; without one, the last line."""
     if match := ERROR_LINE.search(ended.err):
-        return match["sentence"].strip()
+        return " ".join(match["sentence"].split())
     lines = (ended.err.strip() or ended.out.strip()).splitlines()
     return lines[-1].strip() if lines else f"exit code {ended.code}, and not a word"
 
