@@ -26,7 +26,7 @@ PACKAGES = Path(__file__).parents[2]
 SMALL = ("--size", "160x90", "--samples", "1")
 BLACK_MEAN = 1e-4
 """Mean radiance of a picture in which the exposure of common cameras shows nothing: a shade of 8 bits is 3e-4."""
-CAUSES_OF_BLACK = frozenset({"black-picture", "no-light", "mesh-without-triangles", "points-and-lines", "nothing-to-draw"})
+CAUSES_OF_BLACK = frozenset({"dark-frame", "no-light", "nothing-to-draw", "mesh-without-triangles", "points-and-lines"})
 """Losses that say why there is nothing to be seen."""
 
 
