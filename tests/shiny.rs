@@ -158,7 +158,7 @@ fn vertex_colours_multiply_and_other_layers_have_their_own_coordinates() {
     let mut scene = square(Material { base_color: Rgb::splat(0.5), ..Material::default() });
     // From left to right red turns into green.
     scene.meshes[0].colors = vec![Vec3::X, Vec3::Y, Vec3::Y, Vec3::X];
-    let texels = vec![[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+    let texels = vec![[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]].into();
     let wrap = [Wrap::Clamp; 2];
     scene.textures.push(Texture { name: String::new(), width: 2, height: 1, texels, wrap });
     scene.materials[0].emission = Rgb::splat(4.0);
