@@ -150,6 +150,14 @@ class Steps(unittest.TestCase):
                 verdict = verdict_on(file, Programs(PROGRAM))
                 self.assertIn(verdict.outcome, (Outcome.DONE, Outcome.WITH_LOSSES), verdict)
 
+    def test_sentences_name_no_folder_that_is_gone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "no_frame.exr").write_bytes(b"no frame")
+            (verdict,) = (verdict_on(file, Programs(PROGRAM)) for file in find_files(Path(folder)))
+        self.assertEqual(verdict.outcome, Outcome.REFUSED, verdict)
+        self.assertIn("frame.0001.exr", verdict.sentence)
+        self.assertNotIn(tempfile.gettempdir(), verdict.sentence)
+
     def test_mean_of_a_frame(self):
         self.assertGreater(mean_radiance(DATA / "leaf.0006.exr"), 0)
         self.assertTrue(np.isnan(mean_radiance(DATA / "no such file.exr")))

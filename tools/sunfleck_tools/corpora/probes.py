@@ -98,8 +98,10 @@ class _Trial:
         if mean is not None and not mean >= BLACK_MEAN:
             outcome = Outcome.BLACK if CAUSES_OF_BLACK.isdisjoint(losses) else Outcome.BLACK_WITH_CAUSE
         is_cut_short = outcome is Outcome.REFUSED or (outcome.is_fault and outcome is not Outcome.BLACK)
+        # The folder has another name each time.
+        sentence = sentence_of(self.ended[-1]).replace(f"{self.scratch}{os.sep}", "") if is_cut_short else ""
         return Verdict(
-            self.file, outcome, self.step, sentence_of(self.ended[-1]) if is_cut_short else "", losses,
+            self.file, outcome, self.step, sentence, losses,
             max(ended.cpu_s for ended in self.ended), max(ended.peak_bytes for ended in self.ended), mean,
         )  # fmt: skip
 
