@@ -4,11 +4,13 @@
 mod agx;
 mod display;
 mod primaries;
+mod texels;
 
 use glam::DVec3;
 
 pub use display::{Curve, Display, dithered};
 pub use primaries::Primaries;
+pub use texels::{CodeCurve, Texels};
 
 /// Linear Rec. 709 colour: `x` red, `y` green, `z` blue.
 ///

@@ -248,7 +248,7 @@ fn an_image_sky_looks_the_same() {
         panic!("{found:?}");
     };
     assert_eq!((a.width, a.height), (b.width, b.height));
-    assert!(a.texels.iter().zip(&b.texels).all(|(a, b)| a[..3] == b[..3]));
+    assert!(a.texels.iter().zip(b.texels.iter()).all(|(a, b)| a[..3] == b[..3]));
     assert_eq!(found.lights, expected.lights);
     let mut difference = Difference::default();
     difference.add(&picture(&scene, &settings, 1), &picture(&again, &settings, 1));

@@ -22,7 +22,7 @@ fn flat_meshes_keep_tangents_for_their_normal_maps() {
         ..Mesh::default()
     };
     let map = TextureMap { texture: 0, layer: 0 };
-    let texels = vec![[0.5, 0.5, 1.0, 1.0]; 4];
+    let texels = vec![[0.5, 0.5, 1.0, 1.0]; 4].into();
     let scene = Scene {
         nodes: vec![Node {
             name: "roof".into(),

@@ -96,7 +96,7 @@ fn on_leaf(mesh: &Mesh, at: Vec2) -> (DVec3, f64) {
 fn color(scene: &Scene, material: &Material) -> Rgb {
     let mean = |texture: Option<TextureIndex>| {
         let Some(texture) = texture.map(|index| &scene.textures[index]) else { return Rgb::ONE };
-        let sum: Rgb = texture.texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b).as_dvec3()).sum();
+        let sum: Rgb = texture.texels.iter().map(|[r, g, b, _]| Vec3::new(r, g, b).as_dvec3()).sum();
         sum / texture.texels.len() as f64
     };
     material.base_color * mean(material.base_color_texture)

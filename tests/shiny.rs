@@ -42,7 +42,8 @@ fn square(material: Material) -> Scene {
 fn add_texture(scene: &mut Scene, texel: [f32; 3]) -> TextureMap {
     let [r, g, b] = texel;
     let wrap = [Wrap::Repeat; 2];
-    let texture = Texture { name: String::new(), width: 1, height: 1, texels: vec![[r, g, b, 1.0]], wrap };
+    let texture =
+        Texture { name: String::new(), width: 1, height: 1, texels: vec![[r, g, b, 1.0]].into(), wrap };
     scene.textures.push(texture);
     TextureMap { texture: scene.textures.len() - 1, layer: 0 }
 }
@@ -172,7 +173,7 @@ fn vertex_colours_multiply_and_other_layers_have_their_own_coordinates() {
     let mut scene = square(Material { base_color: Rgb::splat(0.5), ..Material::default() });
     // From left to right red turns into green.
     scene.meshes[0].colors = vec![Vec3::X, Vec3::Y, Vec3::Y, Vec3::X];
-    let texels = vec![[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+    let texels = vec![[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]].into();
     let wrap = [Wrap::Clamp; 2];
     scene.textures.push(Texture { name: String::new(), width: 2, height: 1, texels, wrap });
     scene.materials[0].emission = Rgb::splat(4.0);
@@ -250,7 +251,7 @@ fn sheen_shines_in_its_colour_and_takes_what_it_gives() {
     // Colour by colour, roughness by alpha.
     let color_texture = Some(add_texture(&mut scene, [1.0, 0.5, 1.0]));
     let rough = add_texture(&mut scene, [0.2; 3]);
-    scene.textures[rough.texture].texels[0][3] = 0.75;
+    scene.textures[rough.texture].texels = vec![[0.2, 0.2, 0.2, 0.75]].into();
     let color = Rgb::new(0.8, 0.8, 0.0);
     scene.materials[0].sheen =
         Some(Sheen { color, color_texture, roughness: 0.8, roughness_texture: Some(rough) });
@@ -369,7 +370,7 @@ fn roughness_is_no_colour() {
     std::fs::write(&path, serde_json::to_vec(&file).unwrap()).unwrap();
     let scene = scene::resolve(description::load(&path).unwrap(), None).unwrap().0;
     let material = &scene.materials[0];
-    let texel = |map: TextureMap| scene.textures[map.texture].texels[0][1];
+    let texel = |map: TextureMap| scene.textures[map.texture].texels.get(0)[1];
     let half = 128.0 / 255.0;
     assert!((texel(material.coat.unwrap().texture.unwrap()) - half).abs() < 1e-6);
     assert!((texel(material.normal_map.unwrap().0) - half).abs() < 1e-6);

@@ -2,25 +2,21 @@
 //! limits allow, whatever the file's header claims.
 
 use super::ktx2;
-use crate::color::{Primaries, linear_from_srgb};
+use crate::color::{CodeCurve, Primaries, Texels};
 use crate::diagnostic::{Diagnostic, Place};
-use ::image::{DynamicImage, ImageFormat, ImageReader, Limits, Rgba};
+use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use exr::math::Vec2;
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use glam::{DMat3, DVec2, Vec3};
 use std::io::Cursor;
-use std::sync::LazyLock;
 
 /// Longest side that is accepted, in texels.
 const MAX_SIDE: u32 = 16_384;
-/// Most texels that are accepted; 1 GiB once decoded.
+/// Most texels that are accepted; 1 GiB once decoded, if they are radiances.
 const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
-
-/// Rows that are turned into texels at once.
-const ROWS_AT_ONCE: usize = 64;
 
 /// An RGBA image in linear Rec. 709, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +26,7 @@ pub struct DecodedImage {
     /// Rows, at least 1.
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
-    pub texels: Vec<[f32; 4]>,
+    pub texels: Texels,
 }
 
 /// What the numbers of an image stand for; alpha is always itself.
@@ -49,11 +45,6 @@ const SAME_PRIMARIES: f64 = 1e-3;
 
 /// Larger radiances are refused, as larger numbers are everywhere.
 const MOST_RADIANCE: f32 = 1e15;
-
-/// Linear light for every sRGB code of 16 bits; 8-bit codes are multiples of 257.
-static LINEAR_FROM_CODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
-    (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect()
-});
 
 /// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances, recognised by its content.
 ///
@@ -154,25 +145,17 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
         .map_err(|error| format!("the image cannot be decoded: {}", error.to_string().trim_end()))
 }
 
+/// Codes of 8 bits stay codes of 8 bits.
 fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
-    let curve = LINEAR_FROM_CODE.as_slice();
-    let texel = |pixel: &Rgba<u16>| {
-        let [r, g, b, alpha] = pixel.0;
-        let plain = |code: u16| f32::from(code) / f32::from(u16::MAX);
-        let [r, g, b] = match encoding {
-            Encoding::Srgb => [r, g, b].map(|code| curve[usize::from(code)]),
-            Encoding::Linear | Encoding::Radiance => [r, g, b].map(plain),
-        };
-        [r, g, b, plain(alpha)]
+    let curve = if encoding == Encoding::Srgb { CodeCurve::Srgb } else { CodeCurve::Linear };
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let has_words = decoded.color().bytes_per_pixel() > decoded.color().channel_count();
+    let texels = if has_words {
+        Texels::of_words(decoded.into_rgba16().into_raw(), curve)
+    } else {
+        Texels::of_bytes(decoded.into_rgba8().into_raw(), curve)
     };
-    let (width, height) = (decoded.width(), decoded.height());
-    let mut texels = Vec::with_capacity(width as usize * height as usize);
-    // A band at a time: a small file may be a large image, which there need not be three of.
-    for top in (0..height).step_by(ROWS_AT_ONCE) {
-        let band = decoded.crop_imm(0, top, width, (height - top).min(ROWS_AT_ONCE as u32));
-        texels.extend(band.into_rgba16().pixels().map(texel));
-    }
-    DecodedImage { width: width as usize, height: height as usize, texels }
+    DecodedImage { width, height, texels }
 }
 
 /// What is wrong is said of the first texel concerned.
@@ -196,14 +179,15 @@ fn radiances(decoded: DynamicImage, ours_from_its: Option<DMat3>) -> Result<Deco
             &texels[bad][..3]
         ));
     }
-    Ok(DecodedImage { width, height: rgba.height() as usize, texels })
+    Ok(DecodedImage { width, height: rgba.height() as usize, texels: texels.into() })
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use ::image::{ImageBuffer, Luma, Rgb};
+    use crate::color::linear_from_srgb;
+    use ::image::{ImageBuffer, Luma, Rgb, Rgba};
 
     fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -212,7 +196,7 @@ mod tests {
     }
 
     fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
-        decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap().texels
+        decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap().texels.into_floats()
     }
 
     fn linear(encoded: f64) -> f32 {
@@ -226,7 +210,7 @@ mod tests {
         {
             let image = decode(bytes, Encoding::Srgb, Place::Nowhere).unwrap();
             assert_eq!((image.width, image.height), (1, 2));
-            assert_eq!(image.texels, expected);
+            assert_eq!(image.texels.into_floats(), expected);
         }
     }
 

@@ -172,7 +172,7 @@ pub(super) fn png(texture: &Texture, holds_data: bool) -> Result<Vec<u8>, Diagno
     let codes: Vec<u16> = texture
         .texels
         .iter()
-        .flat_map(|&[red, green, blue, alpha]| {
+        .flat_map(|[red, green, blue, alpha]| {
             [code(red, false), code(green, false), code(blue, false), code(alpha, true)]
         })
         .collect();

@@ -117,7 +117,7 @@ impl Writer<'_> {
 /// An image of radiances as a data URI: OpenEXR keeps single precision.
 fn exr_uri(image: &Texture) -> Result<String, Diagnostic> {
     let pixels: Vec<u8> =
-        image.texels.iter().flat_map(|texel| &texel[..3]).flat_map(|value| value.to_ne_bytes()).collect();
+        image.texels.iter().flat_map(|[r, g, b, _]| [r, g, b]).flat_map(f32::to_ne_bytes).collect();
     let mut bytes = Cursor::new(Vec::new());
     let written = OpenExrEncoder::new(&mut bytes).write_image(
         &pixels,

@@ -3,7 +3,7 @@
 //! unless it is the same everywhere.
 
 use super::{Texture, Track, Wrap};
-use crate::color::{Rgb, luminance};
+use crate::color::{Rgb, Texels, luminance};
 use crate::math::{SquareDistribution, sphere_from_square, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
@@ -114,14 +114,15 @@ impl Sky {
 impl SkyPicture {
     /// An image of longitudes and latitudes, and in how many of its texels a radiance was below 0, which filters leave
     /// behind and which counts as 0.
-    pub fn of_image(name: String, [width, height]: [usize; 2], mut texels: Vec<[f32; 4]>) -> (Self, usize) {
+    pub fn of_image(name: String, [width, height]: [usize; 2], texels: Texels) -> (Self, usize) {
+        let mut texels = texels.into_floats();
         let is_negative = |texel: &&mut [f32; 4]| texel[..3].iter().any(|value| *value < 0.0);
         let negative = texels.iter_mut().filter(is_negative).map(|texel| {
             texel.iter_mut().for_each(|value| *value = value.max(0.0));
         });
         let negative = negative.count();
         let wrap = [Wrap::Repeat, Wrap::Clamp];
-        (Self::Image(Texture { name, width, height, texels, wrap }), negative)
+        (Self::Image(Texture { name, width, height, texels: texels.into(), wrap }), negative)
     }
 
     /// Radiance seen in the direction of a unit vector.

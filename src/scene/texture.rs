@@ -1,6 +1,6 @@
 //! Images that materials look up. Invariant: `width * height` texels, all finite, linear light.
 
-use crate::color::Rgb;
+use crate::color::{Rgb, Texels};
 use glam::{DVec4, Vec2};
 
 /// An RGBA image in linear Rec. 709, top row first.
@@ -13,7 +13,7 @@ pub struct Texture {
     /// Rows, at least 1.
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
-    pub texels: Vec<[f32; 4]>,
+    pub texels: Texels,
     /// What lies beyond the edges, across and down.
     pub wrap: [Wrap; 2],
 }
@@ -44,7 +44,7 @@ impl Texture {
     /// Alpha of a texel, which may lie beyond the edges.
     pub(super) fn texel_alpha(&self, column: i64, row: i64) -> f64 {
         let (column, row) = (self.wrap[0].index(column, self.width), self.wrap[1].index(row, self.height));
-        f64::from(self.texels[row * self.width + column][3])
+        f64::from(self.texels.get(row * self.width + column)[3])
     }
 
     /// Whether anything of it is not opaque.
@@ -60,7 +60,7 @@ impl Texture {
         let texel = |dx: i64, dy: i64| {
             let column = self.wrap[0].index((column as i64).saturating_add(dx), self.width);
             let row = self.wrap[1].index((row as i64).saturating_add(dy), self.height);
-            DVec4::from_array(self.texels[row * self.width + column].map(f64::from))
+            DVec4::from_array(self.texels.get(row * self.width + column).map(f64::from))
         };
         let top = texel(0, 0).lerp(texel(1, 0), right);
         let bottom = texel(0, 1).lerp(texel(1, 1), right);
@@ -96,7 +96,7 @@ mod tests {
             name: String::new(),
             width: 2,
             height: 1,
-            texels: vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]],
+            texels: vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]].into(),
             wrap: [wrap; 2],
         }
     }

@@ -161,7 +161,7 @@ impl Maker<'_> {
 }
 
 fn plain(texel: [f32; 4]) -> DecodedImage {
-    DecodedImage { width: 1, height: 1, texels: vec![texel] }
+    DecodedImage { width: 1, height: 1, texels: vec![texel].into() }
 }
 
 /// Colours with the alpha channel of another image, or its brightness if that is opaque all over.
@@ -197,7 +197,7 @@ fn joined(
     let larger = if first.texels.len() >= second.texels.len() { first } else { second };
     let (width, height) = (larger.width, larger.height);
     let nearest = |image: &DecodedImage, column: usize, row: usize| {
-        image.texels[row * image.height / height * image.width + column * image.width / width]
+        image.texels.get(row * image.height / height * image.width + column * image.width / width)
     };
     let texels = (0..width * height).map(|index| {
         let (column, row) = (index % width, index / width);

@@ -52,7 +52,7 @@ fn light_comes_through_in_the_colours_of_its_own_texture_or_of_the_other() {
     let colors = ["both", "one"].map(|name| {
         let material = scene.materials.iter().find(|material| material.name == name).unwrap();
         let maps = [material.base_color_texture, material.transmission_texture.map(|map| map.texture)];
-        maps.map(|texture| scene.textures[texture.unwrap()].texels[0])
+        maps.map(|texture| scene.textures[texture.unwrap()].texels.get(0))
     });
     let (red, green) = ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]);
     assert_eq!(colors, [[red, green], [red, red]]);

@@ -1,0 +1,170 @@
+//! Texels of images, as their files have them: in go codes, out comes linear light. Invariant: what is looked up is what
+//! single precision would hold, and an image takes no more memory than its codes.
+
+use super::linear_from_srgb;
+use std::sync::LazyLock;
+
+/// Linear RGBA texels, row by row from the top. Two of them are equal if all that is looked up is.
+#[derive(Clone, Debug)]
+pub struct Texels(Stored);
+
+/// Four numbers a texel.
+#[derive(Clone, Debug)]
+enum Stored {
+    /// 8 bits each; colours become light by `curve`, one value a code.
+    Bytes { codes: Vec<u8>, curve: &'static [f32] },
+    /// The same with 16 bits.
+    Words { codes: Vec<u16>, curve: &'static [f32] },
+    /// The light itself.
+    Floats(Vec<[f32; 4]>),
+}
+
+/// What the codes of a colour stand for. Alpha is always itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CodeCurve {
+    /// Colours in sRGB.
+    Srgb,
+    /// Shares of the largest code.
+    Linear,
+}
+
+static SRGB_WORDS: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u16::MAX, linear_from_srgb));
+static LINEAR_WORDS: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u16::MAX, |share| share));
+static SRGB_BYTES: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u8::MAX.into(), linear_from_srgb));
+static LINEAR_BYTES: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u8::MAX.into(), |share| share));
+
+/// The light of every code up to `largest`.
+fn curve(largest: u16, light: impl Fn(f64) -> f64) -> Vec<f32> {
+    (0..=largest).map(|code| light(f64::from(code) / f64::from(largest)) as f32).collect()
+}
+
+impl Texels {
+    /// From 8 bits a number, four numbers a texel; a rest of fewer is left out.
+    pub fn of_bytes(codes: Vec<u8>, curve: CodeCurve) -> Self {
+        let curve = match curve {
+            CodeCurve::Srgb => SRGB_BYTES.as_slice(),
+            CodeCurve::Linear => LINEAR_BYTES.as_slice(),
+        };
+        Self(Stored::Bytes { codes, curve })
+    }
+
+    /// From 16 bits a number, four numbers a texel; a rest of fewer is left out.
+    pub fn of_words(codes: Vec<u16>, curve: CodeCurve) -> Self {
+        let curve = match curve {
+            CodeCurve::Srgb => SRGB_WORDS.as_slice(),
+            CodeCurve::Linear => LINEAR_WORDS.as_slice(),
+        };
+        Self(Stored::Words { codes, curve })
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match &self.0 {
+            Stored::Bytes { codes, .. } => codes.len() / 4,
+            Stored::Words { codes, .. } => codes.len() / 4,
+            Stored::Floats(texels) => texels.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Linear colour, alpha last.
+    ///
+    /// # Panics
+    /// If there is no such texel.
+    #[inline]
+    pub fn get(&self, index: usize) -> [f32; 4] {
+        match &self.0 {
+            Stored::Bytes { codes, curve } => light(&codes[4 * index..4 * index + 4], curve),
+            Stored::Words { codes, curve } => light(&codes[4 * index..4 * index + 4], curve),
+            Stored::Floats(texels) => texels[index],
+        }
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+        (0..self.len()).map(|index| self.get(index))
+    }
+
+    /// All of them in single precision.
+    pub fn into_floats(self) -> Vec<[f32; 4]> {
+        match self.0 {
+            Stored::Floats(texels) => texels,
+            _ => self.iter().collect(),
+        }
+    }
+}
+
+/// Colour by its curve, alpha as a share of the largest code, which is the curve's last.
+#[inline]
+fn light<T: Copy + Into<u16>>(texel: &[T], curve: &[f32]) -> [f32; 4] {
+    let code = |channel: usize| -> u16 { texel[channel].into() };
+    let color = |channel: usize| curve[usize::from(code(channel))];
+    [color(0), color(1), color(2), f32::from(code(3)) / (curve.len() - 1) as f32]
+}
+
+impl From<Vec<[f32; 4]>> for Texels {
+    fn from(texels: Vec<[f32; 4]>) -> Self {
+        Self(Stored::Floats(texels))
+    }
+}
+
+impl IntoIterator for Texels {
+    type Item = [f32; 4];
+    type IntoIter = std::vec::IntoIter<[f32; 4]>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.into_floats().into_iter()
+    }
+}
+
+impl FromIterator<[f32; 4]> for Texels {
+    fn from_iter<I: IntoIterator<Item = [f32; 4]>>(texels: I) -> Self {
+        Self(Stored::Floats(texels.into_iter().collect()))
+    }
+}
+
+impl PartialEq for Texels {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other.iter())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_looked_up_as_the_nearest_single_precision() {
+        for (kind, light) in
+            [(CodeCurve::Srgb, linear_from_srgb as fn(f64) -> f64), (CodeCurve::Linear, |x| x)]
+        {
+            for code in 0..=u8::MAX {
+                let share = f64::from(code) / 255.0;
+                let expected = [light(share) as f32, light(0.0) as f32, light(1.0) as f32, share as f32];
+                assert_eq!(Texels::of_bytes(vec![code, 0, 255, code], kind).get(0), expected);
+            }
+            for code in (0..=u16::MAX).step_by(13) {
+                let share = f64::from(code) / 65_535.0;
+                let expected = [light(share) as f32, light(0.0) as f32, light(1.0) as f32, share as f32];
+                assert_eq!(Texels::of_words(vec![code, 0, u16::MAX, code], kind).get(0), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn however_they_are_kept_equal_texels_are_equal() {
+        let bytes = Texels::of_bytes((0..64).collect(), CodeCurve::Srgb);
+        let words = Texels::of_words((0..64).map(|code| code * 257).collect(), CodeCurve::Srgb);
+        let floats: Texels = bytes.iter().collect();
+        assert_eq!((bytes.len(), words.len(), floats.len()), (16, 16, 16));
+        assert_eq!(bytes, words);
+        assert_eq!(bytes, floats);
+        assert_ne!(bytes, Texels::of_bytes((0..64).collect(), CodeCurve::Linear));
+        assert_ne!(bytes, Texels::of_bytes((0..60).collect(), CodeCurve::Srgb));
+        assert_eq!(bytes.clone().into_floats(), bytes.iter().collect::<Vec<_>>());
+    }
+}
