@@ -25,7 +25,7 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
         let place = format!("nodes[{index}].extras.sunfleck_light.image");
         let texels: usize = on_suns.values().map(|image: &DecodedImage| image.texels.len()).sum();
         if texels > textures::MAX_TEXELS {
-            report.error(place, "the images on suns are too large together", "2^27 texels in all");
+            report.error(place, "the images on suns are too large together", "2^28 texels in all");
             break;
         }
         let image = decoded(scene, uri, &place, Encoding::Srgb, files, report)?;

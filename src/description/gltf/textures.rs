@@ -11,8 +11,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Most texels that the textures of one file may have together; 2 GiB once decoded.
-pub(super) const MAX_TEXELS: usize = 1 << 27;
+/// Most texels that the textures of one file may have together; 1 GiB of 8-bit codes.
+pub(super) const MAX_TEXELS: usize = 1 << 28;
 
 /// What is looked for in an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +90,7 @@ impl<'a> Textures<'a> {
         let texels = self.read.iter().map(|texture| texture.image.texels.len()).sum::<usize>();
         if texels > MAX_TEXELS {
             return Err(invalid(self.file, user, "the textures are too large together")
-                .expected("2^27 texels in all")
+                .expected("2^28 texels in all")
                 .remedy("scale the images down"));
         }
         let Some(texture) = self.document.textures.get(index) else {
