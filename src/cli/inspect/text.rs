@@ -295,11 +295,12 @@ fn brightness(light: &Light, time_s: f64) -> String {
     }
 }
 
-/// Between which planes surfaces show.
-fn clip(Clip { start_m, end_m }: Clip) -> String {
+/// Between which planes surfaces show, in the single precision that files have it in.
+fn clip(clip: Clip) -> String {
+    let [start_m, end_m] = [clip.start_m, clip.end_m].map(|plane_m| plane_m as f32);
     match (start_m, end_m) {
-        (0.0, f64::INFINITY) => String::new(),
-        (_, f64::INFINITY) => format!(", shows surfaces from {start_m} m on"),
+        (0.0, f32::INFINITY) => String::new(),
+        (_, f32::INFINITY) => format!(", shows surfaces from {start_m} m on"),
         _ => format!(", shows surfaces from {start_m} to {end_m} m"),
     }
 }
