@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="the report as JSON on the output stream")
     parser.add_argument("--html", metavar="FILE", type=Path, help="also writes the report as a page")
     parser.add_argument("--stats", metavar="FILE", type=Path, help="what `sunfleck render --stats` wrote, for the page")
+    parser.add_argument("--static", action="store_true", help="nothing moves: frames may be equal to the ones before")
     parser.add_argument("--list-missing", action="store_true", help="prints only the frames to render (again), or `none`")
     parser.add_argument("--list-checks", action="store_true", help="prints all checks and exits")
     parser.add_argument("--processes", metavar="N", type=count, help="that decode (all processors)")
@@ -56,6 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         max_flip=_flip_limit(arguments),
         stats=arguments.stats,
         skip_checks=arguments.skip_checks,
+        static=arguments.static,
         processes=arguments.processes,
         thumbnails=arguments.html is not None,
     )

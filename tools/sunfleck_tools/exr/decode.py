@@ -10,14 +10,14 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 
-from .header import Header
+from .header import Channel, Header
 
 LARGEST_COMPRESSION = 4096
 """Pixels' bytes per byte of file, as the renderer has it: deflate reaches 1032."""
@@ -25,31 +25,57 @@ LARGEST_PICTURE = 4 << 30
 """Bytes of pixels that are decoded at all."""
 
 
+OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY")
+"""How the library says it."""
+
+
 class DecodeError(Exception):
     """OpenEXR refused the file."""
 
 
-def claims_too_much(header: Header, file_bytes: int) -> str | None:
-    """A sentence if the header asks for more memory than the file can account for."""
+def claims_too_much(headers: Sequence[Header], file_bytes: int) -> str | None:
+    """A sentence if the headers together ask for more memory than the file can account for."""
     limit = min(file_bytes * LARGEST_COMPRESSION, LARGEST_PICTURE)
-    if header.pixel_bytes <= limit:
+    claimed = sum(header.pixel_bytes for header in headers)
+    if claimed <= limit:
         return None
-    width, height = header.size
+    width, height = max((header.size for header in headers), key=lambda size: size[0] * size[1])
     return (
-        f"the header claims {width} x {height} pixels, {header.pixel_bytes} bytes, "
+        f"the header claims {width} x {height} pixels, {claimed} bytes, "
         f"of which a file of {file_bytes} bytes can hold {limit} at most"
     )
 
 
 def decode(path: Path) -> dict[str, np.ndarray]:
-    """All channels of a flat, single-part file, by name, as stored."""
+    """All channels of a file's first part, by name, as stored."""
+    return decode_parts(path)[0]
+
+
+def decode_parts(path: Path) -> list[dict[str, np.ndarray]]:
+    """The channels of each part. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
     with _captured() as said:
         try:
-            part = OpenEXR.File(str(path), separate_channels=True)
-            return {name: channel.pixels for name, channel in part.channels().items()}
-        except (RuntimeError, ValueError, TypeError, MemoryError, OSError) as error:
-            reason = _reason(said(), str(path)) or str(error)
+            file = OpenEXR.File(str(path), separate_channels=True)
+            return [{name: channel.pixels for name, channel in part.channels.items()} for part in file.parts]
+        except MemoryError:
+            raise MemoryError(f"memory is not enough to decode {path}") from None
+        except (RuntimeError, ValueError, TypeError, OSError) as error:
+            words = said()
+            reason = _reason(words, str(path)) or str(error)
+            if any(sign in words + str(error) for sign in OUT_OF_MEMORY):
+                raise MemoryError(f"memory is not enough to decode {path}") from None
     raise DecodeError(reason)
+
+
+def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
+    """A channel with a value for each pixel: samples that stand for several pixels are repeated. Raises `DecodeError`."""
+    across, down = channel.sampling
+    width, height = header.size
+    if channel.sampling != (1, 1):
+        stored = np.repeat(np.repeat(stored, down, axis=0), across, axis=1)[:height, :width]
+    if stored.shape != (height, width):
+        raise DecodeError(f"{channel.name} has {stored.shape[1]} x {stored.shape[0]} values, not {width} x {height}")
+    return stored
 
 
 @contextmanager

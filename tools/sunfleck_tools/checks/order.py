@@ -1,0 +1,83 @@
+"""Frames that were swapped, where the files do not say their numbers: pictures that move on from frame to frame tell.
+
+Of three frames in order the outer two are farther apart than either is from the middle one. Where two frames have to change places
+for that to hold all around them, they did. Invariant: what moves in no order (noise, shaking, cuts) accuses nobody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from ..findings import Found, Scope, Severity, check
+from ..summary import FrameSummary, Rendered
+from .constancy import number_said
+
+CELLS_ACROSS = 24
+"""Of a signature: coarse enough that what moves by a few pixels moves on."""
+PROGRESS = 1.3
+"""How many times farther apart the outer two of three frames are: 2 where all moves evenly, 1.4 of pure noise's variance, 1 of a
+thing that comes and goes."""
+REACH = 2
+"""Frames to either side of a swapped one that have to be in order once it is back in its place."""
+LEAST_TRIPLES = 4
+MOST_ROUGH = 40
+"""Frames out of order beyond which there is no order."""
+
+
+def signature(luminance: np.ndarray) -> np.ndarray:
+    """A small picture of the luminance: square roots of means of cells, so that highlights do not outweigh the rest."""
+    step = -(-luminance.shape[1] // CELLS_ACROSS)
+    rows, columns = (np.arange(0, extent, step) for extent in luminance.shape)
+    sums = np.add.reduceat(np.add.reduceat(luminance, rows, axis=0), columns, axis=1)
+    return np.sqrt(np.maximum(sums / step**2, 0)).astype(np.float32)
+
+
+@check("order", Severity.ERROR, Scope.SEQUENCE, "two frames are in order only if they change places")
+def order(rendered: Rendered) -> Iterator[Found]:
+    """Where the files say their own numbers, `image-counter` tells."""
+    for frames in _runs(rendered.decoded):
+        for i, j in _swapped(frames):
+            for one, other in ((i, j), (j, i)):
+                message = f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
+                yield Found(message, frame=frames[one].number, path=frames[one].path)
+
+
+def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
+    """Frames of consecutive numbers with signatures of one size."""
+    run: list[FrameSummary] = []
+    for frame in frames:
+        fits = frame.signature is not None and number_said(frame) is None
+        if run and not (fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape):
+            yield run
+            run = []
+        if fits:
+            run.append(frame)
+    yield run
+
+
+def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
+    """Indices of the pairs that have to change places."""
+    distances: dict[tuple[int, int], float] = {}
+
+    def distance(i: int, j: int) -> float:
+        if (i, j) not in distances:
+            distances[i, j] = float(np.sqrt(np.mean(np.square(frames[i].signature - frames[j].signature))))
+        return distances[i, j]
+
+    def moves_on(i: int, j: int, k: int) -> bool:
+        return distance(i, k) > PROGRESS * max(distance(i, j), distance(j, k))
+
+    count = len(frames)
+    rough = [i for i in range(1, count - 1) if not moves_on(i - 1, i, i + 1)]
+    if not rough or len(rough) > MOST_ROUGH:
+        return
+    for i, j in combinations(sorted({0, count - 1, *rough}), 2):
+        near = {k for end in (i, j) for k in range(end - REACH, end + REACH + 1) if 1 <= k < count - 1}
+        place = {i: j, j: i}
+        triples = [tuple(place.get(index, index) for index in (k - 1, k, k + 1)) for k in near]
+        # What is out of order now has to be near, and in order then.
+        if len(triples) >= LEAST_TRIPLES and near.intersection(rough) and all(moves_on(*triple) for triple in triples):
+            yield i, j
