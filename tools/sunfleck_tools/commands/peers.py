@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
+from ..disk import write_whole
 from ..errors import ToolError
 from . import OK, looks
 from .arguments import positive
@@ -61,9 +63,9 @@ def run(arguments: argparse.Namespace) -> int:
         error = "" if point.rmse is None else f", RMSE {point.rmse:.4f}, mean ratio {point.mean_ratio:.4f}"
         print(f"{point.renderer} {point.version}: {point.samples} spp, {point.cpu_s:.3f} CPU s{error}", flush=True)
     if out is not None:
-        with out.open("w", encoding="utf-8", newline="") as file:
-            size = f"{scene.size[0]} x {scene.size[1]}"
-            write_table(file, points, f"{arguments.scene.name} at {size}, by sunfleck-tools peers")
+        table, size = StringIO(newline=""), f"{scene.size[0]} x {scene.size[1]}"
+        write_table(table, points, f"{arguments.scene.name} at {size}, by sunfleck-tools peers")
+        write_whole(out, table.getvalue().encode())
     return OK
 
 

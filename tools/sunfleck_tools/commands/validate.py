@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from .. import checks  # noqa: F401  (registers them)
+from ..disk import write_whole
 from ..errors import ToolError
 from ..findings import CHECKS, Severity
 from ..frame_list import format_frames
@@ -63,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     report = validate(arguments.target, options, Bar())
     if arguments.html is not None:
-        arguments.html.write_text(html_report(report), encoding="utf-8")
+        write_whole(arguments.html, html_report(report).encode())
     if arguments.list_missing:
         # `sunfleck render --frames none` renders nothing, and ends well.
         print(format_frames(report.rerender) or "none")
