@@ -25,8 +25,9 @@ LARGEST_PICTURE = 4 << 30
 """Bytes of pixels that are decoded at all."""
 
 
-OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY")
+OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY", "MemoryError", "Unable to allocate")
 """How the library says it."""
+NOT_READ = "Exception raised reading pixel data"
 
 
 class DecodeError(Exception):
@@ -54,17 +55,23 @@ def decode(path: Path) -> dict[str, np.ndarray]:
 def decode_parts(path: Path) -> list[dict[str, np.ndarray]]:
     """The channels of each part. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
     with _captured() as said:
+        parts, failure = [], ""
         try:
             file = OpenEXR.File(str(path), separate_channels=True)
-            return [{name: channel.pixels for name, channel in part.channels.items()} for part in file.parts]
+            parts = [{name: channel.pixels for name, channel in part.channels.items()} for part in file.parts]
         except MemoryError:
-            raise MemoryError(f"memory is not enough to decode {path}") from None
+            failure = OUT_OF_MEMORY[0]
         except (RuntimeError, ValueError, TypeError, OSError) as error:
-            words = said()
-            reason = _reason(words, str(path)) or str(error)
-            if any(sign in words + str(error) for sign in OUT_OF_MEMORY):
-                raise MemoryError(f"memory is not enough to decode {path}") from None
-    raise DecodeError(reason)
+            failure = str(error)
+        # Of a part that it cannot read the library prints why, and leaves it out.
+        words = said()
+        if NOT_READ in words:
+            failure = failure or words[words.index(NOT_READ) :].splitlines()[0]
+    if any(sign in words + failure for sign in OUT_OF_MEMORY):
+        raise MemoryError(f"memory is not enough to decode {path}")
+    if failure:
+        raise DecodeError(_reason(words, str(path)) or failure)
+    return parts
 
 
 def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
