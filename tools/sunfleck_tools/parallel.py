@@ -21,6 +21,7 @@ from .memory import keep_freed_memory
 Argument, Result = TypeVar("Argument"), TypeVar("Result")
 QUEUED_PER_PROCESS = 4
 KILLED = "the system ended the process that decoded a frame, most likely for want of memory"
+WAITING = (signal.SIGINT, signal.SIGTERM)
 NOT_BEGUN = "no process that decodes could be started, most likely for want of memory"
 
 
@@ -49,7 +50,7 @@ def in_processes(
                 argument = next(remaining, None)
                 if argument is None:
                     break
-                with _interrupts_later():
+                with _signals_later():
                     waiting.append((argument, pool.submit(function, argument)))
             if not waiting:
                 return
@@ -74,6 +75,8 @@ def in_processes(
 
 def begin_work() -> None:
     """Of a process that works for another: it ends with that one."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     threading.Thread(target=_end_with_parent, daemon=True).start()
     keep_freed_memory()
 
@@ -84,16 +87,24 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _interrupts_later() -> Iterator[None]:
-    """For a block that starts processes, Ctrl-C waits; the processes keep it so, and leave it to the one that started them."""
-    if not hasattr(signal, "pthread_sigmask"):
+def _signals_later() -> Iterator[None]:
+    """For a block that starts processes, signals wait, lest one is left half started. Ctrl-C waits in the processes for ever: it is
+    for the one that started them."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    heard: list[int] = []
+    # A mask is inherited, and a signal that another thread of this process gets is heard here all the same.
+    handlers = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in WAITING}
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, WAITING)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number, handler in handlers.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        for number in heard[:1]:
+            signal.raise_signal(number)
 
 
 def _alone(
@@ -101,7 +112,7 @@ def _alone(
 ) -> Result:
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_answer, args=(function, argument, theirs), daemon=True)
-    with _interrupts_later():
+    with _signals_later():
         process.start()
     theirs.close()
     has_begun = False

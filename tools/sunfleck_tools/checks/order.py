@@ -1,7 +1,8 @@
 """Frames that were swapped, where the files do not say their numbers: pictures that move on from frame to frame tell.
 
-Of three frames in order the outer two are farther apart than either is from the middle one. Where two frames have to change places
-for that to hold all around them, they did. Invariant: what moves in no order (noise, shaking, cuts) accuses nobody.
+Of three frames in order the outer two are at least as far apart as either is from the middle one; of three that go back they are
+nearer. Where two frames have to change places for nothing to go back any more, they did. Invariant: what moves in no order (noise,
+shaking, blinking) accuses nobody.
 """
 
 from __future__ import annotations
@@ -17,11 +18,15 @@ from .constancy import number_said
 
 CELLS_ACROSS = 24
 """Of a signature: coarse enough that what moves by a few pixels moves on."""
-PROGRESS = 1.3
-"""How many times farther apart the outer two of three frames are: 2 where all moves evenly, 1.4 of pure noise's variance, 1 of a
-thing that comes and goes."""
-REACH = 2
+BACKWARDS = 0.6
+"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of them, if they go back: 2
+where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
+ONWARDS = 0.9
+"""And at least, if they do not go back."""
+REACH = 3
 """Frames to either side of a swapped one that have to be in order once it is back in its place."""
+CALM_REACH = 12
+"""And frames to either side of which none goes back but for that one."""
 LEAST_TRIPLES = 4
 MOST_ROUGH = 40
 """Frames out of order beyond which there is no order."""
@@ -67,17 +72,20 @@ def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
             distances[i, j] = float(np.sqrt(np.mean(np.square(frames[i].signature - frames[j].signature))))
         return distances[i, j]
 
-    def moves_on(i: int, j: int, k: int) -> bool:
-        return distance(i, k) > PROGRESS * max(distance(i, j), distance(j, k))
+    def progress(i: int, j: int, k: int) -> float:
+        step = max(distance(i, j), distance(j, k))
+        return distance(i, k) / step if step > 0 else 1.0
 
     count = len(frames)
-    rough = [i for i in range(1, count - 1) if not moves_on(i - 1, i, i + 1)]
+    rough = [i for i in range(1, count - 1) if progress(i - 1, i, i + 1) < BACKWARDS]
     if not rough or len(rough) > MOST_ROUGH:
         return
     for i, j in combinations(sorted({0, count - 1, *rough}), 2):
         near = {k for end in (i, j) for k in range(end - REACH, end + REACH + 1) if 1 <= k < count - 1}
         place = {i: j, j: i}
         triples = [tuple(place.get(index, index) for index in (k - 1, k, k + 1)) for k in near]
-        # What is out of order now has to be near, and in order then.
-        if len(triples) >= LEAST_TRIPLES and near.intersection(rough) and all(moves_on(*triple) for triple in triples):
+        # What goes back now, here and some way on, has to go on then: where more goes back, things move so.
+        around = {k for k in rough if min(abs(k - i), abs(k - j)) <= CALM_REACH}
+        explained = bool(around) and around <= {k + side for k in (i, j) for side in (-1, 0, 1)}
+        if explained and len(triples) >= LEAST_TRIPLES and all(progress(*triple) >= ONWARDS for triple in triples):
             yield i, j

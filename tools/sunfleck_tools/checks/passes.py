@@ -21,10 +21,11 @@ LARGEST_TRANSMITTANCE = 1 + 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 LONGEST_NORMAL = 1.001
 LARGEST_MOTION = 100.0
-"""Pictures' widths beyond which a single pixel that moves so alone is damage. What passes close by, and a camera that turns fast,
-move as far, but many pixels of them side by side."""
-LONE_MOTION = 0.1
-"""Of a pixel's motion, what its fastest neighbour has at least where both show the same thing."""
+"""Pictures' widths beyond which a pixel that moves so alone is damage."""
+LONE_MOTION = 1.0
+"""Pictures' widths that its fastest neighbour moves at least where it is no damage. What passes close by is many pixels wide; and
+where a camera that turns fast has points in its own plane before or afterwards, motion is without bound, but falls off from there
+as the inverse of the distance: to a quarter of a picture's width, in pictures' widths, one pixel on."""
 
 
 @check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")
@@ -103,12 +104,13 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
 @check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or a pixel alone moves as far as a hundred pictures")
 def motion(frame: Frame) -> Iterator[Found]:
     """Vectors in pixels a frame."""
-    limit = LARGEST_MOTION * frame.header.size[0]
     for name in frame.channels:
+        width = frame.header_of(name).size[0]
+        limit = LARGEST_MOTION * width
         if is_motion(name) and kind(name) is Kind.DATA and not max(map(abs, frame.extremes(name))) <= limit:
             with np.errstate(invalid="ignore"):
                 amount = np.abs(frame.float(name))
-                lone = ~(amount <= limit) & ~(_fastest_neighbour(amount) >= LONE_MOTION * amount)
+                lone = ~(amount <= limit) & ~(_fastest_neighbour(amount) >= LONE_MOTION * width)
                 yield from first_bad(frame, name, ~np.isfinite(amount) | lone, "no motion")
 
 

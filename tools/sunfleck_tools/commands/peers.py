@@ -30,6 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE.csv", type=Path, help="error against time, for `sunfleck bench --peers`")
     parser.add_argument("--pictures", metavar="DIR", type=Path, help="where the frames go")
     parser.add_argument("--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)")
+    parser.add_argument(
+        "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
+    )
     parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
 
 
@@ -47,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise ToolError("\n".join(missing))
     out = looks.writable(arguments.out) if arguments.out is not None else None
     reference = None if arguments.reference is None else _colors(arguments.reference)
-    scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck)
+    scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck, arguments.allow)
     scene.size = arguments.size or scene.size
     if reference is not None:
         scene.size = (reference.shape[1], reference.shape[0])

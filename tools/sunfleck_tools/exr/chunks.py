@@ -10,7 +10,7 @@ import struct
 from collections.abc import Iterator
 from mmap import mmap
 
-from .header import Header
+from .header import BYTES_OF_TYPE, Header
 
 ROWS_OF_COMPRESSION = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16, 6: 32, 7: 32, 8: 32, 9: 256, 10: 256, 11: 32}
 PIZ = 4
@@ -84,8 +84,21 @@ def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, pla
         yield f"says that it begins at {found}"
     elif size <= 0 or at + size > len(data):
         yield f"has {size} bytes, of which the file holds {len(data) - at}"
-    elif header.compression == PIZ and (zeros := _blotted_out(data[at : at + size])) is not None:
-        yield f"has {LONGEST_ZEROS} zeros and more in a row at byte {at + zeros}, which PIZ does not write"
+    elif header.compression == PIZ and size < _raw_bytes(header, place):
+        zeros = _blotted_out(data[at : at + size])
+        if zeros is not None:
+            yield f"has {LONGEST_ZEROS} zeros and more in a row at byte {at + zeros}, which PIZ does not write"
+
+
+def _raw_bytes(header: Header, place: Place) -> int:
+    """What a chunk takes that is not compressed, as it is stored where compressing does not make it smaller."""
+    left, top, right, bottom = header.data_window
+    if header.is_tiled:
+        wide, high, _ = header.values["tiles"]
+        columns, rows = min(wide, right - left + 1 - place[0] * wide), min(high, bottom - top + 1 - place[1] * high)
+    else:
+        columns, rows = right - left + 1, min(ROWS_OF_COMPRESSION[PIZ], bottom + 1 - place[0])
+    return sum(BYTES_OF_TYPE[c.type] * -(-columns // c.sampling[0]) * -(-rows // c.sampling[1]) for c in header.channels)
 
 
 def _blotted_out(chunk: bytes) -> int | None:

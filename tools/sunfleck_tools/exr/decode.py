@@ -57,7 +57,7 @@ def decode_parts(path: Path) -> list[dict[str, np.ndarray]]:
     with _captured() as said:
         parts, failure = [], ""
         try:
-            file = OpenEXR.File(str(path), separate_channels=True)
+            file = OpenEXR.File(os.fsencode(path), separate_channels=True)
             parts = [{name: channel.pixels for name, channel in part.channels.items()} for part in file.parts]
         except MemoryError:
             failure = OUT_OF_MEMORY[0]
