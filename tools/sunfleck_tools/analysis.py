@@ -52,7 +52,7 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
     if not headers:
         return file, None
     try:
-        channels, part_of = _named(headers, decode_parts(file.path))
+        channels, part_of = _named(headers, decode_parts(file.path, sum(header.pixel_bytes for header in headers)))
     except DecodeError as error:
         file.decode_error = str(error)
         return file, None

@@ -179,8 +179,12 @@ class Memory(WithFolder):
         write_frame(self.folder / "x.0001.exr", scene(1))
         for error in (MemoryError(), RuntimeError("std::bad_alloc")):
             with mock.patch.object(decode.OpenEXR, "File", side_effect=error):
-                with self.assertRaisesRegex(MemoryError, r"memory is not enough to decode .*x\.0001\.exr"):
-                    validate(self.folder, Options(processes=0))
+                # Where there is enough, it is the file that asked for too much.
+                checks = [finding.check for finding in validate(self.folder, Options(processes=0)).findings]
+                self.assertIn("decode", checks)
+                with mock.patch.object(decode, "_could_hold", lambda size: False):
+                    with self.assertRaisesRegex(MemoryError, r"memory is not enough to decode .*x\.0001\.exr"):
+                        validate(self.folder, Options(processes=0))
         with mock.patch("sunfleck_tools.commands.validate.validate", side_effect=MemoryError("memory is not enough to decode x")):
             code, _, err = run("validate", self.folder)
         self.assertEqual((code, err), (4, "error: memory is not enough to decode x: choose fewer --processes, or smaller frames\n"))

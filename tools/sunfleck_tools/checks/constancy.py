@@ -42,7 +42,7 @@ def _shown(value: object) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-@check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows or compression differ from the other frames'")
+@check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows, compression or colour space differ from the other frames'")
 def structure(rendered: Rendered) -> Iterator[Found]:
     """Readers take them from the first frame. The data window of other renderers follows what is in the picture."""
     is_own = any(frame.provenance for frame in rendered.frames)

@@ -27,6 +27,8 @@ LARGEST_PICTURE = 4 << 30
 
 OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY", "MemoryError", "Unable to allocate")
 """How the library says it."""
+COPIES, SPARE_BYTES = 2, 64 << 20
+"""What decoding takes: the pixels as the library and as numpy has them, and buffers."""
 NOT_READ = "Exception raised reading pixel data"
 
 
@@ -52,8 +54,8 @@ def decode(path: Path) -> dict[str, np.ndarray]:
     return decode_parts(path)[0]
 
 
-def decode_parts(path: Path) -> list[dict[str, np.ndarray]]:
-    """The channels of each part. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
+def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]]:
+    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
     with _captured() as said:
         parts, failure = [], ""
         try:
@@ -67,11 +69,21 @@ def decode_parts(path: Path) -> list[dict[str, np.ndarray]]:
         words = said()
         if NOT_READ in words:
             failure = failure or words[words.index(NOT_READ) :].splitlines()[0]
-    if any(sign in words + failure for sign in OUT_OF_MEMORY):
+    # A damaged file may ask for any memory: it lacks only if there is not enough for the pixels.
+    if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(COPIES * pixel_bytes + SPARE_BYTES):
         raise MemoryError(f"memory is not enough to decode {path}")
     if failure:
         raise DecodeError(_reason(words, str(path)) or failure)
     return parts
+
+
+def _could_hold(size: int) -> bool:
+    """True if the system would give so many bytes."""
+    try:
+        np.empty(size, np.uint8)
+    except MemoryError:
+        return False
+    return True
 
 
 def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
