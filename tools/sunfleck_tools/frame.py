@@ -129,12 +129,14 @@ class Frame:
             block = total[rows]
             for index, (weight, stored, is_plain) in enumerate(zip(weights, color, plain)):
                 part = block if index == 0 else scratch[: len(block)]
-                if is_plain:
-                    half.scaled_into(stored[rows], weight, part)
-                else:
-                    np.multiply(wide(stored[rows]), weight, out=part)
-                if index > 0:
-                    block += part
+                # Infinities of two signs, or signalling NaN: what comes of them is no number, and counts as 0 below.
+                with np.errstate(all="ignore"):
+                    if is_plain:
+                        half.scaled_into(stored[rows], weight, part)
+                    else:
+                        np.multiply(wide(stored[rows]), weight, out=part)
+                    if index > 0:
+                        block += part
         if all(np.isfinite(self.extremes(name)).all() for name in self.picture):
             return total
         return np.nan_to_num(total, copy=False, nan=0.0, posinf=0.0, neginf=0.0)

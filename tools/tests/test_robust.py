@@ -129,6 +129,25 @@ class Disks(WithFolder):
                 self.assertEqual(sorted(self.folder.iterdir()), [good, out])
 
 
+    @unittest.skipUnless(sys.platform == "linux", "limits of files are Linux's")
+    def test_a_stage_is_written_whole_or_not_at_all(self):
+        nodes = [{"name": f"node {number}", "translation": [number, 0, 0]} for number in range(100)]
+        source = self.folder / "scene.gltf"
+        scenes = [{"nodes": list(range(100))}]
+        source.write_text(json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": scenes, "nodes": nodes}))
+        for ending in ("usda", "usdc", "usdz"):
+            out = self.folder / f"out.{ending}"
+            out.write_bytes(b"old and good")
+            done = subprocess.run(
+                [*COMMAND, "export-usd", str(source), str(out)], cwd=TOOLS, capture_output=True, text=True, timeout=120,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500)),
+            )  # fmt: skip
+            self.assertEqual((done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n"), ending)
+            self.assertEqual(out.read_bytes(), b"old and good")
+            out.unlink()
+            self.assertEqual(list(self.folder.iterdir()), [source])
+
+
 @unittest.skipUnless(sys.platform == "linux", "/proc is Linux's")
 class Signals(WithFolder):
     def begun(self) -> tuple[subprocess.Popen, list[int]]:

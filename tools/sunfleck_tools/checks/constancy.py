@@ -99,7 +99,9 @@ def image_counter(rendered: Rendered) -> Iterator[Found]:
     """Swapped, copied and renumbered frames. Other renderers' may be renumbered, as long as all are."""
     is_own = any(frame.provenance for frame in rendered.frames)
     if not is_own:
-        yield from odd_ones(rendered, "own number ahead of its name by", lambda frame: _ahead(frame, number_said(frame)))
+        said = [frame for frame in rendered.frames if number_said(frame) is not None]
+        ahead = "own number ahead of its name by"
+        yield from odd_ones(Rendered(said, rendered.options), ahead, lambda frame: number_said(frame) - frame.number)
     for frame in rendered.frames:
         counter = frame.attributes.get("imageCounter")
         if is_own and counter is not None and counter != frame.number:
@@ -112,10 +114,6 @@ def number_said(frame: FrameSummary) -> int | None:
     if isinstance(counter, int):
         return counter
     return int(text) if isinstance(text, str) and text.isascii() and text.isdigit() and len(text) < 10 else None
-
-
-def _ahead(frame: FrameSummary, number: int | None) -> int | None:
-    return None if number is None else number - frame.number
 
 
 @check("time-code", Severity.ERROR, Scope.SEQUENCE, "time codes do not advance as the names do")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
+from ..errors import ToolError
 from ..words import printable
 from . import OK
 from .arguments import frame_rate, frames
@@ -31,6 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Writes the stage and says what it lacks."""
     # USD takes a while to load, and no other command needs it.
+    from pxr import Tf
+
     from ..usd import ExportOptions, export_usd
 
     options = ExportOptions(
@@ -42,7 +46,11 @@ def run(arguments: argparse.Namespace) -> int:
         program=arguments.sunfleck,
         allowed=tuple(arguments.allow),
     )
-    exported = export_usd(arguments.source, arguments.target, options)
+    try:
+        exported = export_usd(arguments.source, arguments.target, options)
+    except Tf.ErrorException as error:
+        said = re.search(r"writing file: ([^']+)", str(error))
+        raise ToolError(f"cannot write {arguments.target}: {said[1] if said else error}", is_usage=False) from None
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(exported.prims.items()))
     print(printable(f"{arguments.target}: frames {exported.frames[0]} to {exported.frames[-1]}; {kinds}"))
     for lost in exported.lost:
