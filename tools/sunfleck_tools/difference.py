@@ -60,6 +60,8 @@ class Difference:
     """Every channel of ids that both have."""
     unmatched: list[str]
     """Channels that only one of them has."""
+    shared: tuple[int, int] | None = None
+    """Width and height of what was compared of the pictures, where one of them has pixels that the other has not."""
     flip: float | None = None
     """Mean HDR-FLIP of the colour; `None` where it was not asked for, or colours are not finite."""
 
@@ -135,8 +137,15 @@ def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Dif
         channels={name: errors(overlaps[name], overlaps[name].channel(), [name]) for name in names if not holds_ids(name)},
         ids={name: id_errors(overlaps[name]) for name in names if holds_ids(name)},
         unmatched=sorted(output.channels.keys() ^ reference.channels.keys()),
+        shared=_shared(overlap, output, reference),
         flip=mean_flip(*overlap.colors()) if wants_flip and finite else None,
     )
+
+
+def _shared(overlap: Overlap, output: Frame, reference: Frame) -> tuple[int, int] | None:
+    if output.header.data_window == reference.header.data_window or overlap.is_empty:
+        return None
+    return overlap.right - overlap.left + 1, overlap.bottom - overlap.top + 1
 
 
 def color_errors(overlap: Overlap, names: Sequence[str]) -> Errors:
@@ -146,7 +155,8 @@ def color_errors(overlap: Overlap, names: Sequence[str]) -> Errors:
 
 def errors(overlap: Overlap, values: Sequence[np.ndarray], names: Sequence[str]) -> Errors:
     """The errors of an output's values against a reference's: a plane for each name, or one plane."""
-    o, r = (planes.reshape(len(names), *planes.shape[-2:]).astype(np.float64) for planes in values)
+    with np.errstate(invalid="ignore"):
+        o, r = (planes.reshape(len(names), *planes.shape[-2:]).astype(np.float64) for planes in values)
     both = np.isfinite(o) & np.isfinite(r)
     not_finite = int(np.count_nonzero(~both & ~(o == r)))
     count = int(np.count_nonzero(both))

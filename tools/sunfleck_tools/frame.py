@@ -30,7 +30,9 @@ def row_blocks(shape: tuple[int, int], multiple: int = 1) -> Iterator[slice]:
 
 def wide(stored: np.ndarray) -> np.ndarray:
     """Values as float32; a copy."""
-    return half.widened(stored) if stored.dtype == np.float16 else stored.astype(np.float32)
+    # Of NaN that signals numpy would warn.
+    with np.errstate(all="ignore"):
+        return half.widened(stored) if stored.dtype == np.float16 else stored.astype(np.float32)
 
 
 @dataclass

@@ -147,6 +147,8 @@ class Passes(WithFolder):
 
     def test_light_is_still_held_to_be_light(self):
         def change(number, channels):
+            if number == 2:
+                channels["G"][5, 5] = -1e-7
             if number == 3:
                 channels["G"][5, 5] = -0.5
             if number == 4:
@@ -200,6 +202,14 @@ class Windows(WithFolder):
             write_frame(path, channels, **boxes((0, 0, 63, 47), frame.header.data_window))
         # It stands still in the picture, and moves in the data.
         self.assertEqual(found(self.folder), [])
+
+
+    def test_frames_are_compared_where_both_have_pixels_and_that_is_said(self):
+        whole = write_frame(self.folder / "whole.exr", scene(1))
+        code, out, _ = run("compare", self.cropped(1, 4, 2), whole, "--max-error", "1e-9")
+        self.assertEqual(code, 0)
+        self.assertIn("in the 32 x 24 pixels that both have", out)
+        self.assertNotIn("that both have", run("compare", whole, whole)[1])
 
 
 class LuminanceChroma(WithFolder):

@@ -29,7 +29,7 @@ Block = tuple[int, int, int, int]
 def candidates(frame: Frame) -> list[Block]:
     """Rectangles of zeros that are as wide in every row, with light around them, in places of the full picture."""
     colors = [frame.channels[name] for name in frame.picture]
-    if not colors or all(frame.extremes(name)[0] > 0 for name in frame.picture):
+    if not colors or any(frame.extremes(name)[0] > 0 for name in frame.picture):
         return []
     dark = np.logical_and.reduce([color == 0 for color in colors])
     if dark.all():

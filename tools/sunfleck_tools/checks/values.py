@@ -11,6 +11,8 @@ from ..frame import Frame
 from ..layers import Kind, kind, split
 
 LARGEST_HALF = 65504.0
+NEGATIVE_ROUNDING = 2.0**-20
+"""Below 0 other renderers' filters and denoisers round to so much."""
 ALPHA_ROUNDING = 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 
@@ -62,9 +64,10 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
 def negative(frame: Frame) -> Iterator[Found]:
     """Filters with negative lobes, and subtraction in the wrong order."""
     for name in frame.channels:
-        if kind(name) is Kind.LIGHT and not frame.extremes(name)[0] >= 0:
+        least = 0.0 if frame.is_own else -NEGATIVE_ROUNDING
+        if kind(name) is Kind.LIGHT and not frame.extremes(name)[0] >= least:
             with np.errstate(invalid="ignore"):
-                yield from first_bad(frame, name, frame.float(name) < 0, "negative")
+                yield from first_bad(frame, name, frame.float(name) < least, "negative")
 
 
 @check("alpha-range", Severity.ERROR, Scope.FRAME, "alpha is not between 0 and 1")

@@ -111,12 +111,13 @@ def as_text(results: list[Compared], limits: Limits) -> str:
         found = result.difference
         flip = "" if found.flip is None else f"  FLIP {found.flip:.4f}"
         white = "" if result.white is None else f"  white is {result.white:.4g} in {result.pair.picture}"
+        part = "" if found.shared is None else f"  in the {found.shared[0]} x {found.shared[1]} pixels that both have"
         over = "".join(f"; too much: {sentence}" for sentence in result.exceeded(limits))
         if found.color is not None:
             layer = split(found.picture[0])[0]
-            lines.append(f"{name}: {layer + ' ' if layer else ''}RGB  {_line(found.color)}{flip}{white}{over}")
-        elif over:
-            lines.append(f"{name}: {over.removeprefix('; ')}")
+            lines.append(f"{name}: {layer + ' ' if layer else ''}RGB  {_line(found.color)}{flip}{white}{part}{over}")
+        elif over or part:
+            lines.append(f"{name}:{part}{over}".replace(":; ", ": ").replace(":  ", ": "))
         if found.color is None or len(results) == 1:
             width = max(map(len, [*found.channels, *found.ids]))
             lines += [f"{name}: {channel:{width}}  {_line(errors)}" for channel, errors in found.channels.items()]
@@ -163,6 +164,7 @@ def as_object(results: list[Compared], limits: Limits) -> dict:
                 "flip": None if found is None else found.flip,
                 "channels": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.channels.items()],
                 "ids": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.ids.items()],
+                "shared": None if found is None or found.shared is None else list(found.shared),
                 "unmatched": [] if found is None else found.unmatched,
                 "picture": result.pair.picture if result.white is not None else None,
                 "white": result.white,
