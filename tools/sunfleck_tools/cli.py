@@ -11,6 +11,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from typing import NoReturn
 
 from .commands import COMMANDS, INTERRUPTED, IO, OK, SCENE, TERMINATED, USAGE
 from .errors import SceneError, Terminated, ToolError
@@ -76,8 +77,16 @@ def _hear_termination() -> None:
         pass
 
 
+class Parser(argparse.ArgumentParser):
+    """Says what it refuses in characters that can be printed."""
+
+    def error(self, message: str) -> NoReturn:
+        """Ends the program."""
+        super().error(printable(message))
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="sunfleck-tools", description="Tools around sunfleck's frames and scenes.")
+    parser = Parser(prog="sunfleck-tools", description="Tools around sunfleck's frames and scenes.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name in COMMANDS:
         module = import_module(f".commands.{name}", __package__)

@@ -14,8 +14,8 @@ from pathlib import Path
 from .analysis import read_frame
 from .difference import Difference, Overlap, difference, incomparable
 from .difference_picture import difference_picture
-from .display import Display
 from .disk import write_whole
+from .display import Display
 from .errors import ToolError
 from .limits import Limits
 from .names import parts

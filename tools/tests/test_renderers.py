@@ -79,6 +79,15 @@ class Cases(unittest.TestCase):
         self.assertEqual([Path(one["pattern"]).name for one in report["sequences"]], ["beauty.####.exr", "depth.####.exr"])
         self.assertEqual([one["rerender"] for one in report["sequences"]], ["1002", ""])
 
+    def test_the_page_keeps_sequences_apart(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            page = Path(scratch) / "page.html"
+            run("validate", CASES / "two_sequences", "--html", page)
+            text = page.read_text()
+        for anchor in ("frame-1002", "sequence-2-frame-1002"):
+            self.assertEqual(text.count(f'id="{anchor}"'), 1)
+        self.assertEqual(text.count('href="#frame-1002"'), 1)
+
     def test_all_can_be_compared_and_shown(self):
         with tempfile.TemporaryDirectory() as scratch:
             for name in ("arnold_aov", "autocrop", "multipart_blender", "two_sequences"):
@@ -294,7 +303,8 @@ class Limits(WithFolder):
         self.ours, self.theirs = self.folder / "a.exr", self.folder / "b.exr"
         diffuse = {f"diffuse.{letter}": scene(1)[letter] for letter in "RGB"}
         write_frame(self.theirs, {**scene(1), **diffuse, "Z": np.ones((48, 64), np.float32)})
-        write_frame(self.ours, {**scene(1), **diffuse, "diffuse.R": diffuse["diffuse.R"] + np.float16(0.1), "Z": np.ones((48, 64), np.float32)})
+        diffuse["diffuse.R"] = diffuse["diffuse.R"] + np.float16(0.1)
+        write_frame(self.ours, {**scene(1), **diffuse, "Z": np.ones((48, 64), np.float32)})
 
     def code(self, *limits: str) -> int:
         return run("compare", self.ours, self.theirs, *limits)[0]

@@ -231,6 +231,7 @@ class Names(WithFolder):
         self.assertEqual(code, 4)
         self.assertIn("none\\x1b[31m", err)
         json.loads(run("validate", self.folder, "--json")[1])
+        self.assertNotIn("\x1b", run("validate", self.folder, "--frames", "\x1b[31m")[2])
 
 
 @unittest.skipUnless(hasattr(os, "mkfifo"), "there are no FIFOs")

@@ -10,7 +10,6 @@ from ..exr.header import TimeCode
 from ..findings import Found, Scope, Severity, check
 from ..summary import FrameSummary, Rendered
 
-
 STRUCTURE = ("channels", "display window", "compression", "layout", "chromaticities", "pixel aspect")
 
 

@@ -15,8 +15,8 @@ from ..errors import ToolError
 from ..layers import split
 from ..limits import ChannelLimit, Limits
 from ..progress import Bar
-from . import FINDINGS, OK, looks
 from ..words import printable
+from . import FINDINGS, OK, looks
 from .arguments import count, limit, positive, share_limit
 
 LIMITS = {
