@@ -111,8 +111,7 @@ def analyse(job: Job) -> FrameSummary:
         summary.suspicion.fireflies = [(x + left, y + top, *rest) for x, y, *rest in fireflies.candidates(luminance)]
         summary.suspicion.blocks = blocks.candidates(frame)
         summary.suspicion.window = frame.header.data_window
-        if frame.header.data_window == frame.header.display_window:
-            summary.signature = order.signature(luminance)
+        summary.signature = order.signature(frame, luminance)
     measure(summary, frame, luminance)
     summary.findings += _run(Scope.FRAME, frame, job)
     if job.thumbnail_width:

@@ -11,13 +11,15 @@ import numpy as np
 
 from . import layers
 from .exr import half
-from .exr.header import Header
+from .exr.header import Header, window_size
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Rec. 709, which frames are in."""
 OWN = "sunfleck:"
 """How the names of the renderer's own attributes begin."""
 
+MOST_EMPTY, LARGEST_EMPTY = 64, 1 << 25
+"""Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a picture of 8K has."""
 BLOCK_PIXELS = 1 << 15
 """Temporaries of so many values stay in the cache and on the heap: fresh memory costs more than arithmetic."""
 
@@ -83,6 +85,31 @@ class Frame:
     def header(self) -> Header:
         """Of the part that holds the picture, else of the first."""
         return self.header_of(self.picture[0]) if self.picture else self.headers[0]
+
+    @cached_property
+    def shows_display_window(self) -> bool:
+        """True of other renderers' frames, which cut the data down to what is there and render beyond the edge. Of own frames the
+        data window is shown, as the program shows a crop; and where the display window is out of all proportion."""
+        data, display = self.header.size, window_size(self.header.display_window)
+        most = max(MOST_EMPTY * data[0] * data[1], LARGEST_EMPTY)
+        return not self.is_own and min(display) > 0 and display[0] * display[1] <= most
+
+    @property
+    def canvas(self) -> tuple[int, int]:
+        """Height and width of what is shown."""
+        width, height = window_size(self.header.display_window) if self.shows_display_window else self.header.size
+        return height, width
+
+    def on_canvas(self, values: np.ndarray) -> np.ndarray:
+        """Rows of the data, cut and filled up with 0 to what is shown."""
+        data, display = self.header.data_window, self.header.display_window
+        if data == display or not self.shows_display_window:
+            return values
+        canvas = np.zeros((*self.canvas, *values.shape[2:]), values.dtype)
+        x, y = data[0] - display[0], data[1] - display[1]
+        part = values[max(0, -y) : max(0, canvas.shape[0] - y), max(0, -x) : max(0, canvas.shape[1] - x)]
+        canvas[max(0, y) : max(0, y) + part.shape[0], max(0, x) : max(0, x) + part.shape[1]] = part
+        return canvas
 
     @property
     def is_own(self) -> bool:

@@ -29,12 +29,14 @@ class Kind(Enum):
     ID = "id"  # names of things, some of them in the bits of floats
 
 
-IDS = re.compile(r"(leaf_?|object_?|material_?|prim_?|instance_?|mesh_?|render_?)?id\d*|index(ob|ma)|crypto\w*|udim")
+THINGS = "leaf|object|material|prim|instance|mesh|render|element"
+IDS = re.compile(rf"(\w*_)?({THINGS})?_?id\d*|index_?(ob|ma)|({THINGS})_index|crypto\w*|udim")
 CRYPTOMATTE = re.compile(r"crypto\w*\d\d$")
-DEPTHS = re.compile(r"_*(z|zback|pz|hitpz|[a-z]*_?z?_?depth\d*|distance|mist)")
-DIRECTIONS = re.compile(r"(\w*[_ ])?(n|nn|ng|ns|hitn|normals?|\w*normals?|tangents?|bitangents?|dpd\w+|reflvec)")
-PLACES = re.compile(r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|\w*position\w*|point\w*|uv\w*|st|texcoords?|disparity\w*)")
-MOTIONS = re.compile(r"\w*(motion|velocity|vector)\w*|mv|speed|forward|backward|flow")
+DEPTHS = re.compile(r"_*(z|zback|pz|hit_?pz|distance|mist)|(\w*_)?z?_?depth(_\w*|\d*)")
+DIRECTIONS = re.compile(r"(\w*_)?(n|nn|ng|ns|hitn)|\w*normals?\d*|\w*tangents?|dpd\w+|reflvec")
+PLACES = re.compile(r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|st|uv\w*)|\w*position\w*|points?|texcoords?|disparity\w*")
+MOTIONS = re.compile(r"\w*(motion|velocity|vector)\w*|mv|speed|forward|backward|(\w*_)?flow")
+"""Of names in small letters, whose words `_` joins."""
 VECTOR_COMPONENTS = frozenset("XYZUVWxyzuvw")
 
 
@@ -48,9 +50,8 @@ def split(name: str) -> tuple[str, str]:
 @lru_cache(maxsize=None)
 def kind(name: str) -> Kind:
     """By the layer's own name (of `ViewLayer.Normal.X` that is `Normal`), else by the component's."""
-    layer, component = split(name)
-    own = layer.rpartition(".")[2].lower()
-    called = own or component.lower()
+    component = split(name)[1]
+    own, called = _called(name)
     if IDS.fullmatch(called):
         return Kind.ID
     if DIRECTIONS.fullmatch(called) or PLACES.fullmatch(called) or is_motion(name):
@@ -66,16 +67,22 @@ def kind(name: str) -> Kind:
 
 def holds_ids(name: str) -> bool:
     """True if the values themselves are names of things: of Cryptomatte's channels every other is, the rest are coverages."""
-    layer, component = split(name)
-    is_cryptomatte = CRYPTOMATTE.match(layer.rpartition(".")[2].lower()) is not None
+    component = split(name)[1]
+    is_cryptomatte = CRYPTOMATTE.match(_called(name)[0]) is not None
     return kind(name) is Kind.ID and (not is_cryptomatte or component.lower() in ("r", "b", "red", "blue"))
 
 
 @lru_cache(maxsize=None)
 def is_motion(name: str) -> bool:
     """True if the channel says how far things move."""
+    return MOTIONS.fullmatch(_called(name)[1]) is not None
+
+
+def _called(name: str) -> tuple[str, str]:
+    """The layer's own name, and that which says what is in it: the same, or without a layer the component's."""
     layer, component = split(name)
-    return MOTIONS.fullmatch((layer.rpartition(".")[2] or component).lower()) is not None
+    own = re.sub(r"[\s-]+", "_", layer.rpartition(".")[2].lower())
+    return own, own or component.lower()
 
 
 def picture(names: Iterable[str]) -> tuple[str, ...]:

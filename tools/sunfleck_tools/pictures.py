@@ -14,16 +14,14 @@ import numpy as np
 
 from .analysis import read_frame
 from .display import Display
-from .exr.header import Header, window_size
+from .exr.header import Header
 from .frame import Frame
 from .parallel import in_processes
 from .sequence import Listing
-from .summary import thumbnail, thumbnail_step
+from .summary import thumbnail
 
 MOST_NAMES = 12
 """Of channels, in a sentence."""
-MOST_EMPTY = 64
-"""Times the data's pixels that a picture has; what is larger is shown without the empty space."""
 HATCHED = (np.array([90, 90, 90], np.uint8), np.array([50, 50, 50], np.uint8))
 
 
@@ -56,34 +54,11 @@ def show(display: Display, width: int | None, argument: tuple[int, str | None]) 
     frame, fault = load(number, path)
     if frame is None:
         return Shown(number, fault=f"{fault} ({Path(path).name})")
-    colors = np.stack(frame.group(), axis=-1) if width is None or width >= _canvas(frame)[1] else None
-    if colors is not None:
-        pixels, step = display.bytes(colors, frame.header.data_window[:2]), 1
+    if width is None or width >= frame.canvas[1]:
+        pixels = frame.on_canvas(display.bytes(np.stack(frame.group(), axis=-1), frame.header.data_window[:2]))
     else:
-        pixels, step = display.bytes(thumbnail(frame, width).astype(np.float32)), thumbnail_step(frame, width)
-    return Shown(number, _on_canvas(frame, pixels, step), header=frame.header)
-
-
-def _canvas(frame: Frame) -> tuple[int, int]:
-    """Height and width of what is shown: the display window of other renderers' frames, which cut the data down to what is there
-    and render beyond it; of own frames the data window, as the program shows a crop."""
-    data, display = frame.header.size, window_size(frame.header.display_window)
-    is_bearable = 0 < display[0] * display[1] <= MOST_EMPTY * data[0] * data[1] and min(display) > 0
-    width, height = data if frame.is_own or not is_bearable else display
-    return height, width
-
-
-def _on_canvas(frame: Frame, pixels: np.ndarray, step: int) -> np.ndarray:
-    """The data's pixels, each the average of `step` in a row, where they lie on the canvas; around them it is black."""
-    height, width = _canvas(frame)
-    if frame.header.size == (width, height):
-        return pixels
-    (left, top), (x0, y0) = frame.header.data_window[:2], frame.header.display_window[:2]
-    canvas = np.zeros((max(1, height // step), max(1, width // step), 3), np.uint8)
-    x, y = (left - x0) // step, (top - y0) // step
-    part = pixels[max(0, -y) : max(0, canvas.shape[0] - y), max(0, -x) : max(0, canvas.shape[1] - x)]
-    canvas[max(0, y) : max(0, y) + part.shape[0], max(0, x) : max(0, x) + part.shape[1]] = part
-    return canvas
+        pixels = display.bytes(thumbnail(frame, width).astype(np.float32))
+    return Shown(number, pixels, header=frame.header)
 
 
 def files_of(listing: Listing) -> list[tuple[int, str | None]]:

@@ -124,18 +124,14 @@ def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -
         summary.constant = all(low == high for low, high in ranges)
 
 
-def thumbnail_step(frame: Frame, width: int) -> int:
-    """Pixels in a row, and rows, that one pixel of a thumbnail is the average of."""
-    return max(1, min(frame.header.size[0] // width, *frame.header.size))
-
-
 def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
     """Linear RGB of the picture, averaged down to about `width` pixels; values that are not finite count as 0."""
     if not frame.picture:
         return None
     colors = [frame.channels[name] for name in frame.picture] if len(frame.picture) == 3 else frame.group()
-    step = thumbnail_step(frame, width)
-    columns, rows = (extent // step for extent in frame.header.size)
+    colors = [frame.on_canvas(color) for color in colors]
+    step = max(1, min(frame.canvas[1] // width, *frame.canvas))
+    rows, columns = (extent // step for extent in frame.canvas)
     small = np.empty((rows, columns, 3), np.float32)
     for index, color in enumerate(colors):
         stored = color[: rows * step, : columns * step]

@@ -19,7 +19,7 @@ import numpy as np
 from sunfleck_tools import Options, validate
 from sunfleck_tools.exr.header import COMPRESSIONS, parse_header
 
-from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite
+from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite, scene, write_frame
 
 VICTIM = 6
 """The frame that is damaged, with neighbours on both sides."""
@@ -156,15 +156,15 @@ def stuck(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), counter=VICTIM)
 
 
-def without_numbers(folder: Path) -> None:
-    """As other renderers write frames: nothing but the name says the number."""
+def of_another_renderer(folder: Path) -> None:
+    """Frames in which something moves, and nothing but the name says the number."""
     for number in range(1, 13):
-        rewrite(frame_path(folder, number), extra={"imageCounter": None})
+        write_frame(frame_path(folder, number), scene(number))
 
 
 @damage("two frames swapped that say no number", "order", VICTIM, VICTIM + 1)
 def swapped_without_numbers(folder: Path) -> None:
-    without_numbers(folder)
+    of_another_renderer(folder)
     swapped(folder)
 
 
