@@ -17,6 +17,8 @@ from .names import Parts, parts
 PLACE = re.compile(r"#+|@+|%(\d*)[di]|\$\{?F(\d*)\}?|<F(\d*)>")
 PART_SUFFIX = ".sunfleck-part"
 STILL_NUMBER = 0
+NEARLY_TOGETHER = 10
+"""A tenth of a sequence's frames is what another may have beyond it, if the two belong together."""
 MOST_NAMED = 3
 """Sequences that a sentence names."""
 
@@ -145,7 +147,7 @@ def _look_beside(listings: list[Listing]) -> None:
         for other in listings:
             theirs = {file.number for file in other.files}
             beyond = sorted(number for number in theirs if not min(own) <= number <= max(own))
-            if other is not listing and beyond and len(own & theirs) > len(beyond):
+            if other is not listing and own & theirs and 0 < len(beyond) <= max(1, len(own) // NEARLY_TOGETHER):
                 listing.elsewhere[other.pattern] = beyond
 
 

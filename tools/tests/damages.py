@@ -19,7 +19,8 @@ import numpy as np
 from sunfleck_tools import Options, validate
 from sunfleck_tools.exr.header import COMPRESSIONS, parse_header
 
-from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite, scene, write_frame
+from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite, write_frame
+from .files import scene as moving_ball
 
 VICTIM = 6
 """The frame that is damaged, with neighbours on both sides."""
@@ -159,7 +160,7 @@ def stuck(folder: Path) -> None:
 def of_another_renderer(folder: Path) -> None:
     """Frames in which something moves, and nothing but the name says the number."""
     for number in range(1, 13):
-        write_frame(frame_path(folder, number), scene(number))
+        write_frame(frame_path(folder, number), moving_ball(number))
 
 
 @damage("two frames swapped that say no number", "order", VICTIM, VICTIM + 1)
