@@ -137,7 +137,7 @@ def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
         stored = color[: rows * step, : columns * step]
         for block in row_blocks(stored.shape, step):
             light = wide(stored[block])
-            if not np.isfinite(light.min() + light.max()):
+            if not np.isfinite([light.min(), light.max()]).all():
                 np.nan_to_num(light, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
             lines = light.reshape(-1, step, columns * step).sum(axis=1)
             small[block.start // step : block.stop // step, :, index] = lines.reshape(-1, columns, step).sum(axis=2)

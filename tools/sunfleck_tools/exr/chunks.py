@@ -80,7 +80,7 @@ def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, pla
     *begins, size = struct.unpack_from("<5i" if header.is_tiled else "<2i", data, offset)
     at = offset + (20 if header.is_tiled else 8)
     if tuple(begins) != place:
-        found = f"row {begins[0]}" if len(begins) == 1 else f"tile {begins[0]}, {begins[1]}"
+        found = f"row {begins[0]}" if len(begins) == 1 else f"tile {begins[0]}, {begins[1]} of level {begins[2]}, {begins[3]}"
         yield f"says that it begins at {found}"
     elif size <= 0 or at + size > len(data):
         yield f"has {size} bytes, of which the file holds {len(data) - at}"
