@@ -4,10 +4,20 @@
 on the command line. `sunfleck_tools.usd` has what writes and reads USD stages.
 """
 
-from .errors import SceneError, ToolError
-from .options import Options
-from .sequence import SequenceError
-from .validation import Report, validate
+from __future__ import annotations
+
+from importlib import import_module
 
 __version__ = "0.1.0"
+MODULES = {
+    "Options": "options", "Report": "validation", "SceneError": "errors", "SequenceError": "sequence", "ToolError": "errors",
+    "validate": "validation",
+}  # fmt: skip
 __all__ = ["Options", "Report", "SceneError", "SequenceError", "ToolError", "validate", "__version__"]
+
+
+def __getattr__(name: str) -> object:
+    """What is exported, once it is asked for: libraries take their time, in which a signal has to be heard already."""
+    if name not in MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{MODULES[name]}", __name__), name)

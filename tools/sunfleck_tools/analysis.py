@@ -6,22 +6,25 @@ whatever the file holds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import nan
 from mmap import mmap
 from pathlib import Path
 
+import numpy as np
+
 from . import checks  # noqa: F401  (registers them)
-from .checks import fireflies, reference
-from .difference import Overlap, errors, mean_flip
+from .checks import blocks, fireflies, order, reference
+from .difference import Overlap, color_errors, mean_flip
 from .exr.chunks import chunk_faults
-from .exr.decode import DecodeError, claims_too_much, decode
-from .exr.header import DEEP, MULTIPART, TILED, Header, HeaderError, parse_header
+from .exr.decode import DecodeError, claims_too_much, decode_parts, full_size
+from .exr.header import Header, HeaderError, parse_headers
 from .exr.mapped import mapped
 from .exr.pixel_hash import pixel_hash
 from .findings import Finding, Scope, checks_of
 from .frame import FileBytes, Frame
-from .summary import FrameSummary, describe, measure, thumbnail
+from .summary import FrameSummary, Suspicion, describe, measure, thumbnail
 
 
 @dataclass(frozen=True)
@@ -42,40 +45,55 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
     file = FileBytes(number, Path(path))
     try:
         with mapped(file.path) as data:
-            header = _parse(file, data)
+            headers = _parse(file, data)
     except OSError as error:
         file.read_error = error.strerror or str(error)
         return file, None
-    if header is None:
+    if not headers:
         return file, None
     try:
-        channels = decode(file.path)
+        channels, part_of = _named(headers, decode_parts(file.path, sum(header.pixel_bytes for header in headers)))
     except DecodeError as error:
         file.decode_error = str(error)
         return file, None
-    return file, Frame(number, file.path, header, channels, pixel_hash(channels))
+    return file, Frame(number, file.path, headers, channels, part_of, pixel_hash(channels))
 
 
-def _parse(file: FileBytes, data: mmap | bytes) -> Header | None:
-    """Everything that can be said without decoding; the header only if nothing speaks against that."""
+def _named(headers: Sequence[Header], parts: list[dict[str, np.ndarray]]) -> tuple[dict[str, np.ndarray], dict[str, int]]:
+    """The channels of all parts by names that are all different, and the part of each."""
+    if len(parts) != len(headers):
+        raise DecodeError(f"{len(parts)} parts can be decoded, of {len(headers)}")
+    channels: dict[str, np.ndarray] = {}
+    part_of: dict[str, int] = {}
+    for number, (header, stored) in enumerate(zip(headers, parts)):
+        described = {channel.name: channel for channel in header.channels}
+        for own_name, pixels in stored.items():
+            name = own_name if number == 0 or own_name.startswith(f"{header.name}.") else f"{header.name}.{own_name}"
+            if name in channels:
+                name = f"part {number + 1}.{own_name}"
+            if own_name not in described:
+                raise DecodeError(f"the decoder names a channel {own_name} that the header does not")
+            channels[name] = full_size(header, described[own_name], pixels)
+            part_of[name] = number
+    return channels, part_of
+
+
+def _parse(file: FileBytes, data: mmap | bytes) -> tuple[Header, ...]:
+    """Everything that can be said without decoding; the headers only if nothing speaks against that."""
     file.bytes = len(data)
     try:
-        header = file.header = parse_header(data)
+        headers = file.headers = parse_headers(data)
     except HeaderError as error:
         file.header_error = str(error)
-        return None
-    if header.flags & MULTIPART:
-        file.unsupported = "a file of several parts"
-    elif header.flags & DEEP:
-        file.unsupported = "deep data"
-    elif any(channel.sampling != (1, 1) for channel in header.channels):
-        file.unsupported = "a subsampled channel"
-    file.claim = claims_too_much(header, len(data))
+        return ()
+    if deep := [header for header in headers if header.is_deep]:
+        named = ", ".join(channel.name for channel in deep[0].channels)
+        file.unsupported = f"deep data ({named}{f' in part {deep[0].name}' if deep[0].name else ''})"
+    file.claim = claims_too_much(headers, len(data))
     if file.unsupported or file.claim:
-        return None
-    if not header.flags & TILED:
-        file.chunk_faults = list(chunk_faults(header, data))
-    return None if file.chunk_faults else header
+        return ()
+    file.chunk_faults = [fault for part, header in enumerate(headers) for fault in chunk_faults(header, data, part)]
+    return () if file.chunk_faults else headers
 
 
 def analyse(job: Job) -> FrameSummary:
@@ -83,13 +101,17 @@ def analyse(job: Job) -> FrameSummary:
     summary = FrameSummary(job.number, job.path)
     file, frame = read_frame(job.number, job.path)
     summary.bytes = file.bytes
-    if file.header:
-        describe(summary, file.header)
+    if file.headers:
+        describe(summary, file.headers)
     summary.findings += _run(Scope.FILE, file, job)
     if frame is None:
         return summary
     if (luminance := frame.luminance()) is not None:
-        summary.firefly_candidates = fireflies.candidates(luminance)
+        left, top = frame.header.data_window[:2]
+        summary.suspicion.fireflies = [(x + left, y + top, *rest) for x, y, *rest in fireflies.candidates(luminance)]
+        summary.suspicion.blocks = blocks.candidates(frame)
+        summary.suspicion.window = frame.header.data_window
+        summary.signature = order.signature(frame, luminance)
     measure(summary, frame, luminance)
     summary.findings += _run(Scope.FRAME, frame, job)
     if job.thumbnail_width:
@@ -108,14 +130,20 @@ def without_pixels(job: Job, reason: str) -> FrameSummary:
     return summary
 
 
-def confirm_fireflies(found: list[fireflies.Candidate], neighbours: list[str]) -> list[fireflies.Candidate]:
-    """The candidates that none of the frames before and after shows too."""
+def confirm(suspicion: Suspicion, neighbours: list[str]) -> Suspicion:
+    """What none of the frames before and after shows too."""
+    found = suspicion
+    seen = 0
     for path in neighbours:
         if found:
             _, frame = read_frame(0, path)
             if frame is not None and (luminance := frame.luminance()) is not None:
-                found = fireflies.absent_in(luminance, found)
-    return found
+                corner = frame.header.data_window[:2]
+                spikes = fireflies.absent_in(luminance, found.fireflies, corner)
+                found = replace(found, fireflies=spikes, blocks=blocks.lit_in(luminance, found.blocks, corner))
+                seen += 1
+    # Where there is no other frame, the block's own shape has to say it.
+    return found if seen else replace(found, blocks=blocks.unlikely_alone(found.blocks, found.window))
 
 
 def _run(scope: Scope, subject: FileBytes | Frame, job: Job) -> list[Finding]:
@@ -138,7 +166,7 @@ def _compare(summary: FrameSummary, frame: Frame, job: Job) -> None:
         summary.reference_error = f"it cannot be compared: {why}"
     else:
         overlap = Overlap(frame, other)
-        color = errors(overlap, list("RGB"))
+        color = color_errors(overlap, ("R", "G", "B"))
         # One value that is not finite spoils the picture, whatever the others are.
         summary.relmse = nan if color.not_finite or color.relative_mse is None else color.relative_mse
         if job.wants_flip:

@@ -1,46 +1,92 @@
-"""`sunfleck-tools`: a command line to a command, and outcomes to exit codes."""
+"""`sunfleck-tools`: a command line to a command, and outcomes to exit codes.
+
+Invariant: whatever happens there is an exit code of the table in `commands`, and a sentence where it is not 0, never a traceback
+for what an input or the system did.
+"""
 
 from __future__ import annotations
 
 import argparse
-import os
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from typing import NoReturn
 
-from .commands import COMMANDS, IO, OK, SCENE, USAGE
-from .errors import SceneError, ToolError
+from .commands import COMMANDS, INTERRUPTED, IO, OK, SCENE, TERMINATED, USAGE
+from .errors import SceneError, Terminated, ToolError
+from .streams import patient_streams
+from .words import printable
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command line and returns its exit code."""
+    with patient_streams() as streams:
+        code = _outcome(arguments)
+        streams.output.flush()
+        if streams.output.lost is not None and code == OK:
+            # Whoever wanted the output in a file has not got it.
+            print(f"error: the output could not be written: {streams.output.lost.strerror}", file=sys.stderr)
+            code = IO
+    return code
+
+
+def _outcome(arguments: Sequence[str] | None) -> int:
     try:
+        _hear_termination()
         chosen = _parser().parse_args(arguments)
         return chosen.run(chosen)
     except SystemExit as exit:  # from argparse
         return exit.code if isinstance(exit.code, int) else USAGE
     except ToolError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return USAGE if error.is_usage else IO
+        return _said(error, USAGE if error.is_usage else IO)
     except SceneError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return SCENE
-    except BrokenPipeError:
-        # Whoever read has enough; Python must not complain at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return OK
-    except MemoryError:
-        print("error: the memory is not enough for these frames", file=sys.stderr)
-        return IO
+        return _said(error, SCENE)
+    except MemoryError as error:
+        return _said(f"{str(error) or 'memory is not enough'}: choose fewer --processes, or smaller frames", IO)
     except OSError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return IO
+        where = f"{error.filename}: " if error.filename is not None else ""
+        return _said(f"{where}{error.strerror or error}", IO)
+    except RecursionError:
+        return _said("the input is nested too deeply", SCENE)
+    except RuntimeError as error:
+        if "start new thread" in str(error):
+            return _said("memory is not enough to start a process: choose fewer --processes", IO)
+        raise
     except KeyboardInterrupt:
-        return 130
+        return INTERRUPTED
+    except Terminated:
+        return TERMINATED
+
+
+def _said(what: object, code: int) -> int:
+    for line in str(what).splitlines() or [""]:
+        print(f"error: {printable(line)}", file=sys.stderr)
+    return code
+
+
+def _hear_termination() -> None:
+    """SIGTERM ends a command as Ctrl-C does: what it began is taken away."""
+
+    def terminate(*_: object) -> None:
+        raise Terminated
+
+    try:
+        signal.signal(signal.SIGTERM, terminate)
+    except ValueError:  # not the main thread: a caller's own affair
+        pass
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what it refuses in characters that can be printed."""
+
+    def error(self, message: str) -> NoReturn:
+        """Ends the program."""
+        super().error(printable(message))
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="sunfleck-tools", description="Tools around sunfleck's frames and scenes.")
+    parser = Parser(prog="sunfleck-tools", description="Tools around sunfleck's frames and scenes.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name in COMMANDS:
         module = import_module(f".commands.{name}", __package__)

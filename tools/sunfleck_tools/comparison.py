@@ -1,4 +1,4 @@
-"""Two frames, or two sequences frame by frame, against each other.
+"""Two frames, or two folders of sequences frame by frame, against each other.
 
 Invariant: each number of either side has its entry, with errors or with the sentence that says why there are none.
 """
@@ -14,22 +14,14 @@ from pathlib import Path
 from .analysis import read_frame
 from .difference import Difference, Overlap, difference, incomparable
 from .difference_picture import difference_picture
+from .disk import write_whole
 from .display import Display
 from .errors import ToolError
+from .limits import Limits
+from .names import parts
 from .parallel import in_processes
 from .png import png
-from .sequence import NUMBERED, list_sequence
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What makes two frames too different; `None` is no limit."""
-
-    rmse: float | None = None
-    relative_mse: float | None = None
-    flip: float | None = None
-    max_error: float | None = None
-    ids: float | None = None
+from .sequence import Listing, list_sequences
 
 
 @dataclass(frozen=True)
@@ -40,6 +32,8 @@ class Pair:
     output: str | None
     reference: str | None
     picture: str | None = None
+    sequence: str = ""
+    """The pattern of its names, where there are several sequences."""
 
 
 @dataclass(frozen=True)
@@ -53,39 +47,38 @@ class Compared:
 
     def exceeded(self, limits: Limits) -> list[str]:
         """A sentence for each limit that is not kept, as it is not where there is nothing to measure."""
-        if self.difference is None:
-            return [self.fault or "it was not compared"]
-        found = self.difference
-        measures = found.measures
-        sentences = []
-        if any(errors.not_finite for errors in found.channels.values()):
-            sentences.append("values are not finite")
-        for name, value, limit in (
-            ("RMSE", measures and measures.rmse, limits.rmse),
-            ("relative mean square error", measures and measures.relative_mse, limits.relative_mse),
-            ("mean FLIP", found.flip, limits.flip),
-            ("largest difference", measures and measures.max_error, limits.max_error),
-            ("share of ids that differ", found.ids_share, limits.ids),
-        ):
-            # Not `>`: an error that is no number is too large as well.
-            if limit is not None and not (value is not None and value <= limit):
-                said = "unknown" if value is None else f"{value:.4g}"
-                sentences.append(f"{name} {said}, allowed {limit:g}")
-        return sentences
+        return [self.fault or "it was not compared"] if self.difference is None else list(limits.exceeded(self.difference))
 
 
 def pair_up(output: Path, reference: Path, pictures: Path | None = None) -> list[Pair]:
-    """Two files as one pair, whatever their numbers; else two sequences by number."""
+    """Two files as one pair, whatever their numbers; else two sequences by number, of several those of the same names."""
     if output.is_file() and reference.is_file():
-        match = NUMBERED.fullmatch(output.name)
-        return [Pair(int(match["number"]) if match else None, str(output), str(reference), pictures and str(pictures))]
+        found = parts(output.name)
+        return [Pair(int(found.number) if found else None, str(output), str(reference), pictures and str(pictures))]
     for one, other in ((output, reference), (reference, output)):
         if one.is_file() and other.is_dir():
             raise ToolError(f"{one} is a file and {other} a folder: give two files, or two sequences")
-    listings = [list_sequence(output), list_sequence(reference)]
-    sides = [{file.number: str(file.path) for file in listing.frames} for listing in listings]
+    sides = [list_sequences(side) for side in (output, reference)]
+    if len(sides[0]) == len(sides[1]) == 1:
+        return _by_number(*(listings[0] for listings in sides), pictures)
+    ours, theirs = ({listing.key: listing for listing in listings} for listings in sides)
+    keys = [*ours, *(key for key in theirs if key not in ours)]
+    return [pair for key in keys for pair in _by_number(ours.get(key), theirs.get(key), pictures, is_one=False)]
+
+
+def _by_number(
+    output: Listing | None, reference: Listing | None, pictures: Path | None, is_one: bool = True
+) -> list[Pair]:
+    """The pairs of two sequences, either of which may be missing; `is_one` if there are no others beside them."""
+    sides = [{f.number: str(f.path) for f in listing.frames} if listing else {} for listing in (output, reference)]
+    listing = output or reference
+
+    def picture(number: int) -> str | None:
+        name = f"difference.{number:04d}.png" if is_one else f"difference.{Path(listing.name_of(number)).stem}.png"
+        return pictures and str(pictures / name)
+
     return [
-        Pair(n, sides[0].get(n), sides[1].get(n), pictures and str(pictures / f"difference.{n:04d}.png"))
+        Pair(None if listing.is_still else n, sides[0].get(n), sides[1].get(n), picture(n), "" if is_one else listing.pattern)
         for n in sorted(sides[0].keys() | sides[1].keys())
     ]
 
@@ -127,7 +120,7 @@ def _compare(wants_flip: bool, display: Display, white: float | None, pair: Pair
     if (why := incomparable(*frames)) is not None:
         return Compared(pair, fault=why)
     found = difference(*frames, wants_flip)
-    if pair.picture is not None and found.color is not None:
+    if pair.picture is not None and all(frame.picture for frame in frames) and not Overlap(*frames).is_empty:
         pixels, white = difference_picture(Overlap(*frames), display, white)
-        Path(pair.picture).write_bytes(png(pixels))
+        write_whole(Path(pair.picture), png(pixels))
     return Compared(pair, found, white=white if pair.picture is not None else None)

@@ -5,16 +5,14 @@ Invariant: values that are not finite count as such and enter no mean; ids are e
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from .exr.header import Header
+from .exr.header import window_size
 from .frame import Frame
-
-ID_CHANNEL = re.compile(r"(^|\.)(leaf_id\.\w+|Crypto\w*\d\d\.[RBrb])$")
-"""Values that are names of things. Of Cryptomatte's channels every other holds ids (as the bits of floats), the rest coverages."""
+from .layers import holds_ids
 
 
 @dataclass(frozen=True)
@@ -53,13 +51,17 @@ class Difference:
     """Two frames that could be compared."""
 
     color: Errors | None
-    """R, G and B together."""
+    """Red, green and blue of the picture together."""
+    picture: tuple[str, ...]
+    """The channels that these are."""
     channels: dict[str, Errors]
     """Every channel of amounts that both have."""
     ids: dict[str, IdErrors]
     """Every channel of ids that both have."""
     unmatched: list[str]
     """Channels that only one of them has."""
+    shared: tuple[int, int] | None = None
+    """Width and height of what was compared of the pictures, where one of them has pixels that the other has not."""
     flip: float | None = None
     """Mean HDR-FLIP of the colour; `None` where it was not asked for, or colours are not finite."""
 
@@ -75,64 +77,86 @@ class Difference:
 
 
 class Overlap:
-    """The pixels that two frames have in common."""
+    """The pixels that two frames have in common, of a channel or, without one, of the pictures."""
 
-    def __init__(self, output: Frame, reference: Frame):
-        self._frames = output, reference
-        windows = [frame.header.data_window for frame in self._frames]
+    def __init__(self, output: Frame, reference: Frame, name: str | None = None):
+        self._frames, self._name = (output, reference), name
+        self._headers = [frame.header if name is None else frame.header_of(name) for frame in self._frames]
+        windows = [header.data_window for header in self._headers]
         self.left, self.top = (max(window[axis] for window in windows) for axis in (0, 1))
         self.right, self.bottom = (min(window[axis] for window in windows) for axis in (2, 3))
         self.is_empty = self.right < self.left or self.bottom < self.top
 
-    def of(self, which: int, name: str) -> np.ndarray:
-        """A channel of the output (0) or the reference (1) as float32, cut to what both have."""
-        frame = self._frames[which]
-        return frame.float(name)[self._place_in(frame)]
+    def channel(self) -> list[np.ndarray]:
+        """The channel of output and reference as float32, cut to what both have."""
+        return [frame.float(self._name)[place] for frame, place in zip(self._frames, self._places())]
 
-    def stored(self, which: int, name: str) -> np.ndarray:
-        """The same as it is stored."""
-        frame = self._frames[which]
-        return frame.channels[name][self._place_in(frame)]
-
-    def _place_in(self, frame: Frame) -> tuple[slice, slice]:
-        left, top = frame.header.data_window[:2]
-        return slice(self.top - top, self.bottom - top + 1), slice(self.left - left, self.right - left + 1)
+    def stored(self) -> list[np.ndarray]:
+        """The same as they are stored."""
+        return [frame.channels[self._name][place] for frame, place in zip(self._frames, self._places())]
 
     def colors(self) -> list[np.ndarray]:
         """Output and reference, colours in the last axis."""
-        return [np.stack([self.of(which, letter) for letter in "RGB"], axis=-1) for which in (0, 1)]
+        return [
+            np.stack([color[place] for color in frame.group()], axis=-1)
+            for frame, place in zip(self._frames, self._places())
+        ]
+
+    def _places(self) -> list[tuple[slice, slice]]:
+        corners = [header.data_window[:2] for header in self._headers]
+        return [
+            (slice(self.top - top, self.bottom - top + 1), slice(self.left - left, self.right - left + 1))
+            for left, top in corners
+        ]
 
 
 def incomparable(output: Frame, reference: Frame) -> str | None:
     """A sentence if two frames cannot be compared."""
-    ours, theirs = (_full_size(frame.header) for frame in (output, reference))
+    ours, theirs = (window_size(frame.header.display_window) for frame in (output, reference))
     if ours != theirs:
         return f"the pictures differ in size: {ours[0]}x{ours[1]} against {theirs[0]}x{theirs[1]} pixels"
-    if Overlap(output, reference).is_empty:
-        return "the two crops have no pixel in common"
-    if not output.channels.keys() & reference.channels.keys():
+    both = [name for name in output.channels if name in reference.channels]
+    if not both:
         return "the two pictures have no channel in common"
+    if all(Overlap(output, reference, name).is_empty for name in both):
+        return "the two crops have no pixel in common"
     return None
 
 
 def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Difference:
     """Compares frames that are comparable."""
     overlap = Overlap(output, reference)
-    names = [name for name in output.channels if name in reference.channels]
-    color = errors(overlap, list("RGB")) if set("RGB") <= set(names) else None
+    overlaps = {name: Overlap(output, reference, name) for name in output.channels if name in reference.channels}
+    names = [name for name, shared in overlaps.items() if not shared.is_empty]
+    has_color = len(output.picture) == 3 and output.picture == reference.picture and not overlap.is_empty
+    color = color_errors(overlap, output.picture) if has_color else None
     finite = color is not None and color.not_finite == 0 and color.rmse is not None
     return Difference(
         color=color,
-        channels={name: errors(overlap, [name]) for name in names if not ID_CHANNEL.search(name)},
-        ids={name: id_errors(overlap, name) for name in names if ID_CHANNEL.search(name)},
+        picture=output.picture if has_color else (),
+        channels={name: errors(overlaps[name], overlaps[name].channel(), [name]) for name in names if not holds_ids(name)},
+        ids={name: id_errors(overlaps[name]) for name in names if holds_ids(name)},
         unmatched=sorted(output.channels.keys() ^ reference.channels.keys()),
+        shared=_shared(overlap, output, reference),
         flip=mean_flip(*overlap.colors()) if wants_flip and finite else None,
     )
 
 
-def errors(overlap: Overlap, names: list[str]) -> Errors:
-    """The errors of channels taken together."""
-    o, r = (np.stack([overlap.of(which, name) for name in names]).astype(np.float64) for which in (0, 1))
+def _shared(overlap: Overlap, output: Frame, reference: Frame) -> tuple[int, int] | None:
+    if output.header.data_window == reference.header.data_window or overlap.is_empty:
+        return None
+    return overlap.right - overlap.left + 1, overlap.bottom - overlap.top + 1
+
+
+def color_errors(overlap: Overlap, names: Sequence[str]) -> Errors:
+    """The errors of red, green and blue, of these names, taken together."""
+    return errors(overlap, [np.moveaxis(colors, -1, 0) for colors in overlap.colors()], names)
+
+
+def errors(overlap: Overlap, values: Sequence[np.ndarray], names: Sequence[str]) -> Errors:
+    """The errors of an output's values against a reference's: a plane for each name, or one plane."""
+    with np.errstate(invalid="ignore"):
+        o, r = (planes.reshape(len(names), *planes.shape[-2:]).astype(np.float64) for planes in values)
     both = np.isfinite(o) & np.isfinite(r)
     not_finite = int(np.count_nonzero(~both & ~(o == r)))
     count = int(np.count_nonzero(both))
@@ -159,9 +183,9 @@ def errors(overlap: Overlap, names: list[str]) -> Errors:
     )
 
 
-def id_errors(overlap: Overlap, name: str) -> IdErrors:
+def id_errors(overlap: Overlap) -> IdErrors:
     """How many ids differ: as bits, of which some are no numbers, unless the two are stored in different ways."""
-    o, r = (overlap.stored(which, name) for which in (0, 1))
+    o, r = overlap.stored()
     if o.dtype == r.dtype:
         o, r = (np.ascontiguousarray(ids).view(f"u{ids.itemsize}") for ids in (o, r))
     apart = o != r
@@ -176,8 +200,3 @@ def mean_flip(output: np.ndarray, reference: np.ndarray) -> float:
 
     arrays = [np.ascontiguousarray(colors, np.float32) for colors in (reference, output)]
     return float(flip_evaluator.evaluate(*arrays, "HDR")[1])
-
-
-def _full_size(header: Header) -> tuple[int, int]:
-    left, top, right, bottom = header.display_window
-    return right - left + 1, bottom - top + 1

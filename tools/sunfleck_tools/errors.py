@@ -11,5 +11,9 @@ class ToolError(Exception):
         self.is_usage = is_usage
 
 
+class Terminated(BaseException):
+    """The system asks the program to end."""
+
+
 class SceneError(Exception):
     """A scene cannot be read, or not be written as asked; says where, what, and where there is one the remedy."""

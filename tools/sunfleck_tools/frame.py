@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from . import layers
 from .exr import half
-from .exr.header import Header
+from .exr.header import Header, window_size
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Rec. 709, which frames are in."""
+OWN = "sunfleck:"
+"""How the names of the renderer's own attributes begin."""
 
+MOST_EMPTY, LARGEST_EMPTY = 64, 1 << 25
+"""Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a picture of 8K has."""
 BLOCK_PIXELS = 1 << 15
 """Temporaries of so many values stay in the cache and on the heap: fresh memory costs more than arithmetic."""
 
@@ -26,7 +32,9 @@ def row_blocks(shape: tuple[int, int], multiple: int = 1) -> Iterator[slice]:
 
 def wide(stored: np.ndarray) -> np.ndarray:
     """Values as float32; a copy."""
-    return half.widened(stored) if stored.dtype == np.float16 else stored.astype(np.float32)
+    # Of NaN that signals numpy would warn.
+    with np.errstate(all="ignore"):
+        return half.widened(stored) if stored.dtype == np.float16 else stored.astype(np.float32)
 
 
 @dataclass
@@ -36,7 +44,7 @@ class FileBytes:
     number: int
     path: Path
     bytes: int = 0
-    header: Header | None = None
+    headers: tuple[Header, ...] = ()
     read_error: str | None = None
     header_error: str | None = None
     claim: str | None = None
@@ -55,15 +63,62 @@ class FileBytes:
 
 @dataclass
 class Frame:
-    """A decoded file. Channels are as stored: half, float or uint, rows from the top."""
+    """A decoded file. Channels are as stored: half, float or uint, rows from the top; `names` of a part's channels are its own,
+    with the part's name before them where they have it not."""
 
     number: int
     path: Path
-    header: Header
+    headers: tuple[Header, ...]
     channels: dict[str, np.ndarray]
+    part_of: dict[str, int]
     hash: str
     wide: dict[str, np.ndarray] = field(default_factory=dict)
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    @cached_property
+    def picture(self) -> tuple[str, ...]:
+        """The channels of the picture itself: three, or luminance alone, or none."""
+        found = layers.picture(self.channels)
+        return found if len({self.header_of(name).data_window for name in found}) == 1 else ()
+
+    @property
+    def header(self) -> Header:
+        """Of the part that holds the picture, else of the first."""
+        return self.header_of(self.picture[0]) if self.picture else self.headers[0]
+
+    @cached_property
+    def shows_display_window(self) -> bool:
+        """True of other renderers' frames, which cut the data down to what is there and render beyond the edge. Of own frames the
+        data window is shown, as the program shows a crop; and where the display window is out of all proportion."""
+        data, display = self.header.size, window_size(self.header.display_window)
+        most = max(MOST_EMPTY * data[0] * data[1], LARGEST_EMPTY)
+        return not self.is_own and min(display) > 0 and display[0] * display[1] <= most
+
+    @property
+    def canvas(self) -> tuple[int, int]:
+        """Height and width of what is shown."""
+        width, height = window_size(self.header.display_window) if self.shows_display_window else self.header.size
+        return height, width
+
+    def on_canvas(self, values: np.ndarray) -> np.ndarray:
+        """Rows of the data, cut and filled up with 0 to what is shown."""
+        data, display = self.header.data_window, self.header.display_window
+        if data == display or not self.shows_display_window:
+            return values
+        canvas = np.zeros((*self.canvas, *values.shape[2:]), values.dtype)
+        x, y = data[0] - display[0], data[1] - display[1]
+        part = values[max(0, -y) : max(0, canvas.shape[0] - y), max(0, -x) : max(0, canvas.shape[1] - x)]
+        canvas[max(0, y) : max(0, y) + part.shape[0], max(0, x) : max(0, x) + part.shape[1]] = part
+        return canvas
+
+    @property
+    def is_own(self) -> bool:
+        """True if it is of this renderer, whose passes keep what its documentation says."""
+        return any(name.startswith(OWN) for name in self.headers[0].values)
+
+    def header_of(self, name: str) -> Header:
+        """Of the part that a channel is in."""
+        return self.headers[self.part_of[name]]
 
     def float(self, name: str) -> np.ndarray:
         """A channel as float32, converted once."""
@@ -83,35 +138,48 @@ class Frame:
                     self.ranges[name] = float(stored.min()), float(stored.max())
         return self.ranges[name]
 
-    def group(self, prefix: str = "") -> list[np.ndarray] | None:
-        """The channels R, G and B of a layer, if it has them all."""
-        names = [prefix + letter for letter in "RGB"]
-        return [self.float(name) for name in names] if all(name in self.channels for name in names) else None
+    def group(self) -> list[np.ndarray] | None:
+        """Red, green and blue of the picture, if there is one: of luminance alone it is grey."""
+        values = [self.float(name) for name in self.picture]
+        if len(values) == 1 and all(name in self.channels for name in layers.CHROMA):
+            return _from_chroma(values[0], *map(self.float, layers.CHROMA))
+        return values * 3 if len(values) == 1 else values or None
 
     def luminance(self) -> np.ndarray | None:
-        """Of the beauty, the caller's to keep or spoil; values that are not finite count as 0."""
-        if any(letter not in self.channels for letter in "RGB"):
+        """Of the picture, the caller's to keep or spoil; values that are not finite count as 0."""
+        if not self.picture:
             return None
-        color = [self.channels[letter] for letter in "RGB"]
-        plain = [stored.dtype == np.float16 and half.plain(*self.extremes(letter)) for letter, stored in zip("RGB", color)]
+        color = [self.channels[name] for name in self.picture]
+        weights = LUMINANCE if len(color) == 3 else np.ones(1, np.float32)
+        plain = [stored.dtype == np.float16 and half.plain(*self.extremes(name)) for name, stored in zip(self.picture, color)]
         total = np.empty(color[0].shape, np.float32)
         scratch = np.empty_like(total[next(row_blocks(total.shape))])
         for rows in row_blocks(total.shape):
             block = total[rows]
-            for index, (weight, stored, is_plain) in enumerate(zip(LUMINANCE, color, plain)):
+            for index, (weight, stored, is_plain) in enumerate(zip(weights, color, plain)):
                 part = block if index == 0 else scratch[: len(block)]
-                if is_plain:
-                    half.scaled_into(stored[rows], weight, part)
-                else:
-                    np.multiply(wide(stored[rows]), weight, out=part)
-                if index > 0:
-                    block += part
-        if all(np.isfinite(self.extremes(letter)).all() for letter in "RGB"):
+                # Infinities of two signs, or signalling NaN: what comes of them is no number, and counts as 0 below.
+                with np.errstate(all="ignore"):
+                    if is_plain:
+                        half.scaled_into(stored[rows], weight, part)
+                    else:
+                        np.multiply(wide(stored[rows]), weight, out=part)
+                    if index > 0:
+                        block += part
+        if all(np.isfinite(self.extremes(name)).all() for name in self.picture):
             return total
         return np.nan_to_num(total, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
-    def place(self, at: int) -> tuple[int, int]:
-        """x and y in the full picture of the value with that flat index."""
-        left, top = self.header.data_window[:2]
-        y, x = divmod(int(at), self.header.size[0])
-        return x + left, y + top
+    def place(self, name: str, at: int) -> tuple[int, int]:
+        """x and y in the full picture of the value of a channel with that flat index."""
+        header = self.header_of(name)
+        y, x = divmod(int(at), header.size[0])
+        return x + header.data_window[0], y + header.data_window[1]
+
+
+def _from_chroma(y: np.ndarray, ry: np.ndarray, by: np.ndarray) -> list[np.ndarray]:
+    """Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical Introduction,
+    Luminance/Chroma Images)."""
+    with np.errstate(all="ignore"):
+        red, blue = (1 + ry) * y, (1 + by) * y
+        return [red, (y - LUMINANCE[0] * red - LUMINANCE[2] * blue) / LUMINANCE[1], blue]

@@ -10,14 +10,16 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
+from .disk import writing
 from .errors import ToolError
 from .pictures import Shown, fitted
 from .png import AnimatedPng
@@ -64,26 +66,36 @@ def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None
     height, width, _ = first.pixels.shape
     said = first.header.values.get("framesPerSecond")
     fps = fps or (said if isinstance(said, Fraction) and said > 0 else DEFAULT_FPS)
+    with _writer(out, count, (width, height), fps) as writer:
+        for picture in chain(ahead, cells):
+            writer.add(fitted(picture.pixels, height, width))
+            if picture.fault is not None:
+                faults.append((picture.number, picture.fault))
+    return faults
+
+
+@contextmanager
+def _writer(out: Path, count: int, size: tuple[int, int], fps: Fraction) -> Iterator[Writer]:
+    """What writes `out`, which appears when the block has ended well."""
+    is_png = out.suffix.lower() == ".png"
+    if is_png or shutil.which("ffmpeg") is None:
+        with writing(out) as file:
+            writer: Writer = AnimatedPng(file, count, fps) if is_png else Webp(file, fps)
+            yield writer
+            writer.close()
+        return
+    if out.exists() and not out.is_file():
+        raise ToolError(f"{out} is no regular file: name another")
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=f".{out.name}.") as folder:
         part = Path(folder) / out.name
-        with part.open("wb") as file:
-            writer: Writer
-            if out.suffix.lower() == ".png":
-                writer = AnimatedPng(file, count, fps)
-            elif shutil.which("ffmpeg") is None:
-                writer = Webp(file, fps)
-            else:
-                writer = Ffmpeg(part, width, height, fps)
-            try:
-                for source in (ahead, cells):
-                    for picture in source:
-                        writer.add(fitted(picture.pixels, height, width))
-                        if picture.fault is not None:
-                            faults.append((picture.number, picture.fault))
-            finally:
-                writer.close()
-        os.replace(part, out)
-    return faults
+        writer = Ffmpeg(part, *size, fps)
+        try:
+            yield writer
+            writer.close()
+        except BaseException:
+            writer.abort()
+            raise
+        os.replace(part, os.path.realpath(out))
 
 
 def check_ending(out: Path) -> None:
@@ -116,6 +128,12 @@ class Ffmpeg:
             # It gave up; `close` says why.
             self.close()
             raise
+
+    def abort(self) -> None:
+        """Ends it at once; what it wrote is of no use."""
+        self._process.kill()
+        self._process.wait()
+        self._errors.close()
 
     def close(self) -> None:
         """Waits for the end, and for what ffmpeg has to say of it."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from .parallel import in_processes
 from .sequence import Listing
 from .summary import thumbnail
 
+MOST_NAMES = 12
+"""Of channels, in a sentence."""
 HATCHED = (np.array([90, 90, 90], np.uint8), np.array([50, 50, 50], np.uint8))
 
 
@@ -37,8 +40,9 @@ def load(number: int, path: str) -> tuple[Frame | None, str | None]:
     file, frame = read_frame(number, path)
     if frame is None:
         return None, file.fault
-    if frame.group() is None:
-        return None, "it has no R, G and B"
+    if not frame.picture:
+        named = ", ".join(list(frame.channels)[:MOST_NAMES])
+        return None, f"it has no picture (R, G and B of a layer, or Y), only {named}"
     return frame, None
 
 
@@ -49,19 +53,23 @@ def show(display: Display, width: int | None, argument: tuple[int, str | None]) 
         return Shown(number, fault="there is no such file")
     frame, fault = load(number, path)
     if frame is None:
-        return Shown(number, fault=fault)
-    if width is None or width >= frame.header.size[0]:
-        pixels = display.bytes(np.stack(frame.group(), axis=-1), frame.header.data_window[:2])
+        return Shown(number, fault=f"{fault} ({Path(path).name})")
+    if width is None or width >= frame.canvas[1]:
+        pixels = frame.on_canvas(display.bytes(np.stack(frame.group(), axis=-1), frame.header.data_window[:2]))
     else:
         pixels = display.bytes(thumbnail(frame, width).astype(np.float32))
     return Shown(number, pixels, header=frame.header)
 
 
-def shown(listing: Listing, numbers: Sequence[int], display: Display, width: int | None, processes: int) -> Iterator[Shown]:
-    """Pictures of the frames with these numbers, in their order."""
+def files_of(listing: Listing) -> list[tuple[int, str | None]]:
+    """Number and file of each frame that is expected; without a file it is missing."""
     paths = {file.number: str(file.path) for file in listing.frames}
-    arguments = [(number, paths.get(number)) for number in numbers]
-    yield from in_processes(partial(show, display, width), arguments, min(processes, len(arguments)), _died)
+    return [(number, paths.get(number)) for number in listing.expected]
+
+
+def shown(frames: Sequence[tuple[int, str | None]], display: Display, width: int | None, processes: int) -> Iterator[Shown]:
+    """Pictures of frames, in their order."""
+    yield from in_processes(partial(show, display, width), frames, min(processes, len(frames)), _died)
 
 
 def _died(argument: tuple[int, str | None]) -> Shown:

@@ -1,21 +1,26 @@
-"""Names to frames: a folder or pattern to the numbered files of one sequence.
+"""Names to frames: a folder or pattern to the numbered files of its sequences.
 
-Invariant: every EXR file of the folder is either a frame of the listing or named in `strangers`.
+Invariant: every EXR file of the folder is a frame of one listing; those that stand alone beside a sequence are its `strangers` too.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from .errors import ToolError
+from .names import Parts, parts
 
-PLACE = re.compile(r"#+|%(\d*)d|\$F(\d*)")
-# A minus is a sign at the beginning and behind `.` or `_`; elsewhere (`take-0007.exr`) it is a dash.
-NUMBERED = re.compile(r"(?P<before>.*?)(?P<number>(?:(?:(?<=[._])|^)-)?\d+)(?P<after>\.exr)", re.IGNORECASE)
+PLACE = re.compile(r"#+|@+|%(\d*)[di]|\$\{?F(\d*)\}?|<F(\d*)>")
 PART_SUFFIX = ".sunfleck-part"
+STILL_NUMBER = 0
+NEARLY_TOGETHER = 10
+"""A tenth of a sequence's frames is what another may have beyond it, if the two belong together."""
+MOST_NAMED = 3
+"""Sequences that a sentence names."""
 
 
 class SequenceError(ToolError):
@@ -43,14 +48,27 @@ class Listing:
     expected: list[int]
     strangers: list[Path] = field(default_factory=list)
     leftovers: list[Path] = field(default_factory=list)
+    elsewhere: dict[str, list[int]] = field(default_factory=dict)
+    """By pattern of another sequence in the folder, the frames that it has before the first or behind the last of this one."""
+    is_still: bool = False
+    """True of a picture by itself, whose name has no number: it counts as frame 0."""
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What is the same in all its names."""
+        return self.before, self.after
 
     @property
     def pattern(self) -> str:
         """The sequence as `--out` would name it."""
+        if self.is_still:
+            return str(self.folder / self.before)
         return str(self.folder / f"{self.before}{'#' * self.digits}{self.after}")
 
     def name_of(self, number: int) -> str:
         """The name that frame `number` should have."""
+        if self.is_still:
+            return self.before
         return f"{self.before}{'-' if number < 0 else ''}{abs(number):0{self.digits}d}{self.after}"
 
     @property
@@ -61,6 +79,11 @@ class Listing:
             chosen.setdefault(file.number, file)
         return list(chosen.values())
 
+    def expect(self, numbers: Iterable[int]) -> None:
+        """Of these frames too that they are there."""
+        if not self.is_still:
+            self.expected = sorted({*self.expected, *numbers})
+
     @property
     def missing(self) -> list[int]:
         """Expected frames without a file."""
@@ -69,76 +92,136 @@ class Listing:
 
 
 def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -> Listing:
-    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file.
+    """The one sequence of `target`, as of `list_sequences`; raises `SequenceError` where there are several."""
+    listings = list_sequences(target, expected)
+    long = [listing for listing in listings if len(listing.files) > 1]
+    if len(long or listings) > 1:
+        patterns = ", ".join(listing.pattern for listing in (long or listings)[:MOST_NAMED])
+        raise SequenceError(f"{target} holds {len(long or listings)} sequences: name one of them, such as {patterns}")
+    return (long or listings)[0]
 
-    Raises `SequenceError` if there is nothing to validate.
+
+def list_sequences(target: str | Path, expected: tuple[int, ...] | None = None) -> list[Listing]:
+    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the longest sequence first.
+
+    Raises `SequenceError` if there is nothing to look at.
     """
     path = Path(target)
     place = list(PLACE.finditer(path.name))
     if path.is_dir():
-        folder, wanted = path, None
-    elif len(place) == 1:
-        at = place[0]
-        folder, wanted = path.parent, (path.name[: at.start()], path.name[at.end() :])
-    elif path.is_file() and (match := NUMBERED.fullmatch(path.name)):
-        return _one_file(path, match, expected)
-    elif not path.exists():
-        raise SequenceError(f"there is no {target}: expected a folder, or a pattern such as out/name.####.exr", False)
-    else:
-        raise SequenceError(f"{target} has no place for the frame's number: expected a folder or out/name.####.exr")
-    try:
-        names = sorted(entry for entry in folder.iterdir() if not entry.is_dir())
-    except OSError as error:
-        raise SequenceError(f"cannot read the folder {folder}: {error.strerror}", False) from error
-    groups, strangers = _groups(names)
+        return _all_of(path, expected)
+    if path.is_file():
+        return [_one_file(path, expected)]
+    if len(place) == 1:
+        return [_matching(path, place[0], expected)]
+    if not path.exists():
+        raise SequenceError(f"there is no {target}: expected a folder, a file, or a pattern such as out/name.####.exr", False)
+    raise SequenceError(f"{target} is neither a folder nor a regular file", False)
+
+
+def _all_of(folder: Path, expected: tuple[int, ...] | None) -> list[Listing]:
+    names = _names(folder)
+    groups = _groups(names)
     if not groups:
-        raise SequenceError(f"{folder} holds no numbered EXR files, such as name.0001.exr", False)
-    if wanted is None:
-        wanted = max(groups, key=lambda key: (len(groups[key]), key))
-        strangers += [file.path for key, files in groups.items() if key != wanted for file in files]
-    else:
-        # A pattern names its files; what else is in the folder is not asked about.
-        strangers = []
-    files = groups.get(wanted, [])
+        raise SequenceError(f"{folder} holds no EXR files, such as name.0001.exr", False)
+    long = {key: files for key, files in groups.items() if len(files) > 1}
+    alone = sorted(file.path for key, files in groups.items() if key not in long for file in files)
+    keys = sorted(groups, key=lambda key: (-len(groups[key]), key))
+    listings = []
+    for key in keys:
+        is_first = key == keys[0]
+        # Every leftover is told once: by the sequence whose name it has, the longest of such names.
+        leftovers = [entry for entry in names if _leftover_of(entry, groups) == key]
+        # A single file beside sequences lost its name, or is none of theirs: of such a frame no range is expected.
+        listed = _listing(folder, key, groups[key], None if long and key not in long else expected, leftovers)
+        listed.strangers = alone if is_first and long else []
+        listings.append(listed)
+    _look_beside([listing for listing in listings if len(listing.files) > 1])
+    return listings
+
+
+def _look_beside(listings: list[Listing]) -> None:
+    """Tells sequences that begin and end nearly together where one has more."""
+    for listing in listings:
+        own = {file.number for file in listing.files}
+        for other in listings:
+            theirs = {file.number for file in other.files}
+            beyond = sorted(number for number in theirs if not min(own) <= number <= max(own))
+            if other is not listing and own & theirs and 0 < len(beyond) <= max(1, len(own) // NEARLY_TOGETHER):
+                listing.elsewhere[other.pattern] = beyond
+
+
+def _matching(path: Path, place: re.Match[str], expected: tuple[int, ...] | None) -> Listing:
+    before, after = path.name[: place.start()], path.name[place.end() :]
+    names = _names(path.parent)
+    found = [(entry, _number_between(entry.name, before, after)) for entry in names]
+    files = [Named(int(number), number.lstrip("-"), entry) for entry, number in found if number is not None]
     if not files:
-        raise SequenceError(f"no file matches {target}", False)
-    leftovers = [entry for entry in names if entry.name.endswith(PART_SUFFIX) and entry.name.startswith(f".{wanted[0]}")]
-    digits = _digits(place[0]) if place and not path.is_dir() else _usual_digits(files)
-    return _listing(folder, wanted, digits, files, expected, sorted(strangers), leftovers)
+        raise SequenceError(f"no file matches {path}", False)
+    leftovers = [entry for entry in names if entry.name.endswith(PART_SUFFIX) and entry.name.startswith(f".{before}")]
+    listing = _listing(path.parent, (before, after), files, expected, leftovers)
+    listing.digits = _digits(place)
+    return listing
 
 
-def _one_file(path: Path, match: re.Match[str], expected: tuple[int, ...] | None) -> Listing:
-    file = Named(int(match["number"]), match["number"].lstrip("-"), path)
-    return _listing(path.parent, (match["before"], match["after"]), len(file.digits), [file], expected, [], [])
+def _number_between(name: str, before: str, after: str) -> str | None:
+    """The number in a name between what a pattern says, if that is all there is."""
+    if len(name) < len(before) + len(after) or not (name.startswith(before) and name.endswith(after)):
+        return None
+    number = name[len(before) : len(name) - len(after)]
+    return number if re.fullmatch(r"-?\d{1,18}", number, re.ASCII) else None
 
 
-def _listing(folder, wanted, digits, files, expected, strangers, leftovers) -> Listing:
+def _one_file(path: Path, expected: tuple[int, ...] | None) -> Listing:
+    key, file = _named(path)
+    return _listing(path.parent, key, [file], expected, [])
+
+
+def _named(path: Path) -> tuple[tuple[str, str], Named]:
+    """What a file's name has in common with those of its sequence, and its number."""
+    found: Parts | None = parts(path.name)
+    if found is None:
+        return (path.name, ""), Named(STILL_NUMBER, "", path)
+    return (found.before, found.after), Named(int(found.number), found.digits, path)
+
+
+def _listing(folder, key, files, expected, leftovers) -> Listing:
+    if not files[0].digits:
+        return Listing(folder, *key, 0, files, [STILL_NUMBER], leftovers=leftovers, is_still=True)
     numbers = [file.number for file in files]
     if expected is None:
         # Numbers far apart are a slip in a name, not a billion lost frames.
         first, last = min(numbers), max(numbers)
         expected = range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
-    return Listing(folder, wanted[0], wanted[1], digits, files, list(expected), strangers, leftovers)
+    return Listing(folder, *key, _usual_digits(files), files, list(expected), leftovers=leftovers)
 
 
-def _groups(names: list[Path]) -> tuple[dict[tuple[str, str], list[Named]], list[Path]]:
+def _names(folder: Path) -> list[Path]:
+    try:
+        return sorted(entry for entry in (folder or Path(".")).iterdir() if not entry.is_dir())
+    except OSError as error:
+        raise SequenceError(f"cannot read the folder {folder}: {error.strerror}", False) from error
+
+
+def _groups(names: list[Path]) -> dict[tuple[str, str], list[Named]]:
     groups: dict[tuple[str, str], list[Named]] = defaultdict(list)
-    strangers = []
     for path in names:
-        if path.name.startswith(".") or path.suffix.lower() != ".exr":
-            continue
-        match = NUMBERED.fullmatch(path.name)
-        if match is None:
-            strangers.append(path)
-            continue
-        digits = match["number"].lstrip("-")
-        groups[match["before"], match["after"]].append(Named(int(match["number"]), digits, path))
-    return groups, strangers
+        if not path.name.startswith(".") and path.suffix.lower() == ".exr":
+            key, file = _named(path)
+            groups[key].append(file)
+    return groups
+
+
+def _leftover_of(entry: Path, groups: Iterable[tuple[str, str]]) -> tuple[str, str] | None:
+    if not entry.name.endswith(PART_SUFFIX):
+        return None
+    owners = [key for key in groups if entry.name.startswith(f".{key[0]}")]
+    return max(owners, key=lambda key: (len(key[0]), key), default=None)
 
 
 def _digits(place: re.Match[str]) -> int:
-    written = place[1] or place[2]
-    return int(written) if written else max(1, place[0].count("#"))
+    written = place[1] or place[2] or place[3]
+    return int(written[:2]) if written else max(1, place[0].count("#") + place[0].count("@"))
 
 
 def _usual_digits(files: list[Named]) -> int:

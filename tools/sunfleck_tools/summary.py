@@ -5,16 +5,34 @@ Invariant: a summary is small (some kB), so that a thousand of them fit into any
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from .exr.header import COMPRESSIONS, TILED, Header
+from .exr.header import COMPRESSIONS, Header
 from .findings import Finding
 from .frame import Frame, row_blocks, wide
 from .options import Options
 
+REC_709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
+"""What a file means that says no chromaticities."""
 PROVENANCE = ("version", "sceneHash", "settingsHash", "seed", "pixelHash")
+
+
+@dataclass
+class Suspicion:
+    """What only the frames before and after can tell, in places of the full picture."""
+
+    fireflies: list[tuple[int, int, float, float]] = field(default_factory=list)
+    """As `checks.fireflies.Candidate`."""
+    blocks: list[tuple[int, int, int, int]] = field(default_factory=list)
+    """As `checks.blocks.Block`."""
+    window: tuple[int, int, int, int] = (0, 0, 0, 0)
+    """Of the data."""
+
+    def __bool__(self) -> bool:
+        return bool(self.fireflies or self.blocks)
 
 
 @dataclass
@@ -33,8 +51,10 @@ class FrameSummary:
     largest: float | None = None
     smallest: float | None = None
     constant: bool = False
-    firefly_candidates: list[tuple[int, int, float, float]] = field(default_factory=list)
+    suspicion: Suspicion = field(default_factory=Suspicion)
     fireflies: list[tuple[int, int, float, float]] = field(default_factory=list)
+    black_blocks: list[tuple[int, int, int, int]] = field(default_factory=list)
+    signature: np.ndarray | None = None
     relmse: float | None = None
     flip: float | None = None
     reference_error: str | None = None
@@ -61,9 +81,10 @@ class Rendered:
         return [frame for frame in self.frames if frame.decoded]
 
 
-def describe(summary: FrameSummary, header: Header) -> None:
-    """Fills in what the header says."""
-    for name in ("framesPerSecond", "imageCounter", "timeCode"):
+def describe(summary: FrameSummary, headers: Sequence[Header]) -> None:
+    """Fills in what the headers say."""
+    header = headers[0]
+    for name in ("framesPerSecond", "imageCounter", "timeCode", "Frame"):
         if name in header.values:
             summary.attributes[name] = header.values[name]
     for name in PROVENANCE:
@@ -71,12 +92,19 @@ def describe(summary: FrameSummary, header: Header) -> None:
             summary.provenance[name] = value
     types = ("uint", "half", "float")
     summary.structure = {
-        "channels": ", ".join(f"{channel.name} ({types[channel.type]})" for channel in header.channels),
+        "channels": "; ".join(_channels(part, types) for part in headers),
         "display window": header.display_window,
         "data window": header.data_window,
-        "compression": COMPRESSIONS[header.compression],
-        "layout": "tiles" if header.flags & TILED else "scan lines",
+        "compression": ", ".join(dict.fromkeys(COMPRESSIONS[part.compression] for part in headers)),
+        "layout": ", ".join(dict.fromkeys("tiles" if part.is_tiled else "scan lines" for part in headers)),
+        "chromaticities": tuple(round(value, 4) for value in header.values.get("chromaticities", REC_709)),
+        "pixel aspect": header.values.get("pixelAspectRatio"),
     }
+
+
+def _channels(header: Header, types: tuple[str, ...]) -> str:
+    named = ", ".join(f"{channel.name} ({types[channel.type]})" for channel in header.channels)
+    return f"{header.name}: {named}" if header.name else named
 
 
 def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -> None:
@@ -87,7 +115,7 @@ def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -
         # In single precision, but pairwise: to some 1e-6.
         summary.mean = float(flat.mean())
         index = min(flat.size - 1, int(0.99 * flat.size))
-        ranges = [frame.extremes(letter) for letter in "RGB"]
+        ranges = [frame.extremes(name) for name in frame.picture]
         summary.smallest, summary.largest = min(low for low, _ in ranges), max(high for _, high in ranges)
         # In place: fresh memory costs as much as the search. What is not negative is in the order of its bits, and integers
         # are searched twice as fast.
@@ -97,17 +125,19 @@ def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -
 
 
 def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
-    """Linear RGB of the beauty, averaged down to about `width` pixels; values that are not finite count as 0."""
-    if any(letter not in frame.channels for letter in "RGB"):
+    """Linear RGB of the picture, averaged down to about `width` pixels; values that are not finite count as 0."""
+    if not frame.picture:
         return None
-    step = max(1, min(frame.header.size[0] // width, *frame.header.size))
-    columns, rows = (extent // step for extent in frame.header.size)
+    colors = [frame.channels[name] for name in frame.picture] if len(frame.picture) == 3 else frame.group()
+    colors = [frame.on_canvas(color) for color in colors]
+    step = max(1, min(frame.canvas[1] // width, *frame.canvas))
+    rows, columns = (extent // step for extent in frame.canvas)
     small = np.empty((rows, columns, 3), np.float32)
-    for index, letter in enumerate("RGB"):
-        stored = frame.channels[letter][: rows * step, : columns * step]
+    for index, color in enumerate(colors):
+        stored = color[: rows * step, : columns * step]
         for block in row_blocks(stored.shape, step):
             light = wide(stored[block])
-            if not np.isfinite(frame.extremes(letter)).all():
+            if not np.isfinite([light.min(), light.max()]).all():
                 np.nan_to_num(light, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
             lines = light.reshape(-1, step, columns * step).sum(axis=1)
             small[block.start // step : block.stop // step, :, index] = lines.reshape(-1, columns, step).sum(axis=2)

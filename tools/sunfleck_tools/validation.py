@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from . import checks  # noqa: F401  (registers them)
-from .analysis import Job, analyse, confirm_fireflies, without_pixels
+from .analysis import Job, analyse, confirm, without_pixels
+from .disk import need_regular
 from .findings import CHECKS, Finding, Scope, Severity, checks_of, ordered
 from .options import Options
 from .parallel import in_processes
-from .sequence import Listing, SequenceError, list_sequence
+from .sequence import Listing, SequenceError, list_sequence, list_sequences
 from .summary import FrameSummary, Rendered
 
 Progress = Callable[[int, int], None]
@@ -21,22 +22,48 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Report:
-    """What was found, the worst first."""
+class Checked:
+    """One sequence, and what was found in it, the worst first."""
 
     listing: Listing
     frames: list[FrameSummary]
     findings: list[Finding]
-    options: Options
-
-    def count(self, severity: Severity) -> int:
-        """Findings of a severity."""
-        return sum(finding.severity is severity for finding in self.findings)
 
     @property
     def rerender(self) -> list[int]:
         """Frames that are missing or have to be rendered again."""
         return sorted({f.frame for f in self.findings if f.frame is not None and CHECKS[f.check].rerender})
+
+    def count(self, severity: Severity) -> int:
+        """Findings of a severity."""
+        return sum(finding.severity is severity for finding in self.findings)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was found in each sequence, the longest sequence first."""
+
+    sequences: list[Checked]
+    options: Options
+
+    @property
+    def frames(self) -> list[FrameSummary]:
+        """Of all sequences."""
+        return [frame for checked in self.sequences for frame in checked.frames]
+
+    @property
+    def findings(self) -> list[Finding]:
+        """Of all sequences, the worst first."""
+        return ordered([finding for checked in self.sequences for finding in checked.findings])
+
+    @property
+    def rerender(self) -> list[int]:
+        """Frames that are missing or have to be rendered again, of whichever sequence."""
+        return sorted({number for checked in self.sequences for number in checked.rerender})
+
+    def count(self, severity: Severity) -> int:
+        """Findings of a severity."""
+        return sum(checked.count(severity) for checked in self.sequences)
 
     def fails(self, at: Severity) -> bool:
         """True if there is a finding at least as bad."""
@@ -44,28 +71,42 @@ class Report:
 
 
 def validate(target: str | Path, options: Options = Options(), progress: Progress = lambda done, of: None) -> Report:
-    """Checks every frame of `target`, a folder or a pattern such as `out/x.####.exr`.
+    """Checks every frame of `target`: a folder with one sequence or several, a pattern such as `out/x.####.exr`, or one file.
 
     A script that calls this needs the usual `if __name__ == "__main__":`, since frames are decoded in processes. Raises
-    `SequenceError` if there is nothing to check.
+    `SequenceError` if there is nothing to check, and `MemoryError`.
     """
-    listing = list_sequence(target, options.frames)
-    seconds = _render_seconds(options.stats) if options.stats else {}
+    seconds = render_seconds(options.stats) if options.stats else {}
+    listings = list_sequences(target, options.frames)
+    if options.frames is None and seconds:
+        listings[0].expect(seconds)
+    of, done = sum(len(listing.frames) for listing in listings), 0
+    sequences = []
+    for listing in listings:
+        checked = _check(listing, options, seconds, lambda now: progress(done + now, of))
+        sequences.append(checked)
+        done += len(checked.frames)
+    return Report(sequences, options)
+
+
+def _check(listing: Listing, options: Options, seconds: dict[int, float], progress: Callable[[int], None]) -> Checked:
     jobs = _jobs(listing, options)
     processes = min(os.cpu_count() or 1 if options.processes is None else options.processes, len(jobs))
     frames: list[FrameSummary] = []
     for summary in in_processes(analyse, jobs, processes, _crashed):
         summary.render_seconds = seconds.get(summary.number)
         frames.append(summary)
-        progress(len(frames), len(jobs))
-    if "firefly" not in options.skip_checks:
-        _confirm(frames, processes)
+        progress(len(frames))
+    _look_again(frames, options, processes)
     findings = [finding for frame in frames for finding in frame.findings]
     for scope, subject in ((Scope.LISTING, listing), (Scope.SEQUENCE, Rendered(frames, options))):
         for check in checks_of(scope):
             if check.id not in options.skip_checks:
                 findings += check.run(subject)
-    return Report(listing, frames, ordered(findings), options)
+    if listing.is_still:
+        # What has no number has no frame to name.
+        findings = [replace(finding, frame=None, path=str(listing.files[0].path)) for finding in findings]
+    return Checked(listing, frames, ordered(findings))
 
 
 def _jobs(listing: Listing, options: Options) -> list[Job]:
@@ -93,28 +134,36 @@ def _crashed(job: Job) -> FrameSummary:
     return without_pixels(job, "the decoder crashed")
 
 
-def _confirm(frames: list[FrameSummary], processes: int) -> None:
-    """Looks the frames before and after up for what seems to be a firefly."""
+def _look_again(frames: list[FrameSummary], options: Options, processes: int) -> None:
+    """Looks the frames before and after up for what seems to be a firefly, or a block that was lost."""
     by_number = {frame.number: frame for frame in frames if frame.decoded}
-    suspects = [frame for frame in frames if frame.firefly_candidates]
+    suspects = []
+    for frame in frames:
+        if "firefly" in options.skip_checks:
+            frame.suspicion.fireflies = []
+        if "black-block" in options.skip_checks:
+            frame.suspicion.blocks = []
+        if frame.suspicion:
+            suspects.append(frame)
     arguments = [
-        (frame.firefly_candidates, [by_number[n].path for n in (frame.number - 1, frame.number + 1) if n in by_number])
+        (frame.suspicion, [by_number[n].path for n in (frame.number - 1, frame.number + 1) if n in by_number])
         for frame in suspects
     ]
     if not suspects:
         return
     results = in_processes(_confirm_one, arguments, min(processes, len(suspects)), lambda argument: argument[0])
     for frame, found in zip(suspects, results):
-        frame.fireflies = found
+        frame.fireflies, frame.black_blocks = found.fireflies, found.blocks
 
 
 def _confirm_one(argument):
-    return confirm_fireflies(*argument)
+    return confirm(*argument)
 
 
-def _render_seconds(path: Path) -> dict[int, float]:
+def render_seconds(path: Path) -> dict[int, float]:
     """Render time of each frame, from what `sunfleck render --stats` wrote."""
     try:
+        need_regular(path)
         seconds = {}
         for line in path.read_text(encoding="utf-8").splitlines():
             entry = json.loads(line)
@@ -123,5 +172,5 @@ def _render_seconds(path: Path) -> dict[int, float]:
         return seconds
     except OSError as error:
         raise SequenceError(f"cannot read {path}: {error.strerror}", is_usage=False) from error
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise SequenceError(f"{path} is not what `sunfleck render --stats` writes: {error}") from error

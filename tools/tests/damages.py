@@ -19,7 +19,8 @@ import numpy as np
 from sunfleck_tools import Options, validate
 from sunfleck_tools.exr.header import COMPRESSIONS, parse_header
 
-from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite
+from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite, write_frame
+from .files import scene as moving_ball
 
 VICTIM = 6
 """The frame that is damaged, with neighbours on both sides."""
@@ -121,6 +122,15 @@ def no_offset(folder: Path) -> None:
     path.write_bytes(data[:end] + bytes(8) + data[end + 8 :])
 
 
+@damage("zeros inside a chunk of PIZ, which decode to anything", "chunks")
+def zeros_in_piz(folder: Path) -> None:
+    path = frame_path(folder, VICTIM)
+    rewrite(path, compression=4, texts={"pixelHash": None}, sign=False)
+    data = path.read_bytes()
+    at = len(data) - 400
+    path.write_bytes(data[:at] + bytes(64) + data[at + 64 :])
+
+
 COMPRESSED = {
     0: "pixel-hash", 1: "pixel-hash", 2: "decode", 3: "decode", 4: "pixel-hash", 5: "decode", 6: "pixel-hash",
     7: "pixel-hash", 8: "decode", 9: "decode", 10: "pixel-hash", 11: "pixel-hash", 13: "pixel-hash",
@@ -145,6 +155,24 @@ def copied(folder: Path) -> None:
 def stuck(folder: Path) -> None:
     shutil.copy(frame_path(folder, VICTIM - 1), frame_path(folder, VICTIM))
     rewrite(frame_path(folder, VICTIM), counter=VICTIM)
+
+
+def of_another_renderer(folder: Path) -> None:
+    """Frames in which something moves, and nothing but the name says the number."""
+    for number in range(1, 13):
+        write_frame(frame_path(folder, number), moving_ball(number))
+
+
+@damage("two frames swapped that say no number", "order", VICTIM, VICTIM + 1)
+def swapped_without_numbers(folder: Path) -> None:
+    of_another_renderer(folder)
+    swapped(folder)
+
+
+@damage("the last frame of one of two sequences is missing", "shorter-sequence", None)
+def shorter(folder: Path) -> None:
+    for number in range(1, 12):
+        shutil.copy(frame_path(folder, number), frame_path(folder, number, "depth"))
 
 
 @damage("a frame is missing", "missing-frame")
@@ -220,6 +248,17 @@ def compression(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), compression=4)
 
 
+@damage("one frame of other chromaticities", "structure")
+def chromaticities(folder: Path) -> None:
+    ap0 = struct.pack("<8f", 0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)
+    add_attribute(frame_path(folder, VICTIM), "chromaticities", "chromaticities", ap0)
+
+
+@damage("one frame of another pixel aspect", "structure")
+def pixel_aspect(folder: Path) -> None:
+    rewrite(frame_path(folder, VICTIM), extra={"pixelAspectRatio": 2.0})
+
+
 @damage("one frame of another version", "mixed-version")
 def version(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), texts={"version": "0.0.9"})
@@ -283,6 +322,22 @@ def constant(folder: Path) -> None:
             channels[letter][:] = channels["shafts." + letter].max()
 
     rewrite(frame_path(folder, VICTIM), even)
+
+
+def block(channels: Channels, rows: slice, columns: slice) -> None:
+    """Sets a part of the picture to zero."""
+    for letter in "RGB":
+        channels[letter][rows, columns] = channels["shafts." + letter][rows, columns] = 0
+
+
+@damage("a bucket of 16 x 9 pixels was lost", "black-block")
+def lost_bucket(folder: Path) -> None:
+    rewrite(frame_path(folder, VICTIM), lambda channels: block(channels, slice(9, 18), slice(16, 32)))
+
+
+@damage("a block of 10 rows was lost", "black-block")
+def lost_rows(folder: Path) -> None:
+    rewrite(frame_path(folder, VICTIM), lambda channels: block(channels, slice(0, 10), slice(0, 32)))
 
 
 @damage("one frame half empty: its file is far smaller", "file-size")

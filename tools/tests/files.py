@@ -93,3 +93,58 @@ def marked_sky(path: Path) -> None:
     right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
     with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": np.ones_like(right)}) as file:
         file.write(str(path))
+
+
+def write_frame(path: Path, channels: Channels, **header: object) -> Path:
+    """A frame as another renderer writes it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    attributes = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION, **header}
+    stored = {name: OpenEXR.Channel(np.ascontiguousarray(values)) for name, values in channels.items()}
+    with OpenEXR.File(attributes, stored) as file:
+        file.write(str(path))
+    return path
+
+
+def write_sampled(path: Path, channels: dict[str, tuple[np.ndarray, int]], width: int, height: int) -> Path:
+    """An uncompressed frame of floats, each channel with a value every so many pixels, each way; OpenEXR for Python writes none."""
+
+    def attribute(name: str, kind: str, value: bytes) -> bytes:
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+    named = sorted(channels.items())
+    listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, step, step) for name, (_, step) in named) + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = b"\x76\x2f\x31\x01\x02\0\0\0" + attribute("channels", "chlist", listed) + attribute("compression", "compression", b"\0")
+    header += attribute("dataWindow", "box2i", window) + attribute("displayWindow", "box2i", window)
+    header += attribute("lineOrder", "lineOrder", b"\0") + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    header += attribute("screenWindowCenter", "v2f", bytes(8)) + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
+    chunks = []
+    for y in range(height):
+        row = b"".join(values[y // step].astype("<f4").tobytes() for _, (values, step) in named if y % step == 0)
+        chunks.append(struct.pack("<2i", y, len(row)) + row)
+    at = len(header) + 8 * height
+    offsets = [at + sum(map(len, chunks[:y])) for y in range(height)]
+    path.write_bytes(header + struct.pack(f"<{height}Q", *offsets) + b"".join(chunks))
+    return path
+
+
+def write_parts(path: Path, parts: dict[str, Channels]) -> Path:
+    """A frame of several parts by name."""
+    made = []
+    height, width = next(iter(next(iter(parts.values())).values())).shape
+    for name, channels in parts.items():
+        header = {"name": name, "type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
+        header["displayWindow"] = (np.array([0, 0], np.int32), np.array([width - 1, height - 1], np.int32))
+        made.append(OpenEXR.Part(header, {key: OpenEXR.Channel(np.ascontiguousarray(v)) for key, v in channels.items()}, name))
+    with OpenEXR.File(made) as file:
+        file.write(str(path))
+    return path
+
+
+def scene(number: int, width: int = 64, height: int = 48) -> Channels:
+    """RGBA of a ball that moves across a lit ground, frame by frame; no two frames are alike, nothing is black."""
+    x, y = np.meshgrid(np.arange(width), np.arange(height))
+    ball = np.exp(-((x - 12 - 3 * number) ** 2 + (y - height / 2) ** 2) / 60)
+    light = 0.1 + 0.2 * y / height + ball
+    channels = {name: (light * share).astype(np.float16) for name, share in (("R", 1.0), ("G", 0.7), ("B", 0.4))}
+    return {**channels, "A": np.ones((height, width), np.float16)}

@@ -108,7 +108,7 @@ class Measures(unittest.TestCase):
         code, out, _ = run("compare", one, other, "--max-ids", "0.1", "--json")
         (frame,) = json.loads(out)["frames"]
         self.assertEqual((code, frame["ids"][0]["pixel"], frame["channels"]), (1, [2, 0], []))
-        self.assertEqual(frame["exceeded"], ["share of ids that differ 0.25, allowed 0.1"])
+        self.assertEqual(frame["exceeded"], ["share of ids that differ of leaf_id.X 0.25, allowed 0.1"])
 
     @unittest.skipUnless(PROGRAM, NO_PROGRAM)
     def test_figures_are_those_of_the_program(self):

@@ -26,8 +26,8 @@ class Headers(unittest.TestCase):
         self.assertEqual(HEADER.values["framesPerSecond"], Fraction(24))
         # 14 halves and 8 floats a pixel.
         self.assertEqual(HEADER.pixel_bytes, 32 * 18 * (14 * 2 + 8 * 4))
-        self.assertIsNone(claims_too_much(HEADER, len(WHOLE)))
-        self.assertIn("32 x 18 pixels", claims_too_much(HEADER, 8))
+        self.assertIsNone(claims_too_much([HEADER], len(WHOLE)))
+        self.assertIn("32 x 18 pixels", claims_too_much([HEADER], 8))
 
     def test_cut_off_anywhere(self):
         for end in range(HEADER.end):

@@ -142,10 +142,10 @@ class Apart(WithSequence):
         self.assertEqual(self.found("reference", reference=reference), [5])
         self.assertEqual(self.found("reference-missing", reference=reference), [6, 7, 8])
 
-    def test_files_of_several_parts_are_refused(self):
+    def test_deep_data_is_named(self):
         path = frame_path(self.folder, 5)
         data = bytearray(path.read_bytes())
-        struct.pack_into("<I", data, 4, struct.unpack_from("<I", data, 4)[0] | 0x1000)
+        struct.pack_into("<I", data, 4, struct.unpack_from("<I", data, 4)[0] | 0x800)
         path.write_bytes(bytes(data))
         self.assertEqual(self.found("unsupported"), [5])
 

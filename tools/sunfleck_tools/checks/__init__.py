@@ -1,5 +1,5 @@
 """All checks; importing this package registers them."""
 
-from . import constancy, container, fireflies, naming, passes, reference, time, values
+from . import blocks, constancy, container, fireflies, naming, order, passes, reference, time, values
 
-__all__ = ["constancy", "container", "fireflies", "naming", "passes", "reference", "time", "values"]
+__all__ = ["blocks", "constancy", "container", "fireflies", "naming", "order", "passes", "reference", "time", "values"]

@@ -10,6 +10,8 @@ from ..exr.header import TimeCode
 from ..findings import Found, Scope, Severity, check
 from ..summary import FrameSummary, Rendered
 
+STRUCTURE = ("channels", "display window", "compression", "layout", "chromaticities", "pixel aspect")
+
 
 def odd_ones(
     rendered: Rendered, what: str, value_of: Callable[[FrameSummary], Hashable], expected: Hashable = None
@@ -39,10 +41,11 @@ def _shown(value: object) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-@check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows or compression differ from the other frames'")
+@check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows, compression or colour space differ from the other frames'")
 def structure(rendered: Rendered) -> Iterator[Found]:
-    """Readers take them from the first frame."""
-    for part in ("channels", "display window", "data window", "compression", "layout"):
+    """Readers take them from the first frame. The data window of other renderers follows what is in the picture."""
+    is_own = any(frame.provenance for frame in rendered.frames)
+    for part in STRUCTURE + (("data window",) if is_own else ()):
         yield from odd_ones(rendered, part, lambda frame: frame.structure[part])
 
 
@@ -92,11 +95,24 @@ def frame_rate(rendered: Rendered) -> Iterator[Found]:
 
 @check("image-counter", Severity.ERROR, Scope.SEQUENCE, "the file's frame number is not that of its name", rerender=True)
 def image_counter(rendered: Rendered) -> Iterator[Found]:
-    """Swapped, copied and renumbered frames."""
+    """Swapped, copied and renumbered frames. Other renderers' may be renumbered, as long as all are."""
+    is_own = any(frame.provenance for frame in rendered.frames)
+    if not is_own:
+        said = [frame for frame in rendered.frames if number_said(frame) is not None]
+        ahead = "own number ahead of its name by"
+        yield from odd_ones(Rendered(said, rendered.options), ahead, lambda frame: number_said(frame) - frame.number)
     for frame in rendered.frames:
         counter = frame.attributes.get("imageCounter")
-        if counter is not None and counter != frame.number:
+        if is_own and counter is not None and counter != frame.number:
             yield Found(f"the file says that it is frame {counter}", frame=frame.number, path=frame.path)
+
+
+def number_said(frame: FrameSummary) -> int | None:
+    """What other renderers say: OpenEXR's attribute, or Blender's text `Frame`."""
+    counter, text = frame.attributes.get("imageCounter"), frame.attributes.get("Frame")
+    if isinstance(counter, int):
+        return counter
+    return int(text) if isinstance(text, str) and text.isascii() and text.isdigit() and len(text) < 10 else None
 
 
 @check("time-code", Severity.ERROR, Scope.SEQUENCE, "time codes do not advance as the names do")

@@ -38,11 +38,11 @@ def size_claim(file: FileBytes) -> Iterator[Found]:
         yield Found(file.claim)
 
 
-@check("unsupported", Severity.ERROR, Scope.FILE, "deep data, several parts, or subsampled channels")
+@check("unsupported", Severity.ERROR, Scope.FILE, "deep data")
 def unsupported(file: FileBytes) -> Iterator[Found]:
-    """The renderer writes none of these, and reads none."""
+    """A pixel has any number of values there, and no picture."""
     if file.unsupported:
-        yield Found(f"{file.unsupported} cannot be checked: convert it to one flat part of full-size channels")
+        yield Found(f"{file.unsupported} cannot be checked: flatten it")
 
 
 @check("chunks", Severity.ERROR, Scope.FILE, "a chunk of pixels is missing, misplaced or cut off", rerender=True)
@@ -64,6 +64,6 @@ def decode(file: FileBytes) -> Iterator[Found]:
 @check("pixel-hash", Severity.ERROR, Scope.FRAME, "the pixels are not those that the file was written with", rerender=True)
 def pixel_hash(frame: Frame) -> Iterator[Found]:
     """Damage that decodes without complaint, as in uncompressed or PIZ files."""
-    stored = frame.header.text(NAME)
+    stored = frame.headers[0].text(NAME)
     if stored is not None and stored != frame.hash:
         yield Found(f"the pixels' hash is {frame.hash[:12]}..., the header says {stored[:12]}...")

@@ -62,16 +62,18 @@ def candidates(luminance: np.ndarray) -> list[Candidate]:
     ]
 
 
-def absent_in(luminance: np.ndarray, found: list[Candidate]) -> list[Candidate]:
-    """Those candidates that this picture, of the frame before or after, does not show within a pixel."""
+def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, int]) -> list[Candidate]:
+    """Those candidates, in places of the full picture, that this picture of the frame before or after, whose upper left pixel is
+    `corner`, does not show within a pixel."""
     height, width = luminance.shape
     absent = []
-    for x, y, value, middle in found:
-        if x >= width or y >= height:
+    for candidate in found:
+        x, y, value = candidate[0] - corner[0], candidate[1] - corner[1], candidate[2]
+        if not (0 <= x < width and 0 <= y < height):
             continue
         near = luminance[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2]
         if value > ISOLATION * float(near.max()):
-            absent.append((x, y, value, middle))
+            absent.append(candidate)
     return absent
 
 
@@ -81,7 +83,6 @@ def firefly(rendered: Rendered) -> Iterator[Found]:
     for frame in rendered.decoded:
         if frame.fireflies:
             x, y, value, middle = max(frame.fireflies, key=lambda found: found[2])
-            x, y = x + frame.structure["data window"][0], y + frame.structure["data window"][1]
             count = len(frame.fireflies)
             pixels = "a pixel" if count == 1 else f"{count} pixels, the brightest"
             message = f"{pixels} at ({x}, {y}) has luminance {value:.4g} among {middle:.4g}"

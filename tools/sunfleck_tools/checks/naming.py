@@ -16,6 +16,14 @@ def missing_frame(listing: Listing) -> Iterator[Found]:
         yield Found(f"there is no {listing.name_of(number)}", frame=number)
 
 
+@check("shorter-sequence", Severity.WARNING, Scope.LISTING, "another sequence of the folder goes on where this one ends")
+def shorter_sequence(listing: Listing) -> Iterator[Found]:
+    """A last frame that is missing leaves no gap; passes that are rendered together tell."""
+    for pattern, numbers in listing.elsewhere.items():
+        if not set(numbers) <= set(listing.missing):
+            yield Found(f"{pattern} has frames {format_frames(numbers)} too, and {listing.pattern} has not")
+
+
 @check("unexpected-frame", Severity.WARNING, Scope.LISTING, "a file's number lies outside of the range asked for")
 def unexpected_frame(listing: Listing) -> Iterator[Found]:
     """Only where a range was asked for: else all that is found is expected."""

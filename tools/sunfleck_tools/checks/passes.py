@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
 
 from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
+from ..layers import Kind, is_motion, kind
 from .values import first_bad
 
 FARTHEST = 1.0001e10
@@ -20,16 +20,19 @@ HALF_SMALLEST = 2.0**-23
 LARGEST_TRANSMITTANCE = 1 + 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 LONGEST_NORMAL = 1.001
-MOTION = re.compile(r"(^|\.)(motion|vector|velocity)\.", re.IGNORECASE)
 LARGEST_MOTION = 100.0
-"""Pictures' widths that something moves within a frame."""
+"""Pictures' widths beyond which a pixel that moves so alone is damage."""
+LONE_MOTION = 1.0
+"""Pictures' widths that its fastest neighbour moves at least where it is no damage. What passes close by is many pixels wide; and
+where a camera that turns fast has points in its own plane before or afterwards, motion is without bound, but falls off from there
+as the inverse of the distance: to a quarter of a picture's width, in pictures' widths, one pixel on."""
 
 
 @check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")
 def beauty_sum(frame: Frame) -> Iterator[Found]:
     """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no term is negative."""
     for letter in "RGB":
-        if letter in frame.channels and f"shafts.{letter}" in frame.channels:
+        if frame.is_own and letter in frame.channels and f"shafts.{letter}" in frame.channels:
             if _nowhere_above(frame, f"shafts.{letter}", letter):
                 continue
             beauty, shafts = frame.float(letter), frame.float(f"shafts.{letter}")
@@ -50,7 +53,9 @@ def _nowhere_above(frame: Frame, name: str, other: str) -> bool:
 
 @check("transmittance-range", Severity.ERROR, Scope.FRAME, "transmittance is more than 1")
 def transmittance_range(frame: Frame) -> Iterator[Found]:
-    """Fog and filters take light away."""
+    """Fog and filters take light away, here; in other renderers' frames the name may mean light."""
+    if not frame.is_own:
+        return
     for name in frame.channels:
         if name.startswith("transmittance.") and not frame.extremes(name)[1] <= LARGEST_TRANSMITTANCE:
             with np.errstate(invalid="ignore"):
@@ -59,8 +64,8 @@ def transmittance_range(frame: Frame) -> Iterator[Found]:
 
 @check("depth", Severity.ERROR, Scope.FRAME, "depth is zero, negative, or beyond where rays end")
 def depth(frame: Frame) -> Iterator[Found]:
-    """Nothing lies in the camera or behind it."""
-    if "Z" not in frame.channels:
+    """Nothing lies in the camera or behind it. Other renderers have their own measure, direction and background."""
+    if "Z" not in frame.channels or not frame.is_own:
         return
     nearest, farthest = frame.extremes("Z")
     if not (nearest > 0 and farthest <= FARTHEST):
@@ -71,7 +76,9 @@ def depth(frame: Frame) -> Iterator[Found]:
 
 @check("normal-length", Severity.ERROR, Scope.FRAME, "a normal is longer than 1")
 def normal_length(frame: Frame) -> Iterator[Found]:
-    """Averages of unit vectors may be shorter, never longer."""
+    """Averages of unit vectors may be shorter, never longer. Other renderers may store them otherwise."""
+    if not frame.is_own:
+        return
     names = [f"Normal.{axis}" for axis in "XYZ"]
     if all(name in frame.channels for name in names):
         with np.errstate(all="ignore"):
@@ -94,11 +101,28 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
                     yield from first_bad(frame, name, broken & np.isfinite(values), "not whole")
 
 
-@check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or as wide as a hundred pictures")
+@check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or a pixel alone moves as far as a hundred pictures")
 def motion(frame: Frame) -> Iterator[Found]:
-    """Vectors in pixels a frame."""
-    limit = LARGEST_MOTION * frame.header.size[0]
+    """Vectors in pixels a frame. Other renderers have their own measure, and values for what has no motion."""
+    if not frame.is_own:
+        return
     for name in frame.channels:
-        if MOTION.search(name) and not max(map(abs, frame.extremes(name))) <= limit:
+        width = frame.header_of(name).size[0]
+        limit = LARGEST_MOTION * width
+        if is_motion(name) and kind(name) is Kind.DATA and not max(map(abs, frame.extremes(name))) <= limit:
             with np.errstate(invalid="ignore"):
-                yield from first_bad(frame, name, ~(np.abs(frame.float(name)) <= limit), "no motion")
+                amount = np.abs(frame.float(name))
+                lone = ~(amount <= limit) & ~(_fastest_neighbour(amount) >= LONE_MOTION * width)
+                yield from first_bad(frame, name, ~np.isfinite(amount) | lone, "no motion")
+
+
+def _fastest_neighbour(amount: np.ndarray) -> np.ndarray:
+    """Of each pixel, the largest finite value of the eight around it."""
+    padded = np.pad(np.where(np.isfinite(amount), amount, 0), 1)
+    rows, columns = amount.shape
+    around = np.zeros_like(amount)
+    for y in range(3):
+        for x in range(3):
+            if (y, x) != (1, 1):
+                np.maximum(around, padded[y : y + rows, x : x + columns], out=around)
+    return around

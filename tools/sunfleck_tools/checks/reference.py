@@ -12,7 +12,7 @@ from ..summary import Rendered
 
 def comparable(frame: Frame, reference: Frame) -> str | None:
     """A sentence if the colours of the two cannot be compared."""
-    if frame.group() is None or reference.group() is None:
+    if not frame.picture or not reference.picture:
         return "one of the two has no R, G and B"
     if frame.header.data_window != reference.header.data_window:
         return f"the reference's data window is {reference.header.data_window}, not {frame.header.data_window}"

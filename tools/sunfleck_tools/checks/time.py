@@ -83,9 +83,11 @@ def constant(rendered: Rendered) -> Iterator[Found]:
             yield Found("all pixels have one colour", frame=frame.number, path=frame.path)
 
 
-@check("stuck", Severity.WARNING, Scope.SEQUENCE, "a frame has the pixels of the one before")
+@check("stuck", Severity.ERROR, Scope.SEQUENCE, "a frame has the pixels of the one before, where --static does not allow it")
 def stuck(rendered: Rendered) -> Iterator[Found]:
     """One finding for each run of equal frames. A sequence may rest at its beginning and end; black frames are like one another."""
+    if rendered.options.static:
+        return
     frames = rendered.decoded
     start = 0
     for end in range(1, len(frames) + 1):
@@ -95,7 +97,8 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
         rests = (start == 0 or end == len(frames)) and REST_FRAMES <= len(run) < len(frames)
         if len(run) > 1 and not rests and not _is_black(run[0]):
             until = f", and so do all until frame {run[-1].number}" if len(run) > 2 else ""
-            yield Found(f"it has the pixels of frame {run[0].number}{until}", frame=run[1].number, path=run[1].path)
+            meant = "" if len(run) < len(frames) else "; if nothing moves, say so by --static"
+            yield Found(f"it has the pixels of frame {run[0].number}{until}{meant}", frame=run[1].number, path=run[1].path)
         start = end
 
 

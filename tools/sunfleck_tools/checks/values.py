@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
 
 from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
+from ..layers import Kind, kind, split
 
 LARGEST_HALF = 65504.0
-SIGNED = re.compile(r"(^|\.)(normal|position|motion|vector|velocity|uv|crypto\w*)\.", re.IGNORECASE)
-"""Layers whose values may be negative; Cryptomatte keeps hashes in the bits of floats."""
+NEGATIVE_ROUNDING = 2.0**-16
+"""Below 0 other renderers' filters and denoisers round to so much."""
 ALPHA_ROUNDING = 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 
@@ -22,16 +22,16 @@ def first_bad(frame: Frame, name: str, bad: np.ndarray, what: str) -> Iterator[F
     count = int(np.count_nonzero(bad))
     if count:
         at = int(np.argmax(bad))
-        x, y = frame.place(at)
+        x, y = frame.place(name, at)
         value = float(frame.channels[name].flat[at])
         values = "1 value is" if count == 1 else f"{count} values are"
         yield Found(f"{name}: {values} {what}, the first at ({x}, {y}): {value:g}", channel=name, pixel=(x, y))
 
 
 def not_finite(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
-    """Channels that hold something not finite."""
+    """Channels that hold something not finite, ids aside: some of them are bits of any float."""
     for name in frame.channels:
-        if not np.isfinite(frame.extremes(name)).all():
+        if kind(name) is not Kind.ID and not np.isfinite(frame.extremes(name)).all():
             yield name, frame.float(name)
 
 
@@ -44,9 +44,11 @@ def nan(frame: Frame) -> Iterator[Found]:
 
 @check("infinity", Severity.ERROR, Scope.FRAME, "a value is infinite", rerender=True)
 def infinity(frame: Frame) -> Iterator[Found]:
-    """Also what overflows half precision in programs that do not clamp."""
+    """Also what overflows half precision in programs that do not clamp. Depths and places of what is not there may be infinite,
+    in frames of other renderers."""
     for name, values in not_finite(frame):
-        yield from first_bad(frame, name, np.isinf(values), "infinite")
+        if frame.is_own or kind(name) in (Kind.LIGHT, Kind.ALPHA):
+            yield from first_bad(frame, name, np.isinf(values), "infinite")
 
 
 @check("half-overflow", Severity.WARNING, Scope.FRAME, "a value of half precision is the largest that there is")
@@ -54,7 +56,7 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
     """The renderer clamps there: the true value was larger."""
     for name, stored in frame.channels.items():
         # Not `<`: where there is NaN, the rest has to be looked at.
-        if stored.dtype == np.float16 and not max(map(abs, frame.extremes(name))) < LARGEST_HALF:
+        if stored.dtype == np.float16 and kind(name) in (Kind.LIGHT, Kind.ALPHA) and not max(map(abs, frame.extremes(name))) < LARGEST_HALF:
             yield from first_bad(frame, name, np.abs(stored) == LARGEST_HALF, f"at the limit of half precision, {LARGEST_HALF:g}")
 
 
@@ -62,18 +64,21 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
 def negative(frame: Frame) -> Iterator[Found]:
     """Filters with negative lobes, and subtraction in the wrong order."""
     for name in frame.channels:
-        if name != "A" and not SIGNED.search(name) and not frame.extremes(name)[0] >= 0:
+        least = 0.0 if frame.is_own else -NEGATIVE_ROUNDING
+        if kind(name) is Kind.LIGHT and not frame.extremes(name)[0] >= least:
             with np.errstate(invalid="ignore"):
-                yield from first_bad(frame, name, frame.float(name) < 0, "negative")
+                yield from first_bad(frame, name, frame.float(name) < least, "negative")
 
 
 @check("alpha-range", Severity.ERROR, Scope.FRAME, "alpha is not between 0 and 1")
 def alpha_range(frame: Frame) -> Iterator[Found]:
     """Haloes, once composited."""
-    if "A" not in frame.channels:
-        return
-    smallest, largest = frame.extremes("A")
-    if not (smallest >= 0 and largest <= 1 + ALPHA_ROUNDING):
-        alpha = frame.float("A")
-        with np.errstate(invalid="ignore"):
-            yield from first_bad(frame, "A", (alpha < 0) | (alpha > 1 + ALPHA_ROUNDING), "not between 0 and 1")
+    layer = split(frame.picture[0])[0] if frame.picture else ""
+    for name in frame.channels:
+        if kind(name) is not Kind.ALPHA or split(name)[0] != layer:
+            continue
+        smallest, largest = frame.extremes(name)
+        if not (smallest >= 0 and largest <= 1 + ALPHA_ROUNDING):
+            alpha = frame.float(name)
+            with np.errstate(invalid="ignore"):
+                yield from first_bad(frame, name, (alpha < 0) | (alpha > 1 + ALPHA_ROUNDING), "not between 0 and 1")

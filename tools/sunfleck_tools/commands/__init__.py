@@ -4,4 +4,5 @@ COMMANDS = ("validate", "compare", "contact_sheet", "movie", "peers", "export_us
 """Modules of this package; a command has its module's name, with hyphens."""
 
 OK, FINDINGS, USAGE, SCENE, IO = 0, 1, 2, 3, 4
-"""Exit codes."""
+INTERRUPTED, TERMINATED = 130, 143
+"""Exit codes; the last two as shells have them of signals: 128 and the signal's number."""

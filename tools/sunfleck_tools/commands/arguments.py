@@ -46,6 +46,20 @@ def positive(text: str) -> float:
     return number
 
 
+def limit(text: str) -> tuple[str | None, float]:
+    """A pattern of channels' names, or `None` for all, and the limit: a number above 0, of a pattern also `inf`."""
+    channels, is_single, number = text.rpartition("=")
+    if not is_single:
+        return None, positive(text)
+    return channels, float("inf") if number == "inf" else positive(number)
+
+
+def share_limit(text: str) -> tuple[str | None, float]:
+    """The same with a share."""
+    channels, is_single, number = text.rpartition("=")
+    return (channels if is_single else None), share(number)
+
+
 def share(text: str) -> float:
     """From 0 to 1."""
     try:

@@ -5,16 +5,25 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
 
-from ..comparison import Compared, Limits, compare
+from ..comparison import Compared, compare
 from ..difference import Errors, IdErrors
 from ..display import CURVES, Display
 from ..errors import ToolError
+from ..layers import split
+from ..limits import ChannelLimit, Limits
 from ..progress import Bar
+from ..words import printable
 from . import FINDINGS, OK, looks
-from .arguments import count, positive, share
+from .arguments import count, limit, positive, share_limit
 
+LIMITS = {
+    "--max-rmse": "root mean square error: of the colour, and of every other channel; or of those named, such as diffuse.*=0.01",
+    "--max-relmse": "relative mean square error, likewise",
+    "--max-error": "difference of a value, likewise",
+}
 HELP = "says how far frames are from other frames"
 FORMAT_VERSION = 1
 
@@ -23,11 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
     parser.add_argument("output", metavar="OUTPUT", type=Path, help="a frame, or a folder or pattern such as out/x.####.exr")
     parser.add_argument("reference", metavar="REFERENCE", type=Path, help="what it is compared with, by number")
-    parser.add_argument("--max-rmse", metavar="X", type=positive, help="largest root mean square error of the colour")
-    parser.add_argument("--max-relmse", metavar="X", type=positive, help="largest relative mean square error")
+    for flag, what in LIMITS.items():
+        parser.add_argument(flag, metavar="[CHANNELS=]X", type=limit, action="append", default=[], help=f"largest {what}")
     parser.add_argument("--max-flip", metavar="X", type=positive, help="largest mean FLIP (pip install flip-evaluator)")
-    parser.add_argument("--max-error", metavar="X", type=positive, help="largest difference of a value")
-    parser.add_argument("--max-ids", metavar="SHARE", type=share, help="largest share of a channel's ids that differ, 0 to 1")
+    parser.add_argument(
+        "--max-ids", metavar="[CHANNELS=]SHARE", type=share_limit, action="append", default=[],
+        help="largest share of a channel's ids that differ, 0 to 1",
+    )  # fmt: skip
     parser.add_argument("--flip", action="store_true", help="computes FLIP (pip install flip-evaluator)")
     parser.add_argument("--picture", metavar="FILE|DIR", type=Path, help="writes output, reference and difference as PNG")
     parser.add_argument("--white", metavar="X", type=positive, help="difference that is white there (99.9 %% are below)")
@@ -52,10 +63,19 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.processes,
         Bar(),
     )
-    limits = Limits(arguments.max_rmse, arguments.max_relmse, arguments.max_flip, arguments.max_error, arguments.max_ids)
+    limits = _limits(arguments)
     print(json.dumps(as_object(results, limits), indent=1, allow_nan=False) if arguments.json else as_text(results, limits))
-    has_limit = any(value is not None for value in vars(limits).values())
-    return FINDINGS if any(r.difference is None or has_limit and r.exceeded(limits) for r in results) else OK
+    return FINDINGS if any(r.difference is None or limits.any and r.exceeded(limits) for r in results) else OK
+
+
+def _limits(arguments: argparse.Namespace) -> Limits:
+    """What the flags say; of several for all channels the last counts."""
+    given = {
+        "rmse": arguments.max_rmse, "relative_mse": arguments.max_relmse, "max_error": arguments.max_error, "ids": arguments.max_ids,
+    }  # fmt: skip
+    general = {name: value for name, values in given.items() for channels, value in values if channels is None}
+    single = [ChannelLimit(name, channels, x) for name, values in given.items() for channels, x in values if channels is not None]
+    return Limits(**general, flip=arguments.max_flip, channels=tuple(single))
 
 
 def needs_flip(flag: str) -> None:
@@ -84,22 +104,27 @@ def as_text(results: list[Compared], limits: Limits) -> str:
     for result in sorted(results, key=_rank, reverse=True):
         number = result.pair.number
         name = "frame" if number is None else f"frame {number}"
+        name += f" of {result.pair.sequence}" if result.pair.sequence else ""
         if result.difference is None:
             lines.append(f"error: {name}: {result.fault}")
             continue
         found = result.difference
         flip = "" if found.flip is None else f"  FLIP {found.flip:.4f}"
         white = "" if result.white is None else f"  white is {result.white:.4g} in {result.pair.picture}"
+        part = "" if found.shared is None else f"  in the {found.shared[0]} x {found.shared[1]} pixels that both have"
         over = "".join(f"; too much: {sentence}" for sentence in result.exceeded(limits))
         if found.color is not None:
-            lines.append(f"{name}: RGB  {_line(found.color)}{flip}{white}{over}")
+            layer = split(found.picture[0])[0]
+            lines.append(f"{name}: {layer + ' ' if layer else ''}RGB  {_line(found.color)}{flip}{white}{part}{over}")
+        elif over or part:
+            lines.append(f"{name}:{part}{over}".replace(":; ", ": ").replace(":  ", ": "))
         if found.color is None or len(results) == 1:
             width = max(map(len, [*found.channels, *found.ids]))
             lines += [f"{name}: {channel:{width}}  {_line(errors)}" for channel, errors in found.channels.items()]
             lines += [f"{name}: {channel:{width}}  {_id_line(errors)}" for channel, errors in found.ids.items()]
         if len(results) == 1 and found.unmatched:
             lines.append(f"only in one of the two: {', '.join(found.unmatched)}")
-    return "\n".join(lines)
+    return "\n".join(map(printable, lines))
 
 
 def _line(errors: Errors) -> str:
@@ -129,17 +154,26 @@ def as_object(results: list[Compared], limits: Limits) -> dict:
         frames.append(
             {
                 "frame": result.pair.number,
+                "sequence": result.pair.sequence or None,
                 "output": result.pair.output,
                 "reference": result.pair.reference,
                 "fault": result.fault,
                 "exceeded": result.exceeded(limits),
+                "picture_channels": [] if found is None else list(found.picture),
                 "color": None if found is None or found.color is None else asdict(found.color),
                 "flip": None if found is None else found.flip,
                 "channels": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.channels.items()],
                 "ids": [] if found is None else [{"name": name, **asdict(e)} for name, e in found.ids.items()],
+                "shared": None if found is None or found.shared is None else list(found.shared),
                 "unmatched": [] if found is None else found.unmatched,
                 "picture": result.pair.picture if result.white is not None else None,
                 "white": result.white,
             }
         )
-    return {"format_version": FORMAT_VERSION, "limits": asdict(limits), "frames": frames}
+    said = asdict(limits)
+    channels = [{**channel, "limit": _number(channel["limit"])} for channel in said.pop("channels")]
+    return {"format_version": FORMAT_VERSION, "limits": said, "channel_limits": channels, "frames": frames}
+
+
+def _number(value: float) -> float | None:
+    return value if isfinite(value) else None

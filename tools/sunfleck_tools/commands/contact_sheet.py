@@ -1,4 +1,4 @@
-"""`sunfleck-tools contact-sheet`: a sequence as one PNG, frames side by side."""
+"""`sunfleck-tools contact-sheet`: a folder's sequences as one PNG, frames side by side."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ import argparse
 from pathlib import Path
 
 from ..contact_sheet import contact_sheet
+from ..disk import write_whole
 from ..errors import ToolError
-from ..pictures import shown
+from ..pictures import files_of, shown
 from ..png import png
+from ..words import printable
 from . import looks
 from .arguments import count
 
-HELP = "shows a sequence as one picture"
+HELP = "shows sequences as one picture"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,10 +30,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out.suffix.lower() != ".png":
         raise ToolError(f"{arguments.out} is no name of a PNG file: expected one that ends in .png")
     out = looks.writable(arguments.out)
-    listing, numbers = looks.wanted(arguments)
-    pictures = shown(listing, numbers, looks.display(arguments), arguments.width, arguments.processes)
-    sheet = contact_sheet(pictures, len(numbers), arguments.columns)
-    out.write_bytes(png(sheet.pixels))
+    listings = looks.all_wanted(arguments)
+    frames = [frame for listing in listings for frame in files_of(listing)]
+    pictures = shown(frames, looks.display(arguments), arguments.width, arguments.processes)
+    sheet = contact_sheet(pictures, [len(listing.expected) for listing in listings], arguments.columns)
+    write_whole(out, png(sheet.pixels))
     height, width, _ = sheet.pixels.shape
-    print(f"{out}: {len(numbers) - len(sheet.faults)} of {len(numbers)} frames in {width}x{height} pixels")
+    print(printable(f"{out}: {len(frames) - len(sheet.faults)} of {len(frames)} frames in {width}x{height} pixels"))
     return looks.tell_faults(sheet.faults)

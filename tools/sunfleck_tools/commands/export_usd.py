@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
+from ..errors import ToolError
+from ..words import printable
 from . import OK
 from .arguments import frame_rate, frames
 
@@ -21,12 +24,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--samples-per-frame", metavar="N", type=int, choices=range(1, 65), default=1, help="time samples (1)")
     parser.add_argument("--frames", metavar="A-B", type=frames, help="first and last frame (the input's)")
     parser.add_argument("--fps", type=frame_rate, help="frames a second, if the input does not say: 24 or 24000/1001")
+    parser.add_argument(
+        "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
+    )
     parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Writes the stage and says what it lacks."""
     # USD takes a while to load, and no other command needs it.
+    from pxr import Tf
+
     from ..usd import ExportOptions, export_usd
 
     options = ExportOptions(
@@ -36,10 +44,15 @@ def run(arguments: argparse.Namespace) -> int:
         frames=(arguments.frames[0], arguments.frames[-1]) if arguments.frames else None,
         fps=arguments.fps,
         program=arguments.sunfleck,
+        allowed=tuple(arguments.allow),
     )
-    exported = export_usd(arguments.source, arguments.target, options)
+    try:
+        exported = export_usd(arguments.source, arguments.target, options)
+    except Tf.ErrorException as error:
+        said = re.search(r"writing file: ([^']+)", str(error))
+        raise ToolError(f"cannot write {arguments.target}: {said[1] if said else error}", is_usage=False) from None
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(exported.prims.items()))
-    print(f"{arguments.target}: frames {exported.frames[0]} to {exported.frames[-1]}; {kinds}")
+    print(printable(f"{arguments.target}: frames {exported.frames[0]} to {exported.frames[-1]}; {kinds}"))
     for lost in exported.lost:
-        print(f"note: {lost}", file=sys.stderr)
+        print(printable(f"note: {lost}"), file=sys.stderr)
     return OK

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from ..display import CURVES, Display
 from ..errors import ToolError
-from ..sequence import Listing, list_sequence
+from ..sequence import Listing, list_sequence, list_sequences
+from ..words import printable
 from . import FINDINGS, OK
 from .arguments import count, frames
 
@@ -34,19 +35,28 @@ def display(arguments: argparse.Namespace) -> Display:
     return Display(arguments.display, arguments.exposure)
 
 
-def wanted(arguments: argparse.Namespace) -> tuple[Listing, list[int]]:
-    """The sequence, and the numbers of the frames to show."""
-    listing = list_sequence(arguments.target, arguments.frames)
-    if len(listing.expected) > MOST_FRAMES:
-        raise ToolError(f"{len(listing.expected)} frames are more than {MOST_FRAMES}: choose some with --frames")
-    return listing, listing.expected
+def wanted(arguments: argparse.Namespace) -> Listing:
+    """The one sequence to show: frames that are expected are those that are shown."""
+    return _bounded([list_sequence(arguments.target, arguments.frames)])[0]
+
+
+def all_wanted(arguments: argparse.Namespace) -> list[Listing]:
+    """The sequences to show."""
+    return _bounded(list_sequences(arguments.target, arguments.frames))
+
+
+def _bounded(listings: list[Listing]) -> list[Listing]:
+    count = sum(len(listing.expected) for listing in listings)
+    if count > MOST_FRAMES:
+        raise ToolError(f"{count} frames are more than {MOST_FRAMES}: choose some with --frames")
+    return listings
 
 
 def tell_faults(faults: Iterable[tuple[int, str]]) -> int:
     """Prints what could not be shown; the exit code."""
     faults = list(faults)
     for number, fault in faults[:MOST_FAULTS]:
-        print(f"error: frame {number} is not shown: {fault}", file=sys.stderr)
+        print(printable(f"error: frame {number} is not shown: {fault}"), file=sys.stderr)
     if len(faults) > MOST_FAULTS:
         print(f"... and {len(faults) - MOST_FAULTS} more; `sunfleck-tools validate` says all about them", file=sys.stderr)
     return FINDINGS if faults else OK

@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 
 from ..movie import ENDINGS, check_ending, movie
-from ..pictures import shown
+from ..pictures import files_of, shown
 from ..progress import Bar
+from ..words import printable
 from . import looks
 from .arguments import frame_rate
 
@@ -26,17 +27,17 @@ def run(arguments: argparse.Namespace) -> int:
     """Writes the movie."""
     check_ending(arguments.out)
     out = looks.writable(arguments.out)
-    listing, numbers = looks.wanted(arguments)
+    frames = files_of(looks.wanted(arguments))
     bar = Bar()
 
     def counted():
-        pictures = shown(listing, numbers, looks.display(arguments), arguments.width, arguments.processes)
+        pictures = shown(frames, looks.display(arguments), arguments.width, arguments.processes)
         for done, picture in enumerate(pictures, 1):
             yield picture
-            bar(done, len(numbers))
+            bar(done, len(frames))
 
-    faults = movie(counted(), len(numbers), out, arguments.fps)
-    print(f"{out}: {len(numbers) - len(faults)} of {len(numbers)} frames, {out.stat().st_size / 1e6:.1f} MB")
+    faults = movie(counted(), len(frames), out, arguments.fps)
+    print(printable(f"{out}: {len(frames) - len(faults)} of {len(frames)} frames, {out.stat().st_size / 1e6:.1f} MB"))
     return looks.tell_faults(faults)
 
 

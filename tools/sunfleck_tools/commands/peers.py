@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
+from ..disk import write_whole
 from ..errors import ToolError
 from . import OK, looks
 from .arguments import positive
@@ -28,6 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE.csv", type=Path, help="error against time, for `sunfleck bench --peers`")
     parser.add_argument("--pictures", metavar="DIR", type=Path, help="where the frames go")
     parser.add_argument("--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)")
+    parser.add_argument(
+        "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
+    )
     parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
 
 
@@ -45,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise ToolError("\n".join(missing))
     out = looks.writable(arguments.out) if arguments.out is not None else None
     reference = None if arguments.reference is None else _colors(arguments.reference)
-    scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck)
+    scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck, arguments.allow)
     scene.size = arguments.size or scene.size
     if reference is not None:
         scene.size = (reference.shape[1], reference.shape[0])
@@ -61,9 +66,9 @@ def run(arguments: argparse.Namespace) -> int:
         error = "" if point.rmse is None else f", RMSE {point.rmse:.4f}, mean ratio {point.mean_ratio:.4f}"
         print(f"{point.renderer} {point.version}: {point.samples} spp, {point.cpu_s:.3f} CPU s{error}", flush=True)
     if out is not None:
-        with out.open("w", encoding="utf-8", newline="") as file:
-            size = f"{scene.size[0]} x {scene.size[1]}"
-            write_table(file, points, f"{arguments.scene.name} at {size}, by sunfleck-tools peers")
+        table, size = StringIO(newline=""), f"{scene.size[0]} x {scene.size[1]}"
+        write_table(table, points, f"{arguments.scene.name} at {size}, by sunfleck-tools peers")
+        write_whole(out, table.getvalue().encode())
     return OK
 
 

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from .. import checks  # noqa: F401  (registers them)
+from ..disk import write_whole
 from ..errors import ToolError
 from ..findings import CHECKS, Severity
 from ..frame_list import format_frames
@@ -35,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="the report as JSON on the output stream")
     parser.add_argument("--html", metavar="FILE", type=Path, help="also writes the report as a page")
     parser.add_argument("--stats", metavar="FILE", type=Path, help="what `sunfleck render --stats` wrote, for the page")
+    parser.add_argument("--static", action="store_true", help="nothing moves: frames may be equal to the ones before")
     parser.add_argument("--list-missing", action="store_true", help="prints only the frames to render (again), or `none`")
     parser.add_argument("--list-checks", action="store_true", help="prints all checks and exits")
     parser.add_argument("--processes", metavar="N", type=count, help="that decode (all processors)")
@@ -56,12 +58,13 @@ def run(arguments: argparse.Namespace) -> int:
         max_flip=_flip_limit(arguments),
         stats=arguments.stats,
         skip_checks=arguments.skip_checks,
+        static=arguments.static,
         processes=arguments.processes,
         thumbnails=arguments.html is not None,
     )
     report = validate(arguments.target, options, Bar())
     if arguments.html is not None:
-        arguments.html.write_text(html_report(report), encoding="utf-8")
+        write_whole(arguments.html, html_report(report).encode())
     if arguments.list_missing:
         # `sunfleck render --frames none` renders nothing, and ends well.
         print(format_frames(report.rerender) or "none")

@@ -10,14 +10,14 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 
-from .header import Header
+from .header import Channel, Header
 
 LARGEST_COMPRESSION = 4096
 """Pixels' bytes per byte of file, as the renderer has it: deflate reaches 1032."""
@@ -25,31 +25,76 @@ LARGEST_PICTURE = 4 << 30
 """Bytes of pixels that are decoded at all."""
 
 
+OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY", "MemoryError", "Unable to allocate")
+"""How the library says it."""
+COPIES, SPARE_BYTES = 2, 64 << 20
+"""What decoding takes: the pixels as the library and as numpy has them, and buffers."""
+NOT_READ = "Exception raised reading pixel data"
+
+
 class DecodeError(Exception):
     """OpenEXR refused the file."""
 
 
-def claims_too_much(header: Header, file_bytes: int) -> str | None:
-    """A sentence if the header asks for more memory than the file can account for."""
+def claims_too_much(headers: Sequence[Header], file_bytes: int) -> str | None:
+    """A sentence if the headers together ask for more memory than the file can account for."""
     limit = min(file_bytes * LARGEST_COMPRESSION, LARGEST_PICTURE)
-    if header.pixel_bytes <= limit:
+    claimed = sum(header.pixel_bytes for header in headers)
+    if claimed <= limit:
         return None
-    width, height = header.size
+    width, height = max((header.size for header in headers), key=lambda size: size[0] * size[1])
     return (
-        f"the header claims {width} x {height} pixels, {header.pixel_bytes} bytes, "
+        f"the header claims {width} x {height} pixels, {claimed} bytes, "
         f"of which a file of {file_bytes} bytes can hold {limit} at most"
     )
 
 
 def decode(path: Path) -> dict[str, np.ndarray]:
-    """All channels of a flat, single-part file, by name, as stored."""
+    """All channels of a file's first part, by name, as stored."""
+    return decode_parts(path)[0]
+
+
+def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]]:
+    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
     with _captured() as said:
+        parts, failure = [], ""
         try:
-            part = OpenEXR.File(str(path), separate_channels=True)
-            return {name: channel.pixels for name, channel in part.channels().items()}
-        except (RuntimeError, ValueError, TypeError, MemoryError, OSError) as error:
-            reason = _reason(said(), str(path)) or str(error)
-    raise DecodeError(reason)
+            file = OpenEXR.File(os.fsencode(path), separate_channels=True)
+            parts = [{name: channel.pixels for name, channel in part.channels.items()} for part in file.parts]
+        except MemoryError:
+            failure = OUT_OF_MEMORY[0]
+        except (RuntimeError, ValueError, TypeError, OSError) as error:
+            failure = str(error)
+        # Of a part that it cannot read the library prints why, and leaves it out.
+        words = said()
+        if NOT_READ in words:
+            failure = failure or words[words.index(NOT_READ) :].splitlines()[0]
+    # A damaged file may ask for any memory: it lacks only if there is not enough for the pixels.
+    if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(COPIES * pixel_bytes + SPARE_BYTES):
+        raise MemoryError(f"memory is not enough to decode {path}")
+    if failure:
+        raise DecodeError(_reason(words, str(path)) or failure)
+    return parts
+
+
+def _could_hold(size: int) -> bool:
+    """True if the system would give so many bytes."""
+    try:
+        np.empty(size, np.uint8)
+    except MemoryError:
+        return False
+    return True
+
+
+def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
+    """A channel with a value for each pixel: samples that stand for several pixels are repeated. Raises `DecodeError`."""
+    across, down = channel.sampling
+    width, height = header.size
+    if channel.sampling != (1, 1):
+        stored = np.repeat(np.repeat(stored, down, axis=0), across, axis=1)[:height, :width]
+    if stored.shape != (height, width):
+        raise DecodeError(f"{channel.name} has {stored.shape[1]} x {stored.shape[0]} values, not {width} x {height}")
+    return stored
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The header of an EXR file, from its bytes.
+"""The headers of an EXR file, one for each of its parts, from its bytes.
 
 OpenEXR says of a damaged file only that it has no part 0; this parser says what is wrong, and it is asked before a decoder
 allocates anything. Invariant: every length is checked against the bytes that are there. Layout:
@@ -8,7 +8,7 @@ https://openexr.com/en/latest/OpenEXRFileLayout.html
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from mmap import mmap
 
@@ -19,6 +19,8 @@ COMPRESSIONS = (
     "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab", "htj2k256", "htj2k32", "lj2k", "zstd",
 )  # fmt: skip
 LONGEST_NAME = 255
+STILL_TYPES = ("scanlineimage", "tiledimage")
+"""Of parts whose pixels have one value a channel; the others are deep."""
 
 
 class HeaderError(ValueError):
@@ -36,7 +38,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Header:
-    """A parsed header; `end` is the offset of the first byte behind it."""
+    """The parsed header of a part; `end` is the offset of its table of chunks, which in a file of one part follows at once."""
 
     flags: int
     values: dict[str, object]
@@ -47,14 +49,33 @@ class Header:
     end: int
 
     @property
+    def name(self) -> str:
+        """Of the part; empty where there is one part alone that has none."""
+        return self.text("name") or ""
+
+    @property
+    def is_multipart(self) -> bool:
+        """True if the file has parts, be it one."""
+        return bool(self.flags & MULTIPART)
+
+    @property
+    def is_tiled(self) -> bool:
+        """True if chunks are tiles."""
+        return self.text("type") in ("tiledimage", "deeptile") if self.is_multipart else bool(self.flags & TILED)
+
+    @property
+    def is_deep(self) -> bool:
+        """True if a pixel has any number of values."""
+        return self.text("type") not in STILL_TYPES if self.is_multipart else bool(self.flags & DEEP)
+
+    @property
     def size(self) -> tuple[int, int]:
         """Width and height of the data window."""
-        left, top, right, bottom = self.data_window
-        return right - left + 1, bottom - top + 1
+        return window_size(self.data_window)
 
     @property
     def pixel_bytes(self) -> int:
-        """What all channels take uncompressed."""
+        """What all channels take once they are decoded, those of fewer samples too: each gets a value a pixel."""
         width, height = self.size
         return width * height * sum(BYTES_OF_TYPE[channel.type] for channel in self.channels)
 
@@ -64,8 +85,19 @@ class Header:
         return value if isinstance(value, str) else None
 
 
+def window_size(window: tuple[int, int, int, int]) -> tuple[int, int]:
+    """Width and height of a window."""
+    left, top, right, bottom = window
+    return right - left + 1, bottom - top + 1
+
+
 def parse_header(data: bytes | mmap) -> Header:
-    """Parses the first header of `data`; raises `HeaderError`."""
+    """The header of the first part of `data`; raises `HeaderError`."""
+    return parse_headers(data)[0]
+
+
+def parse_headers(data: bytes | mmap) -> tuple[Header, ...]:
+    """The headers of all parts, in the file's order; raises `HeaderError`."""
     if not data:
         raise HeaderError("the file is empty")
     if data[:4] != MAGIC:
@@ -75,11 +107,38 @@ def parse_header(data: bytes | mmap) -> Header:
     version, flags = data[4], struct.unpack_from("<I", data, 4)[0]
     if version != 2:
         raise HeaderError(f"it has format version {version}, not 2")
-    at, values = 8, {}
+    if not flags & MULTIPART:
+        values, end = _attributes(data, 8)
+        return (_header(flags, values, end),)
+    at, headers = 8, []
+    # An empty header is behind the last.
+    while data[at : at + 1] != b"\0":
+        values, at = _attributes(data, at)
+        headers.append(_header(flags, values, at))
+    if not headers:
+        raise HeaderError("the file has no part")
+    return _with_tables(headers, at + 1)
+
+
+def _with_tables(headers: list[Header], at: int) -> tuple[Header, ...]:
+    """The headers with the places of their tables of chunks, the first of them at `at`."""
+    placed = []
+    for header in headers:
+        count = header.values.get("chunkCount")
+        if not isinstance(count, int) or count < 1:
+            raise HeaderError(f"the part `{header.name}` has no chunkCount")
+        placed.append(replace(header, end=at))
+        at += 8 * count
+    return tuple(placed)
+
+
+def _attributes(data: bytes | mmap, at: int) -> tuple[dict[str, object], int]:
+    """What a header says by name, and the offset behind it."""
+    values: dict[str, object] = {}
     while True:
         name, at = _name(data, at)
         if not name:
-            break
+            return values, at
         kind, at = _name(data, at)
         (size,) = struct.unpack("<i", _take(data, at, 4))
         if size < 0:
@@ -90,7 +149,6 @@ def parse_header(data: bytes | mmap) -> Header:
             values[name] = _value(kind, raw)
         except (struct.error, ValueError) as error:
             raise HeaderError(f"the attribute `{name}` is damaged") from error
-    return _header(flags, values, at)
 
 
 def _header(flags: int, values: dict[str, object], end: int) -> Header:
@@ -105,6 +163,8 @@ def _header(flags: int, values: dict[str, object], end: int) -> Header:
         raise HeaderError("the data window is empty or inside out")
     if not channels or any(channel.type not in BYTES_OF_TYPE for channel in channels):
         raise HeaderError("there are no channels, or channels of an unknown type")
+    if any(step < 1 for channel in channels for step in channel.sampling):
+        raise HeaderError("a channel has samples every 0 pixels")
     if compression >= len(COMPRESSIONS):
         raise HeaderError(f"the compression {compression} is unknown")
     return Header(flags, values, channels, data, display, compression, end)
@@ -135,6 +195,10 @@ def _value(kind: str, raw: bytes) -> object:
         return struct.unpack("<B", raw)[0]
     if kind == "box2i":
         return struct.unpack("<4i", raw)
+    if kind == "chromaticities":
+        return struct.unpack("<8f", raw)
+    if kind == "tiledesc":
+        return struct.unpack("<IIB", raw)
     if kind == "timecode":
         return TimeCode(struct.unpack("<II", raw)[0])
     if kind == "chlist":

@@ -11,10 +11,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..disk import need_regular
+
 
 @contextmanager
 def mapped(path: Path) -> Iterator[mmap.mmap | bytes]:
-    """The file's bytes, for as long as the block lasts."""
+    """The file's bytes, for as long as the block lasts. Raises `OSError`, also of what is no regular file."""
+    need_regular(path)
     with path.open("rb") as file:
         try:
             data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,15 @@ import OpenEXR
 
 
 def write_colors(path: Path, pixels: np.ndarray, comments: str = "") -> None:
-    """Rows of red, green and blue. Raises `RuntimeError`."""
+    """Rows of red, green and blue, in a file that appears whole. Raises `RuntimeError`, or `OSError`."""
     header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
     if comments:
         header["comments"] = comments
     channels = {letter: np.ascontiguousarray(pixels[..., index], np.float32) for index, letter in enumerate("RGB")}
-    with OpenEXR.File(header, channels) as file:
-        file.write(str(path))
+    part = path.with_name(f".{path.name}.{os.getpid()}.sunfleck-part")
+    try:
+        with OpenEXR.File(header, channels) as file:
+            file.write(os.fsencode(part))
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -9,9 +9,11 @@ import base64
 import binascii
 import json
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import unquote
 
+from ..disk import need_regular
 from ..errors import SceneError
 from .values import Value
 
@@ -20,17 +22,21 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 class Container:
-    """An opened file: its document, and its buffers when they are asked for."""
+    """An opened file: its document, and its buffers when they are asked for. Files that it refers to are read where they lie in
+    its own folder, or in one of those allowed."""
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, allowed: Sequence[Path] = ()):
         self.path = path
+        self._folders = [folder.resolve() for folder in (path.parent, *allowed)]
         data = read_bytes(path)
         self._binary: bytes | None = None
         if data[:4] == b"glTF":
             data, self._binary = _chunks(data, path)
         try:
             document = json.loads(data.decode("utf-8-sig"))
-        except (ValueError, RecursionError) as error:
+        except RecursionError:
+            raise SceneError(f"{path}: is no glTF: its JSON is nested too deeply") from None
+        except ValueError as error:
             raise SceneError(f"{path}: is no glTF: its JSON cannot be read: {error}") from None
         self.document = Value(document, str(path))
         version = self.document.need("asset").text_at("version")
@@ -64,7 +70,14 @@ class Container:
                 uri.fail("is no base64")
         if "://" in text or "\0" in text:
             uri.fail("only data and files beside this one are read")
-        return read_bytes(self.path.parent / unquote(text))
+        path = self.path.parent / unquote(text)
+        try:
+            real = path.resolve()
+        except (OSError, RuntimeError):  # links in a circle
+            uri.fail(f"leads to {path}, which cannot be found")
+        if not any(real.is_relative_to(folder) for folder in self._folders):
+            uri.fail(f"leads out of the file's folder, to {path}: if that is meant, give --allow {path.parent}")
+        return read_bytes(path)
 
     def view(self, index: Value) -> tuple[bytes, int, int, int]:
         """Buffer, first byte, length and stride (0 if tight) of a buffer view."""
@@ -79,7 +92,7 @@ class Container:
 def read_bytes(path: Path) -> bytes:
     """A whole file of bearable size."""
     try:
-        size = path.stat().st_size
+        size = need_regular(path)
         if size > LARGEST_FILE:
             raise SceneError(f"{path}: has {size} bytes, more than glTF can count")
         return path.read_bytes()

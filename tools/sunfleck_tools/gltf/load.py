@@ -10,6 +10,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -35,12 +36,17 @@ def find_program(named: str | None) -> str | None:
 
 
 def load(
-    source: Path, program: str | None = None, frames: tuple[int, int] | None = None, fps: Fraction | None = None
+    source: Path,
+    program: str | None = None,
+    frames: tuple[int, int] | None = None,
+    fps: Fraction | None = None,
+    allowed: Sequence[Path] = (),
 ) -> Gltf:
-    """Reads a sequence, a scene or a glTF file, its first and last frame and their rate as it says itself unless told."""
+    """Reads a sequence, a scene or a glTF file, its first and last frame and their rate as it says itself unless told. What a glTF
+    file refers to is read from its own folder and those `allowed`."""
     why = ""
     if source.suffix.lower() in (".glb", ".gltf"):
-        container = Container(source)
+        container = Container(source, allowed)
         needed = beyond(container.document)
         if not needed:
             return Gltf(container, fps, frames)

@@ -5,6 +5,7 @@ Invariant: what a scene has beyond that is refused where it would change the lig
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -64,9 +65,11 @@ class PeerScene:
     notes: list[str]
 
 
-def read_scene(source: Path, frame: float | None = None, program: str | None = None) -> PeerScene:
+def read_scene(
+    source: Path, frame: float | None = None, program: str | None = None, allowed: Sequence[Path] = ()
+) -> PeerScene:
     """Reads what the renderer reads (`load`) at a frame, by default the first. Raises `SceneError`."""
-    gltf = load(source, program)
+    gltf = load(source, program, allowed=allowed)
     return _Reader(gltf, gltf.settings.first if frame is None else frame).scene()
 
 

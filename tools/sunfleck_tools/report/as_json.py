@@ -8,7 +8,7 @@ import math
 from ..findings import CHECKS, Finding, Severity
 from ..frame_list import format_frames
 from ..summary import FrameSummary
-from ..validation import Report
+from ..validation import Checked, Report
 
 FORMAT_VERSION = 1
 
@@ -22,21 +22,26 @@ def as_object(report: Report) -> dict:
     """The report as dictionaries and lists."""
     return {
         "format_version": FORMAT_VERSION,
-        "sequence": {
-            "pattern": report.listing.pattern,
-            "frames": format_frames(frame.number for frame in report.frames),
-            "missing": format_frames(report.listing.missing),
-            "rerender": format_frames(report.rerender),
-        },
+        "sequence": _sequence(report.sequences[0]),
+        "sequences": [_sequence(checked) for checked in report.sequences],
         "errors": report.count(Severity.ERROR),
         "warnings": report.count(Severity.WARNING),
         "findings": [_finding(finding) for finding in report.findings],
-        "frames": [_frame(frame) for frame in report.frames],
+        "frames": [_frame(frame, checked) for checked in report.sequences for frame in checked.frames],
         "checks": [
             {"id": check.id, "severity": check.severity.value, "about": check.about}
             for check in CHECKS.values()
             if check.id not in report.options.skip_checks
         ],
+    }
+
+
+def _sequence(checked: Checked) -> dict:
+    return {
+        "pattern": checked.listing.pattern,
+        "frames": "" if checked.listing.is_still else format_frames(frame.number for frame in checked.frames),
+        "missing": format_frames(checked.listing.missing),
+        "rerender": format_frames(checked.rerender),
     }
 
 
@@ -52,9 +57,9 @@ def _finding(finding: Finding) -> dict:
     }
 
 
-def _frame(frame: FrameSummary) -> dict:
+def _frame(frame: FrameSummary, checked: Checked) -> dict:
     return {
-        "frame": frame.number,
+        "frame": None if checked.listing.is_still else frame.number,
         "path": frame.path,
         "bytes": frame.bytes,
         "pixel_hash": frame.hash,

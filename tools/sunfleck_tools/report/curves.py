@@ -9,7 +9,7 @@ WIDTH, HEIGHT, LEFT, TOP = 1000, 130, 70, 20
 MOST_DOTS = 500
 
 
-def curve(title: str, points: list[tuple[int, float | None]], marked: dict[int, str]) -> str:
+def curve(title: str, points: list[tuple[int, float | None]], marked: dict[int, str], anchor: str = "frame") -> str:
     """A titled polyline, broken where there is no value; dots on frames with findings. Nothing without values."""
     known = [(frame, value) for frame, value in points if value is not None and math.isfinite(value)]
     if not known:
@@ -34,7 +34,7 @@ def curve(title: str, points: list[tuple[int, float | None]], marked: dict[int, 
     dots = ""
     for frame in [frame for frame in marked if frame in known_frames][:MOST_DOTS]:
         x, y = place(frame, known_frames[frame]).split(",")
-        dots += f'<a href="#frame-{frame}"><circle cx="{x}" cy="{y}" r="4"><title>frame {frame}</title></circle></a>'
+        dots += f'<a href="#{anchor}-{frame}"><circle cx="{x}" cy="{y}" r="4"><title>frame {frame}</title></circle></a>'
     return (
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title)}">'
         f'<text x="0" y="12">{escape(title)}</text><text x="0" y="{TOP + 12}">{top:.4g}</text>'

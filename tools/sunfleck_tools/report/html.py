@@ -14,7 +14,8 @@ from ..display import Display
 from ..findings import Finding
 from ..png import png
 from ..summary import FrameSummary
-from ..validation import Report
+from ..validation import Checked, Report
+from ..words import printable
 from .curves import curve
 from .text import verdict
 
@@ -35,9 +36,20 @@ polyline { fill: none; stroke: #2a6f97; stroke-width: 1.5; vector-effect: non-sc
 
 def html_report(report: Report) -> str:
     """The page."""
-    worst = _worst(report)
+    title = _text(", ".join(checked.listing.pattern for checked in report.sequences))
+    sections = "".join(_sequence(checked, number) for number, checked in enumerate(report.sequences, 1))
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f'<meta name="viewport" content="width=device-width"><style>{STYLE}</style></head>\n<body>{sections}</body></html>\n'
+    )
+
+
+def _sequence(checked: Checked, number: int) -> str:
+    """A sequence's part of the page; `number` keeps its links apart from those of others."""
+    anchor = "frame" if number == 1 else f"sequence-{number}-frame"
+    worst = _worst(checked)
     curves = "".join(
-        curve(title, [(frame.number, value(frame)) for frame in report.frames], worst)
+        curve(title, [(frame.number, value(frame)) for frame in checked.frames], worst, anchor)
         for title, value in (
             ("Mean luminance", lambda frame: frame.mean),
             ("99th percentile of luminance", lambda frame: frame.p99),
@@ -45,20 +57,24 @@ def html_report(report: Report) -> str:
             ("Render time, seconds", lambda frame: frame.render_seconds),
         )
     )
-    rows = "".join(_row(finding) for finding in report.findings)
+    rows = "".join(_row(finding, anchor) for finding in checked.findings)
     table = f"<table><thead><tr><th>Severity</th><th>Frame</th><th>Check</th><th>What</th></tr></thead><tbody>{rows}</tbody></table>"
-    missing = [FrameSummary(number, report.listing.name_of(number)) for number in report.listing.missing[:MOST_MISSING]]
-    gain = _gain(report.frames)
-    cells = "".join(_cell(f, gain, worst) for f in sorted([*report.frames, *missing], key=lambda frame: frame.number))
-    title = escape(report.listing.pattern)
+    listing = checked.listing
+    missing = [FrameSummary(number, listing.name_of(number)) for number in listing.missing[:MOST_MISSING]]
+    gain = _gain(checked.frames)
+    frames = sorted([*checked.frames, *missing], key=lambda frame: frame.number)
+    cells = "".join(_cell(frame, gain, worst, anchor) for frame in frames)
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{STYLE}</style></head>\n<body>'
-        f"<h1>{title}</h1><p>{escape(verdict(report))}</p>\n"
+        f"<h1>{_text(listing.pattern)}</h1><p>{_text(verdict(checked))}</p>\n"
         f"<h2>Findings</h2>{table if rows else '<p>None.</p>'}\n"
         f"<h2>Curves</h2>{curves}\n"
-        f'<h2>Frames</h2><div class="sheet">{cells}</div></body></html>\n'
+        f'<h2>Frames</h2><div class="sheet">{cells}</div>\n'
     )
+
+
+def _text(text: str) -> str:
+    """Text of the page, what is no character of text escaped."""
+    return escape(printable(text))
 
 
 SCREEN = Display("srgb")
@@ -67,21 +83,21 @@ MOST_MISSING = 1000
 """Missing frames that have a place in the contact sheet."""
 
 
-def _worst(report: Report) -> dict[int, str]:
+def _worst(checked: Checked) -> dict[int, str]:
     """Severity of the worst finding of each frame that has one."""
     worst: dict[int, str] = {}
-    for finding in report.findings:
+    for finding in checked.findings:
         if finding.frame is not None:
             worst.setdefault(finding.frame, finding.severity.value)
     return worst
 
 
-def _row(finding: Finding) -> str:
+def _row(finding: Finding, anchor: str) -> str:
     severity = finding.severity.value
-    frame = "" if finding.frame is None else f'<a href="#frame-{finding.frame}">{finding.frame}</a>'
+    frame = "" if finding.frame is None else f'<a href="#{anchor}-{finding.frame}">{finding.frame}</a>'
     return (
         f'<tr><td class="{severity}">{severity}</td><td>{frame}</td><td>{escape(finding.check)}</td>'
-        f"<td>{escape(finding.message)}</td></tr>"
+        f"<td>{_text(finding.message)}</td></tr>"
     )
 
 
@@ -91,7 +107,7 @@ def _gain(frames: list[FrameSummary]) -> float:
     return 1.0 / float(np.median(levels)) if levels else 1.0
 
 
-def _cell(frame: FrameSummary, gain: float, worst: dict[int, str]) -> str:
+def _cell(frame: FrameSummary, gain: float, worst: dict[int, str], anchor: str) -> str:
     severity = worst.get(frame.number, "")
     if frame.thumbnail is None:
         picture = '<div class="none"></div>'
@@ -99,6 +115,6 @@ def _cell(frame: FrameSummary, gain: float, worst: dict[int, str]) -> str:
         data = base64.b64encode(png(SCREEN.bytes(frame.thumbnail * np.float32(gain)))).decode()
         picture = f'<img alt="frame {frame.number}" src="data:image/png;base64,{data}">'
     return (
-        f'<figure id="frame-{frame.number}" class="{severity}" title="{escape(frame.path)}">{picture}'
+        f'<figure id="{anchor}-{frame.number}" class="{severity}" title="{_text(frame.path)}">{picture}'
         f"<figcaption>{frame.number}</figcaption></figure>"
     )

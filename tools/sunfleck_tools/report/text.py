@@ -1,4 +1,4 @@
-"""A report for the terminal: the worst frame in the first line, the verdict in the last."""
+"""A report for the terminal: of each sequence the worst frame first, and the verdict in the last line."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections import Counter
 
 from ..findings import Severity
 from ..frame_list import format_frames
-from ..validation import Report
+from ..validation import Checked, Report
+from ..words import printable
 
 MOST_OF_A_KIND = 8
 """Findings of one check that are printed before the rest is counted."""
@@ -14,26 +15,29 @@ MOST_OF_A_KIND = 8
 
 def text_report(report: Report) -> str:
     """Lines, without the last line's end."""
+    return "\n".join(printable(line) for checked in report.sequences for line in _lines(checked))
+
+
+def _lines(checked: Checked) -> list[str]:
     lines, seen = [], Counter()
-    for finding in report.findings:
+    for finding in checked.findings:
         seen[finding.check] += 1
         if seen[finding.check] <= MOST_OF_A_KIND:
             lines.append(finding.line())
     for check, count in seen.items():
         if count > MOST_OF_A_KIND:
-            frames = {finding.frame for finding in report.findings if finding.check == check and finding.frame is not None}
+            frames = {finding.frame for finding in checked.findings if finding.check == check and finding.frame is not None}
             lines.append(f"... {count - MOST_OF_A_KIND} more [{check}], in all frames {format_frames(frames)}")
-    lines.append(verdict(report))
-    return "\n".join(lines)
+    return [*lines, verdict(checked)]
 
 
-def verdict(report: Report) -> str:
+def verdict(checked: Checked) -> str:
     """One line: what was looked at, and how it is."""
-    numbers = format_frames(frame.number for frame in report.frames)
-    plural = "" if len(report.frames) == 1 else "s"
-    looked = f"{report.listing.pattern}: {len(report.frames)} frame{plural}, {numbers}"
-    errors, warnings = (report.count(severity) for severity in (Severity.ERROR, Severity.WARNING))
-    if not report.findings:
+    numbers = "" if checked.listing.is_still else f", {format_frames(frame.number for frame in checked.frames)}"
+    plural = "" if len(checked.frames) == 1 else "s"
+    looked = f"{checked.listing.pattern}: {len(checked.frames)} frame{plural}{numbers}"
+    errors, warnings = (checked.count(severity) for severity in (Severity.ERROR, Severity.WARNING))
+    if not checked.findings:
         return f"{looked}: nothing found"
-    again = f"; render again: {format_frames(report.rerender)}" if report.rerender else ""
+    again = f"; render again: {format_frames(checked.rerender)}" if checked.rerender else ""
     return f"{looked}: {errors} errors, {warnings} warnings{again}"

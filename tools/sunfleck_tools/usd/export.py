@@ -45,6 +45,8 @@ class ExportOptions:
     frames: tuple[int, int] | None = None
     fps: Fraction | None = None
     program: str | None = None
+    allowed: tuple[Path, ...] = ()
+    """Folders beside the input's own that are read from."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ def export_usd(source: str | Path, target: str | Path, options: ExportOptions = 
         raise SceneError(f"{target}: is no stage: expected a name that ends in {', '.join(ENDINGS)}")
     if not target.parent.is_dir():
         raise SceneError(f"{target}: there is no folder {target.parent}")
-    gltf = load(source, options.program, options.frames, options.fps)
+    gltf = load(source, options.program, options.frames, options.fps, options.allowed)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".sunfleck-usd-") as scratch:
         is_package = target.suffix.lower() == ".usdz"
         # Textures are named after the stage, so that two stages in one folder keep theirs apart.

@@ -1,0 +1,93 @@
+"""Frames that were swapped, where the files do not say their numbers: pictures that move on from frame to frame tell.
+
+Of three frames in order the outer two are farther apart than either is from the middle one; of three that go back they are
+nearer. Where two frames have to change places for nothing to go back any more, they did. Invariant: what moves in no order (noise,
+shaking, blinking) accuses nobody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from ..findings import Found, Scope, Severity, check
+from ..frame import Frame
+from ..summary import FrameSummary, Rendered
+from .constancy import number_said
+
+CELLS_ACROSS = 24
+"""Of a signature: coarse enough that what moves by a few pixels moves on."""
+BACKWARDS = 0.75
+"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of them, if they go back: 2
+where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
+ONWARDS = 1.2
+"""And at least, if they go on: 1.4 where a hard edge moves."""
+REACH = 3
+"""Frames to either side of a swapped one that have to be in order once it is back in its place."""
+CALM_REACH = 12
+"""And frames to either side of which none goes back but for that one."""
+LEAST_TRIPLES = 4
+MOST_ROUGH = 40
+"""Frames out of order beyond which there is no order."""
+
+
+def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:
+    """A small picture of the luminance: square roots of means of cells, so that highlights do not outweigh the rest."""
+    luminance = frame.on_canvas(luminance)
+    step = -(-luminance.shape[1] // CELLS_ACROSS)
+    rows, columns = (np.arange(0, extent, step) for extent in luminance.shape)
+    sums = np.add.reduceat(np.add.reduceat(luminance, rows, axis=0), columns, axis=1)
+    return np.sqrt(np.maximum(sums / step**2, 0)).astype(np.float32)
+
+
+@check("order", Severity.ERROR, Scope.SEQUENCE, "two frames are in order only if they change places")
+def order(rendered: Rendered) -> Iterator[Found]:
+    """Where the files say their own numbers, `image-counter` tells."""
+    for frames in _runs(rendered.decoded):
+        for i, j in _swapped(frames):
+            for one, other in ((i, j), (j, i)):
+                message = f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
+                yield Found(message, frame=frames[one].number, path=frames[one].path)
+
+
+def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
+    """Frames of consecutive numbers with signatures of one size."""
+    run: list[FrameSummary] = []
+    for frame in frames:
+        fits = frame.signature is not None and number_said(frame) is None
+        if run and not (fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape):
+            yield run
+            run = []
+        if fits:
+            run.append(frame)
+    yield run
+
+
+def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
+    """Indices of the pairs that have to change places."""
+    distances: dict[tuple[int, int], float] = {}
+
+    def distance(i: int, j: int) -> float:
+        if (i, j) not in distances:
+            distances[i, j] = float(np.sqrt(np.mean(np.square(frames[i].signature - frames[j].signature))))
+        return distances[i, j]
+
+    def progress(i: int, j: int, k: int) -> float:
+        step = max(distance(i, j), distance(j, k))
+        return distance(i, k) / step if step > 0 else 1.0
+
+    count = len(frames)
+    rough = [i for i in range(1, count - 1) if progress(i - 1, i, i + 1) < BACKWARDS]
+    if not rough or len(rough) > MOST_ROUGH:
+        return
+    for i, j in combinations(sorted({0, count - 1, *rough}), 2):
+        near = {k for end in (i, j) for k in range(end - REACH, end + REACH + 1) if 1 <= k < count - 1}
+        place = {i: j, j: i}
+        triples = [tuple(place.get(index, index) for index in (k - 1, k, k + 1)) for k in near]
+        # What goes back now, here and some way on, has to go on then: where more goes back, things move so.
+        around = {k for k in rough if min(abs(k - i), abs(k - j)) <= CALM_REACH}
+        explained = bool(around) and around <= {k + side for k in (i, j) for side in (-1, 0, 1)}
+        if explained and len(triples) >= LEAST_TRIPLES and all(progress(*triple) >= ONWARDS for triple in triples):
+            yield i, j

@@ -1,0 +1,44 @@
+"""Where a file's name has its frame's number.
+
+Invariant: a version (`v2`, `_v003`) is no number of a frame, and a name without a number is a picture by itself.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+ENDING = re.compile(r"\.exr", re.IGNORECASE)
+WHOLE = re.compile(r"(?:(?<=\.)|^)(-?\d+)(?=\.)")
+"""Between dots alone, as in `shot.1001.beauty.exr`; the last dot is that of the ending."""
+AT_END = re.compile(r"((?:(?:(?<=[._])|^)-)?\d+)(?=\.[^.]*$)")
+"""Before the ending, as in `leaf_0007.exr` and Blender's `render0007.exr`. A minus is a sign at the beginning and behind `.` or `_`;
+elsewhere (`take-0007.exr`) it is a dash."""
+BETWEEN = re.compile(r"(?<=[._-])(\d+)(?=[._-])")
+"""Between separators of any kind, as in `shot_0007_left.exr`."""
+VERSION = re.compile(r"(?:^|[^a-z])v$", re.IGNORECASE)
+"""What stands before a number that says the version."""
+MOST_DIGITS = 18
+
+
+class Parts(NamedTuple):
+    """A name around the number of its frame."""
+
+    before: str
+    number: str
+    after: str
+
+    @property
+    def digits(self) -> str:
+        """The number without its sign."""
+        return self.number.lstrip("-")
+
+
+def parts(name: str) -> Parts | None:
+    """The name's parts; `None` where it has no number of a frame."""
+    for pattern in (WHOLE, AT_END, BETWEEN):
+        found = [match for match in pattern.finditer(name) if not VERSION.search(name[: match.start(1)])]
+        if found and len(found[-1][1]) <= MOST_DIGITS:
+            start, end = found[-1].span(1)
+            return Parts(name[:start], name[start:end], name[end:])
+    return None
