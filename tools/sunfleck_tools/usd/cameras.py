@@ -43,7 +43,7 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
         codes, angles = _controlled(node, "sunfleck_camera.yfov", lens.need("yfov").number(1e-9, math.pi), gltf, sampler)
         prim.animate("focalLength", Types.Float, codes, (0.5 * frame_height / np.tan(0.5 * angles)).tolist())
     _write_shift(prim, ours, frame_width, frame_height)
-    prim.set("clippingRange", Types.Float2, Gf.Vec2f(lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e4, 0)))
+    prim.set("clippingRange", Types.Float2, Gf.Vec2f(lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e7, 0)))
     if ours.member("fstop") is not None and ours.member("focus_distance") is not None:
         for name, field in (("fStop", "fstop"), ("focusDistance", "focus_distance")):
             codes, values = _controlled(node, f"sunfleck_camera.{field}", ours.need(field).number(0), gltf, sampler)

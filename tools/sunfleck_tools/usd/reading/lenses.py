@@ -14,6 +14,8 @@ from .properties import custom_data
 from .source import Source
 
 TENTHS = 0.1
+NEAREST, FARTHEST = 1e-4, 1e9
+"""Clipping planes of cameras that have none, metres: glTF has no word for that."""
 
 
 @dataclass
@@ -37,16 +39,16 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
     if min(length.min(), wide.min(), high.min()) <= 0:
         raise SceneError(f"{prim.GetPath()}: a camera needs a focal length and apertures above 0")
     extras: dict = {}
-    near, far = (float(each) * source.metres for each in camera.GetClippingRangeAttr().Get(source.first))
+    near, far = _clipping_range(camera, source)
     if camera.GetProjectionAttr().Get(source.first) == UsdGeom.Tokens.orthographic:
         scale = 1 / TENTHS if source.for_blender else 1.0
         heights = high * scale
-        size = {"xmag": 0.5 * wide[0] * scale, "ymag": 0.5 * heights[0], "znear": max(near, 0.0), "zfar": max(far, near + 1.0)}
+        size = {"xmag": 0.5 * wide[0] * scale, "ymag": 0.5 * heights[0], "znear": near, "zfar": far}
         seen = Seen({"type": "orthographic", "orthographic": size})
         _carry(seen, "height", codes, heights)
     else:
         angles = 2 * np.arctan(0.5 * high / length)
-        lens = {"yfov": angles[0], "aspectRatio": wide[0] / high[0], "znear": max(near, 1e-6)}
+        lens = {"yfov": angles[0], "aspectRatio": wide[0] / high[0], "znear": max(near, NEAREST), "zfar": far}
         seen = Seen({"type": "perspective", "perspective": lens})
         _carry(seen, "yfov", codes, angles)
         extras["sensor_width_mm"] = 1e3 * wide[0]
@@ -70,6 +72,16 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
     if extras:
         seen.camera["extras"] = {"sunfleck_camera": extras}
     return seen
+
+
+def _clipping_range(camera: UsdGeom.Camera, source: Source) -> tuple[float, float]:
+    """Start and end, metres. USD's fallback of 1 to 1,000,000 units is nobody's wish: it would hide what is near."""
+    attribute = camera.GetClippingRangeAttr()
+    if not attribute.HasAuthoredValue():
+        return 0.0, FARTHEST
+    near, far = (float(each) * source.metres for each in attribute.Get(source.first))
+    near = max(near, 0.0)
+    return near, far if far > near else FARTHEST
 
 
 def _numbers(prim: Usd.Prim, attribute: Usd.Attribute, codes: np.ndarray) -> np.ndarray:
