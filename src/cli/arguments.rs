@@ -1,6 +1,10 @@
 //! The command line's grammar. Invariant: flags work in any order; unknown ones are refused.
 
 use super::CliError;
+use super::parse::{
+    parse_bloom, parse_crop, parse_exposure, parse_frame, parse_frame_rate, parse_noise, parse_seconds,
+    parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
+};
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
 use crate::scene::{LightUnits, Pass, PixelFilter, ResolveOptions, Size};
@@ -304,16 +308,6 @@ pub(super) enum SizeArgument {
     Percent(f64),
 }
 
-impl SizeArgument {
-    /// A size that is none of the input's own shape.
-    fn pixels(self) -> Option<Size> {
-        match self {
-            Self::Pixels(size) => Some(size),
-            Self::Percent(_) => None,
-        }
-    }
-}
-
 /// A rectangle of pixels, far edges excluded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crop {
@@ -457,38 +451,6 @@ impl DisplayArguments {
     }
 }
 
-impl RenderArguments {
-    /// What of them the scene has to know.
-    pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
-    }
-}
-
-impl PreviewArguments {
-    /// What of them the scene has to know.
-    pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
-    }
-}
-
-impl BenchArguments {
-    /// What of them the scene has to know.
-    pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, camera: self.camera.clone(), ..self.scene.options() }
-    }
-}
-
-impl ExportArguments {
-    /// What of them the scene has to know. Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
-    pub(super) fn options(&self) -> ResolveOptions {
-        let no_default_light = self.scene.default_light != Some(Switch::On);
-        ResolveOptions { frame_rate: self.fps, no_default_light, ..self.scene.options() }
-    }
-}
-
 impl SceneArguments {
     /// What of it the scene has to know.
     pub(super) fn options(&self) -> ResolveOptions {
@@ -550,107 +512,4 @@ pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
     passes.sort_unstable();
     passes.dedup();
     passes
-}
-
-fn parse_size(text: &str) -> Result<SizeArgument, String> {
-    let expected = || {
-        String::from("expected WIDTHxHEIGHT such as 960x540 (each 1 to 65536), or a percentage such as 50%")
-    };
-    if let Some(percent) = text.strip_suffix('%') {
-        let percent: f64 = percent.trim().parse().map_err(|_| expected())?;
-        return if percent > 0.0 && percent <= 1000.0 {
-            Ok(SizeArgument::Percent(percent))
-        } else {
-            Err(expected())
-        };
-    }
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
-    let side = |text: &str| match text.trim().parse::<usize>() {
-        Ok(side) if (1..=65536).contains(&side) => Ok(side),
-        _ => Err(expected()),
-    };
-    Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
-}
-
-fn parse_tolerance(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(tolerance) if 0.0 < tolerance && tolerance <= 1.0 => Ok(tolerance),
-        _ => Err("expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %".into()),
-    }
-}
-
-/// Frames so far from 0 are a slip of the finger.
-const FARTHEST_FRAME: f64 = 1e9;
-
-fn parse_frame(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(frame) if frame.abs() <= FARTHEST_FRAME => Ok(frame),
-        _ => Err("expected a frame such as 12 or 12.5, or several separated by commas".into()),
-    }
-}
-
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 1e6 => Ok(seconds),
-        _ => Err("expected seconds, more than 0 and at most 1000000, such as 8 or 0.5".into()),
-    }
-}
-
-fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
-    if text.trim() == "auto" {
-        return Ok(ExposureArgument::Auto);
-    }
-    match text.trim().parse::<f64>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(ExposureArgument::Stops(stops)),
-        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright, or auto".into()),
-    }
-}
-
-fn parse_bloom(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
-        _ => Err("expected a share of the light from 0 to 1, such as 0.05".into()),
-    }
-}
-
-fn parse_noise(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(noise) if noise >= 0.0 && noise.is_finite() => Ok(noise),
-        _ => Err("expected the root mean square of a standard error, 0 or more, such as 0.0014".into()),
-    }
-}
-
-fn parse_crop(text: &str) -> Result<Crop, String> {
-    let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Crop { x0, y0, x1, y1 }),
-        _ => Err("expected x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,400,200".into()),
-    }
-}
-
-fn parse_shutter(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(frames) if (0.0..=1000.0).contains(&frames) => Ok(frames),
-        _ => Err("expected how many frames the shutter is open for, from 0 to 1000, such as 0.5".into()),
-    }
-}
-
-fn parse_shutter_position(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(position) if (-1000.0..=1000.0).contains(&position) => Ok(position),
-        _ => {
-            Err("expected where the shutter opens, from -1000 to 1000: 0 is centred, 0.5 opens at the frame"
-                .into())
-        }
-    }
-}
-
-fn parse_frame_rate(text: &str) -> Result<crate::scene::FrameRate, String> {
-    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
-    match (numerator.trim().parse::<u32>(), denominator.trim().parse::<u32>()) {
-        (Ok(numerator), Ok(denominator)) if numerator > 0 && denominator > 0 => {
-            Ok(crate::scene::FrameRate { numerator, denominator })
-        }
-        _ => Err("expected frames a second such as 24, or a fraction such as 24000/1001".into()),
-    }
 }

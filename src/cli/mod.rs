@@ -11,6 +11,8 @@ mod exposure;
 mod inspect;
 mod live;
 mod loading;
+mod options;
+mod parse;
 mod plan;
 mod preview;
 mod progress;

@@ -96,6 +96,9 @@ impl Writer<'_> {
         if let Some(camera) = camera {
             sunfleck["camera"] = json!(camera);
         }
+        if let Some(stops) = settings.exposure_stops {
+            sunfleck["exposure"] = json!(stops);
+        }
         match settings.sampling {
             Sampling::Exactly(samples) => sunfleck["samples"] = json!(samples),
             Sampling::Until { tolerance, most } => {

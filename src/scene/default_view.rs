@@ -47,12 +47,10 @@ pub(super) fn add(scene: &mut Scene) -> bool {
 
 /// Puts the camera of [`add`] where it sees everything at all of the settings' frames.
 pub(super) fn aim(scene: &mut Scene, settings: &RenderSettings) {
-    let axes = Axes::three_quarters();
-    let aspect = settings.size.width as f64 / settings.size.height as f64;
-    let tangents = DVec2::new(aspect, 1.0) * (0.5 * FOV_Y).tan() / MARGIN;
+    let frustum = Frustum::three_quarters(settings.size.width as f64 / settings.size.height as f64);
     let moments = moments(scene, &settings.frames).map(|frame| settings.frame_rate.seconds(frame));
-    let seen = moments.map(|time_s| seen_at(scene, time_s, &axes, tangents));
-    let (position, target) = seen.fold(Seen::NOTHING, Seen::and).fitted(&axes, tangents);
+    let seen = moments.map(|time_s| seen_at(scene, time_s, &frustum));
+    let (position, target) = seen.fold(Seen::NOTHING, Seen::and).fitted(&frustum);
     let motion = Motion::Aimed { position: position.into(), target: target.into(), up: DVec3::Y.into() };
     scene.nodes[scene.cameras[0].node].motion = motion;
 }
@@ -71,20 +69,28 @@ fn moments(scene: &Scene, frames: &RangeInclusive<i64>) -> impl Iterator<Item = 
     (0..=steps).map(move |step| first as f64 + part(step) * (last - first) as f64)
 }
 
-/// The camera's axes in world space.
-struct Axes {
+/// What a camera sees, less the margin: its axes in world space, and the tangents of half its angles.
+struct Frustum {
     right: DVec3,
     up: DVec3,
     backward: DVec3,
+    tangents: DVec2,
 }
 
-impl Axes {
-    fn three_quarters() -> Self {
+impl Frustum {
+    /// Of a picture whose width is `aspect` times its height.
+    fn three_quarters(aspect: f64) -> Self {
         let (sin_azimuth, cos_azimuth) = AZIMUTH_DEG.to_radians().sin_cos();
         let (sin_elevation, cos_elevation) = ELEVATION_DEG.to_radians().sin_cos();
         let backward = DVec3::new(sin_azimuth * cos_elevation, sin_elevation, cos_azimuth * cos_elevation);
         let right = DVec3::new(cos_azimuth, 0.0, -sin_azimuth);
-        Self { right, up: backward.cross(right), backward }
+        let tangents = DVec2::new(aspect, 1.0) * (0.5 * FOV_Y).tan() / MARGIN;
+        Self { right, up: backward.cross(right), backward, tangents }
+    }
+
+    /// A point of the world in the camera's axes.
+    fn in_axes(&self, world: DVec3) -> DVec3 {
+        DVec3::new(world.dot(self.right), world.dot(self.up), world.dot(self.backward))
     }
 }
 
@@ -115,14 +121,15 @@ impl Seen {
     }
 
     /// Where the camera has to be, and what it looks at.
-    fn fitted(self, axes: &Axes, tangents: DVec2) -> (DVec3, DVec3) {
+    fn fitted(self, frustum: &Frustum) -> (DVec3, DVec3) {
+        let tangents = frustum.tangents;
         let seen = if self.low.x <= self.high.x { self } else { Self::unit_cube(tangents) };
         let [right, left, top, bottom] = seen.sides;
         let extent = (seen.high - seen.low).length().max(1e-3);
         let far = (0.5 * (right + left) / tangents.x).max(0.5 * (top + bottom) / tangents.y);
         // Of a mere point, or one line towards the camera, any distance would show all.
         let far = far.max(seen.high.z + NEAREST * extent);
-        let world = |x: f64, y: f64, z: f64| x * axes.right + y * axes.up + z * axes.backward;
+        let world = |x: f64, y: f64, z: f64| x * frustum.right + y * frustum.up + z * frustum.backward;
         let (x, y) = (0.5 * (right - left), 0.5 * (top - bottom));
         (world(x, y, far), world(x, y, 0.5 * (seen.low.z + seen.high.z)))
     }
@@ -135,35 +142,25 @@ impl Seen {
 }
 
 /// What of a scene is visible at a time.
-fn seen_at(scene: &Scene, time_s: f64, axes: &Axes, tangents: DVec2) -> Seen {
+fn seen_at(scene: &Scene, time_s: f64, frustum: &Frustum) -> Seen {
     let placements = scene.placements(time_s);
-    let seen = |instance: &Instance| seen_of(scene, instance, &placements, time_s, axes, tangents);
+    let seen = |instance: &Instance| {
+        let Placement { visible, world_from_node } = placements[instance.node];
+        let is_flattened = instance.deformation.is_none() && world_from_node.matrix3.determinant() == 0.0;
+        if !visible || is_flattened {
+            return Seen::NOTHING;
+        }
+        let (positions, world_from_mesh) = scene.vertices(instance, &placements, time_s);
+        // Vertices that no triangle has do not count.
+        let corners = scene.meshes[instance.mesh].triangles.iter().flat_map(|triangle| triangle.vertices);
+        let places = corners.map(|vertex| {
+            frustum.in_axes(world_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))
+        });
+        places
+            .filter(|place| place.is_finite())
+            .fold(Seen::NOTHING, |seen, place| seen.and(Seen::point(place, frustum.tangents)))
+    };
     scene.instances.par_iter().map(seen).reduce(|| Seen::NOTHING, Seen::and)
-}
-
-/// What of an instance is; vertices that no triangle has do not count.
-fn seen_of(
-    scene: &Scene,
-    instance: &Instance,
-    placements: &[Placement],
-    time_s: f64,
-    axes: &Axes,
-    tangents: DVec2,
-) -> Seen {
-    let Placement { visible, world_from_node } = placements[instance.node];
-    let is_flattened = instance.deformation.is_none() && world_from_node.matrix3.determinant() == 0.0;
-    if !visible || is_flattened {
-        return Seen::NOTHING;
-    }
-    let (positions, world_from_mesh) = scene.vertices(instance, placements, time_s);
-    let corners = scene.meshes[instance.mesh].triangles.iter().flat_map(|triangle| triangle.vertices);
-    let places = corners.map(|vertex| {
-        let world = world_from_mesh.transform_point3(positions[vertex as usize].as_dvec3());
-        DVec3::new(world.dot(axes.right), world.dot(axes.up), world.dot(axes.backward))
-    });
-    places
-        .filter(|place| place.is_finite())
-        .fold(Seen::NOTHING, |seen, place| seen.and(Seen::point(place, tangents)))
 }
 
 #[cfg(test)]
@@ -243,7 +240,7 @@ mod tests {
         let settings = settings(16, 9, 1);
         let scene = seen(scene(vec![at(DVec3::ZERO)]), &settings);
         let backward = scene.placements(0.0)[scene.cameras[0].node].world_from_node.matrix3.z_axis;
-        assert!(backward.abs_diff_eq(Axes::three_quarters().backward, 1e-9), "{backward}");
+        assert!(backward.abs_diff_eq(Frustum::three_quarters(1.0).backward, 1e-9), "{backward}");
         assert!(backward.z > 0.6 && backward.x > 0.4 && (0.3..0.5).contains(&backward.y), "{backward}");
     }
 

@@ -74,6 +74,7 @@ pub fn resolve_telling(
         (description.scene.is_bare(), Place::File(description.scene.path().to_owned()));
     let of_sequence = || description.sequence.as_ref()?.fields.animation.clone();
     let animation = options.animation.clone().or_else(of_sequence);
+    let holds_cameras = matches!(description.scene, SceneSource::Gltf(_));
     let (mut scene, mut settings) = match description.scene {
         SceneSource::Ron(scene) => from_ron::resolve(scene, baking)?,
         SceneSource::Gltf(scene) => {
@@ -88,7 +89,7 @@ pub fn resolve_telling(
     let rendered = options.overrule(&settings);
     if has_made_up_camera {
         default_view::aim(&mut scene, &rendered);
-        scene.remarks.push(camera_made_up(&scene_file));
+        scene.remarks.push(camera_made_up(&scene_file, holds_cameras));
     }
     if is_bare {
         light_up(&mut scene, &rendered, options, &scene_file);
@@ -106,10 +107,15 @@ pub fn resolve_telling(
     Ok((scene, settings))
 }
 
-fn camera_made_up(file: &Place) -> Diagnostic {
+fn camera_made_up(file: &Place, holds_cameras: bool) -> Diagnostic {
     let found =
         "the scene has no camera: one is made up, at three quarters, that sees all of it in every frame";
-    Diagnostic::choice(file.clone(), found)
+    let choice = Diagnostic::choice(file.clone(), found);
+    if holds_cameras {
+        choice.remedy("export with cameras (Blender: Include > Cameras; off by default)")
+    } else {
+        choice
+    }
 }
 
 /// Lights an input of a format in which most files have no light.

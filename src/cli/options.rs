@@ -1,0 +1,49 @@
+//! What of a command's flags the scene has to know when it is resolved. In go arguments, out come options. Invariant: flags that
+//! change what a camera or light that is made up has to serve are among them.
+
+use super::arguments::{
+    BenchArguments, ExportArguments, PreviewArguments, RenderArguments, SizeArgument, Switch,
+};
+use crate::scene::{ResolveOptions, Size};
+
+impl RenderArguments {
+    /// Of these flags.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl PreviewArguments {
+    /// Of these flags.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl BenchArguments {
+    /// Of these flags.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl ExportArguments {
+    /// Of these flags. Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let no_default_light = self.scene.default_light != Some(Switch::On);
+        ResolveOptions { frame_rate: self.fps, no_default_light, ..self.scene.options() }
+    }
+}
+
+impl SizeArgument {
+    /// A size that is none of the input's own shape.
+    fn pixels(self) -> Option<Size> {
+        match self {
+            Self::Pixels(size) => Some(size),
+            Self::Percent(_) => None,
+        }
+    }
+}
