@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Writes small glTF files into tests/data/invalid/gltf that break one rule of glTF 2.0 or of an extension each.
+"""Writes small glTF files into tests/data that break one rule of glTF 2.0 or of an extension each.
 
-    python3 tools/corpus/make_invalid_gltf.py tests/data/invalid/gltf
+    python3 tools/corpus/make_invalid_gltf.py tests/data
+
+What can be done without what is wrong stands in `lenient/gltf`, what is refused in `invalid/gltf`; a new file in the latter.
 
 Each is the leaf of make_gltf.py with one thing wrong; tests/gltf_invalid.rs tells what must be said of it.
 """
@@ -236,12 +238,12 @@ BYTES: dict[str, bytes] = {
 }
 
 
-def main(folder: Path) -> None:
-    """Writes every file."""
-    for name, file in FILES.items():
-        (folder / f"{name}.gltf").write_bytes(file.finish())
-    for name, data in BYTES.items():
-        (folder / name).write_bytes(data)
+def main(root: Path) -> None:
+    """Writes every file where it stands."""
+    files = {f"{name}.gltf": file.finish() for name, file in FILES.items()} | BYTES
+    for name, data in files.items():
+        lenient = root / "lenient/gltf" / name
+        (lenient if lenient.exists() else root / "invalid/gltf" / name).write_bytes(data)
 
 
 if __name__ == "__main__":
