@@ -390,10 +390,10 @@ mod tests {
     /// Of every roughness, at every angle: white metal, and half of it beside a white matte surface under a leaf's coat.
     #[test]
     fn white_metal_gives_back_all() {
-        for roughness in [0.0, 0.04, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0] {
+        for roughness in [0.0, 0.1, 0.25, 0.4, 0.7, 0.98, 1.0] {
             let coat = Gloss::new(Rgb::splat(0.04), Rgb::ONE, roughness);
             let [half_metal, metal] = [0.5, 1.0].map(|share| coat.with_metal(share, Rgb::ONE));
-            for cos in [0.002, 0.01, 0.03, 0.06, 0.15, 0.3, 0.5, 0.7, 0.9, 1.0] {
+            for cos in [0.002, 0.03, 0.15, 0.5, 1.0] {
                 let to_eye = direction(cos, 1.0);
                 let shone = over_lights(to_eye, |l| metal.brdf(DVec3::Z, to_eye, l)).x;
                 assert!((shone - 1.0).abs() < 1e-3, "{roughness} {cos}: {shone}");
