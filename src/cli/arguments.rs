@@ -199,6 +199,18 @@ pub(super) struct InspectArguments {
     /// Frames to look at; fractions are allowed [default: the first].
     #[arg(long, allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_frame)]
     pub(super) frames: Vec<f64>,
+    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
+    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<crate::scene::FrameRate>,
+    /// Picture size: 960x540, or a percentage of the sequence's, 50% [default: the sequence's, else 960x540].
+    #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
+    pub(super) size: Option<SizeArgument>,
+    /// The estimated relative error at which rendering would stop [default: the sequence's, else 0.02].
+    #[arg(long, value_parser = parse_tolerance, value_name = "X", allow_negative_numbers = true)]
+    pub(super) tolerance: Option<f64>,
+    /// Name of the camera [default: the sequence's, else the first].
+    #[arg(long)]
+    pub(super) camera: Option<String>,
     #[command(flatten)]
     pub(super) scene: SceneArguments,
 }

@@ -9,10 +9,11 @@ mod units;
 pub(super) use json::losses;
 
 use super::arguments::InspectArguments;
+use super::plan::{find_camera, resized};
 use super::{CliError, answer, loading};
 use crate::description;
 use crate::render::{Choice, choose};
-use crate::scene::{RenderSettings, Scene};
+use crate::scene::{RenderSettings, Sampling, Scene};
 use crate::snapshot::{Exposure, MeshTrees, Shutter};
 
 /// An input, resolved.
@@ -38,8 +39,15 @@ impl Inspected {
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
-    let (mut scene, settings) =
-        loading::resolve(description, &arguments.scene.options(), &arguments.scene.bakes, true)?;
+    let (mut scene, mut settings) =
+        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+    if let Some(size) = arguments.size {
+        settings.size = resized(settings.size, size)?;
+    }
+    settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
+    settings.sampling = Sampling::said(None, arguments.tolerance).unwrap_or(settings.sampling);
+    settings.camera = arguments.camera.clone().or(settings.camera);
+    find_camera(&scene, settings.camera.as_deref())?;
     scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
     let input = arguments.input.display().to_string();
     let trees = MeshTrees::new(&scene);

@@ -2,7 +2,8 @@
 //! change what a camera or light that is made up has to serve are among them.
 
 use super::arguments::{
-    BenchArguments, ExportArguments, PreviewArguments, RenderArguments, SizeArgument, Switch,
+    BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SizeArgument,
+    Switch,
 };
 use crate::scene::{ResolveOptions, Size};
 
@@ -15,6 +16,14 @@ impl RenderArguments {
 }
 
 impl PreviewArguments {
+    /// Of these flags.
+    pub(super) fn options(&self) -> ResolveOptions {
+        let size = self.size.and_then(SizeArgument::pixels);
+        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+    }
+}
+
+impl InspectArguments {
     /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         let size = self.size.and_then(SizeArgument::pixels);

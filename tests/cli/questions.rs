@@ -147,6 +147,19 @@ fn inspect_says_what_is_not_honoured() {
     assert!(answer.contains("give --fps"), "{answer}");
 }
 
+/// Whatever a remedy tells people to give to `render` may be asked about first.
+#[test]
+fn inspect_takes_the_flags_of_render() {
+    let studio = Studio::new();
+    let line = "inspect tiny.ron --json --fps 24000/1001 --size 50% --tolerance 0.1 --camera low";
+    let described: Value = serde_json::from_str(&studio.succeed(line).out).unwrap();
+    assert_eq!(described["frame_rate"], serde_json::json!([24000, 1001]));
+    assert_eq!(described["size"], serde_json::json!([16, 9]));
+    assert_eq!(described["tolerance"], 0.1);
+    assert_eq!(described["frames"][0]["camera"]["name"], "low");
+    assert!(studio.fail("inspect tiny.ron --camera none", 2).contains("remedy: "));
+}
+
 #[test]
 fn diff_measures_how_far_frames_are_apart() {
     let studio = Studio::new();
