@@ -12,7 +12,7 @@ use std::thread;
 use std::time::Duration;
 
 /// How long the work may take to end by itself, so that a frame that is about done is still written.
-const GRACE: Duration = Duration::from_millis(60);
+const GRACE: Duration = Duration::from_millis(25);
 
 /// Which signal came, if any.
 #[derive(Clone, Default)]

@@ -144,6 +144,22 @@ fn a_viewer_that_does_not_read_holds_nothing_up() {
     assert_eq!(studio.names("a").len(), 3);
 }
 
+/// Two machines of a farm were given the same frames: neither takes the other's unfinished files away.
+#[test]
+fn two_runs_on_one_range_both_end_with_whole_frames() {
+    let studio = Studio::new();
+    let line = "render tiny.ron --frames 1-12 --size 8x4 --out same/ --threads 1";
+    let runs: Vec<_> = (0..3).map(|_| studio.command(line).stderr(Stdio::null()).spawn().unwrap()).collect();
+    for mut run in runs {
+        assert_eq!(run.wait().unwrap().code(), Some(0));
+    }
+    studio.succeed("render tiny.ron --frames 1-12 --size 8x4 --out alone/");
+    assert_eq!(studio.names("same"), studio.names("alone"));
+    for name in studio.names("alone") {
+        assert!(studio.bytes(&format!("same/{name}")) == studio.bytes(&format!("alone/{name}")), "{name}");
+    }
+}
+
 /// The signal comes at any moment of loading, baking, rendering or writing. How soon the program ends is a figure; that it
 /// ends by itself with the right code, and that only whole frames are left, is a promise.
 #[test]
