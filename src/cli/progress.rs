@@ -232,8 +232,10 @@ impl State {
                 format!("removed {}, left behind by a run that was killed", path.display())
             }
             Event::Finished(summary) => match self.most_noise {
-                Some(most) if summary.written > 1 => format!("{summary}; noise up to {}", percent(most)),
-                Some(most) => format!("{summary}; noise {}", percent(most)),
+                Some(most) if summary.written > 1 => {
+                    format!("{summary}; noise up to {} of the mean brightness", percent(most))
+                }
+                Some(most) => format!("{summary}; noise {} of the mean brightness", percent(most)),
                 None => summary.to_string(),
             },
             Event::Started { .. } | Event::FrameStarted { .. } | Event::FrameProgress { .. } => return None,
@@ -393,7 +395,7 @@ mod tests {
         assert!(lines[1].starts_with(start), "{}", lines[1]);
         assert_eq!(
             lines[3],
-            "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go; noise up to 1.8 %"
+            "2 frames written to x in 1.0 s; 1 skipped (there already, and valid); stopped with 1 to go; noise up to 1.8 % of the mean brightness"
         );
     }
 
