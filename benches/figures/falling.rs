@@ -33,8 +33,12 @@ pub fn run(rounds: usize) {
             let baking = Baking { recall: &recall, keep: &keep, ..Baking::ALONE };
             let resolve = || {
                 let (started, processor) = (Instant::now(), ProcessTime::now());
-                let (scene, _) =
-                    scene::resolve_telling(description::load(&path).unwrap(), None, &baking).unwrap();
+                let (scene, _) = scene::resolve_telling(
+                    description::load(&path).unwrap(),
+                    &scene::ResolveOptions::default(),
+                    &baking,
+                )
+                .unwrap();
                 (scene, started.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64())
             };
             let (scene, seconds, processor_s) = resolve();
