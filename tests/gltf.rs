@@ -8,7 +8,9 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use sunfleck::description;
 use sunfleck::diagnostic::Severity;
-use sunfleck::scene::{self, FogShape, FrameRate, LightKind, LightUnits, RenderSettings, Scene, Size};
+use sunfleck::scene::{
+    self, Baking, FogShape, FrameRate, LightKind, LightUnits, RenderSettings, ResolveOptions, Scene, Size,
+};
 
 fn data(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -329,7 +331,7 @@ fn emission_above_one_keeps_its_strength() {
 }
 
 #[test]
-fn of_two_animations_of_one_property_the_last_is_played() {
+fn of_all_animations_of_one_property_the_last_is_played() {
     let name = "blender/h_time_24_s1.glb";
     let mut json = json_of(name);
     let again = json["animations"][0].clone();
@@ -337,7 +339,9 @@ fn of_two_animations_of_one_property_the_last_is_played() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("scene.glb");
     std::fs::write(&file, with_json(name, &json)).unwrap();
-    let (scene, _) = load(file.to_str().unwrap()).unwrap();
+    let options = ResolveOptions { animation: Some(String::from("all")), ..ResolveOptions::default() };
+    let (scene, _) =
+        scene::resolve_telling(description::load(&file).unwrap(), &options, &Baking::ALONE).unwrap();
     let remarks = scene.remarks.to_string();
     assert!(
         remarks.contains("several animations move the same property of a node, the last one is played: `b`"),

@@ -2,7 +2,7 @@
 //! increase and it has a value for each of them, or three.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::json::{Animation, Document, Node};
+use super::json::{self, Animation, Document, Node};
 use super::pointers::{self, Property, Target};
 use super::report::Report;
 use super::{Channel, Interpolation, PropertyChannel, Values, named};
@@ -47,7 +47,13 @@ pub(super) fn read(
         for number in 0..animation.channels.len() {
             let place = format!("animations[{index}].channels[{number}]");
             let channel = read_channel(document, animation, number, place, accessors, report);
-            match report.spare(Loss::AnimationDamaged, channel) {
+            let channel = if is_misnumbered(document, &animation.channels[number]) {
+                // The other numbers are wrong as well: something would move that should not.
+                report.keep(channel)
+            } else {
+                report.spare(Loss::AnimationDamaged, channel)
+            };
+            match channel {
                 Some(Read::Moves(channel)) => channels.push(Channel { animation: index, ..channel }),
                 Some(Read::Changes(channel)) => {
                     properties.push(PropertyChannel { animation: index, ..channel });
@@ -57,6 +63,12 @@ pub(super) fn read(
         }
     }
     (channels, properties)
+}
+
+/// Whether a channel shows that all of them target wrong nodes, as Blender's exporter makes them beside GPU instances.
+fn is_misnumbered(document: &Document, channel: &json::Channel) -> bool {
+    let has_instances = document.nodes.iter().any(|node| node.extensions.instancing.is_some());
+    has_instances && channel.target.node.is_some_and(|node| node >= document.nodes.len())
 }
 
 fn read_channel(
