@@ -48,6 +48,7 @@ losses! {
     OtherScenes "other-scenes" "only one scene is read, the others are passed over"
     ReferenceMissing "reference-missing" "what refers to something that the file does not hold is passed over"
     PrimitiveDamaged "primitive-damaged" "parts of meshes that cannot be read are left out"
+    PrimitiveWithoutPositions "primitive-without-positions" "primitives without positions are left out"
     AttributeDamaged "attribute-damaged" "normals, texture coordinates, colours and tangents that cannot be read are left out"
     TrianglesIncomplete "triangles-incomplete" "vertices after the last whole triangle are left out"
     MorphTargetsDamaged "morph-targets-damaged" "morph targets and weights that cannot be read are passed over"

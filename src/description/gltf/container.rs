@@ -99,6 +99,9 @@ fn parse(json: &[u8], path: &Path, is_text_file: bool) -> Result<Document, Diagn
             .expected("whole JSON")
             .remedy("export or copy the file again")
     })?;
+    if let Some(version) = first_version(&value) {
+        return Err(another_version(path, &version));
+    }
     with_integers(&mut value);
     serde_path_to_error::deserialize(value).map_err(|error| {
         let at = error.path().to_string();
@@ -140,19 +143,44 @@ pub(super) fn check_version(document: &Document, path: &Path) -> Result<(), Diag
         Some(newer) => Err(invalid(path, "asset.minVersion", format!("glTF version `{newer}` is required"))
             .expected("2.0")
             .remedy("export as glTF 2.0")),
-        None if !readable(&asset.version) => {
-            Err(invalid(path, "asset.version", format!("this is glTF version `{}`", asset.version))
-                .expected("2.0")
-                .remedy("export as glTF 2.0"))
-        }
+        None if !readable(&asset.version) => Err(another_version(path, &asset.version)),
         None => Ok(()),
     }
+}
+
+/// The version of a document of glTF 1, whose JSON is another: there lists are objects with names for keys.
+fn first_version(document: &Value) -> Option<String> {
+    match &document["asset"]["version"] {
+        Value::String(version) if version.starts_with("1.") => Some(version.clone()),
+        // Version 1.0 need not say so.
+        Value::String(_) => None,
+        _ => document["nodes"].is_object().then(|| String::from("1.0")),
+    }
+}
+
+fn another_version(path: &Path, version: &str) -> Diagnostic {
+    invalid(path, "asset.version", format!("this is glTF version `{version}`"))
+        .expected("2.0")
+        .remedy("export as glTF 2.0; of version 1.0, gltf-pipeline converts it")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn the_first_version_is_called_by_its_name() {
+        let said = json!({ "asset": { "version": "1.0.1" }, "nodes": {} });
+        let unsaid = json!({ "nodes": { "a": {} }, "meshes": {} });
+        assert_eq!(first_version(&said).as_deref(), Some("1.0.1"));
+        assert_eq!(first_version(&unsaid).as_deref(), Some("1.0"));
+        for second in
+            [json!({ "asset": { "version": "2.0" }, "nodes": {} }), json!({ "nodes": [] }), json!([])]
+        {
+            assert_eq!(first_version(&second), None);
+        }
+    }
 
     #[test]
     fn whole_numbers_are_integers_however_they_are_written() {

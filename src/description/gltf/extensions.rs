@@ -40,11 +40,16 @@ fn support(extension: &str) -> Option<Support> {
         | "KHR_node_visibility"
         | "KHR_texture_basisu"
         | "KHR_texture_transform" => Support::Honoured,
-        // Textures in formats that are not read, each told as one that cannot be read.
+        // Textures in formats that are not read, each told as one that cannot be read, and materials of other models,
+        // whose plain values are drawn.
         "EXT_texture_astc"
         | "EXT_texture_avif"
         | "EXT_texture_heic"
         | "GOOGLE_texture_basis"
+        | "KHR_technique_webgl"
+        | "KHR_techniques_webgl"
+        | "KHR_texture_ktx"
+        | "KHR_materials_common"
         | "KHR_materials_anisotropy"
         | "KHR_materials_dispersion"
         | "KHR_materials_iridescence"
@@ -90,9 +95,6 @@ fn remedy(extension: &str) -> Option<&'static str> {
         }
         "KHR_texture_procedurals" | "EXT_texture_procedurals_mx_1_39" | "NV_materials_mdl" => {
             "bake the material's nodes to images, and export those with plain metallic-roughness"
-        }
-        "KHR_materials_common" | "KHR_techniques_webgl" => {
-            "export the materials as metallic-roughness, in which glTF 2.0 has them"
         }
         "ADOBE_materials_clearcoat_specular"
         | "ADOBE_materials_clearcoat_tint"

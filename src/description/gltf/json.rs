@@ -276,7 +276,7 @@ pub(super) struct TextureExtensions {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct ImageReference {
-    pub(super) source: usize,
+    pub(super) source: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]

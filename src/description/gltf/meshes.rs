@@ -34,6 +34,11 @@ pub(super) fn read(
                 report.not_honoured(Loss::PointsAndLines, &name);
                 continue;
             }
+            // The format allows it: what such a primitive shows is up to other programs.
+            if !primitive.attributes.contains_key("POSITION") && primitive.extensions.is_empty() {
+                report.not_honoured(Loss::PrimitiveWithoutPositions, &name);
+                continue;
+            }
             let primitive = match damaged.remove(&(index, number)) {
                 Some(damage) => Err(damage),
                 None => read_primitive(document, primitive, (&path, &name), accessors, report),

@@ -118,7 +118,7 @@ impl<'a> Textures<'a> {
         let path = format!("textures[{index}].source");
         // The plain image is the same picture, and every reader's first choice.
         let others = [&texture.extensions.webp, &texture.extensions.basisu];
-        let others = others.into_iter().flatten().map(|image| image.source);
+        let others = others.into_iter().flatten().filter_map(|image| image.source);
         let Some(source) = texture.source.into_iter().chain(others).next() else {
             return Err(invalid(self.file, path, "the texture has no image that can be read")
                 .expected("an image in PNG, JPEG, WebP or KTX2")

@@ -21,12 +21,13 @@ from .files import CorpusFile
 from .limited import Ended, Limits, run_limited
 from .outcomes import Outcome, loss_ids, outcome_of, sentence_of
 
-FIRST_FRAME = re.compile(r'"frame_start": *(-?\d+)')
+FIRST_FRAME = re.compile(r'^  "frame_start": (-?\d+)', re.MULTILINE)
+"""Of the file: its animations have theirs further in."""
 PACKAGES = Path(__file__).parents[2]
 SMALL = ("--size", "160x90", "--samples", "1")
 BLACK_MEAN = 1e-4
 """Mean radiance of a picture in which the exposure of common cameras shows nothing: a shade of 8 bits is 3e-4."""
-CAUSES_OF_BLACK = frozenset({"dark-frame", "no-light", "nothing-to-draw", "mesh-without-triangles", "points-and-lines"})
+CAUSES_OF_BLACK = frozenset({"dark-frame", "no-light", "nothing-to-draw", "mesh-without-triangles", "primitive-without-positions", "points-and-lines"})
 """Losses that say why there is nothing to be seen."""
 
 
