@@ -17,7 +17,7 @@ from PIL import Image
 from pxr import Ar
 
 from ...exr.decode import DecodeError, claims_too_much, decode
-from ...exr.header import MAGIC, HeaderError, parse_header
+from ...exr.header import MAGIC, HeaderError, parse_headers
 
 MOST_BYTES = 2**29
 """Of one file."""
@@ -82,11 +82,12 @@ def _checked(size: tuple[int, int], most: int) -> tuple[int, int]:
 
 def _exr_head(resolved: str, data: bytes) -> Picture:
     try:
-        header = parse_header(data)
+        headers = parse_headers(data)
     except HeaderError as error:
         raise PictureError(f"is a damaged OpenEXR file: {error}") from None
-    if fault := claims_too_much(header, len(data)):
+    if fault := claims_too_much(headers, len(data)):
         raise PictureError(fault)
+    header = headers[0]
     return Picture(resolved, data, "EXR", _checked(header.size, MOST_FLOATS), min(len(header.channels), 4), 32, False)
 
 
