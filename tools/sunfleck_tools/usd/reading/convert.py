@@ -306,11 +306,9 @@ class _Import:
         if self.lights:
             self.writer.extensions.add("KHR_lights_punctual")
             document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}
-        document["scenes"] = [{"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}]
+        scene = {"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}
+        document["scenes"] = [scene if self.nodes.roots else {key: value for key, value in scene.items() if key != "nodes"}]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
-        shown = [document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene]
-        missing = [loss for loss in self.lost.list() if loss.kind == "usd-missing"]
-        if not self.nodes.roots or (missing and not any(shown)):
-            said = "".join(f"\n  {loss}" for loss in missing)
-            raise SceneError(f"{source.path}: holds nothing that can be shown{said}")
+        if not (document.get("meshes") or document.get("cameras") or self.lights or ENVIRONMENT in self.scene):
+            self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")
