@@ -90,7 +90,7 @@ class Refusals(ImportCase):
         self.left_out(stage, "/camera: is left out: a camera needs a focal length")
 
     def test_clocks_that_cannot_be(self):
-        for rate, start, end, frames in ((0.0, 1, 5, (1, 5)), (24.0, 9, 2, (3, 7)), (24.0, float("-inf"), 5, (3, 7)), (-1.0, 9, 2, (3, 7))):
+        for rate, start, end, frames in ((24.0, 9, 2, (3, 7)), (24.0, -1e9, 1e9, (3, 7))):
             with self.subTest(rate=rate, start=start):
                 stage = self.stage()
                 stage.SetTimeCodesPerSecond(rate)

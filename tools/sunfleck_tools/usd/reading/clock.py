@@ -13,8 +13,6 @@ from ...errors import SceneError
 from .losses import Losses
 
 MOST_FRAMES = 100_000
-USUAL_RATE = 24.0
-"""Of a stage that says none."""
 NEAR_TELEVISION = 0.005
 """Frames a second: 23.98 and 23.976 both stand for 24000/1001."""
 
@@ -31,13 +29,12 @@ def exact_rate(rate: float) -> Fraction:
 def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses) -> tuple[Fraction, Fraction, np.ndarray]:
     """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before the stage's own range.
 
-    Rates and ranges that cannot be are said, and others taken. Raises `SceneError` if it is what was asked for that cannot be.
+    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was asked for, cannot be.
     """
     per_second = stage.GetTimeCodesPerSecond()
     rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
     if not all(math.isfinite(each) and 1e-3 < each < 1e6 for each in (per_second, rate)):
-        lost.add("usd-clock", "/", f"{rate} frames and {per_second} time codes a second are no rates; {USUAL_RATE} of both are taken")
-        per_second = rate = USUAL_RATE
+        raise SceneError(f"{path}: {rate} frames and {per_second} time codes a second are no rates")
     fps, codes_per_second = exact_rate(rate), exact_rate(per_second)
     codes_per_frame = float(codes_per_second / fps)
     start, end = _range(stage, codes_per_frame, lost) if asked is None else (each * codes_per_frame for each in asked)

@@ -16,7 +16,7 @@ from ...errors import SceneError
 
 KINDS = {
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
-    "usd-clock": "a frame rate or a range of frames that cannot be",
+    "usd-clock": "a range of frames that cannot be",
     "usd-composition": "an arc or an opinion that USD itself passes over",
     "usd-dome-animated": "a DomeLight that changes over time",
     "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
