@@ -156,7 +156,8 @@ class Refusals(ImportCase):
                     pass
 
     def test_an_empty_stage(self):
-        self.assertIn("holds nothing", self.refused(self.stage()))
+        self.load(self.stage())
+        self.assertEqual([loss.kind for loss in self.imported.lost], ["usd-empty"])
 
 
 if __name__ == "__main__":
