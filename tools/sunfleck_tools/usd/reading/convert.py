@@ -310,5 +310,7 @@ class _Import:
         document["scenes"] = [scene if self.nodes.roots else {key: value for key, value in scene.items() if key != "nodes"}]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
-        if not (document.get("meshes") or document.get("cameras") or self.lights or ENVIRONMENT in self.scene):
+        shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene)
+        is_missing = any(loss.kind == "usd-missing" for loss in self.lost.list())
+        if not self.nodes.roots or (is_missing and not any(shown)):
             self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")
