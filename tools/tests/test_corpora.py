@@ -36,7 +36,7 @@ case $file in
     *losses*) echo "$file: warning[points-and-lines]: points and lines are not drawn" >&2 ;;
     *unlit*) echo "$file: warning[no-light]: nothing lights the scene" >&2 ;;
 esac
-[ "$command" = inspect ] && echo '{{"frame_end": 9, "frame_start": -2, "frames": []}}' && exit 0
+[ "$command" = inspect ] && echo '{{"animations": [{{"frame_start": 3.0}}], "frame_end": 9, "frame_start": -2, "frames": []}}' && exit 0
 shift 2
 while [ "$1" != --out ]; do [ "$1 $2" = "--frames -2" ] && asked=yes; shift; done
 [ "$asked" = yes ] || exit 2

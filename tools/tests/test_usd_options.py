@@ -166,10 +166,14 @@ class Missing(LookCase):
     def test_nothing_is_left(self):
         path = self.folder / "none.usda"
         path.write_text('#usda 1.0\ndef Xform "a" (references = @./nope.usda@</x>)\n{\n}\n')
-        with self.assertRaises(SceneError) as caught:
-            import_usd(path, self.folder / "out.glb")
-        self.assertIn("holds nothing that can be shown", str(caught.exception))
-        self.assertIn("nope.usda", str(caught.exception))
+        said = {loss.kind: loss.sentence for loss in import_usd(path, self.folder / "out.glb").lost}
+        self.assertEqual(set(said), {"usd-missing", "usd-empty"})
+        self.assertIn("nope.usda", said["usd-missing"])
+
+    def test_a_library_of_materials_is_a_stage_too(self):
+        path = self.folder / "looks.usda"
+        path.write_text('#usda 1.0\ndef Material "a"\n{\n}\n')
+        self.assertEqual([loss.kind for loss in import_usd(path, self.folder / "out.glb").lost], ["usd-empty"])
 
     def test_a_layer_that_is_damaged(self):
         (self.folder / "broken.usda").write_text('#usda 1.0\ndef Xform "a" (\n')

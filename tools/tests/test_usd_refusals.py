@@ -18,7 +18,6 @@ from .test_validation import run
 class Refusals(ImportCase):
     def test_what_does_not_hold_together(self):
         for text, said in (
-            ('def Xform "a" (references = @./nope.usda@</x>)\n{\n}\n', "nope.usda"),
             ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    }\n}\n', "Cycle"),
             ('def Xform "a" (sublayers = 3)\n', "is no stage"),
         ):
@@ -83,10 +82,26 @@ class Refusals(ImportCase):
         stage = self.stage()
         stage.SetEndTimeCode(1e12)
         quad(stage, "/a")
-        self.assertIn("no range", self.refused(stage))
+        self.load(stage)
+        self.assertEqual(self.imported.frames, (1, 1))
+        self.assertIn("time codes 1 to 1e+12 are no range of 1 to 100000 frames", self.imported.lost[0].sentence)
         stage = self.stage()
         UsdGeom.Camera.Define(stage, "/camera").CreateFocalLengthAttr(0.0)
         self.left_out(stage, "/camera: is left out: a camera needs a focal length")
+
+    def test_clocks_that_cannot_be(self):
+        for rate, start, end, frames in ((24.0, 9, 2, (3, 7)), (24.0, -1e9, 1e9, (3, 7))):
+            with self.subTest(rate=rate, start=start):
+                stage = self.stage()
+                stage.SetTimeCodesPerSecond(rate)
+                stage.SetStartTimeCode(start)
+                stage.SetEndTimeCode(end)
+                place = quad(stage, "/a").AddTranslateOp()
+                place.Set((1, 0, 0), 3)
+                place.Set((2, 0, 0), 7)
+                self.load(stage)
+                self.assertEqual((self.imported.frames, self.imported.fps), (frames, 24))
+                self.assertEqual({loss.kind for loss in self.imported.lost}, {"usd-clock"})
 
     def test_textures_that_are_not_there(self):
         stage = self.stage()
@@ -141,7 +156,8 @@ class Refusals(ImportCase):
                     pass
 
     def test_an_empty_stage(self):
-        self.assertIn("holds nothing", self.refused(self.stage()))
+        self.load(self.stage())
+        self.assertEqual([loss.kind for loss in self.imported.lost], ["usd-empty"])
 
 
 if __name__ == "__main__":

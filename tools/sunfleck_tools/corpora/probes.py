@@ -5,8 +5,8 @@ Invariant: a file is judged by the first step that does not go well; where there
 
 from __future__ import annotations
 
+import json
 import os
-import re
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
@@ -21,8 +21,6 @@ from .files import CorpusFile
 from .limited import Ended, Limits, run_limited
 from .outcomes import Outcome, loss_ids, outcome_of, sentence_of
 
-FIRST_FRAME = re.compile(r'^  "frame_start": (-?\d+)', re.MULTILINE)
-"""Of the file: its animations have theirs further in."""
 PACKAGES = Path(__file__).parents[2]
 SMALL = ("--size", "160x90", "--samples", "1")
 BLACK_MEAN = 1e-4
@@ -121,10 +119,17 @@ def verdict_on(file: CorpusFile, programs: Programs) -> Verdict:
 def _render(trial: _Trial, path: Path) -> float:
     """The mean of the first frame's picture."""
     inspected = trial.sunfleck("inspect", path, "--json")
-    first = FIRST_FRAME.search(inspected.out)
+    first = _first_frame(inspected.out)
     frame = trial.scratch / "frame.####.exr"
-    trial.sunfleck("render", path, *SMALL, "--frames", first[1] if first else "all", "--out", frame, "--progress", "none")
+    trial.sunfleck("render", path, *SMALL, "--frames", "all" if first is None else first, "--out", frame, "--progress", "none")
     return mean_radiance(next(trial.scratch.glob("frame.*.exr")))
+
+
+def _first_frame(inspected: str) -> int | None:
+    try:
+        return int(json.loads(inspected)["frame_start"])
+    except (ValueError, KeyError, TypeError):
+        return None
 
 
 def _import_and_render(trial: _Trial) -> float:

@@ -10,8 +10,8 @@ import numpy as np
 
 from .container import BINARY_CHUNK, JSON_CHUNK
 
-KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
-FLOAT, UNSIGNED_INT = 5126, 5125
+KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+FLOAT, UNSIGNED_INT, UNSIGNED_SHORT = 5126, 5125, 5123
 
 
 class GlbWriter:
@@ -56,6 +56,15 @@ class GlbWriter:
         key = b"indices" + hashlib.blake2b(data).digest()
         if key not in self._known:
             accessor = {"bufferView": self.view(data), "componentType": UNSIGNED_INT, "count": len(corners), "type": "SCALAR"}
+            self._known[key] = self.add("accessors", accessor)
+        return self._known[key]
+
+    def joints(self, rows: np.ndarray) -> int:
+        """An accessor of four joints a vertex. The same rows have the same one."""
+        data = np.ascontiguousarray(rows, "<u2").tobytes()
+        key = b"joints" + hashlib.blake2b(data).digest()
+        if key not in self._known:
+            accessor = {"bufferView": self.view(data), "componentType": UNSIGNED_SHORT, "count": len(rows), "type": "VEC4"}
             self._known[key] = self.add("accessors", accessor)
         return self._known[key]
 

@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Usd
 
 from ...errors import SceneError
+from .losses import Losses
 
 MOST_FRAMES = 100_000
 NEAR_TELEVISION = 0.005
@@ -25,29 +26,56 @@ def exact_rate(rate: float) -> Fraction:
     return Fraction(rate).limit_denominator(1001)
 
 
-def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None) -> tuple[Fraction, Fraction, np.ndarray]:
-    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before the stage's own range."""
+def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses) -> tuple[Fraction, Fraction, np.ndarray]:
+    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before the stage's own range.
+
+    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was asked for, cannot be.
+    """
     per_second = stage.GetTimeCodesPerSecond()
     rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
     if not all(math.isfinite(each) and 1e-3 < each < 1e6 for each in (per_second, rate)):
         raise SceneError(f"{path}: {rate} frames and {per_second} time codes a second are no rates")
     fps, codes_per_second = exact_rate(rate), exact_rate(per_second)
     codes_per_frame = float(codes_per_second / fps)
-    start, end = _range(stage) if asked is None else (each * codes_per_frame for each in asked)
-    if not (math.isfinite(start) and math.isfinite(end)):
+    start, end = _range(stage, codes_per_frame, lost) if asked is None else (each * codes_per_frame for each in asked)
+    if not _is_range(start, end, codes_per_frame):
         raise SceneError(f"{path}: time codes {start} to {end} are no range of 1 to {MOST_FRAMES} frames")
-    first, last = math.ceil(start / codes_per_frame - 1e-6), math.floor(end / codes_per_frame + 1e-6)
-    if not 0 <= last - first < MOST_FRAMES:
-        raise SceneError(f"{path}: time codes {start} to {end} are no range of 1 to {MOST_FRAMES} frames")
+    first, last = _frames(start, end, codes_per_frame)
     # glTF has no times before 0.
     frames = np.arange(max(first, 0), max(last, 0) + 1)
     return fps, codes_per_second, frames * codes_per_frame
 
 
-def _range(stage: Usd.Stage) -> tuple[float, float]:
-    """The stage's own first and last time code, else those of its samples, else one frame."""
-    if stage.HasAuthoredTimeCodeRange():
-        return stage.GetStartTimeCode(), stage.GetEndTimeCode()
+def _frames(start: float, end: float, codes_per_frame: float) -> tuple[int, int]:
+    """The first and the last whole frame."""
+    return math.ceil(start / codes_per_frame - 1e-6), math.floor(end / codes_per_frame + 1e-6)
+
+
+def _is_range(start: float, end: float, codes_per_frame: float) -> bool:
+    if not (math.isfinite(start) and math.isfinite(end)):
+        return False
+    first, last = _frames(start, end, codes_per_frame)
+    return 0 <= last - first < MOST_FRAMES
+
+
+def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[float, float]:
+    """The stage's own first and last time code; where those cannot be, they are said, and those of its samples are taken."""
+    has_own = stage.HasAuthoredTimeCodeRange()
+    start, end = (stage.GetStartTimeCode(), stage.GetEndTimeCode()) if has_own else _of_samples(stage)
+    if _is_range(start, end, codes_per_frame):
+        return start, end
+    said = f"time codes {start:g} to {end:g} are no range of 1 to {MOST_FRAMES} frames"
+    sampled = _of_samples(stage)
+    if _is_range(*sampled, codes_per_frame):
+        lost.add("usd-clock", "/", f"{said}; {sampled[0]:g} to {sampled[1]:g}, which its samples have, are taken")
+        return sampled
+    first = max(math.ceil(sampled[0] / codes_per_frame - 1e-6), 0) * codes_per_frame if math.isfinite(sampled[0]) else 0.0
+    lost.add("usd-clock", "/", f"{said}; {first:g} alone is taken")
+    return first, first
+
+
+def _of_samples(stage: Usd.Stage) -> tuple[float, float]:
+    """The first and the last time code at which anything has a value of its own, else one frame."""
     ends: list[float] = []
     for root in [stage.GetPseudoRoot(), *stage.GetPrototypes()]:
         for prim in Usd.PrimRange.AllPrims(root):

@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
+from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
@@ -22,9 +22,10 @@ from .losses import Loss, Losses
 from .meshes import Meshes
 from .nodes import Nodes
 from .options import ImportOptions
-from .places import local_matrices, reach
+from .places import local_matrices
 from .properties import custom_data, number_of, read_properties, text_of
 from .shapes import is_shape
+from .skins import Skins
 from .source import Source, open_stage, usd_said
 from .visibility import says_visibility, seen, up_to
 
@@ -78,7 +79,8 @@ class _Import:
         self.source, self.options, self.lost = source, options, lost
         self.writer = GlbWriter("sunfleck-tools import-usd")
         self.nodes = Nodes(self.writer, source, self.lost)
-        self.meshes = Meshes(self.writer, self.nodes, source, self.lost)
+        self.skins = Skins(source, self.nodes, self.lost)
+        self.meshes = Meshes(self.writer, self.nodes, self.skins, source, self.lost)
         self.lights: list[dict] = []
         self.shutter: tuple[float, float] | None = None
         self.scene: dict = {}
@@ -88,27 +90,13 @@ class _Import:
 
     def run(self) -> bytes:
         """The file's bytes."""
-        self._bake_skins()
+        self.skins.prepare()
         above = self._root()
         for prim in self.source.stage.GetPseudoRoot().GetChildren():
             self._visit(prim, above, 0)
+        self.skins.finish()
         self._finish()
         return self.writer.bytes()
-
-    def _bake_skins(self) -> None:
-        """Skeletons and blend shapes become points over time, in the session's layer."""
-        stage = self.source.stage
-        session = stage.GetSessionLayer()
-        # Else time codes would be scaled from one layer to the other.
-        session.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
-        stage.SetEditTarget(session)
-        for prim in list(stage.Traverse()):
-            if prim.IsInstance() and any(each.IsA(UsdSkel.Root) for each in Usd.PrimRange(prim.GetPrototype())):
-                prim.SetInstanceable(False)
-        span = Gf.Interval(*reach(self.source.codes))
-        for prim in list(stage.Traverse()):
-            if prim.IsA(UsdSkel.Root) and not UsdSkel.BakeSkinning(UsdSkel.Root(prim), span):
-                self.lost.add("usd-skeleton", prim.GetPath(), "its skeleton cannot be followed; it rests")
 
     def _root(self) -> int | None:
         """A node that turns the stage's axes and scales its unit."""
@@ -183,6 +171,7 @@ class _Import:
         below = self.nodes.place(node, codes, matrices)
         self._hide(up_to(prim, first) if is_reset else [prim], node)
         self._extras(prim, node)
+        self.skins.stands(prim, below)
         things = [prim] if is_drawn else []
         if prim.GetTypeName() in ("Xform", "SkelRoot", ""):
             # What stands in its parent's place, like leaves and Blender's cameras and lights, is one node with it.
@@ -317,11 +306,11 @@ class _Import:
         if self.lights:
             self.writer.extensions.add("KHR_lights_punctual")
             document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}
-        document["scenes"] = [{"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}]
+        scene = {"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}
+        document["scenes"] = [scene if self.nodes.roots else {key: value for key, value in scene.items() if key != "nodes"}]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
-        shown = [document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene]
-        missing = [loss for loss in self.lost.list() if loss.kind == "usd-missing"]
-        if not self.nodes.roots or (missing and not any(shown)):
-            said = "".join(f"\n  {loss}" for loss in missing)
-            raise SceneError(f"{source.path}: holds nothing that can be shown{said}")
+        shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene)
+        # What is left out is said already.
+        if not any(shown) and {loss.kind for loss in self.lost.list()} <= {"usd-missing"}:
+            self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")

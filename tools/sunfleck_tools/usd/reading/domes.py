@@ -19,7 +19,7 @@ from ..textures import SKY_KINDS
 from .lamp_inputs import LampInputs
 from .losses import Losses
 from .source import Source
-from .texels import PictureError, linear_from_srgb, open_picture
+from .texels import PictureError, open_picture
 
 MOST_BYTES = 2**28
 """Of a picture's file."""
@@ -52,10 +52,10 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
 def _exr_of(resolved: str) -> bytes:
     """A picture for eyes as OpenEXR. Raises `PictureError`."""
     picture = open_picture(resolved)
-    texels = picture.texels(picture.size)[..., :3]
+    texels = picture.texels(picture.size, picture.bits == 8 and picture.channels >= 3)[..., :3]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sky.exr"
-        write_colors(path, linear_from_srgb(texels) if picture.bits == 8 and picture.channels >= 3 else texels)
+        write_colors(path, texels)
         return path.read_bytes()
 
 

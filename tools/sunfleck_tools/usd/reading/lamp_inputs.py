@@ -7,7 +7,7 @@ from pxr import Sdf, Usd, UsdLux
 
 from .losses import Losses
 from .numbers import numbers_in
-from .texels import PictureError, linear_from_srgb, open_picture
+from .texels import PictureError, open_picture
 
 BRIGHTEST = 1e15
 COLDEST, HOTTEST = 1000.0, 10000.0
@@ -89,12 +89,13 @@ class LampInputs:
             return np.ones(3)
         try:
             picture = open_picture(asset.resolvedPath)
-            texels = picture.texels((min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE)))[..., :3]
+            size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
+            texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
         except PictureError as error:
             self.lost.add("usd-texture", self.prim.GetPath(), f"the picture `{asset.path}` is left out: {error}")
             return np.ones(3)
         self.lost.add("usd-light-input", self.prim.GetPath(), "its picture is carried as its mean colour alone")
-        return (linear_from_srgb(texels) if picture.bits == 8 and picture.channels >= 3 else texels).mean(axis=(0, 1))
+        return texels.mean(axis=(0, 1))
 
     def say_the_rest(self, kind: str) -> None:
         """Counts what is not carried."""

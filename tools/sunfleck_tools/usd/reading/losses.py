@@ -16,10 +16,12 @@ from ...errors import SceneError
 
 KINDS = {
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
+    "usd-clock": "a range of frames that cannot be",
     "usd-composition": "an arc or an opinion that USD itself passes over",
     "usd-dome-animated": "a DomeLight that changes over time",
     "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
     "usd-dome-second": "one DomeLight more than there is sky",
+    "usd-empty": "a stage that holds nothing to be seen",
     "usd-instances": "times at which the arrays of an instancer do not fit one another",
     "usd-light-cone": "a cone wider than a half space",
     "usd-light-input": "an input of a light that is not carried",

@@ -14,6 +14,7 @@ from .glows import read_glow
 from .losses import UNREADABLE, Losses
 from .nodes import Nodes
 from .shapes import Shape, ShapeReader, Shapes
+from .skins import Skins
 from .source import Source
 from .spans import Span, read_spans
 from .surfaces import Surfaces
@@ -21,19 +22,20 @@ from .surfaces import Surfaces
 
 @dataclass(frozen=True)
 class _Piece:
-    """A mesh of the file, what it is called, how it bends, and when it is there."""
+    """A mesh of the file, what it is called, how it bends, when it is there, and the joints that it hangs on."""
 
     name: str
     number: int
     bend: Bend | None = None
     span: Span | None = None
+    skin: int | None = None
 
 
 class Meshes:
     """Writes meshes and puts them where they stand."""
 
-    def __init__(self, writer: GlbWriter, nodes: Nodes, source: Source, lost: Losses):
-        self.writer, self.nodes, self.source, self.lost = writer, nodes, source, lost
+    def __init__(self, writer: GlbWriter, nodes: Nodes, skins: Skins, source: Source, lost: Losses):
+        self.writer, self.nodes, self.skins, self.source, self.lost = writer, nodes, skins, source, lost
         self.surfaces = Surfaces(writer, source, lost)
         self._reader = ShapeReader(source, lost)
         self._read: dict[tuple, list[_Piece]] = {}
@@ -47,10 +49,12 @@ class Meshes:
             self._read[key] = self._pieces(prims, bound)
         pieces = self._read[key]
         for index, piece in enumerate(pieces):
-            is_still = piece.bend is None and piece.span is None
+            is_still = piece.bend is None and piece.span is None and piece.skin is None
             is_alone = len(pieces) == 1 and piece.span is None
             at = node if is_alone or (is_still and index == 0) else self.nodes.add(piece.name, node)
             self.nodes.of(at)["mesh"] = piece.number
+            if piece.skin is not None:
+                self.nodes.of(at)["skin"] = piece.skin
             if piece.bend is not None:
                 times = self.source.seconds(piece.bend.codes)
                 self.writer.animate(at, "weights", times, piece.bend.weights.reshape(-1, 1))
@@ -68,12 +72,13 @@ class Meshes:
                     with self.lost.leaving_out(prim):
                         shapes = self._reader.read(prim, each, span)
                         shapes.parts = [replace(part, glow=glow) for part in shapes.parts]
-                        if shapes.bend is None and span.is_always:
+                        skin = self.skins.tie(prim, shapes.parts)
+                        if shapes.bend is None and span.is_always and skin is None:
                             still += shapes.parts
                         elif shapes.parts:
-                            moving.append((prim.GetName(), shapes, None if span.is_always else span))
+                            moving.append((prim.GetName(), shapes, None if span.is_always else span, skin))
         pieces = [_Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
-        return pieces + [_Piece(name, self._write(name, shapes), shapes.bend, span) for name, shapes, span in moving]
+        return pieces + [_Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving]
 
     def _take_turns(self, node: int, span: Span) -> None:
         """Shows a node for as long as a span lasts."""
@@ -95,7 +100,7 @@ class Meshes:
         return self._known[same]
 
     def _primitive(self, part: Shape, bend: Bend | None) -> dict:
-        attributes = {key: self.writer.floats(values, with_bounds=key == "POSITION") for key, values in part.attributes.items()}
+        attributes = {key: self._accessor(key, values) for key, values in part.attributes.items()}
         primitive: dict = {"attributes": attributes, "indices": self.writer.indices(part.triangles)}
         material = self._material(part)
         if material is not None:
@@ -107,6 +112,9 @@ class Meshes:
                 for target, normals in zip(primitive["targets"], part.normal_targets):
                     target["NORMAL"] = self.writer.floats(normals)
         return primitive
+
+    def _accessor(self, name: str, values: np.ndarray) -> int:
+        return self.writer.joints(values) if name.startswith("JOINTS_") else self.writer.floats(values, name == "POSITION")
 
     def _material(self, part: Shape) -> int | None:
         try:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .losses import Losses
 from .networks import Fed
-from .texels import PictureError, linear_from_srgb
+from .texels import PictureError
 from .textures import Placement, Texture, Textures
 
 MOST_BAKED = 2**24
@@ -59,12 +59,10 @@ class Planes:
         whole = np.zeros((rows * high, columns * wide, 3 if fed.output == "rgb" else 1), np.float32)
         for (column, row), path in texture.files:
             try:
-                texels = self.textures.picture(path).texels(size)
+                texels = self.textures.picture(path).texels(size, self.is_srgb(texture, is_color))
             except PictureError as error:
                 self.lost.add("usd-texture", texture.place, f"a texture is black: {error}")
                 continue
-            if self.is_srgb(texture, is_color):
-                texels = np.concatenate([linear_from_srgb(texels[..., :3]), texels[..., 3:]], axis=-1)
             texels = texels * np.clip(np.float32(texture.scale), -LARGEST, LARGEST) + np.float32(texture.bias or (0.0,) * 4)
             first = 0 if fed.output == "rgb" else "rgba".index(fed.output)
             top = (rows - 1 - row) * high

@@ -24,6 +24,11 @@ class Stream:
     values: np.ndarray
     interpolation: str
 
+    @property
+    def is_by_point(self) -> bool:
+        """Whether corners at a point share a row."""
+        return self.interpolation in ("vertex", "varying", "constant")
+
     def rows(self, faces: Faces) -> np.ndarray:
         """A row for each corner."""
         return self.values[_places(self.interpolation, faces)]

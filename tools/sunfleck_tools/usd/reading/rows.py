@@ -18,3 +18,12 @@ def different_rows(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return first, number
     _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     return first, number.ravel()
+
+
+def different_numbers(numbers: np.ndarray, most: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same of whole numbers from 0 up to `most`, without a sort."""
+    first = np.full(most, -1, np.int64)
+    # Of several places the last one that is written stays.
+    first[numbers[::-1]] = np.arange(len(numbers))[::-1]
+    is_there = first >= 0
+    return first[is_there], (np.cumsum(is_there) - 1)[numbers]

@@ -18,7 +18,7 @@ from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
 from .normals import smooth_normals
 from .primvars import Primvars, Stream
-from .rows import different_rows
+from .rows import different_numbers, different_rows
 from .solids import SOLIDS, read_solid
 from .source import Source
 from .spans import Span
@@ -61,9 +61,12 @@ class _Outline:
     finer_points: np.ndarray | None = None
     rows: dict[str, np.ndarray] = field(default_factory=dict)
     layers: list[str] = field(default_factory=list)
+    is_by_point: bool = True
+    """Whether all corners at a point have the same attributes."""
 
     def spread(self, stream: Stream | None) -> np.ndarray | None:
         """A row for each corner of the faces that are written."""
+        self.is_by_point &= stream is None or stream.is_by_point
         if stream is None or self.finer is None:
             return stream and stream.rows(self.faces)
         return self.finer.stream(stream).rows(self.finer.faces)
@@ -117,6 +120,7 @@ class ShapeReader:
         streams, outline.layers = primvars.coordinates()
         outline.rows.update({each.name: outline.spread(each) for each in streams})
         if finer := outline.finer:
+            outline.is_by_point = False
             finest, refined = finer.cage_of_faces, outline.finer_points
             outline.normals_at = lambda at: smooth_normals(finest, refined if at == code else finer.points(points_at(at)))
         else:
@@ -176,7 +180,9 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
 
 def _solid(prim: Usd.Prim, code: float) -> _Outline:
     solid = read_solid(prim, code)
-    return _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points, lambda at: read_solid(prim, at).normals)
+    outline = _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points, lambda at: read_solid(prim, at).normals)
+    outline.is_by_point = False
+    return outline
 
 
 def _cage_faces(source: Source) -> tuple[int, int]:
@@ -212,9 +218,11 @@ def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outlin
     is_used = np.zeros(len(corners), bool)
     is_used[triangles[:, :3]] = True
     used = np.nonzero(is_used)[0]
-    first, number = different_rows(
-        np.column_stack([corners[used], *(values[used] for values in outline.rows.values())]).astype(float)
-    )
+    if outline.is_by_point:
+        first, number = different_numbers(corners[used], len(points))
+    else:
+        rows = [corners[used], *(values[used] for values in outline.rows.values())]
+        first, number = different_rows(np.column_stack(rows).astype(float))
     row_of_corner = np.zeros(len(corners), np.int64)
     row_of_corner[used] = number
     kept = used[first]

@@ -90,7 +90,7 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     metres = UsdGeom.GetStageMetersPerUnit(stage)
     if not (math.isfinite(metres) and metres > 0):
         raise SceneError(f"{path}: a unit of {metres} metres is no unit")
-    fps, codes_per_second, codes = read_clock(path, stage, options.frames)
+    fps, codes_per_second, codes = read_clock(path, stage, options.frames, lost)
     said = stage.GetRootLayer().documentation
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
     is_for = ours.get("for") if isinstance(ours, dict) else None

@@ -45,9 +45,9 @@ def read_spans(prim: Usd.Prim, source: Source) -> list[Span]:
         return [Span(codes_of(sizes_of(prim), source.codes), source.first)]
     mesh = UsdGeom.Mesh(prim)
     attributes = [mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()]
-    codes = codes_of(attributes[:1], source.codes)
     if not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
-        return [Span(codes, source.first)]
+        return [Span(source.codes[:1], source.first)]
+    codes = codes_of(attributes[:1], source.codes)
     starts = _changes(attributes, source)
     if len(starts) == 1:
         return [Span(codes, source.first)]

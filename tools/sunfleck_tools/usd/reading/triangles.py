@@ -15,7 +15,8 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
     """
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     found = []
-    different = np.unique(counts)
+    is_one = len(counts) and counts.min() == counts.max()
+    different = counts[:1] if is_one else np.unique(counts)
     for count in different:
         if count < 3:
             continue
@@ -59,7 +60,9 @@ def _normals(polygons: np.ndarray) -> np.ndarray:
 def _is_convex(polygons: np.ndarray) -> np.ndarray:
     edges = _following(polygons) - polygons
     turns = _cross(edges, _following(edges))
-    return (np.einsum("fci,fi->fc", turns, _normals(polygons)) >= 0).all(axis=1)
+    # The turns of a quadrangle add up to twice Newell's normal.
+    normals = turns.sum(axis=1) if polygons.shape[1] == 4 else _normals(polygons)
+    return (np.einsum("fci,fi->fc", turns, normals) >= 0).all(axis=1)
 
 
 def _ears(polygon: np.ndarray) -> np.ndarray:

@@ -30,6 +30,8 @@ def up_to(prim: Usd.Prim, last: Usd.Prim) -> list[Usd.Prim]:
 def seen(prims: list[Usd.Prim], source: Source) -> tuple[np.ndarray, np.ndarray] | None:
     """Codes, and from each on whether all the prims let be seen; None if they always do."""
     attributes = [UsdGeom.Imageable(prim).GetVisibilityAttr() for prim in prims if says_visibility(prim)]
+    if not attributes:
+        return None
     samples = [code for attribute in attributes for code in attribute.GetTimeSamples()]
     _, last = reach(source.codes)
     codes = np.unique([source.first, *(code for code in samples if source.first < code <= last)])
