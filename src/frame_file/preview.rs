@@ -4,7 +4,7 @@
 use super::bloom::bloom;
 use super::{FrameFileError, atomic};
 use crate::color::{Display, Rgb, dithered};
-use crate::film::Frame;
+use crate::film::{Channel, Frame};
 use crate::scene::{Size, Window};
 use image::ExtendedColorType;
 use image::ImageEncoder;
@@ -33,14 +33,15 @@ impl Picture {
     /// With the reason if the frame has no colour.
     pub fn of(frame: &Frame, display: &Display) -> Result<Self, String> {
         let Window { x, y, width, height } = frame.window;
-        let plane = |name: &str| {
-            let channel = frame.channel(name).ok_or_else(|| format!("the frame has no channel {name}"))?;
+        let plane = |channel: &Channel| {
             let mut plane: Vec<f32> =
                 channel.pixels.par_iter().map(|value| channel.precision.stored(*value)).collect();
             bloom(&mut plane, width, frame.full.height, display.bloom);
-            Ok::<_, String>(plane)
+            plane
         };
-        let planes = [plane("R")?, plane("G")?, plane("B")?];
+        let planes =
+            color(frame).ok_or("the frame has no colour: neither R, G and B, nor a layer of them, nor Y")?;
+        let planes = planes.map(plane);
         let mut bytes = vec![0; 3 * width * height];
         bytes.par_chunks_mut((3 * width).max(1)).enumerate().for_each(|(row, bytes)| {
             // Neighbours often have the same colour.
@@ -77,6 +78,18 @@ impl Picture {
             .map_err(|error| encode_error(error.to_string()))?;
         atomic::write(path, &png)
     }
+}
+
+/// The channels of a frame's colour: its own, else those of its first layer that has some, else its luminance.
+fn color(frame: &Frame) -> Option<[&Channel; 3]> {
+    let of_layer = |layer: &str| {
+        let [red, green, blue] = ["R", "G", "B"].map(|name| frame.channel(&format!("{layer}{name}")));
+        Some([red?, green?, blue?])
+    };
+    let layers = frame.channels.iter().filter_map(|channel| channel.name.strip_suffix('R'));
+    let layers = layers.filter(|layer| layer.is_empty() || layer.ends_with('.'));
+    let luminance = || frame.channel("Y").map(|channel| [channel; 3]);
+    of_layer("").or_else(|| layers.into_iter().find_map(of_layer)).or_else(luminance)
 }
 
 /// Columns and rows, if a PNG can have so many.
