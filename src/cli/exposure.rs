@@ -30,8 +30,9 @@ pub(super) fn display<E>(
             let stops = measured()?;
             if stops != 0.0 {
                 let (by, way) = (stops.abs(), if stops > 0.0 { "brighter" } else { "darker" });
+                let plural = if by == 1.0 { "" } else { "s" };
                 tell(&format!(
-                    "note: pictures are made {by} stops {way} than the light is, so that something is seen (--exposure 0: as it is)"
+                    "note: pictures are {way} than the light is by {by} stop{plural}, as a camera would expose it (--exposure 0: as it is)"
                 ));
             }
             stops

@@ -2,40 +2,36 @@
 //! change what a camera or light that is made up has to serve are among them.
 
 use super::arguments::{
-    BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SizeArgument,
-    Switch,
+    BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
+    SizeArgument, Switch,
 };
-use crate::scene::{ResolveOptions, Size};
+use crate::scene::{FrameRate, ResolveOptions, Size};
 
 impl RenderArguments {
     /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl PreviewArguments {
     /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl InspectArguments {
     /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, frame_rate: self.fps, camera: self.camera.clone(), ..self.scene.options() }
+        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl BenchArguments {
     /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
-        let size = self.size.and_then(SizeArgument::pixels);
-        ResolveOptions { size, camera: self.camera.clone(), ..self.scene.options() }
+        seen(&self.scene, self.size, None, self.camera.as_ref())
     }
 }
 
@@ -45,6 +41,17 @@ impl ExportArguments {
         let no_default_light = self.scene.default_light != Some(Switch::On);
         ResolveOptions { frame_rate: self.fps, no_default_light, ..self.scene.options() }
     }
+}
+
+/// Those of commands that look at the scene through a camera.
+fn seen(
+    scene: &SceneArguments,
+    size: Option<SizeArgument>,
+    frame_rate: Option<FrameRate>,
+    camera: Option<&String>,
+) -> ResolveOptions {
+    let size = size.and_then(SizeArgument::pixels);
+    ResolveOptions { size, frame_rate, camera: camera.cloned(), ..scene.options() }
 }
 
 impl SizeArgument {

@@ -21,7 +21,7 @@ mod sun_pictures;
 mod surfaces;
 
 use super::outline::Tally;
-use super::{RenderSettings, ResolveOptions, Scene, Texture};
+use super::{Light, LightKind, RenderSettings, ResolveOptions, Scene, Texture};
 use crate::description::gltf::report::Report;
 use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
@@ -95,7 +95,9 @@ pub(super) fn resolve(
     builder.keep_properties();
 
     let Builder { mut scene, mut report, outlines, .. } = builder;
-    if scene.instances.is_empty() && scene.fogs.is_empty() && scene.sky.is_none() {
+    let is_seen = |light: &Light| matches!(&light.kind, LightKind::SunDisc(disc) if disc.visible_to_camera);
+    let has_sun_in_view = scene.lights.iter().any(is_seen);
+    if scene.instances.is_empty() && scene.fogs.is_empty() && scene.sky.is_none() && !has_sun_in_view {
         let (found, place) = (Loss::NothingToDraw.sentence(), report.file());
         report.push(Diagnostic::warning(Loss::NothingToDraw, place, found));
     }

@@ -128,7 +128,7 @@ class Opened(unittest.TestCase):
 
     def told(self, source, frames):
         numbers = ",".join(map(str, frames))
-        return json.loads(program("inspect", ROOT / source, "--json", "--frames", numbers))
+        return json.loads(program("inspect", ROOT / source, "--json", "--frames", numbers, "--default-light", "off"))
 
     def named(self, name, kind):
         """An object; Blender numbers those that share their name with others."""

@@ -69,7 +69,8 @@ class LampInputs:
 
     def _temperature(self, code: float) -> np.ndarray:
         light = UsdLux.LightAPI(self.prim)
-        if not light.GetEnableColorTemperatureAttr().Get(code):
+        # Blender enables it and gives none: 6500 K, the fallback, stands for white.
+        if not light.GetEnableColorTemperatureAttr().Get(code) or not light.GetColorTemperatureAttr().HasAuthoredValue():
             return np.ones(3)
         found = numbers_in(light.GetColorTemperatureAttr().Get(code), 1)
         if found is None:
