@@ -164,7 +164,11 @@ fn pictures_get_an_exposure_and_frames_do_not() {
         .unwrap();
     let render = "render tiny.ron --frames 3 --preview png";
     let auto = studio.succeed(&format!("{render} --out a/x.exr"));
-    assert!(auto.err.contains("brighter than the light is") && auto.err.contains("--exposure 0"), "{}", auto.err);
+    assert!(
+        auto.err.contains("brighter than the light is") && auto.err.contains("--exposure 0"),
+        "{}",
+        auto.err
+    );
     let plain = studio.succeed(&format!("{render} --exposure 0 --out b/x.exr"));
     assert!(!plain.err.contains("stops"), "{}", plain.err);
     studio.succeed(&format!("{render} --exposure auto --out c/x.exr"));
