@@ -226,7 +226,7 @@ mod tests {
         let at_work = folder.path().join(".picture.0001.exr.Ab3dE6.sunfleck-part");
         let file = fs::File::create(&at_work).unwrap();
         file.lock().unwrap();
-        assert_eq!(remove_abandoned(&folder.path().join("picture.0001.exr")), [PathBuf::new(); 0]);
+        assert!(remove_abandoned(&folder.path().join("picture.0001.exr")).is_empty());
         drop(file);
         assert_eq!(remove_abandoned(&folder.path().join("picture.0001.exr")), [at_work]);
     }
