@@ -6,10 +6,10 @@ mod bearings;
 mod choice;
 mod draws;
 mod lattice;
-mod passes;
 mod places;
 mod refine;
 mod rings;
+mod rounds;
 mod shares;
 mod slices;
 mod sum;
@@ -20,7 +20,7 @@ use crate::film::{Film, Frame};
 use crate::math::{Ray, Sampler};
 use crate::scene::{Pass, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
-use crate::transport::{Part, Transport};
+use crate::transport::{Component, Transport};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use refine::{Budget, Goal, Refined};
@@ -67,7 +67,7 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
     /// Once it says true the frame comes back unfinished.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
-    /// Is shown the picture so far whenever a pass is done.
+    /// Is shown the picture so far whenever a round is done.
     pub look: Option<&'a (dyn Fn(&Frame) + Sync)>,
 }
 
@@ -99,8 +99,8 @@ pub struct Rendered {
 pub struct Statistics {
     /// Samples, over all pixels and lights; those of slices count as many as they are worth.
     pub samples: u64,
-    /// Passes of the light that took most.
-    pub passes: u32,
+    /// Rounds of the light that took most.
+    pub rounds: u32,
     /// Whether it came from slices, each light from its own, or every sample was a ray.
     pub from_slices: bool,
     /// Slices that were solved, over all lights.
@@ -136,8 +136,9 @@ impl Job {
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
-    let parts = parts(exposure);
-    let survey = if job.is_judged() { Survey::new(middle, job, parts) } else { Survey::omitted(parts) };
+    let components = components(exposure);
+    let survey =
+        if job.is_judged() { Survey::new(middle, job, components) } else { Survey::omitted(components) };
     let mut sum = Sum::default();
     let from_slices = match job.placement {
         Placement::Auto => choose(exposure).placement == Placement::Slices,
@@ -147,22 +148,22 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     sum.statistics.from_slices = from_slices;
     if from_slices {
         let tally = slices::Tally::default();
-        let parts = survey.parts.len();
+        let components = survey.components.len();
         // The brightest first: the others are judged by what they add to it.
         let mut share_so_far = 0.0;
-        for (number, (&part, &share)) in survey.parts.iter().zip(&survey.shares).enumerate() {
-            let range = (number as f64 / parts as f64, (number + 1) as f64 / parts as f64);
+        for (number, (&component, &share)) in survey.components.iter().zip(&survey.shares).enumerate() {
+            let range = (number as f64 / components as f64, (number + 1) as f64 / components as f64);
             share_so_far += share;
             let budget = Budget { share, share_so_far, before: sum.estimates() };
             let before = sum.frame();
-            let developed = watch.part(range, None, |watch| match part {
-                Part::Light(light) => {
+            let developed = watch.part(range, None, |watch| match component {
+                Component::Light(light) => {
                     let picture =
                         slices::LightPicture { exposure, job, light, tally: &tally, rings: OnceLock::new() };
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
-                Part::Sky => {
-                    let picture = tiles::RayPicture { exposure, job, sky_alone: true };
+                component => {
+                    let picture = tiles::RayPicture { exposure, job, component };
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
             });
@@ -170,17 +171,17 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
-        let picture = tiles::RayPicture { exposure, job, sky_alone: false };
+        let picture = tiles::RayPicture { exposure, job, component: Component::All };
         let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }
     sum.finish(job, &survey)
 }
 
-/// What a picture from slices is the sum of: every light's part, and that of the sky if it lights anything.
-fn parts(exposure: &Exposure) -> Vec<Part> {
-    let lights = (0..exposure.middle().lights.len()).map(Part::Light);
-    lights.chain(exposure.has_sky_light().then_some(Part::Sky)).collect()
+/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights anything.
+fn components(exposure: &Exposure) -> Vec<Component> {
+    let lights = (0..exposure.middle().lights.len()).map(Component::Light);
+    lights.chain(exposure.has_sky_light().then_some(Component::Sky)).collect()
 }
 
 /// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.
@@ -197,7 +198,7 @@ fn camera_ray<'a, 'scene>(
     (snapshot, ray)
 }
 
-/// A picture whose passes are shown to whoever looks on.
+/// A picture whose rounds are shown to whoever looks on.
 struct Watched<'a, P> {
     picture: P,
     job: &'a Job,
@@ -205,7 +206,7 @@ struct Watched<'a, P> {
     before: Option<&'a Frame>,
 }
 
-impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
+impl<P: rounds::Picture> rounds::Picture for Watched<'_, P> {
     fn film(&self, job: &Job, window: Window) -> Film {
         self.picture.film(job, window)
     }
@@ -218,8 +219,8 @@ impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
         self.picture.fewest_samples()
     }
 
-    fn add_pass(&self, pass: &passes::SamplePass, film: &mut Film, watch: &Watch) {
-        self.picture.add_pass(pass, film, watch);
+    fn add_round(&self, round: &rounds::Round, film: &mut Film, watch: &Watch) {
+        self.picture.add_round(round, film, watch);
         if let Some(look) = watch.look {
             let mut so_far = film.resolve();
             if let Some(before) = self.before {
@@ -236,7 +237,7 @@ impl<P: passes::Picture> passes::Picture for Watched<'_, P> {
 
 /// Renders a picture that is added to others.
 fn develop(
-    picture: &impl passes::Picture,
+    picture: &impl rounds::Picture,
     job: &Job,
     survey: &Survey,
     budget: &Budget,

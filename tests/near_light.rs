@@ -41,7 +41,7 @@ impl Case {
     /// What the renderer finds with these shadows.
     fn found(&self, shadows: &IntervalSet) -> f64 {
         let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
-        self.medium.stretches(&self.ray, f64::INFINITY, self.light.source(), &mut cuts, &mut stretches);
+        self.medium.stretches(&self.ray, f64::INFINITY, self.light.place(), &mut cuts, &mut stretches);
         let lit = LitSegments::from_shadows(shadows.clone(), self.range());
         lit.integrate(&self.medium, &stretches, &self.ray, &self.light).x
     }

@@ -43,7 +43,7 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
     let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
     let light = snapshot.lights[0].centre();
     let lens_point = snapshot.view.lens_point([0.9, 0.3]);
-    let fan = Fan::new(&snapshot.view, SIZE, lens_point, light.source()).expect("a fan");
+    let fan = Fan::new(&snapshot.view, SIZE, lens_point, light.place()).expect("a fan");
     let job = SliceJob {
         snapshot: &snapshot,
         transport: &EXACT,

@@ -271,7 +271,7 @@ fn a_picture_without_noise_takes_one_pass() {
     scene.background = Rgb::new(0.5, 0.6, 0.7);
     for lights in 0..2 {
         let Rendered { frame, statistics } = picture(&scene, &until(0.001));
-        assert_eq!((statistics.passes, statistics.unconverged_blocks), (1, 0), "{lights} lights");
+        assert_eq!((statistics.rounds, statistics.unconverged_blocks), (1, 0), "{lights} lights");
         assert!(statistics.error.is_some_and(|error| error < 1e-12), "{lights} lights: {statistics:?}");
         let per_pixel = statistics.samples as f64 / luminances(&frame).len() as f64;
         assert!((7.9..8.1).contains(&per_pixel), "{per_pixel}");
@@ -293,7 +293,7 @@ fn half_shadows_are_not_judged_by_a_few_points_of_the_sun() {
 #[test]
 fn black_is_not_refined_forever() {
     let statistics = picture(&camera_at(DVec3::ZERO), &until(1e-6)).statistics;
-    assert_eq!((statistics.passes, statistics.error), (1, Some(0.0)));
+    assert_eq!((statistics.rounds, statistics.error), (1, Some(0.0)));
 }
 
 #[test]
@@ -305,8 +305,8 @@ fn fewer_and_fewer_blocks_go_on() {
             assert!(statistics.error.expect("judged") <= tolerance);
             let a_pixel = statistics.samples as f64 / (SIZE.width * SIZE.height) as f64;
             // Had all blocks gone on, each pass would have doubled the eight samples of the first.
-            let all = f64::from(8 << (statistics.passes - 1));
-            assert!(statistics.passes == 1 || a_pixel < 0.7 * all, "{a_pixel} of {all} at {tolerance}");
+            let all = f64::from(8 << (statistics.rounds - 1));
+            assert!(statistics.rounds == 1 || a_pixel < 0.7 * all, "{a_pixel} of {all} at {tolerance}");
             a_pixel
         })
         .into();

@@ -111,7 +111,7 @@ fn slices_see_the_same_light_as_rays() {
         add_light(&mut scene, kind, position, DVec3::new(0.1, -0.6, 0.8), Rgb::splat(10.0));
         let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 16.0 / 9.0, INSTANT);
         let light = snapshot.lights[0].centre();
-        let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, light.source()).expect("a fan");
+        let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, light.place()).expect("a fan");
         let job = SliceJob {
             snapshot: &snapshot,
             transport: &EXACT,

@@ -65,7 +65,7 @@ fn rays(medium: &Medium, parts: u32) -> Vec<LitRay> {
         };
         let range = medium.range(&ray, f64::INFINITY)?;
         let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
-        medium.stretches(&ray, f64::INFINITY, LAMP.source(), &mut cuts, &mut stretches);
+        medium.stretches(&ray, f64::INFINITY, LAMP.place(), &mut cuts, &mut stretches);
         let mut shadows = IntervalSet::default();
         let tooth = (range.1 - range.0) / f64::from(2 * parts - 1);
         for index in 0..parts - 1 {

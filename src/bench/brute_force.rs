@@ -4,7 +4,7 @@
 
 use crate::color::Rgb;
 use crate::math::{IntervalSet, Ray, Sampler};
-use crate::scattering::Source;
+use crate::scattering::LightPlace;
 use crate::scene::Scene;
 use crate::snapshot::{Luminaire, Snapshot};
 use crate::transport::LitSegments;
@@ -58,10 +58,10 @@ pub fn deviation(
             let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
             let range = snapshot.medium.range(&ray, distance)?;
             let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
-            snapshot.medium.stretches(&ray, distance, light.source(), &mut cuts, &mut stretches);
+            snapshot.medium.stretches(&ray, distance, light.place(), &mut cuts, &mut stretches);
             let mut found = LitSegments::default();
             found.find(snapshot, &ray, light, range);
-            let truth = shadows(triangles, &ray, light.source(), range);
+            let truth = shadows(triangles, &ray, light.place(), range);
             let truth = LitSegments::from_shadows(truth, range);
             let value = |lit: &LitSegments| {
                 let scattered: Rgb = lit.integrate(&snapshot.medium, &stretches, &ray, light);
@@ -81,11 +81,11 @@ pub fn deviation(
 ///
 /// Each triangle is cut by the plane through ray and light; the cut's ends are projected from the
 /// light onto the ray by solving the 2 x 2 system in an orthonormal basis of that plane.
-pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: Source, range: (f64, f64)) -> IntervalSet {
+pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: LightPlace, range: (f64, f64)) -> IntervalSet {
     let along = ray.direction;
     let towards = match light {
-        Source::Towards(direction) => direction,
-        Source::At(position) => position - ray.origin,
+        LightPlace::Towards(direction) => direction,
+        LightPlace::At(position) => position - ray.origin,
     };
     let up = (towards - towards.dot(along) * along).normalize();
     let normal = along.cross(up);
@@ -104,8 +104,8 @@ pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: Source, range: (f64, 
         }
         if let [a, b] = cut[..] {
             let shaded = match light {
-                Source::Towards(_) => shade_from_afar(a, b, light_in_plane, range),
-                Source::At(_) => shade_from_near(a, b, light_in_plane, range),
+                LightPlace::Towards(_) => shade_from_afar(a, b, light_in_plane, range),
+                LightPlace::At(_) => shade_from_near(a, b, light_in_plane, range),
             };
             if let Some((start, end)) = shaded {
                 set.insert(start, end);

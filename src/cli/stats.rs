@@ -82,7 +82,7 @@ fn line(event: &Event) -> Option<Value> {
         Event::FrameWritten { frame, seconds, write_seconds, clamped, dark, statistics, .. } => {
             let Statistics {
                 samples,
-                passes,
+                rounds,
                 from_slices,
                 slices,
                 segments,
@@ -95,7 +95,7 @@ fn line(event: &Event) -> Option<Value> {
                 "frame": frame, "outcome": "written", "render_seconds": seconds, "write_seconds": write_seconds,
                 "method": if *from_slices { "slices" } else { "rays" }, "slices": slices, "segments": segments,
                 "peak_memory_bytes": peak_memory_bytes(),
-                "samples": samples, "passes": passes, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
+                "samples": samples, "rounds": rounds, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
                 "error": error, "noise": noise, "clamped": clamped, "dark": dark.is_some(),
             })
         }

@@ -75,7 +75,8 @@ fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {
 
 /// A sample's part as numbers.
 pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
-    let [h, p, s] = [sample.hue, sample.radiance - sample.own, sample.shafts].map(|color| color.to_array());
+    let [h, p, s] =
+        [sample.hue, sample.radiance - sample.emitted, sample.shafts].map(|color| color.to_array());
     [h[0], h[1], h[2], p[0], p[1], p[2], s[0], s[1], s[2]].map(|value| value as f32)
 }
 
@@ -115,8 +116,8 @@ mod tests {
     }
 
     /// What fog and a surface give by light of a hue, before what shines by itself.
-    fn sample(shafts: Rgb, lit: Rgb, own: Rgb, hue: Rgb) -> Sample {
-        Sample { radiance: shafts + lit + own, shafts, own, hue, ..Sample::default() }
+    fn sample(shafts: Rgb, lit: Rgb, emitted: Rgb, hue: Rgb) -> Sample {
+        Sample { radiance: shafts + lit + emitted, shafts, emitted, hue, ..Sample::default() }
     }
 
     fn colors(film: &Film, names: [&str; 3]) -> Rgb {

@@ -325,7 +325,7 @@ mod tests {
     fn leaf(radiance: f64, depth_m: f64, leaf_id: u32) -> Sample {
         Sample {
             radiance: Rgb::splat(radiance),
-            own: Rgb::ZERO,
+            emitted: Rgb::ZERO,
             hue: Rgb::ONE,
             shafts: Rgb::splat(0.25 * radiance),
             transmittance: Rgb::splat(0.5),

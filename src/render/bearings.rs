@@ -1,7 +1,7 @@
 //! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels, out comes whether a slice in a place
 //! need be looked at. Invariant: no slice that crosses one is left out, however its own fan differs from the centre's.
 //!
-//! A late pass has many slices and few pixels, and most slices meet none of these: to draw them all the same took most of its time under a sun with a picture on it.
+//! A late round has many slices and few pixels, and most slices meet none of these: to draw them all the same took most of its time under a sun with a picture on it.
 
 use crate::film::Mask;
 use crate::scene::Window;

@@ -1,9 +1,9 @@
 //! What each slice is seen with: a moment of the shutter, a point of the lens and a point of the
 //! light. In goes a slice's place, out comes its draw. Invariant: draws of neighbouring slices are
-//! spread evenly over all that there is, after each pass, and what has no extent is not drawn at all.
+//! spread evenly over all that there is, after each round, and what has no extent is not drawn at all.
 //!
 //! A pixel sees as many slices as it has samples, one beside the other, so what counts is how evenly every
-//! short run of draws is spread. A Sobol sequence by place keeps each aligned run of `2^k` even, in two dimensions as well as in one, whatever passes have come to it, and
+//! short run of draws is spread. A Sobol sequence by place keeps each aligned run of `2^k` even, in two dimensions as well as in one, whatever rounds have come to it, and
 //! Owen's scrambling leaves no pattern from one run to the next: additive recurrences, which have one, showed as hatching.
 
 use crate::color::Rgb;

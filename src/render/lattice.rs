@@ -12,9 +12,9 @@
 //! they light.
 
 use super::bearings::Bearings;
-use super::passes::SamplePass;
 use super::places::Places;
 use super::rings::{Layout, Rings};
+use super::rounds::Round;
 use crate::film::Mask;
 use crate::scene::{Size, Window};
 use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
@@ -51,7 +51,7 @@ const SHARED_DRAWS_FROM: u32 = 16;
 /// With more than so many every slice has a draw of its own: what swaths of a pixel's width blur would be most of the error.
 const SHARED_DRAWS_TO: u32 = 128;
 
-/// Swaths of shared draws are no wider: what counts in a pixel must not lie farther away than a crop looks (`passes.rs`).
+/// Swaths of shared draws are no wider: what counts in a pixel must not lie farther away than a crop looks (`rounds.rs`).
 const WIDEST_SWATH_PX: f64 = 2.0;
 
 /// In what slices with draws of their own differ.
@@ -65,7 +65,7 @@ pub(super) struct Differing {
     pub(super) in_brightness: bool,
 }
 
-/// The slices of one pass over one light's part of the picture.
+/// The slices of one round over one light's part of the picture.
 pub(super) struct Lattice {
     rings: Vec<RingLattice>,
     /// After so many places draws come again, if slices share them.
@@ -104,19 +104,19 @@ pub(super) struct PlacedSlice {
     phase: f64,
     /// What a sample counts for each unit of area per radian that it stands for.
     pub(super) weight_per_area: f64,
-    /// By how much the next slices of its pass, or of its draw, are turned, if all of them have samples in the same pixels.
+    /// By how much the next slices of its round, or of its draw, are turned, if all of them have samples in the same pixels.
     turned_rad: Option<f64>,
 }
 
 impl Lattice {
-    /// The slices of a pass, of `base`, which all are the same or differ by their draws. A pass that is not the first is for few pixels, and its slices
+    /// The slices of a round, of `base`, which all are the same or differ by their draws. A round that is not the first is for few pixels, and its slices
     /// gather all that they cut all the same: they take no turns. `chosen` are the picture's rings once they are chosen.
     /// `seen` are the pixels in which chords are wanted, `segments` tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them: the same for
-    /// all passes of a picture.
+    /// all rounds of a picture.
     pub(super) fn new(
         base: &Fan,
         differing: Option<Differing>,
-        pass: &SamplePass,
+        round: &Round,
         seen: &Mask,
         segments: &dyn Fn(&Slice) -> usize,
         chosen: &OnceLock<Rings>,
@@ -125,7 +125,7 @@ impl Lattice {
         let extent = base.extent();
         let is_drawn = differing.is_some();
         let Differing { deviation_rad, in_time, in_brightness } = differing.unwrap_or_default();
-        let samples = f64::from(pass.first_samples());
+        let samples = f64::from(round.first_samples());
         let (samples_per_slice, fewest) = if is_drawn {
             (SAMPLES_PER_DRAW, FEWEST_DRAWS_PER_PX)
         } else {
@@ -134,16 +134,16 @@ impl Lattice {
         let slices_per_px = (samples / samples_per_slice).max(fewest);
         let layout = Layout { is_drawn, deviation_rad, samples, slices_per_px, segments };
         let Rings { count, are_ordered } = *chosen.get_or_init(|| layout.choose(base));
-        let in_all = pass.first_samples() << pass.doublings;
+        let in_all = round.first_samples() << round.doublings;
         let are_shared = is_drawn
             && count == 1
             && !(are_ordered || in_time || in_brightness)
             && (SHARED_DRAWS_FROM..=SHARED_DRAWS_TO).contains(&in_all);
         let is_streaky = is_drawn && !are_shared && (count == 1 || in_time) && samples < NO_TURNS_FROM;
         let first_turns = if is_streaky { TURNS } else { 1 };
-        let turns = if pass.is_first() { first_turns } else { 1 };
-        let places = Places::new(pass, first_turns);
-        // Each draw has a slice to a pixel's width, when all passes are done.
+        let turns = if round.is_first() { first_turns } else { 1 };
+        let places = Places::new(round, first_turns);
+        // Each draw has a slice to a pixel's width, when all rounds are done.
         let rows_per_px = slices_per_px.round() as usize;
         let draws = are_shared.then_some(rows_per_px * places.per_row);
         let first_shift = shift();
@@ -180,7 +180,7 @@ impl Lattice {
                 to,
                 weight_per_area: samples * row_rad,
                 shift_along: along,
-                bearings: (!pass.is_first())
+                bearings: (!round.is_first())
                     .then(|| Bearings::new(base, ring, 1.5 * deviation_rad, seen, margin)),
             };
             from = to;
@@ -324,7 +324,7 @@ mod tests {
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
-    /// The draws and the widest swaths, pixels, of passes of 6, 6 and 12 samples under a light that wanders far, where gathering is dear.
+    /// The draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that wanders far, where gathering is dear.
     fn drawn(differing: Differing) -> (BTreeSet<usize>, Vec<f64>) {
         let base = Fan::of_pinhole(
             0.7,
@@ -334,9 +334,9 @@ mod tests {
         let wanted = Mask::all(Window::whole(SIZE));
         let (rings, mut draws, mut swaths) = (OnceLock::new(), BTreeSet::new(), Vec::new());
         for number in 0..3 {
-            let pass = SamplePass::of_doublings(number, 6, 24, &wanted).expect("not the last");
+            let round = Round::of_doublings(number, 6, 24, &wanted).expect("not the last");
             let dear = |_: &Slice| 1_000_000;
-            let lattice = Lattice::new(&base, Some(differing), &pass, &wanted, &dear, &rings, || (0.3, 0.6));
+            let lattice = Lattice::new(&base, Some(differing), &round, &wanted, &dear, &rings, || (0.3, 0.6));
             draws.extend((0..lattice.count()).map(|number| lattice.draw(number)));
             let slices = (0..lattice.count()).filter_map(|number| lattice.slice(&base, &base, number));
             let width_px = |placed: PlacedSlice| {
@@ -347,7 +347,7 @@ mod tests {
         (draws, swaths)
     }
 
-    /// The passes together have 12 slices to a pixel's width, and each of 12 draws has one.
+    /// The rounds together have 12 slices to a pixel's width, and each of 12 draws has one.
     #[test]
     fn far_wanderers_share_draws_a_pixel_apart() {
         let (draws, swaths) = drawn(Differing { deviation_rad: 0.016, ..Differing::default() });

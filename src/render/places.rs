@@ -1,9 +1,9 @@
-//! Which places slices have among all that any pass may ask for. In goes a slice's number, out come its place and where along it its samples lie. Invariant: slices of a pass lie half way
-//! between those of the passes before, so all passes together are one lattice, as even as if it had been rendered at once.
+//! Which places slices have among all that any round may ask for. In goes a slice's number, out come its place and where along it its samples lie. Invariant: slices of a round lie half way
+//! between those of the rounds before, so all rounds together are one lattice, as even as if it had been rendered at once.
 
-use super::passes::SamplePass;
+use super::rounds::Round;
 
-/// Of a single pass: places and phases are a lattice in two dimensions, and none of few points is more even.
+/// Of a single round: places and phases are a lattice in two dimensions, and none of few points is more even.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// The phase from place to place in rows of [`FINEST`] places. It, its double and so on, which are those of rows of fewer, have been sought by a computer: with each the
@@ -14,9 +14,9 @@ const PHASE_STEP: f64 = 0.960_362_336_315_445_8;
 /// See [`PHASE_STEP`].
 const FINEST: f64 = 16384.0;
 
-/// The places of a pass.
+/// The places of a round.
 ///
-/// A *row* is what lies between a slice of the first pass and the next of the same turn; all rows have as many places.
+/// A *row* is what lies between a slice of the first round and the next of the same turn; all rows have as many places.
 #[derive(Clone, Copy)]
 pub(super) struct Places {
     /// A power of two.
@@ -27,19 +27,19 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// Those of a pass, if slices of the first take so many turns, a power of two.
-    pub(super) fn new(pass: &SamplePass, turns: usize) -> Self {
-        // As many as the last pass wants.
-        let per_turn = 1 << pass.doublings;
+    /// Those of a round, if slices of the first take so many turns, a power of two.
+    pub(super) fn new(round: &Round, turns: usize) -> Self {
+        // As many as the last round wants.
+        let per_turn = 1 << round.doublings;
         let per_row = turns * per_turn;
-        if pass.is_first() {
+        if round.is_first() {
             return Self { per_row, step: per_turn, first: 0 };
         }
-        let first = per_turn >> pass.number;
+        let first = per_turn >> round.number;
         Self { per_row, step: 2 * first * turns, first }
     }
 
-    /// The place of slice `number` of this pass.
+    /// The place of slice `number` of this round.
     pub(super) fn of(&self, number: usize) -> usize {
         self.first + number * self.step
     }
@@ -60,12 +60,11 @@ mod tests {
     use crate::film::Mask;
     use crate::scene::Window;
 
-    /// The places of the first eight rows in a pass, if three passes come after the first.
+    /// The places of the first eight rows in a round, if three rounds come after the first.
     fn of_pass(number: u32, turns: usize) -> (Places, Vec<usize>) {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
-        let pass =
-            SamplePass { number, doublings: 3, samples: 8 << number.saturating_sub(1), wanted: &wanted };
-        let places = Places::new(&pass, turns);
+        let round = Round { number, doublings: 3, samples: 8 << number.saturating_sub(1), wanted: &wanted };
+        let places = Places::new(&round, turns);
         assert_eq!(places.per_row, 8 * turns);
         (places, (places.first..8 * places.per_row).step_by(places.step).collect())
     }
@@ -81,7 +80,7 @@ mod tests {
         }
     }
 
-    /// Slices of a turn are twice as far apart; those of later passes serve the pixels of both turns.
+    /// Slices of a turn are twice as far apart; those of later rounds serve the pixels of both turns.
     #[test]
     fn slices_in_turns_leave_their_places_to_others() {
         assert_eq!(of_pass(0, 2).1[..4], [0, 8, 16, 24]);
@@ -93,7 +92,7 @@ mod tests {
     #[test]
     fn a_single_pass_has_its_slices_in_their_order() {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
-        let places = Places::new(&SamplePass::only(8, &wanted), 1);
+        let places = Places::new(&Round::only(8, &wanted), 1);
         assert!((0..20).all(|number| places.of(number) == number));
     }
 
@@ -111,7 +110,7 @@ mod tests {
         let wanted = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
         for doublings in 0..14 {
             for turns in [1, 2] {
-                let places = Places::new(&SamplePass { doublings, ..SamplePass::only(8, &wanted) }, turns);
+                let places = Places::new(&Round { doublings, ..Round::only(8, &wanted) }, turns);
                 for rows in [2, 4, 8] {
                     let slices = (rows * places.per_row).min(512) as f64;
                     let evenness = evenness(&places, slices);

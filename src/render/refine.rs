@@ -1,9 +1,9 @@
-//! Passes until a picture is good enough. In goes a picture to be rendered in passes, out comes its
+//! Rounds until a picture is good enough. In goes a picture to be rendered in rounds, out comes its
 //! film and what its blocks are still in error by. Invariant: whether a block or a pixel goes on depends on
 //! its block's samples and on those with which the blocks next to it are first judged alone, so that a part of a picture has
 //! the pixels of the whole.
 
-use super::passes::{Picture, SamplePass};
+use super::rounds::{Picture, Round};
 use super::survey::Survey;
 use super::{Job, Watch};
 use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
@@ -22,7 +22,7 @@ pub(super) const ORDERED: f64 = 0.75;
 /// The same where samples have draws of their own, and know little of one another.
 pub(super) const DRAWN: f64 = 0.5;
 
-/// Samples a pixel of the first pass, at most: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
+/// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
 const FIRST_SAMPLES: u32 = 8;
 
 /// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
@@ -38,7 +38,7 @@ pub(super) struct Refined {
     pub(super) blocks: Blocks,
     /// Of each of them, see [`BlockEstimate::variance`]; none if nobody judges.
     pub(super) variances: Vec<f64>,
-    pub(super) passes: u32,
+    pub(super) rounds: u32,
 }
 
 /// When a block is good enough.
@@ -83,13 +83,13 @@ fn visible(luminance: f64, survey: &Survey) -> f64 {
     luminance.max(DARKEST * survey.mean)
 }
 
-/// Renders exactly so many samples a pixel, as one pass.
+/// Renders exactly so many samples a pixel, as one round.
 pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watch) -> Refined {
     let blocks = Blocks::covering(job.window, job.size);
     let window = if job.is_judged() { blocks.window() } else { job.window };
     let mut film = picture.film(job, window);
     let wanted = Mask::all(window);
-    picture.add_pass(&SamplePass::only(samples, &wanted), &mut film, watch);
+    picture.add_round(&Round::only(samples, &wanted), &mut film, watch);
     picture.fill_holes(&mut film, watch);
     let estimates = if job.is_judged() {
         judge(&estimates(&film, picture.convergence()), &film, &blocks)
@@ -97,12 +97,12 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
         Vec::new()
     };
     let variances = estimates.iter().map(|block| block.variance).collect();
-    Refined { film, blocks, variances, passes: 1 }
+    Refined { film, blocks, variances, rounds: 1 }
 }
 
-/// Renders passes until every block of the window reaches the goal, or its pixels have all the samples they may.
+/// Renders rounds until every block of the window reaches the goal, or its pixels have all the samples they may.
 ///
-/// Each pass doubles the samples of the pixels that take part in it, and its samples judge those before.
+/// Each round doubles the samples of the pixels that take part in it, and its samples judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
     let window_blocks = Blocks::covering(job.window, job.size);
     // What they show when they are first judged tells whether a block at the window's rim goes on.
@@ -115,17 +115,17 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
     let mut variances = vec![f64::INFINITY; blocks.count()];
     let mut goes_on = vec![true; blocks.count()];
     let mut mask = Mask::all(blocks.window());
-    let (mut work, mut worst, mut passes, mut was_judged) = (Work::default(), None, 0, false);
+    let (mut work, mut worst, mut rounds, mut was_judged) = (Work::default(), None, 0, false);
     for number in 0.. {
         let active = mask.count() as f64;
-        let pass = SamplePass::of_doublings(number, goal.first_samples(), goal.most, &mask);
-        let Some(pass) = pass.filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
+        let round = Round::of_doublings(number, goal.first_samples(), goal.most, &mask);
+        let Some(round) = round.filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
 
         film.let_fresh_be_known(&mask);
-        let part = work.next(active * f64::from(pass.samples));
-        watch.part(part, worst, |watch| picture.add_pass(&pass, &mut film, watch));
-        passes += 1;
-        let samples = pass.before() + pass.samples;
+        let part = work.next(active * f64::from(round.samples));
+        watch.part(part, worst, |watch| picture.add_round(&round, &mut film, watch));
+        rounds += 1;
+        let samples = round.before() + round.samples;
 
         let pixels = estimates(&film, picture.convergence());
         let estimates = judge(&pixels, &film, &blocks);
@@ -165,7 +165,7 @@ pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Wat
         work.left = pixels_a_block * samples_left(&excess, samples, goal.most, picture.convergence());
     }
     picture.fill_holes(&mut film, watch);
-    Refined { film, blocks, variances, passes }
+    Refined { film, blocks, variances, rounds }
 }
 
 /// What each pixel's samples say of it.
@@ -190,7 +190,7 @@ fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<
 }
 
 impl Goal<'_> {
-    /// Samples a pixel of the first pass; doubled some times they are the most that a pixel may have, or nearly.
+    /// Samples a pixel of the first round; doubled some times they are the most that a pixel may have, or nearly.
     fn first_samples(&self) -> u32 {
         if self.tolerance >= LOOSE {
             return FIRST_SAMPLES_LOOSE;

@@ -43,7 +43,7 @@ pub(super) struct Layout<'a> {
     pub(super) segments: &'a dyn Fn(&Slice) -> usize,
 }
 
-/// What was chosen: the same for all passes of a picture.
+/// What was chosen: the same for all rounds of a picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rings {
     pub(super) count: u32,

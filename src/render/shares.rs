@@ -1,8 +1,8 @@
 //! In which pixels a piece of a slice counts, and how much. In goes the piece, out come its pixels and weights. Invariant: a pixel gets no share
-//! from a pass that does not want it, and what a piece counts in it does not depend on which others are wanted.
+//! from a round that does not want it, and what a piece counts in it does not depend on which others are wanted.
 
 use super::lattice::PlacedSlice;
-use super::passes::SamplePass;
+use super::rounds::Round;
 use crate::film::{Splat, filter};
 use crate::math::gauss_legendre;
 use crate::scene::Size;
@@ -16,7 +16,7 @@ fn points_of(length_px: f64) -> usize {
 
 /// What the pieces of a slice have in common.
 pub(super) struct Shares<'a> {
-    pub(super) pass: &'a SamplePass<'a>,
+    pub(super) round: &'a Round<'a>,
     pub(super) size: Size,
     pub(super) placed: &'a PlacedSlice,
 }
@@ -35,17 +35,17 @@ impl Shares<'_> {
         outline: &mut Outline,
         mut add: impl FnMut(u32, &Splat),
     ) {
-        let Self { pass, size, placed } = *self;
-        let unwanted_around = |x: usize, y: usize| pass.wanted.unwanted_around(x, y);
+        let Self { round, size, placed } = *self;
+        let unwanted_around = |x: usize, y: usize| round.wanted.unwanted_around(x, y);
         let share = 1.0 / f64::from(placed.swath_lines());
-        for piece in pieces.iter_mut().filter(|piece| pass.may_share(piece.pixel, piece.pixel)) {
+        for piece in pieces.iter_mut().filter(|piece| round.may_share(piece.pixel, piece.pixel)) {
             piece.count(piece.pixel, share * piece.weight);
         }
         let weight_per_area = share * placed.weight_per_area;
         for (line, turned_rad) in placed.swath_beside(own) {
             outline.parts(&line, turned_rad, size, unwanted_around, |part| {
                 let piece = &mut pieces[part.piece];
-                if pass.may_share(piece.pixel, part.pixel) {
+                if round.may_share(piece.pixel, part.pixel) {
                     let weight = weight_per_area * part.area_per_rad;
                     if let Some((pixel, weight)) = piece.count(part.pixel, weight) {
                         add(piece.sample, &splat(piece.film_px, pixel, weight));
@@ -90,7 +90,7 @@ impl Shares<'_> {
         pixels.filter_map(move |(right, down)| {
             let (pixel, share) =
                 (((x + right).wrapping_sub(1), (y + down).wrapping_sub(1)), shares[down][right]);
-            let is_wanted = share > 0.0 && self.pass.wanted.contains(pixel.0, pixel.1);
+            let is_wanted = share > 0.0 && self.round.wanted.contains(pixel.0, pixel.1);
             is_wanted.then(|| splat(piece.place.film_px, pixel, share * piece.weight))
         })
     }

@@ -4,18 +4,18 @@
 
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice};
-use super::passes::{Picture, SamplePass};
 use super::refine::{DRAWN, ORDERED};
 use super::rings::Rings;
+use super::rounds::{Picture, Round};
 use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Splats};
 use crate::math::Sampler;
-use crate::scattering::Source;
+use crate::scattering::LightPlace;
 use crate::scene::{PixelFilter, Window};
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, Outline, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
-use crate::transport::{Part, Sample, Scratch, radiance_of_part};
+use crate::transport::{Component, Sample, Scratch, radiance_of_component};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -28,14 +28,14 @@ const BATCH_PER_THREAD: usize = 16;
 /// no half shadow, and between those all halves agree (docs/decisions/tolerance.md).
 const FEWEST_DRAWN_SAMPLES: u32 = 16;
 
-/// One light's part of a picture, in passes of a lattice each.
+/// The component of one light, in rounds of a lattice each.
 pub(super) struct LightPicture<'a> {
     pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
     /// The light, as its index in the snapshot.
     pub(super) light: usize,
     pub(super) tally: &'a Tally,
-    /// As its first pass has chosen them.
+    /// As its first round has chosen them.
     pub(super) rings: OnceLock<Rings>,
 }
 
@@ -74,8 +74,8 @@ impl Picture for LightPicture<'_> {
         if self.convergence() == ORDERED { 1 } else { FEWEST_DRAWN_SAMPLES }
     }
 
-    fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
-        add_pass(self, pass, film, watch);
+    fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch) {
+        add_round(self, round, film, watch);
     }
 
     /// A ray of its own, through the pixel's centre.
@@ -89,29 +89,35 @@ impl Picture for LightPicture<'_> {
             let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
             let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let (snapshot, ray) = camera_ray(exposure, job.size, centre, &mut sampler);
-            let part = Part::Light(light);
-            let value = radiance_of_part(part, snapshot, &job.transport, &ray, &mut sampler, &mut scratch);
+            let value = radiance_of_component(
+                Component::Light(light),
+                snapshot,
+                &job.transport,
+                &ray,
+                &mut sampler,
+                &mut scratch,
+            );
             film.add(x, y, 1.0, 0.0, &value);
         }
     }
 }
 
-/// Adds a pass's samples to the film.
-fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &Watch) {
+/// Adds a round's samples to the film.
+fn add_round(picture: &LightPicture, round: &Round, film: &mut Film, watch: &Watch) {
     let LightPicture { exposure, job, light, tally, ref rings } = *picture;
     let mut sampler = Sampler::new(job.seed, light as u32, 0, 0);
     let draws = Draws::new(exposure, light, job.seed);
-    let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.source());
+    let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.place());
     let Some(base) = fan_of(&draws.middle()) else { return };
     let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
     let differing = (!draws.is_single()).then(|| Differing {
         deviation_rad: wanders.fold(0.0, f64::max),
         in_time: !exposure.is_instant(),
-        in_brightness: matches!(draws.middle().light.source(), Source::At(_)),
+        in_brightness: matches!(draws.middle().light.place(), LightPlace::At(_)),
     });
     let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
-    let seen = pass.seen(job.size, job.filter);
-    let lattice = Lattice::new(&base, differing, pass, &seen, &segments, rings, || sampler.next_2d());
+    let seen = round.seen(job.size, job.filter);
+    let lattice = Lattice::new(&base, differing, round, &seen, &segments, rings, || sampler.next_2d());
     let count = lattice.count();
 
     // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
@@ -126,7 +132,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
             |(scratch, outline, pieces), (index, samples)| {
                 let number = first + index;
                 // Of a lattice's rows every other one is a lattice too; what nobody judges has no halves.
-                samples.start(job.is_judged() && (!pass.is_first() || lattice.row(number) % 2 == 1));
+                samples.start(job.is_judged() && (!round.is_first() || lattice.row(number) % 2 == 1));
                 if !lattice.is_wanted(number) || (watch.cancelled)() {
                     return;
                 }
@@ -141,7 +147,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
                     self_luminous: light == 0,
                     fan: &own,
                 };
-                let shares = Shares { pass, size: job.size, placed: &placed };
+                let shares = Shares { round, size: job.size, placed: &placed };
                 let chords = placed.chords(job.size, &seen);
                 pieces.clear();
                 let has_outline = placed.has_swath() && job.filter == PixelFilter::Box;
@@ -155,7 +161,7 @@ fn add_pass(picture: &LightPicture, pass: &SamplePass, film: &mut Film, watch: &
                         }
                     }
                 };
-                outline.start(pass.region_side());
+                outline.start(round.region_side());
                 let outlined = has_outline.then_some(&mut *outline);
                 if let Some(segments) = solve(&slice_job, &placed.slice, chords, outlined, scratch, add) {
                     tally.add(segments);

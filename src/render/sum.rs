@@ -20,9 +20,9 @@ pub(super) struct Sum {
 
 impl Sum {
     pub(super) fn add(&mut self, picture: Refined) {
-        let Refined { film, blocks, variances, passes } = picture;
+        let Refined { film, blocks, variances, rounds } = picture;
         self.statistics.samples += film.weight() as u64;
-        self.statistics.passes = self.statistics.passes.max(passes);
+        self.statistics.rounds = self.statistics.rounds.max(rounds);
         let resolved = film.resolve();
         match &mut self.frame {
             None => (self.frame, self.variances) = (Some(resolved), variances),

@@ -1,55 +1,56 @@
 //! How bright the picture is, roughly, before any of it is rendered: what errors are measured
-//! against where it is dark, and which part of it matters most. In go a snapshot and a job, out come luminances.
-//! Invariant: the whole picture is surveyed whatever part of it is wanted, so all parts agree.
+//! against where it is dark, and which component matters most. In go a snapshot and a job, out come luminances.
+//! Invariant: the whole picture is surveyed whatever part of it is wanted, so all crops agree.
 
 use super::Job;
 use crate::color::{Rgb, luminance};
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
-use crate::transport::{Part, Scratch, radiance_of_part};
+use crate::transport::{Component, Scratch, radiance_of_component};
 use rayon::prelude::*;
 
-/// Rays across and down the picture, for each part: a hundredth and less of what the picture takes.
+/// Rays across and down the picture, for each component: a hundredth and less of what the picture takes.
 const RAYS: (usize, usize) = (16, 9);
 
 /// What a coarse grid of rays finds.
 pub(super) struct Survey {
     /// Mean luminance of the picture.
     pub(super) mean: f64,
-    /// The parts by what they add to it, the brightest first.
-    pub(super) parts: Vec<Part>,
-    /// Which share of the variance that the picture may have is each part's, in the same order.
+    /// The components by what they add to it, the brightest first.
+    pub(super) components: Vec<Component>,
+    /// Which share of the variance that the picture may have is each component's, in the same order.
     pub(super) shares: Vec<f64>,
 }
 
-/// What of the variance all parts share evenly, however dark: a few rays may miss what a lamp lights.
+/// What of the variance all components share evenly, however dark: a few rays may miss what a lamp lights.
 const EVEN_SHARE: f64 = 0.1;
 
 impl Survey {
-    pub(super) fn new(snapshot: &Snapshot, job: &Job, parts: Vec<Part>) -> Self {
-        let mut by_part: Vec<(Part, f64)> =
-            parts.into_iter().map(|part| (part, mean_luminance(snapshot, job, part))).collect();
-        by_part.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let mean: f64 = by_part.iter().map(|(_, luminance)| luminance).sum();
-        // A part's noise is in proportion to it, and falls with about the power 3/4 of its samples: then all parts
+    pub(super) fn new(snapshot: &Snapshot, job: &Job, components: Vec<Component>) -> Self {
+        let with_luminance = |component| (component, mean_luminance(snapshot, job, component));
+        let mut by_brightness: Vec<(Component, f64)> = components.into_iter().map(with_luminance).collect();
+        by_brightness.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mean: f64 = by_brightness.iter().map(|(_, luminance)| luminance).sum();
+        // A component's noise is in proportion to it, and falls with about the power 3/4 of its samples: then all components
         // together take the fewest if variances are nearly as luminances.
-        let even = 1.0 / by_part.len() as f64;
-        let by_brightness = |luminance: f64| if mean > 0.0 { luminance / mean } else { even };
-        let share = |luminance| EVEN_SHARE * even + (1.0 - EVEN_SHARE) * by_brightness(luminance);
-        let (parts, shares) = by_part.into_iter().map(|(part, luminance)| (part, share(luminance))).unzip();
-        Self { mean, parts, shares }
+        let even = 1.0 / by_brightness.len() as f64;
+        let proportion = |luminance: f64| if mean > 0.0 { luminance / mean } else { even };
+        let share = |luminance| EVEN_SHARE * even + (1.0 - EVEN_SHARE) * proportion(luminance);
+        let (components, shares) =
+            by_brightness.into_iter().map(|(component, luminance)| (component, share(luminance))).unzip();
+        Self { mean, components, shares }
     }
 
     /// Of a picture that nobody judges.
-    pub(super) fn omitted(parts: Vec<Part>) -> Self {
-        let count = parts.len();
-        Self { mean: 0.0, parts, shares: vec![1.0 / count as f64; count] }
+    pub(super) fn omitted(components: Vec<Component>) -> Self {
+        let count = components.len();
+        Self { mean: 0.0, components, shares: vec![1.0 / count as f64; count] }
     }
 }
 
-/// Mean over the picture of a part of it. Rays into a sun are left out, if there are others: it is a thousand times as bright as all the rest, and were it
+/// Mean over the picture of a component. Rays into a sun are left out, if there are others: it is a thousand times as bright as all the rest, and were it
 /// among these few rays the whole picture would count as dark.
-fn mean_luminance(snapshot: &Snapshot, job: &Job, part: Part) -> f64 {
+fn mean_luminance(snapshot: &Snapshot, job: &Job, component: Component) -> f64 {
     let (columns, rows) = RAYS;
     let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
     let rays = (0..columns * rows).map(|number| {
@@ -65,7 +66,10 @@ fn mean_luminance(snapshot: &Snapshot, job: &Job, part: Part) -> f64 {
         .par_iter()
         .map_init(Scratch::default, |scratch, (number, ray)| {
             let mut sampler = Sampler::new(job.seed, *number, 0, 0);
-            luminance(radiance_of_part(part, snapshot, &job.transport, ray, &mut sampler, scratch).radiance)
+            luminance(
+                radiance_of_component(component, snapshot, &job.transport, ray, &mut sampler, scratch)
+                    .radiance,
+            )
         })
         .collect();
     luminances.iter().sum::<f64>() / luminances.len() as f64

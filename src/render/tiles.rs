@@ -1,13 +1,13 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
-use super::passes::{Picture, SamplePass};
 use super::refine::ORDERED;
+use super::rounds::{Picture, Round};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, filter};
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Sampling, Window};
 use crate::snapshot::Exposure;
-use crate::transport::{Part, Scratch, radiance, radiance_of_part};
+use crate::transport::{Component, Scratch, radiance_of_component};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,12 +15,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
 const TILE: usize = 32;
 
-/// A picture of all light, or of the sky's alone, each sample a ray of its own.
+/// A picture of a component of the light, each sample a ray of its own.
 pub(super) struct RayPicture<'a> {
     pub(super) exposure: &'a Exposure<'a>,
     pub(super) job: &'a Job,
-    /// Whether lights are left out, for they have pictures of their own.
-    pub(super) sky_alone: bool,
+    pub(super) component: Component,
 }
 
 impl Picture for RayPicture<'_> {
@@ -37,10 +36,10 @@ impl Picture for RayPicture<'_> {
         1
     }
 
-    fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch) {
+    fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch) {
         let tiles: Vec<Window> = tiles(film.window())
             .into_iter()
-            .filter(|tile| tile.pixels().any(|(x, y)| pass.wanted.contains(x, y)))
+            .filter(|tile| tile.pixels().any(|(x, y)| round.wanted.contains(x, y)))
             .collect();
         let finished = AtomicUsize::new(0);
         let films: Vec<Film> = tiles
@@ -48,7 +47,7 @@ impl Picture for RayPicture<'_> {
             .map_init(Scratch::default, |scratch, &tile| {
                 let mut film = self.film(self.job, tile);
                 if !(watch.cancelled)() {
-                    self.render_tile(pass, tile, scratch, &mut film, watch);
+                    self.render_tile(round, tile, scratch, &mut film, watch);
                     watch.tell((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
                 }
                 film
@@ -66,19 +65,19 @@ impl Picture for RayPicture<'_> {
 impl RayPicture<'_> {
     fn render_tile(
         &self,
-        pass: &SamplePass,
+        round: &Round,
         tile: Window,
         scratch: &mut Scratch,
         film: &mut Film,
         watch: &Watch,
     ) {
-        let Self { exposure, job, sky_alone } = *self;
-        for (x, y) in tile.pixels().filter(|&(x, y)| pass.wanted.contains(x, y)) {
+        let Self { exposure, job, component } = *self;
+        for (x, y) in tile.pixels().filter(|&(x, y)| round.wanted.contains(x, y)) {
             if (watch.cancelled)() {
                 return;
             }
-            for number in 0..pass.samples {
-                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, pass.before() + number);
+            for number in 0..round.samples {
+                let mut sampler = Sampler::new(job.seed, x as u32, y as u32, round.before() + number);
                 let from_centre = match (job.sampling, job.filter) {
                     (Sampling::Exactly(1), _) => DVec2::ZERO,
                     (_, PixelFilter::Box) => DVec2::from(sampler.next_2d()) - 0.5,
@@ -87,14 +86,11 @@ impl RayPicture<'_> {
                 let film_px = DVec2::new(x as f64, y as f64) + 0.5 + from_centre;
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
                 let transport = &job.transport;
-                let value = if sky_alone {
-                    radiance_of_part(Part::Sky, snapshot, transport, &ray, &mut sampler, scratch)
-                } else {
-                    radiance(snapshot, transport, &ray, &mut sampler, scratch)
-                };
+                let value =
+                    radiance_of_component(component, snapshot, transport, &ray, &mut sampler, scratch);
                 let from_centre = from_centre.length();
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
-                if !pass.is_first() || 2 * number >= pass.samples {
+                if !round.is_first() || 2 * number >= round.samples {
                     film.add_fresh(x, y, 1.0, from_centre, &value);
                 } else {
                     film.add(x, y, 1.0, from_centre, &value);

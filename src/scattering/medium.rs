@@ -17,9 +17,6 @@ pub struct Medium {
     banks: Vec<FogBank>,
 }
 
-/// Where the light comes from that the fog scatters.
-pub type Source = LightPlace;
-
 /// A part of a ray on which everything is smooth.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
@@ -89,8 +86,8 @@ impl Medium {
     }
 
     /// Optical depth from a point to the light.
-    pub fn optical_depth_to(&self, point: DVec3, source: Source) -> Rgb {
-        match source {
+    pub fn optical_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
+        match light {
             LightPlace::Towards(to_light) => self.optical_depth(point, to_light, f64::INFINITY),
             LightPlace::At(position) => {
                 self.banks.iter().map(|fog| fog.sigma_t * fog.length_between(point, position)).sum()
@@ -110,7 +107,7 @@ impl Medium {
         &self,
         ray: &Ray,
         t_max: f64,
-        source: Source,
+        light: LightPlace,
         scratch: &mut Vec<f64>,
         out: &mut Vec<Stretch>,
     ) {
@@ -129,7 +126,7 @@ impl Medium {
                 cut(enter);
                 cut(leave);
             }
-            fog.for_each_kink(ray, source, &mut cut);
+            fog.for_each_kink(ray, light, &mut cut);
         }
         cuts.sort_unstable_by(f64::total_cmp);
         cuts.dedup();
@@ -309,14 +306,14 @@ mod tests {
             fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
             fog_between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.5, 1.0), 0.2),
         ]);
-        let source = LightPlace::Towards(DVec3::new(0.3, 0.8, -0.4).normalize());
+        let light = LightPlace::Towards(DVec3::new(0.3, 0.8, -0.4).normalize());
         let ray =
             Ray { origin: DVec3::new(-3.0, 0.2, 0.3), direction: DVec3::new(1.0, -0.1, -0.15).normalize() };
         let (mut scratch, mut stretches) = (Vec::new(), Vec::new());
-        medium.stretches(&ray, 100.0, source, &mut scratch, &mut stretches);
+        medium.stretches(&ray, 100.0, light, &mut scratch, &mut stretches);
         assert!(stretches.len() >= 4);
         for stretch in &stretches {
-            let tau = |t: f64| medium.optical_depth_to(ray.at(t), source).x;
+            let tau = |t: f64| medium.optical_depth_to(ray.at(t), light).x;
             let inset = 1e-9 * (stretch.end - stretch.start);
             let mean = 0.5 * (tau(stretch.start + inset) + tau(stretch.end - inset));
             let middle = tau(0.5 * (stretch.start + stretch.end));

@@ -12,9 +12,9 @@ mod sheen;
 
 pub use beer_lambert::{exp_minus, mean_transmittance};
 pub use falloff::{Climb, Falloff};
-pub use fog_bank::FogBank;
+pub use fog_bank::{FogBank, LightPlace};
 pub use gloss::{Gloss, LEAST_ROUGHNESS};
 pub use layers::{Clearcoat, Layers};
-pub use medium::{Course, Medium, Source, Stretch};
+pub use medium::{Course, Medium, Stretch};
 pub use phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
 pub use sheen::Sheen;

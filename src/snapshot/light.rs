@@ -3,7 +3,7 @@
 
 use super::Emission;
 use crate::color::Rgb;
-use crate::scattering::Source;
+use crate::scattering::LightPlace;
 use glam::DVec3;
 
 /// A light without extent at one time, in relative space.
@@ -29,10 +29,10 @@ pub enum FrozenLight {
 
 impl FrozenLight {
     /// Where its light comes from.
-    pub fn source(&self) -> Source {
+    pub fn place(&self) -> LightPlace {
         match *self {
-            Self::Sun { to_light, .. } => Source::Towards(to_light),
-            Self::Point { position, .. } => Source::At(position),
+            Self::Sun { to_light, .. } => LightPlace::Towards(to_light),
+            Self::Point { position, .. } => LightPlace::At(position),
         }
     }
 

@@ -19,6 +19,6 @@ mod visibility;
 pub use direct::unshadowed;
 pub use lit_segments::LitSegments;
 pub use march::MarchSteps;
-pub use radiance::{Part, Scratch, Transport, radiance, radiance_of_part};
+pub use radiance::{Component, Scratch, Transport, radiance, radiance_of_component};
 pub use sample::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures};
 pub use shafts::VolumeMethod;

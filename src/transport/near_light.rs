@@ -12,7 +12,7 @@
 
 use crate::color::Rgb;
 use crate::math::{Antiderivative, Ray, gauss_legendre};
-use crate::scattering::{Medium, Source, Stretch, exp_minus};
+use crate::scattering::{LightPlace, Medium, Stretch, exp_minus};
 use crate::snapshot::Emission;
 use glam::DVec3;
 use std::ops::Range;
@@ -165,7 +165,7 @@ impl<'a> NearLight<'a> {
             return along;
         }
         // Near a pole the way through the fog grows by more than the way.
-        let to_light = |t: f64| self.medium.optical_depth_to(self.ray.at(t), Source::At(self.light));
+        let to_light = |t: f64| self.medium.optical_depth_to(self.ray.at(t), LightPlace::At(self.light));
         along + (to_light(to) - to_light(from)).abs().max_element()
     }
 
@@ -217,7 +217,7 @@ impl<'a> NearLight<'a> {
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
         let share = self.emission.share(-to_light);
         let tau_to_eye = self.medium.tau_to_eye(self.stretch, self.ray, t);
-        let tau = tau_to_eye + self.medium.optical_depth_to(point, Source::At(self.light));
+        let tau = tau_to_eye + self.medium.optical_depth_to(point, LightPlace::At(self.light));
         let scattering = self.medium.scattering(self.stretch, self.ray, t, -sinh / cosh);
         share / cosh * scattering * exp_minus(tau)
     }

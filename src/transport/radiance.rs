@@ -57,9 +57,11 @@ impl Illumination<'_> {
     }
 }
 
-/// A part of a picture: the picture is the sum of its parts.
+/// A component of the light of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Component {
+    /// The sum of all others.
+    All,
     /// Light of one of the snapshot's lights, with what shines by itself if it is the first.
     Light(usize),
     /// Light of the sky that was scattered on the way.
@@ -79,7 +81,7 @@ pub(super) enum Start {
 pub(super) struct Leg {
     pub(super) radiance: Rgb,
     /// Of that what shines by itself.
-    pub(super) own: Rgb,
+    pub(super) emitted: Rgb,
     pub(super) shafts: Rgb,
     pub(super) transmittance: Rgb,
     /// Whether an opaque surface ends it.
@@ -92,13 +94,13 @@ pub(super) struct Leg {
 pub(super) struct Shown {
     pub(super) radiance: Rgb,
     /// Of that what shines by itself, it or what is seen in it.
-    pub(super) own: Rgb,
+    pub(super) emitted: Rgb,
 }
 
 impl Shown {
     /// What shines by itself.
-    pub(super) fn own(own: Rgb) -> Self {
-        Self { radiance: own, own }
+    pub(super) fn emitted(emitted: Rgb) -> Self {
+        Self { radiance: emitted, emitted }
     }
 }
 
@@ -114,24 +116,26 @@ pub fn radiance(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let wanted = Wanted { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true };
-    radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
+    radiance_of_component(Component::All, snapshot, transport, ray, sampler, scratch)
 }
 
-/// The same of a part of the picture alone, its light without [`Sample::hue`].
-pub fn radiance_of_part(
-    part: Part,
+/// The same of one component; of a single light without [`Sample::hue`].
+pub fn radiance_of_component(
+    component: Component,
     snapshot: &Snapshot,
     transport: &Transport,
     ray: &Ray,
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    let wanted = match part {
-        Part::Light(light) => {
+    let wanted = match component {
+        Component::All => {
+            Wanted { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true }
+        }
+        Component::Light(light) => {
             Wanted { lights: light..light + 1, with_hues: false, self_luminous: light == 0, sky: false }
         }
-        Part::Sky => Wanted { lights: 0..0, with_hues: false, self_luminous: false, sky: true },
+        Component::Sky => Wanted { lights: 0..0, with_hues: false, self_luminous: false, sky: true },
     };
     radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
 }
@@ -201,8 +205,8 @@ impl Leg {
             albedo: point.albedo,
             leaf_id: point.leaf_id,
         });
-        let Self { radiance, own, shafts, transmittance, mattes, .. } = *self;
-        Sample { radiance, own, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
+        let Self { radiance, emitted, shafts, transmittance, mattes, .. } = *self;
+        Sample { radiance, emitted, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
     }
 }
 
@@ -240,7 +244,7 @@ pub(super) fn follow(
         (lights + sky, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
     };
     // Front to back: what each blended surface shows itself, and what all of them let through.
-    let (mut radiance, mut own, mut seen_through) = (shafts, Rgb::ZERO, Rgb::ONE);
+    let (mut radiance, mut emitted, mut seen_through) = (shafts, Rgb::ZERO, Rgb::ONE);
     for hit in blended {
         let scattered = light.scattered(snapshot, &hit.point, sampler);
         let shown =
@@ -248,24 +252,24 @@ pub(super) fn follow(
         let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
         let weight = seen_through * through_fog * hit.point.alpha;
         radiance += weight * (scattered + shown.radiance);
-        own += weight * shown.own;
+        emitted += weight * shown.emitted;
         seen_through *= hit.point.see_through;
     }
     let transmittance = fog * seen_through;
     let behind_fog = surface.map_or_else(
-        || Shown::own(light.background(snapshot, ray.direction)),
+        || Shown::emitted(light.background(snapshot, ray.direction)),
         |point| {
             let scattered = light.scattered(snapshot, &point, sampler);
             let shown =
                 own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch);
-            Shown { radiance: scattered + shown.radiance, own: shown.own }
+            Shown { radiance: scattered + shown.radiance, emitted: shown.emitted }
         },
     );
     radiance += behind_fog.radiance * transmittance;
-    own += behind_fog.own * transmittance;
+    emitted += behind_fog.emitted * transmittance;
     let solid = blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
     let mattes = mattes(snapshot, blended, surface.as_ref());
-    let leg = Leg { radiance, own, shafts, transmittance, covered: hit.is_some(), mattes };
+    let leg = Leg { radiance, emitted, shafts, transmittance, covered: hit.is_some(), mattes };
     (leg, solid.or(surface))
 }
 
@@ -302,7 +306,7 @@ pub(super) fn own_and_mirrored(
     scratch: &mut Scratch,
 ) -> Shown {
     let emission = if light.self_luminous { point.emission } else { Rgb::ZERO };
-    let shines = Shown::own(emission);
+    let shines = Shown::emitted(emission);
     if mirrors_left == 0 || point.mirror == Rgb::ZERO {
         return shines;
     }
@@ -316,5 +320,8 @@ pub(super) fn own_and_mirrored(
     let ray = Ray { origin: point.position, direction: reflected.normalize() };
     let from = Start::Surface(point.primitive);
     let (seen, _) = follow(snapshot, transport, light, &ray, from, mirrors_left - 1, sampler, scratch);
-    Shown { radiance: emission + point.mirror * seen.radiance, own: emission + point.mirror * seen.own }
+    Shown {
+        radiance: emission + point.mirror * seen.radiance,
+        emitted: emission + point.mirror * seen.emitted,
+    }
 }

@@ -10,9 +10,9 @@ pub struct Sample {
     /// Everything that reaches the camera, W m^-2 sr^-1.
     pub radiance: Rgb,
     /// The part that shines by itself, surfaces and the background, in mirrors too.
-    pub own: Rgb,
+    pub emitted: Rgb,
     /// In a picture of one light what is still to be multiplied by: the hue of the light's point, see
-    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but the own part is without it. Else 1.
+    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but what is emitted is without it. Else 1.
     pub hue: Rgb,
     /// The part that was scattered in fog.
     pub shafts: Rgb,

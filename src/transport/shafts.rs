@@ -41,7 +41,7 @@ pub(super) fn in_scattered(
             VolumeMethod::Segments => {
                 let Scratch { lit, cuts, stretches, .. } = scratch;
                 let Some(range) = snapshot.medium.range(ray, distance) else { continue };
-                snapshot.medium.stretches(ray, distance, light.source(), cuts, stretches);
+                snapshot.medium.stretches(ray, distance, light.place(), cuts, stretches);
                 lit.find_along(snapshot, ray, light, range, way);
                 lit.integrate(&snapshot.medium, stretches, ray, light)
             }

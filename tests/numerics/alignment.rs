@@ -7,7 +7,7 @@ use crate::scenes::{Frame, Lamp, grove};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use sunfleck::math::Ray;
-use sunfleck::scattering::Source;
+use sunfleck::scattering::LightPlace;
 use sunfleck::scene::{Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 
@@ -30,9 +30,9 @@ fn lamps(towards: DVec3, side: f64) -> [Lamp; 3] {
 }
 
 fn axis_of(snapshot: &Snapshot) -> DVec3 {
-    match snapshot.lights[0].centre().source() {
-        Source::Towards(to_light) => to_light,
-        Source::At(position) => position.normalize(),
+    match snapshot.lights[0].centre().place() {
+        LightPlace::Towards(to_light) => to_light,
+        LightPlace::At(position) => position.normalize(),
     }
 }
 

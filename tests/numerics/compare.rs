@@ -220,7 +220,7 @@ pub(crate) fn by_slices_through(
     let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
     let [luminaire] = &snapshot.lights[..] else { panic!("a slice knows one light") };
     let light = point(luminaire);
-    let fan = Fan::new(&snapshot.view, plan.size, DVec2::ZERO, light.source()).expect("a fan");
+    let fan = Fan::new(&snapshot.view, plan.size, DVec2::ZERO, light.place()).expect("a fan");
     let truth = Truth::lit_by(scene, &snapshot, vec![light]);
     let job = SliceJob {
         snapshot: &snapshot,

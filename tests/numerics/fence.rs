@@ -97,7 +97,7 @@ fn in_a_slice() {
         let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
         let size = Size { width: 64, height: 64 };
         let light = snapshot.lights[0].centre();
-        let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, light.source()).expect("a fan");
+        let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, light.place()).expect("a fan");
         let job = SliceJob {
             snapshot: &snapshot,
             transport: &EXACT,

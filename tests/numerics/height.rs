@@ -132,7 +132,7 @@ fn slices() {
             let scene = layer.scene(y, to_sun);
             let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
             let light = snapshot.lights[0].centre();
-            let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, light.source()).expect("a fan");
+            let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, light.place()).expect("a fan");
             let job = SliceJob {
                 snapshot: &snapshot,
                 transport: &EXACT,

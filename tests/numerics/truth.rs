@@ -10,7 +10,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::FRAC_1_PI;
 use sunfleck::color::Rgb;
 use sunfleck::math::{IntervalSet, Ray};
-use sunfleck::scattering::Source;
+use sunfleck::scattering::LightPlace;
 use sunfleck::scene::Scene;
 use sunfleck::snapshot::{FrozenLight, Luminaire, Snapshot};
 
@@ -113,10 +113,10 @@ impl Truth {
         let mut shafts = Some(Rgb::ZERO);
         let mut surface = Some(met.map_or(self.background, |met| self.triangles[met.face].emission));
         for light in &self.lights {
-            let is_decided = !self.grazes_in_line(ray, light.source());
+            let is_decided = !self.grazes_in_line(ray, light.place());
             shafts = shafts
                 .filter(|_| is_decided)
-                .map(|sum| sum + integral(&self.fog, ray, light, &self.shadows(ray, light.source(), t), t));
+                .map(|sum| sum + integral(&self.fog, ray, light, &self.shadows(ray, light.place(), t), t));
             let reflected = met.map_or(Some(Rgb::ZERO), |met| self.reflected(ray, met, t, light));
             surface = surface.zip(reflected).map(|(sum, reflected)| sum + reflected);
         }
@@ -124,10 +124,10 @@ impl Truth {
     }
 
     /// The parts of `(0, end)` that the light does not reach.
-    pub(crate) fn shadows(&self, ray: &Ray, source: Source, end: f64) -> IntervalSet {
+    pub(crate) fn shadows(&self, ray: &Ray, light: LightPlace, end: f64) -> IntervalSet {
         let mut shadows = IntervalSet::default();
         for triangle in &self.triangles {
-            if let Some((start, end)) = triangle.shadow(ray, source, (0.0, end.min(1e30))) {
+            if let Some((start, end)) = triangle.shadow(ray, light, (0.0, end.min(1e30))) {
                 shadows.insert(start, end);
             }
         }
@@ -135,10 +135,10 @@ impl Truth {
     }
 
     /// Whether an edge or a vertex lies on the one line of ray and light: then rounding decides about the shadows.
-    fn grazes_in_line(&self, ray: &Ray, source: Source) -> bool {
-        let axis = match source {
-            Source::Towards(to_light) => to_light,
-            Source::At(position) => (position - ray.origin).normalize_or_zero(),
+    fn grazes_in_line(&self, ray: &Ray, light: LightPlace) -> bool {
+        let axis = match light {
+            LightPlace::Towards(to_light) => to_light,
+            LightPlace::At(position) => (position - ray.origin).normalize_or_zero(),
         };
         let grazes = |triangle: &Face| matches!(triangle.meets(ray), Some((_, false)));
         axis.cross(ray.direction).length() < IN_LINE && self.triangles.iter().any(grazes)
@@ -208,14 +208,14 @@ impl Face {
     }
 
     /// Which part of the ray lies in the triangle's shadow volume.
-    fn shadow(&self, ray: &Ray, source: Source, (start, end): (f64, f64)) -> Option<(f64, f64)> {
+    fn shadow(&self, ray: &Ray, light: LightPlace, (start, end): (f64, f64)) -> Option<(f64, f64)> {
         let [a, b, c] = self.corners;
         let normal = (b - a).cross(c - a);
         // Each plane of the volume as `value + t * growth`, not negative inside; all of them turn their
         // sides as the triangle turns its side to the light.
-        let to_light = match source {
-            Source::Towards(to_light) => to_light,
-            Source::At(position) => position - a,
+        let to_light = match light {
+            LightPlace::Towards(to_light) => to_light,
+            LightPlace::At(position) => position - a,
         };
         let facing = normal.dot(to_light);
         if facing == 0.0 {
@@ -234,12 +234,12 @@ impl Face {
             }
         };
         for (p, q) in [(a, b), (b, c), (c, a)] {
-            let (value, growth) = match source {
-                Source::Towards(to_light) => {
+            let (value, growth) = match light {
+                LightPlace::Towards(to_light) => {
                     let plane = (q - p).cross(to_light);
                     (plane.dot(p - ray.origin), (p - q).dot(exact_cross(to_light, ray.direction)))
                 }
-                Source::At(light) => {
+                LightPlace::At(light) => {
                     let plane = exact_cross(p - light, q - light);
                     (plane.dot(light - ray.origin), -plane.dot(ray.direction))
                 }

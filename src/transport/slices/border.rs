@@ -112,7 +112,7 @@ impl Border {
 mod tests {
     use super::*;
     use crate::accel::{Cut, HalfPlane};
-    use crate::scattering::Source;
+    use crate::scattering::LightPlace;
     use crate::scene::{
         Camera, Clip, Instance, Lens, Material, Mesh, Motion, Node, Scene, Size, Track, Triangle,
     };
@@ -172,7 +172,7 @@ mod tests {
             let trees = MeshTrees::new(&scene);
             let snapshot = Snapshot::new(&scene, &trees, 0, 1.0, Shutter { open_s: 0.0, close_s: 0.0 });
             let size = Size { width: 100, height: 100 };
-            let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, Source::Towards(to_light)).expect("not at the eye");
+            let fan = Fan::new(&snapshot.view, size, DVec2::ZERO, LightPlace::Towards(to_light)).expect("not at the eye");
             let slice_at = |angle: f64| fan.slice(angle, Ring::WHOLE);
             let cuts = |slice: &Slice| {
                 let lowest_slope = f64::NEG_INFINITY;

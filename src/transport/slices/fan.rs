@@ -3,7 +3,7 @@
 //! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
 //! picture, beside it, behind the camera or at infinity.
 
-use crate::scattering::Source;
+use crate::scattering::LightPlace;
 use crate::scene::{Size, Window};
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};
@@ -84,12 +84,12 @@ pub struct Slice {
 impl Fan {
     /// The slices of a light over the whole picture, seen from a point of the lens (metres to the
     /// right and up from its middle); `None` if the light is there.
-    pub fn new(view: &View, size: Size, lens_point: DVec2, source: Source) -> Option<Self> {
+    pub fn new(view: &View, size: Size, lens_point: DVec2, light: LightPlace) -> Option<Self> {
         let picture = Picture::new(view, size, lens_point);
         let eye = picture.vector(lens_point);
-        let axis = match source {
-            Source::Towards(to_light) => to_light,
-            Source::At(position) => (position - eye).try_normalize()?,
+        let axis = match light {
+            LightPlace::Towards(to_light) => to_light,
+            LightPlace::At(position) => (position - eye).try_normalize()?,
         };
         let zero = axis.any_orthonormal_vector();
         let quarter = axis.cross(zero);
@@ -425,6 +425,6 @@ impl Fan {
         };
         let aspect = size.width as f64 / size.height as f64;
         let view = View::new(&camera, glam::DAffine3::IDENTITY, aspect, 0.0);
-        Self::new(&view, size, DVec2::ZERO, Source::Towards(to_light)).expect("not at the eye")
+        Self::new(&view, size, DVec2::ZERO, LightPlace::Towards(to_light)).expect("not at the eye")
     }
 }

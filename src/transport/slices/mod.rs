@@ -5,7 +5,7 @@
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 //!
 //! To read it: `fan.rs` has the half planes and the lines that they are in the picture, `chord.rs` the pixels that such a line
-//! crosses, `solve.rs` the one loop over them; `sweep.rs` (on `buckets.rs`) finds what a ray meets and which parts of it are lit, `sight.rs`
+//! crosses, `solve.rs` the one loop over them; `sweep.rs` (on `buckets.rs`) finds what a ray meets and which parts of it are lit, `slice_ray.rs`
 //! makes a colour of that. Then what serves these: `edges.rs` cuts chords, `outline.rs` (on `border.rs`) says what lies between slices, `veiled.rs` finds the rays that
 //! blended surfaces touch. Fog under a sun is integrated for a whole slice: `fog_profile.rs`, stretch by stretch (`stretch.rs`) between the borders of
 //! what the slice cuts of it (`fog_section.rs`), with what is lit (`lit_cells.rs`), by `depth_line.rs` where it is even, by `depth_series.rs` and
@@ -22,7 +22,7 @@ mod fog_profile;
 mod fog_section;
 mod lit_cells;
 mod outline;
-mod sight;
+mod slice_ray;
 mod solve;
 mod stretch;
 mod sweep;
@@ -31,5 +31,5 @@ mod veiled;
 
 pub use chord::{Chord, Crossing};
 pub use fan::{Fan, Place, Ring, Separation, Slice, pixel};
-pub use outline::{FARTHEST_SHIFT_PX, Outline, Part};
+pub use outline::{FARTHEST_SHIFT_PX, Outline, Strip};
 pub use solve::{Piece, SliceJob, SliceScratch, count_segments, solve};

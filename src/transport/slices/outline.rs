@@ -40,7 +40,7 @@ struct Run {
 
 /// A part of a slice beside, in one pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct Strip {
     /// Number of the piece that stands for it, in the order of its slice.
     pub piece: usize,
     /// Column and row of the full picture.
@@ -147,7 +147,7 @@ impl Outline {
         turned_rad: f64,
         size: Size,
         unwanted_around: impl Fn(usize, usize) -> Option<Window>,
-        mut call: impl FnMut(Part),
+        mut call: impl FnMut(Strip),
     ) {
         self.move_ends(beside, turned_rad);
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
@@ -189,7 +189,7 @@ impl Outline {
                 }
                 let area = beside.area_at(until);
                 if area > passed {
-                    call(Part { piece, pixel: crossing.pixel, area_per_rad: area - passed });
+                    call(Strip { piece, pixel: crossing.pixel, area_per_rad: area - passed });
                 }
                 (from, passed) = (until, area);
             }

@@ -7,7 +7,7 @@ use super::edges::Edges;
 use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
 use super::fog_profile::FogProfile;
 use super::outline::Outline;
-use super::sight::Sight;
+use super::slice_ray::SliceRay;
 use super::sweep::{LightRays, PlanarClip, PlanarRay, Sweep};
 use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
@@ -126,7 +126,7 @@ pub fn solve(
             }
             let random = (chord.phase * f64::from(u32::MAX)) as u32;
             let (x, y) = chord.pixel;
-            let sight = Sight {
+            let slice_ray = SliceRay {
                 job,
                 ray: Ray { origin: eye, direction: place.direction },
                 planar,
@@ -134,11 +134,11 @@ pub fn solve(
                 meeting: meeting.zip(met.as_ref()),
                 sampler: Sampler::new(x as u32, y as u32, number as u32, random),
             };
-            let is_veiled = blended_cuts > 0 && veils.touches(&planar, light_rays, sight.distance());
+            let is_veiled = blended_cuts > 0 && veils.touches(&planar, light_rays, slice_ray.distance());
             let value = if is_veiled {
-                sight.by_itself(followed)
+                slice_ray.by_itself(followed)
             } else {
-                sight.value(sweep, has_profile.then_some(&mut *fog), followed)
+                slice_ray.value(sweep, has_profile.then_some(&mut *fog), followed)
             };
             let range = [piece_start, piece_end].map(|end| (end - chord.start) / chord_area);
             sample(&Piece { chord, place, range, weight: chord.weight_per_area * area }, &value);

@@ -14,7 +14,7 @@ use crate::transport::radiance::{
 };
 
 /// A ray of a slice and what it meets first.
-pub(super) struct Sight<'a> {
+pub(super) struct SliceRay<'a> {
     pub(super) job: &'a SliceJob<'a>,
     pub(super) ray: Ray,
     pub(super) planar: PlanarRay,
@@ -24,7 +24,7 @@ pub(super) struct Sight<'a> {
     pub(super) sampler: Sampler,
 }
 
-impl Sight<'_> {
+impl SliceRay<'_> {
     /// Metres to the surface.
     pub(super) fn distance(&self) -> f64 {
         self.meeting.map_or(f64::INFINITY, |(meeting, facet)| {
@@ -90,17 +90,17 @@ impl Sight<'_> {
         let surface = seen.map(|(_, facet)| facet.seen_along(ray, distance));
         let behind_fog = match &surface {
             None if self.meeting.is_some() => Shown::default(),
-            None => Shown::own(self.illumination().background(snapshot, ray.direction)),
+            None => Shown::emitted(self.illumination().background(snapshot, ray.direction)),
             Some(point) => {
                 let to_light = fog.map(|fog| fog.transmittance_to_light(&planar, end));
                 self.reflected(point, is_lit, to_light, scratch)
             }
         };
         let radiance = behind_fog.radiance * transmittance + shafts;
-        let own = behind_fog.own * transmittance;
+        let emitted = behind_fog.emitted * transmittance;
         let covered = self.meeting.is_some();
         let mattes = mattes(snapshot, &[], surface.as_ref());
-        let leg = Leg { radiance, own, shafts, transmittance, covered, mattes };
+        let leg = Leg { radiance, emitted, shafts, transmittance, covered, mattes };
         leg.sample(surface.as_ref(), snapshot, transport, ray, self.job.hue)
     }
 
@@ -130,7 +130,7 @@ impl Sight<'_> {
             &mut sampler,
             scratch,
         );
-        Shown { radiance: of_light + shown.radiance, own: shown.own }
+        Shown { radiance: of_light + shown.radiance, emitted: shown.emitted }
     }
 }
 
@@ -147,7 +147,7 @@ fn by_segments(
     let Some(range) = medium.range(ray, distance) else { return (Rgb::ZERO, Rgb::ONE) };
     let Scratch { lit, cuts, stretches, .. } = scratch;
     lit.set(ray, light, range, shadows);
-    medium.stretches(ray, distance, light.source(), cuts, stretches);
+    medium.stretches(ray, distance, light.place(), cuts, stretches);
     let shafts = lit.integrate(medium, stretches, ray, light);
     (shafts, medium.transmittance(ray.origin, ray.direction, distance))
 }

@@ -1,4 +1,4 @@
-//! What a picture is rendered in. Invariant: a pass's samples are a pure function of its place in
+//! What a picture is rendered in. Invariant: a round's samples are a pure function of its place in
 //! the order and of the pixel, so that leaving pixels out changes no other pixel.
 
 use super::{Job, Progress, Watch};
@@ -10,11 +10,11 @@ use crate::transport::slices::FARTHEST_SHIFT_PX;
 /// swath reaches into the next pixel.
 const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 
-/// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All passes so far
+/// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All rounds so far
 /// together are spread as evenly as one with all their samples would be.
 #[derive(Clone, Copy)]
-pub(super) struct SamplePass<'a> {
-    /// How many passes there were before.
+pub(super) struct Round<'a> {
+    /// How many rounds there were before.
     pub(super) number: u32,
     /// How many there may be after the first, so that it leaves places for their samples between its own.
     pub(super) doublings: u32,
@@ -24,8 +24,8 @@ pub(super) struct SamplePass<'a> {
     pub(super) wanted: &'a Mask,
 }
 
-impl<'a> SamplePass<'a> {
-    /// The only pass of a picture.
+impl<'a> Round<'a> {
+    /// The only round of a picture.
     pub(super) fn only(samples: u32, wanted: &'a Mask) -> Self {
         Self { number: 0, doublings: 0, samples, wanted }
     }
@@ -38,28 +38,28 @@ impl<'a> SamplePass<'a> {
         (number <= doublings).then_some(Self { number, doublings, samples, wanted })
     }
 
-    /// Samples a pixel of all passes before.
+    /// Samples a pixel of all rounds before.
     pub(super) fn before(&self) -> u32 {
         if self.is_first() { 0 } else { self.samples }
     }
 
-    /// Whether there are no passes before.
+    /// Whether there are no rounds before.
     pub(super) fn is_first(&self) -> bool {
         self.number == 0
     }
 
-    /// Samples a pixel of the first pass.
+    /// Samples a pixel of the first round.
     pub(super) fn first_samples(&self) -> u32 {
         self.samples >> self.refinement()
     }
 
     /// What is seen in one pixel may count in another beside it if both lie in one square of so many pixels, and where edges go on is known as far: after the
-    /// first pass a block, so that none depends on how far others go on.
+    /// first round a block, so that none depends on how far others go on.
     pub(super) fn region_side(&self) -> usize {
         if self.is_first() { usize::MAX } else { BLOCK_SIDE }
     }
 
-    /// See [`SamplePass::region_side`].
+    /// See [`Round::region_side`].
     pub(super) fn may_share(&self, from: (usize, usize), to: (usize, usize)) -> bool {
         let side = self.region_side();
         let region = |(x, y): (usize, usize)| (x / side, y / side);
@@ -76,13 +76,13 @@ impl<'a> SamplePass<'a> {
         }
     }
 
-    /// How many times as dense as the first this pass is, as a power of two.
+    /// How many times as dense as the first this round is, as a power of two.
     pub(super) fn refinement(&self) -> u32 {
         self.number.saturating_sub(1)
     }
 }
 
-/// A picture that is rendered in passes: all of it, or one light's part.
+/// A picture that is rendered in rounds: all of it, or one light's part.
 pub(super) trait Picture {
     /// An empty film of a window of it.
     fn film(&self, job: &Job, window: Window) -> Film;
@@ -93,10 +93,10 @@ pub(super) trait Picture {
     /// With fewer samples a pixel what they have wrong may be the same all over a block, and its halves agree by chance.
     fn fewest_samples(&self) -> u32;
 
-    /// Adds the samples of a pass.
-    fn add_pass(&self, pass: &SamplePass, film: &mut Film, watch: &Watch);
+    /// Adds the samples of a round.
+    fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch);
 
-    /// Gives every pixel that got no sample from the passes one of its own.
+    /// Gives every pixel that got no sample from the rounds one of its own.
     fn fill_holes(&self, film: &mut Film, watch: &Watch);
 }
 
@@ -131,11 +131,11 @@ mod tests {
         for most in [1, 3, 4, 100, 1024, 65536] {
             let mut before = 0;
             for number in 0.. {
-                let Some(pass) = SamplePass::of_doublings(number, 8, most, &mask) else { break };
-                assert_eq!(pass.before(), before);
-                assert!(number == 0 || pass.samples == before, "{before}");
-                assert_eq!(pass.first_samples(), most.min(8));
-                before += pass.samples;
+                let Some(round) = Round::of_doublings(number, 8, most, &mask) else { break };
+                assert_eq!(round.before(), before);
+                assert!(number == 0 || round.samples == before, "{before}");
+                assert_eq!(round.first_samples(), most.min(8));
+                before += round.samples;
             }
             assert!(before <= most && most < 2 * before, "{before} of {most}");
         }
