@@ -71,6 +71,7 @@ pub mod export;
 pub mod film;
 pub mod frame_file;
 pub mod math;
+pub mod passes;
 pub mod render;
 pub mod scanline;
 pub mod scattering;

@@ -18,7 +18,8 @@ mod tiles;
 
 use crate::film::{Film, Frame};
 use crate::math::{Ray, Sampler};
-use crate::scene::{Pass, PixelFilter, Sampling, Size, Window};
+use crate::passes::Pass;
+use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{Component, Transport};
 pub use choice::{Choice, Reason, choose};

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "color",
     "diagnostic",
     "math",
+    "passes",
     "description",
     "scene",
     "export",

@@ -8,9 +8,10 @@ use common::{EXACT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Extend, Instance, Key, LightKind, Material, Mesh, Motion, Pass, PixelFilter, Rotation, Sampling, Scene,
+    Extend, Instance, Key, LightKind, Material, Mesh, Motion, PixelFilter, Rotation, Sampling, Scene,
     Segment, Size, Track, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};

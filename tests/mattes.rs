@@ -7,10 +7,11 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::collections::BTreeMap;
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    AlphaMode, Extend, Instance, Key, LightKind, Material, Mesh, Motion, Pass, PixelFilter, Rotation,
-    Sampling, Scene, Segment, Size, Track, Triangle, Window, matte_id,
+    AlphaMode, Extend, Instance, Key, LightKind, Material, Mesh, Motion, PixelFilter, Rotation, Sampling,
+    Scene, Segment, Size, Track, Triangle, Window, matte_id,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 

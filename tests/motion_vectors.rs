@@ -6,10 +6,11 @@ use common::{EXACT, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 use sunfleck::math::Ray;
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Extend, Instance, Key, Lens, Mesh, Motion, Pass, PixelFilter, Rotation, Sampling, Scene, Segment, Size,
-    Track, Triangle, Window,
+    Extend, Instance, Key, Lens, Mesh, Motion, PixelFilter, Rotation, Sampling, Scene, Segment, Size, Track,
+    Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, MotionField, Shutter, Snapshot};
 use sunfleck::{description, scene};

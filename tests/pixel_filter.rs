@@ -9,9 +9,10 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::film::{Frame, filter};
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scene::{
-    Instance, LightKind, Material, Mesh, Pass, PixelFilter, Sampling, Scene, Size, Triangle, Window,
+    Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::{description, scene};

@@ -11,10 +11,11 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::math::{Ray, Sampler, gauss_legendre};
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
 use sunfleck::scattering::henyey_greenstein;
 use sunfleck::scene::{
-    Coat, Instance, Lens, LightKind, Material, Mesh, Pass, PixelFilter, Sampling, Scene, Size, Sky, SkyLight,
+    Coat, Instance, Lens, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Sky, SkyLight,
     SkyPicture, Texture, Triangle, Window, Wrap,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};

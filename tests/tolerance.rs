@@ -9,9 +9,10 @@ use std::path::Path;
 use std::sync::Arc;
 use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Rendered, Watch, render};
 use sunfleck::scene::{
-    LightKind, Pass, PixelFilter, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
+    LightKind, PixelFilter, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Transport, VolumeMethod};

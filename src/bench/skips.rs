@@ -11,12 +11,13 @@ use super::report::seconds;
 use crate::accel::MeshTree;
 use crate::color::Rgb;
 use crate::film::Frame;
+use crate::passes::{Needs, Pass, any_needs};
 use crate::render::{Job, Placement, Watch, render};
 use crate::scene::{
-    self, AlphaMode, Clearcoat, Coat, LightKind, Material, Pass, Sampling, Scene, Sheen, Sky, SkyLight,
-    SkyPicture, SunDisc, Track,
+    self, AlphaMode, Clearcoat, Coat, LightKind, Material, Sampling, Scene, Sheen, Sky, SkyLight, SkyPicture,
+    SunDisc, Track,
 };
-use crate::snapshot::{Exposure, MeshTrees, Shutter, shows_surfaces};
+use crate::snapshot::{Exposure, MeshTrees, Shutter};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -190,7 +191,7 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
     )?;
     row("no sky, no rays to it", "a sky of 1e-300", &|| picture(&black_sky), &|| picture(&dim_sky))?;
     // Not that of the error, which is estimated from more and smaller passes over the picture.
-    let passes: Vec<Pass> = Pass::ALL.into_iter().filter(|pass| *pass != Pass::Error).collect();
+    let passes: Vec<Pass> = Pass::ALL.iter().copied().filter(|pass| *pass != Pass::Error).collect();
     row("passes not asked for", "all of them", &|| picture(scene), &|| {
         Ok(self::picture(plan, scene, &passes))
     })?;
@@ -243,7 +244,7 @@ fn exposure<'a>(plan: &SkipsPlan, scene: &'a Scene, trees: &MeshTrees) -> Exposu
 
 fn rendered(plan: &SkipsPlan, exposure: &Exposure, passes: &[Pass]) -> Frame {
     let mut job = Job { passes: passes.to_vec(), ..plan.job.clone() };
-    job.transport.features = shows_surfaces(passes);
+    job.transport.features = any_needs(passes, |needs| needs != Needs::Light);
     render(exposure, &job, &Watch::NOBODY).frame
 }
 

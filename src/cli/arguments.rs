@@ -7,9 +7,12 @@ use super::parse::{
 };
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{LightUnits, Pass, PixelFilter, ResolveOptions, Size};
+use crate::passes::Pass;
+use crate::scene::{LightUnits, PixelFilter, ResolveOptions, Size};
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// Falling leaves to EXR sequences, with volumetric shadows integrated exactly along every ray.
 #[derive(Debug, Parser)]
@@ -368,20 +371,30 @@ pub(super) enum QuantityArgument {
     Threads,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// `all`, `none`, or a pass by its name in the table of passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PassArgument {
     All,
     None,
-    Shafts,
-    Transmittance,
-    Depth,
-    Normal,
-    Position,
-    Albedo,
-    LeafId,
-    Error,
-    Motion,
-    Cryptomatte,
+    One(Pass),
+}
+
+impl ValueEnum for PassArgument {
+    fn value_variants<'a>() -> &'a [Self] {
+        static VARIANTS: LazyLock<Vec<PassArgument>> = LazyLock::new(|| {
+            let passes = Pass::ALL.iter().copied().map(PassArgument::One);
+            [PassArgument::All, PassArgument::None].into_iter().chain(passes).collect()
+        });
+        &VARIANTS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(match self {
+            Self::All => "all",
+            Self::None => "none",
+            Self::One(pass) => pass.name(),
+        }))
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -509,16 +522,7 @@ pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
         match argument {
             PassArgument::All => passes.extend(Pass::ALL),
             PassArgument::None => {}
-            PassArgument::Shafts => passes.push(Pass::Shafts),
-            PassArgument::Transmittance => passes.push(Pass::Transmittance),
-            PassArgument::Depth => passes.push(Pass::Depth),
-            PassArgument::Normal => passes.push(Pass::Normal),
-            PassArgument::Position => passes.push(Pass::Position),
-            PassArgument::Albedo => passes.push(Pass::Albedo),
-            PassArgument::LeafId => passes.push(Pass::LeafId),
-            PassArgument::Error => passes.push(Pass::Error),
-            PassArgument::Motion => passes.push(Pass::Motion),
-            PassArgument::Cryptomatte => passes.push(Pass::Cryptomatte),
+            PassArgument::One(pass) => passes.push(*pass),
         }
     }
     passes.sort_unstable();

@@ -20,7 +20,7 @@ mod render;
 mod signals;
 mod stats;
 
-use crate::scene::Pass;
+use crate::passes::Pass;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
 use signals::Stop;

@@ -6,10 +6,11 @@ use super::{CliError, loading};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file;
+use crate::passes::{Needs, any_needs};
 use crate::render::{Job, Placement};
 use crate::scene::{RenderSettings, Sampling, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
-use crate::snapshot::{Exposure, Shutter, View, shows_surfaces};
+use crate::snapshot::{Exposure, Shutter, View};
 use crate::transport::{MarchSteps, Transport, VolumeMethod};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -81,7 +82,7 @@ impl Plan {
             transport: Transport {
                 volume,
                 mirror_depth: settings.mirror_depth,
-                features: shows_surfaces(&settings.passes),
+                features: any_needs(&settings.passes, |needs| needs != Needs::Light),
             },
             placement: match arguments.volume {
                 Volume::Auto => Placement::Auto,

@@ -11,8 +11,9 @@ use super::stats::Stats;
 use super::{CliError, answer, exposure, tell};
 use crate::film::Frame;
 use crate::frame_file::Provenance;
+use crate::passes::{Needs, any_needs};
 use crate::render::{self, Rendered, Watch};
-use crate::scene::{Pass, matte_id};
+use crate::scene::matte_id;
 use crate::sequence::{self, Job, SequenceError, Skip};
 use crate::snapshot::{Exposure, MeshTrees, MotionField};
 use std::collections::BTreeMap;
@@ -141,12 +142,12 @@ impl Plan {
         let size = self.job.size;
         let aspect = size.width as f64 / size.height as f64;
         let mut exposure = Exposure::new(&self.scene, trees, self.camera, aspect, self.shutter(frame));
-        if self.job.passes.contains(&Pass::Motion) {
+        if any_needs(&self.job.passes, |needs| needs == Needs::Motion) {
             let rate = self.settings.frame_rate;
             let times_s = [-1.0, 0.0, 1.0].map(|offset| rate.seconds(frame as f64 + offset));
             exposure = exposure.with_motion(MotionField::new(&self.scene, self.camera, size, times_s));
         }
-        if self.job.passes.contains(&Pass::Cryptomatte) {
+        if any_needs(&self.job.passes, |needs| needs == Needs::Names) {
             exposure = exposure.with_mattes(&self.scene);
         }
         exposure
@@ -154,7 +155,7 @@ impl Plan {
 
     /// What mattes are called, if the frames have any.
     fn object_names(&self) -> BTreeMap<u32, String> {
-        let is_asked = self.job.passes.contains(&Pass::Cryptomatte);
+        let is_asked = any_needs(&self.job.passes, |needs| needs == Needs::Names);
         let instances = 0..if is_asked { self.scene.instances.len() } else { 0 };
         let names = instances.map(|instance| self.scene.matte_name(instance));
         names.map(|name| (matte_id(name), name.to_owned())).collect()

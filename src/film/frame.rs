@@ -2,6 +2,7 @@
 //! pixel of the window, row by row from the top.
 
 use super::MATTE_LAYER;
+use crate::passes::Precision;
 use crate::scene::{Size, Window};
 use half::f16;
 use std::fmt;
@@ -37,15 +38,6 @@ impl Channel {
         // Of a Cryptomatte layer every other channel holds ids, the rest coverages.
         self.name == "leaf_id.X" || self.name.starts_with(MATTE_LAYER) && self.name.ends_with(['R', 'B'])
     }
-}
-
-/// How a channel is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// 16-bit floating point, up to [`HALF_MAX`].
-    Half,
-    /// 32-bit floating point.
-    Float,
 }
 
 /// What is wrong with a frame's values.

@@ -105,7 +105,8 @@ pub(super) fn correct(
 mod tests {
     use crate::color::Rgb;
     use crate::film::{Film, Mask};
-    use crate::scene::{Pass, Size, Window};
+    use crate::passes::Pass;
+    use crate::scene::{Size, Window};
     use crate::transport::Sample;
     use proptest::prelude::*;
 

@@ -12,21 +12,22 @@ mod holes;
 mod hues;
 mod mask;
 mod mattes;
-mod pass_layout;
+mod pass_value;
 mod splats;
 
-use crate::scene::{Pass, Size, Window};
+use crate::passes::Pass;
+use crate::scene::{Size, Window};
 use crate::transport::Sample;
 use hues::HueSums;
 use mattes::MatteList;
-use pass_layout::layout;
 use rayon::prelude::*;
 use splats::{BEAUTY, Band, KeptPasses, MOST_CHANNELS, SplatPlace};
 
+pub use crate::passes::Precision;
 pub use blocks::{BLOCK_SIDE, Blocks};
 pub use brightness::Dark;
 pub use estimate::{BlockEstimate, PixelEstimate};
-pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace, Precision};
+pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace};
 pub use mask::Mask;
 pub use mattes::MATTE_LAYER;
 pub use splats::{Splat, Splats};
@@ -75,7 +76,7 @@ impl Film {
         let background: Vec<f32> = passes
             .nearest
             .iter()
-            .map(|&pass| layout(pass))
+            .map(|&pass| pass.row())
             .flat_map(|layout| std::iter::repeat_n(layout.background, layout.channels.len()))
             .collect();
         Self {
@@ -253,7 +254,7 @@ impl Film {
                 .map(|(&weight, &sum)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 })
                 .collect()
         };
-        let mean_layouts = self.passes.mean.iter().map(|&pass| layout(pass));
+        let mean_layouts = self.passes.mean.iter().map(|&pass| pass.row());
         let mean_names = BEAUTY.into_iter().map(|name| (name, Precision::Half)).chain(
             mean_layouts.flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision))),
         );
@@ -269,7 +270,7 @@ impl Film {
             &self.weights,
         );
         let mean_channels = channels.len();
-        let nearest_layouts = self.passes.nearest.iter().map(|&pass| layout(pass));
+        let nearest_layouts = self.passes.nearest.iter().map(|&pass| pass.row());
         let nearest_names = nearest_layouts
             .flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision)));
         let nearest_stride = self.passes.nearest_channels();

@@ -3,8 +3,10 @@
 
 use super::hues::{self, HueSums};
 use super::mattes::{self, MatteList};
-use super::pass_layout::{PixelRule, layout, value};
-use crate::scene::{Pass, Window};
+use super::pass_value::value;
+use crate::passes::Pass;
+use crate::passes::PixelRule;
+use crate::scene::Window;
 use crate::transport::Sample;
 
 /// Names of the beauty's channels, in the order of the sums.
@@ -30,7 +32,7 @@ impl KeptPasses {
         wanted.sort_unstable();
         wanted.dedup();
         let of = |rule: PixelRule| -> Vec<Pass> {
-            wanted.iter().copied().filter(|&pass| layout(pass).rule == rule).collect()
+            wanted.iter().copied().filter(|&pass| pass.row().rule == rule).collect()
         };
         let mattes = !of(PixelRule::Ranked).is_empty();
         Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), hues, mattes }
@@ -43,7 +45,7 @@ impl KeptPasses {
 
     /// Channels of the passes that show the sample nearest to the pixel's centre.
     pub(super) fn nearest_channels(&self) -> usize {
-        self.nearest.iter().map(|&pass| layout(pass).channels.len()).sum()
+        self.nearest.iter().map(|&pass| pass.row().channels.len()).sum()
     }
 
     /// All numbers that are kept of a sample.
@@ -62,7 +64,7 @@ impl KeptPasses {
             put(&value(pass, sample).map(|value| value as f32)[..3]);
         }
         for &pass in &self.nearest {
-            put(&value(pass, sample).map(|value| value as f32)[..layout(pass).channels.len()]);
+            put(&value(pass, sample).map(|value| value as f32)[..pass.row().channels.len()]);
         }
         if self.hues {
             put(&hues::packed(sample));

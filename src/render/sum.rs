@@ -5,8 +5,9 @@ use super::refine::{Refined, relative_error};
 use super::survey::Survey;
 use super::{Job, Rendered, Statistics};
 use crate::color::{Rgb, luminance};
-use crate::film::{BlockEstimate, Blocks, Channel, Film, Frame, Precision};
-use crate::scene::{Pass, Sampling};
+use crate::film::{BlockEstimate, Blocks, Channel, Film, Frame};
+use crate::passes::{Pass, PassRow};
+use crate::scene::Sampling;
 
 /// The pictures so far.
 #[derive(Default)]
@@ -70,7 +71,8 @@ impl Sum {
                 .window
                 .pixels()
                 .map(|(x, y)| blocks.index(x, y).map_or(0.0, |block| errors[block] as f32));
-            frame.channels.push(Channel::new("error.Y", Precision::Half, pixels.collect()));
+            let PassRow { channels, precision, .. } = Pass::Error.row();
+            frame.channels.push(Channel::new(channels[0], precision, pixels.collect()));
         }
         let judged = (0..blocks.count()).filter(is_within).map(|block| errors[block]);
         let statistics = &mut self.statistics;

@@ -50,7 +50,7 @@ pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
 pub use resolve::{LightUnits, ResolveOptions, resolve, resolve_telling};
-pub use settings::{FrameRate, Pass, PixelFilter, RenderSettings, Sampling, Size, Window};
+pub use settings::{FrameRate, PixelFilter, RenderSettings, Sampling, Size, Window};
 pub use sky::{Sky, SkyLight, SkyPicture};
 pub use sun_picture::{MOST_SUN_PICTURES, SunPicture, SunShows};
 pub use texture::{Texture, Wrap};

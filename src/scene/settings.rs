@@ -1,6 +1,7 @@
 //! How a scene wants to be rendered: frames, rate, size, passes, samples. Invariant: frame times
 //! are computed from integers, never accumulated.
 
+use crate::passes::Pass;
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -150,63 +151,6 @@ impl PixelFilter {
         match self {
             Self::Box => "box",
             Self::BlackmanHarris => "blackman-harris",
-        }
-    }
-}
-
-/// What a frame can hold beside its beauty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Pass {
-    /// `shafts.RGB`: light scattered in the fog.
-    Shafts,
-    /// `transmittance.RGB`: what the fog lets through from the surface.
-    Transmittance,
-    /// `Z`: distance along the view axis, metres.
-    Depth,
-    /// `Normal.XYZ`: shading normal in world space.
-    Normal,
-    /// `Position.XYZ`: world position, metres.
-    Position,
-    /// `albedo.RGB`: Lambert reflectance.
-    Albedo,
-    /// `leaf_id.X`: which instance.
-    LeafId,
-    /// `error.Y`: the estimated relative error of the block of pixels around.
-    Error,
-    /// `Vector.XYZW`: where things move, in pixels.
-    Motion,
-    /// `CryptoObject00.RGBA` to `CryptoObject02.RGBA`: which objects cover how much of a pixel.
-    Cryptomatte,
-}
-
-impl Pass {
-    /// Every pass there is.
-    pub const ALL: [Self; 10] = [
-        Self::Shafts,
-        Self::Transmittance,
-        Self::Depth,
-        Self::Normal,
-        Self::Position,
-        Self::Albedo,
-        Self::LeafId,
-        Self::Error,
-        Self::Motion,
-        Self::Cryptomatte,
-    ];
-
-    /// What it is called where a person names it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Shafts => "shafts",
-            Self::Transmittance => "transmittance",
-            Self::Depth => "depth",
-            Self::Normal => "normal",
-            Self::Position => "position",
-            Self::Albedo => "albedo",
-            Self::LeafId => "leaf-id",
-            Self::Error => "error",
-            Self::Motion => "motion",
-            Self::Cryptomatte => "cryptomatte",
         }
     }
 }

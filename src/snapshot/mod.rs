@@ -18,7 +18,7 @@ mod surface;
 use crate::accel::{InstanceTree, PlacedMesh, PrimitiveId};
 use crate::color::Rgb;
 use crate::scattering::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, Pass, RenderSettings, Scene};
+use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, RenderSettings, Scene};
 use bent_mesh::BentMesh;
 use glam::{DAffine3, DMat3, DVec3};
 use std::borrow::Cow;
@@ -289,9 +289,4 @@ fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
     let placements = scene.placements(time_s);
     let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;
     scene.lights.iter().map(shines).collect()
-}
-
-/// True if some pass shows the surface itself, so that its features are worth computing.
-pub fn shows_surfaces(passes: &[Pass]) -> bool {
-    passes.iter().any(|pass| !matches!(pass, Pass::Shafts | Pass::Transmittance | Pass::Error))
 }

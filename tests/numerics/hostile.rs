@@ -7,8 +7,9 @@ use crate::scenes::{Frame, Lamp, add_triangles, empty, fog, light, spread};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{Pass, PixelFilter, Sampling, Scene, Size, Window};
+use sunfleck::scene::{PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees};
 
 /// A place of the grid in front of the camera; some of its planes go through the camera.

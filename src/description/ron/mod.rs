@@ -35,7 +35,7 @@ pub use number::{
     Stops, Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
-pub use sequence_file::{FrameRate, Frames, March, Pass, PixelFilter, SequenceFields};
+pub use sequence_file::{FrameRate, Frames, March, PixelFilter, SequenceFields};
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
 

@@ -3,6 +3,7 @@
 
 use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Stops, Whole};
 use super::version::Version;
+use crate::passes::Pass;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::fmt;
 use std::path::PathBuf;
@@ -64,31 +65,6 @@ pub enum PixelFilter {
     Box,
     /// A window 1.5 pixels wide.
     BlackmanHarris,
-}
-
-/// What a frame can hold beside its beauty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-pub enum Pass {
-    /// Light scattered in the fog.
-    Shafts,
-    /// What the fog lets through.
-    Transmittance,
-    /// Distance along the view axis.
-    Depth,
-    /// Shading normal in world space.
-    Normal,
-    /// World position.
-    Position,
-    /// Lambert reflectance.
-    Albedo,
-    /// Which instance.
-    LeafId,
-    /// The estimated error.
-    Error,
-    /// Where things move.
-    Motion,
-    /// Which objects cover how much of a pixel.
-    Cryptomatte,
 }
 
 /// Frame numbers beyond this, either way, are refused.

@@ -5,7 +5,8 @@ use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::{FrameRate, Pass, PixelFilter, RenderSettings, Sampling, Size};
+use crate::passes::Pass;
+use crate::scene::{FrameRate, PixelFilter, RenderSettings, Sampling, Size};
 
 /// Frames a second of a file that does not say.
 const DEFAULT_FPS: u32 = 24;
@@ -159,12 +160,12 @@ fn read_passes(
     report: &mut Report,
 ) {
     for (index, name) in sunfleck.passes.iter().flatten().enumerate() {
-        match Pass::ALL.into_iter().find(|pass| pass.name() == name) {
+        match Pass::named(name) {
             Some(pass) => settings.passes.push(pass),
             None => report.error(
                 format!("{}[{index}]", at("passes")),
                 format!("`{name}` is no pass"),
-                &format!("one of {}", Pass::ALL.map(Pass::name).join(", ")),
+                &format!("one of {}", Pass::names()),
             ),
         }
     }

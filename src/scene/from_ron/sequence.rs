@@ -3,7 +3,7 @@
 use super::problems::Problems;
 use crate::description::ron::{self, Frames, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Animate, Extend, FrameRate, Motion, Pass, RenderSettings, Rotation, Sampling, Scene};
+use crate::scene::{Animate, Extend, FrameRate, Motion, RenderSettings, Rotation, Sampling, Scene};
 use crate::scene::{PixelFilter, Size, Track};
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ pub(in crate::scene) fn apply_sequence(
         settings.camera = Some(name);
     }
     if let Some(passes) = fields.passes {
-        settings.passes = passes.into_iter().map(pass).collect();
+        settings.passes = passes;
         settings.passes.sort_unstable();
         settings.passes.dedup();
     }
@@ -74,21 +74,6 @@ pub(in crate::scene) fn apply_sequence(
     settings.exposure_stops = fields.exposure.map(|stops| stops.si()).or(settings.exposure_stops);
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
     problems.unless_any(settings)
-}
-
-fn pass(pass: ron::Pass) -> Pass {
-    match pass {
-        ron::Pass::Shafts => Pass::Shafts,
-        ron::Pass::Transmittance => Pass::Transmittance,
-        ron::Pass::Depth => Pass::Depth,
-        ron::Pass::Normal => Pass::Normal,
-        ron::Pass::Position => Pass::Position,
-        ron::Pass::Albedo => Pass::Albedo,
-        ron::Pass::LeafId => Pass::LeafId,
-        ron::Pass::Error => Pass::Error,
-        ron::Pass::Motion => Pass::Motion,
-        ron::Pass::Cryptomatte => Pass::Cryptomatte,
-    }
 }
 
 /// Frames that all come before the first key, or all after the last, are surely a mistake.

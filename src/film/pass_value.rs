@@ -1,0 +1,24 @@
+//! What a sample shows in each pass. In go a sample and a pass, out come the numbers of its channels (`passes.rs` says which).
+//! Invariant: where no surface is seen they are the pass's background.
+
+use crate::passes::Pass;
+use crate::transport::Sample;
+use glam::DVec3;
+
+/// What a sample shows in a pass; passes with fewer channels use the first ones.
+pub(super) fn value(pass: Pass, sample: &Sample) -> [f64; 4] {
+    let three = |value: DVec3| value.extend(0.0).to_array();
+    match (pass, &sample.surface) {
+        (Pass::Shafts, _) => three(sample.shafts),
+        (Pass::Transmittance, _) => three(sample.transmittance),
+        (Pass::Albedo, Some(surface)) => three(surface.albedo),
+        (Pass::Normal, Some(surface)) => three(surface.normal),
+        (Pass::Position, Some(surface)) => three(surface.position),
+        (Pass::Depth, Some(surface)) => [surface.depth_m; 4],
+        (Pass::LeafId, Some(surface)) => [f64::from(surface.leaf_id); 4],
+        (Pass::Motion, _) => sample.motion_px,
+        // Of no sample, see [`PixelRule`].
+        (Pass::Error | Pass::Cryptomatte, _) => [0.0; 4],
+        (_, None) => [f64::from(pass.row().background); 4],
+    }
+}

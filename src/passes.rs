@@ -1,0 +1,131 @@
+//! The passes: pictures that a frame can hold beside its beauty. In goes a name, out come channels and how pixels are filtered.
+//! Invariant: everything that differs from pass to pass stands in one row of one table, but for the value itself
+//! (`film/pass_value.rs`).
+//!
+//! Names and types are those that Blender 5 shows as Depth, Normal, Position and Vector; a layer has one name and no nested
+//! dots.
+
+use serde::Deserialize;
+
+/// How a channel is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 16-bit floating point, up to 65504.
+    Half,
+    /// 32-bit floating point.
+    Float,
+}
+
+/// How the samples of a pixel become its value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelRule {
+    /// The weighted mean; a sample that shows no surface counts as the background.
+    Mean,
+    /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface; Cycles does the same.
+    Nearest,
+    /// How much of it each id covers.
+    Ranked,
+    /// What is estimated of the finished picture; no sample holds it.
+    Estimate,
+}
+
+/// What has to be known beyond the light along a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Nothing.
+    Light,
+    /// The surface that is seen.
+    Surface,
+    /// That, and where it is a frame before and after.
+    Motion,
+    /// That, and what it is called.
+    Names,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct PassRow {
+    /// What it is called on the command line and in glTF.
+    pub name: &'static str,
+    /// What it shows, for `--help`.
+    pub shows: &'static str,
+    /// Full names, at most four, or three if they are averaged. None if the pass has its own way.
+    pub channels: &'static [&'static str],
+    /// How channels are stored.
+    pub precision: Precision,
+    /// How the samples of a pixel become its value.
+    pub rule: PixelRule,
+    /// What has to be known.
+    pub needs: Needs,
+    /// The value where no surface is seen.
+    pub background: f32,
+}
+
+/// Depth of a pixel that shows no surface. Infinity trips readers up; Cycles writes this number.
+const BACKGROUND_DEPTH_M: f32 = 1e10;
+
+macro_rules! passes {
+    ($($variant:ident $name:literal $shows:literal [$($channel:literal),*] $precision:ident $rule:ident $needs:ident $background:expr;)*) => {
+        /// What a frame can hold beside its beauty. In RON a pass is called as its variant here.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
+        pub enum Pass {
+            $(#[doc = $shows] $variant,)*
+        }
+
+        impl Pass {
+            /// Every pass there is.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// All that differs from pass to pass.
+            pub const fn row(self) -> PassRow {
+                match self {
+                    $(Self::$variant => PassRow {
+                        name: $name,
+                        shows: $shows,
+                        channels: &[$($channel),*],
+                        precision: Precision::$precision,
+                        rule: PixelRule::$rule,
+                        needs: Needs::$needs,
+                        background: $background,
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+// In the order of their channels in a frame. Float holds ids exactly up to 2^24.
+passes! {
+    Shafts "shafts" "Light scattered in the fog" ["shafts.R", "shafts.G", "shafts.B"] Half Mean Light 0.0;
+    Transmittance "transmittance" "What the fog lets through from the surface" ["transmittance.R", "transmittance.G", "transmittance.B"] Half Mean Light 0.0;
+    Depth "depth" "Distance along the view axis, metres" ["Z"] Float Nearest Surface BACKGROUND_DEPTH_M;
+    Normal "normal" "Shading normal in world space" ["Normal.X", "Normal.Y", "Normal.Z"] Float Mean Surface 0.0;
+    Position "position" "World position, metres" ["Position.X", "Position.Y", "Position.Z"] Float Nearest Surface 0.0;
+    Albedo "albedo" "Lambert reflectance" ["albedo.R", "albedo.G", "albedo.B"] Half Mean Surface 0.0;
+    LeafId "leaf-id" "Which instance" ["leaf_id.X"] Float Nearest Surface 0.0;
+    Error "error" "The estimated relative error of the block of pixels around" ["error.Y"] Half Estimate Light 0.0;
+    Motion "motion" "Where things move, in pixels" ["Vector.X", "Vector.Y", "Vector.Z", "Vector.W"] Float Nearest Motion 0.0;
+    Cryptomatte "cryptomatte" "Which objects cover how much of a pixel" [] Float Ranked Names 0.0;
+}
+
+impl Pass {
+    /// What it is called on the command line and in glTF.
+    pub const fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// The pass of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|pass| pass.name() == name)
+    }
+
+    /// All names, for whoever has given another.
+    pub fn names() -> String {
+        Self::ALL.iter().map(|pass| pass.name()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Whether some pass needs more than light: so much that what it needs is worth computing.
+pub fn any_needs(passes: &[Pass], what: impl Fn(Needs) -> bool) -> bool {
+    passes.iter().any(|pass| what(pass.row().needs))
+}
