@@ -61,6 +61,9 @@ pub struct PassRow {
     pub background: f32,
 }
 
+/// What Cryptomatte's layers are called, before their numbers.
+pub const MATTE_LAYER: &str = "CryptoObject";
+
 /// Depth of a pixel that shows no surface. Infinity trips readers up; Cycles writes this number.
 const BACKGROUND_DEPTH_M: f32 = 1e10;
 

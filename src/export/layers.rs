@@ -1,7 +1,6 @@
 //! Clear coat and sheen, as the extensions that they come from. Invariant: a material without them names neither.
 
 use super::Writer;
-use super::materials::texture_info;
 use crate::scene::{Clearcoat, Material, Sheen, TextureIndex, TextureMap};
 use serde_json::{Value, json};
 
@@ -54,4 +53,9 @@ pub(super) fn is_data(material: &Material, texture: TextureIndex) -> bool {
     });
     let sheen = material.sheen.iter().filter_map(|sheen| sheen.roughness_texture);
     coat.chain(sheen).any(|map| map.texture == texture)
+}
+
+/// A texture as a material refers to it.
+pub(super) fn texture_info(map: TextureMap) -> Value {
+    json!({ "index": map.texture, "texCoord": map.layer })
 }

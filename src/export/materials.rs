@@ -1,8 +1,9 @@
 //! Materials and their images. Invariant: what Lambert, a metal without roughness, emission and alpha
 //! cannot say stands in the custom property `sunfleck_material`.
 
+use super::Writer;
+use super::layers::{self, texture_info};
 use super::material_changes::Written;
-use super::{Writer, layers};
 use crate::color::{Rgb, srgb_from_linear};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, Wrap};
@@ -135,10 +136,6 @@ fn is_unlit(material: &Material) -> bool {
         && shares.iter().all(|share| *share == Rgb::ZERO)
         && material.coat.is_none()
         && material.emission.max_element() <= 1.0
-}
-
-pub(super) fn texture_info(map: TextureMap) -> Value {
-    json!({ "index": map.texture, "texCoord": map.layer })
 }
 
 /// What is no metal reflects 0.04 along the normal, times a colour that may be above 1, times the

@@ -1,8 +1,7 @@
 //! A finished picture: named channels of pixels. Invariant: every channel has one value for each
 //! pixel of the window, row by row from the top.
 
-use super::MATTE_LAYER;
-use crate::passes::Precision;
+use crate::passes::{MATTE_LAYER, Precision};
 use crate::scene::{Size, Window};
 use half::f16;
 use std::fmt;

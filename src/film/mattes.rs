@@ -3,10 +3,8 @@
 //! ranks are known.
 
 use super::{Channel, Precision};
+use crate::passes::MATTE_LAYER;
 use crate::transport::{MATTES_OF_A_SAMPLE, Matte};
-
-/// What Cryptomatte's layers are called, before their numbers.
-pub const MATTE_LAYER: &str = "CryptoObject";
 /// Layers of two ids and their coverages each: six ranks, as many as Blender has by default.
 const LAYERS: usize = 3;
 

@@ -23,13 +23,12 @@ use mattes::MatteList;
 use rayon::prelude::*;
 use splats::{BEAUTY, Band, KeptPasses, MOST_CHANNELS, SplatPlace};
 
-pub use crate::passes::Precision;
+pub use crate::passes::{MATTE_LAYER, Precision};
 pub use blocks::{BLOCK_SIDE, Blocks};
 pub use brightness::Dark;
 pub use estimate::{BlockEstimate, PixelEstimate};
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace};
 pub use mask::Mask;
-pub use mattes::MATTE_LAYER;
 pub use splats::{Splat, Splats};
 
 /// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.

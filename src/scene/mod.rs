@@ -21,6 +21,7 @@ mod material;
 mod matte;
 mod mesh;
 mod motion;
+mod options;
 mod outline;
 mod resolve;
 mod settings;
@@ -48,8 +49,9 @@ pub use material::{AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painte
 pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
+pub use options::{LightUnits, ResolveOptions};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
-pub use resolve::{LightUnits, ResolveOptions, resolve, resolve_telling};
+pub use resolve::{resolve, resolve_telling};
 pub use settings::{FrameRate, PixelFilter, RenderSettings, Sampling, Size, Window};
 pub use sky::{Sky, SkyLight, SkyPicture};
 pub use sun_picture::{MOST_SUN_PICTURES, SunPicture, SunShows};

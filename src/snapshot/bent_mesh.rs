@@ -2,9 +2,8 @@
 //! vertices and trees. Invariant: the same pose of the same instance is the same mesh, whoever asked
 //! for another in between; an instance that keeps its pose keeps its trees.
 
-use super::mesh_trees::MeshTrees;
 use crate::accel::MeshTree;
-use crate::scene::{Deformation, Instance, Pose, Scene, Shape};
+use crate::scene::{Pose, Shape};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -24,21 +23,18 @@ pub(super) struct BentMeshes {
 }
 
 impl BentMeshes {
-    /// An instance's mesh in a pose.
+    /// The mesh of an instance by its number, in a pose; `bend` makes it if it was in another.
     pub(super) fn get(
         &self,
-        scene: &Scene,
-        trees: &MeshTrees,
-        (number, instance): (usize, &Instance),
-        deformation: &Deformation,
+        number: usize,
         pose: Pose,
+        bend: impl FnOnce(&Pose) -> (Shape, [Option<Arc<MeshTree>>; 2]),
     ) -> Arc<BentMesh> {
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(mesh) = last().get(&number).filter(|mesh| mesh.pose == pose) {
             return Arc::clone(mesh);
         }
-        let shape = deformation.shape(&scene.meshes[instance.mesh], &pose);
-        let trees = trees.of_shape(scene, instance, &shape.positions);
+        let (shape, trees) = bend(&pose);
         let mesh = Arc::new(BentMesh { pose, shape, trees });
         last().insert(number, Arc::clone(&mesh));
         mesh

@@ -40,11 +40,15 @@ impl MeshTrees {
     pub(super) fn bent(
         &self,
         scene: &Scene,
-        instance: (usize, &Instance),
+        (number, instance): (usize, &Instance),
         deformation: &Deformation,
         pose: Pose,
     ) -> Arc<BentMesh> {
-        self.bent.get(scene, self, instance, deformation, pose)
+        self.bent.get(number, pose, |pose| {
+            let shape = deformation.shape(&scene.meshes[instance.mesh], pose);
+            let trees = self.of_shape(scene, instance, &shape.positions);
+            (shape, trees)
+        })
     }
 
     /// The trees of an instance's opaque and of its blended triangles, where it has such, of the scene that
@@ -65,12 +69,7 @@ impl MeshTrees {
     }
 
     /// The same with other positions, not kept.
-    pub(super) fn of_shape(
-        &self,
-        scene: &Scene,
-        instance: &Instance,
-        positions: &[Vec3],
-    ) -> [Option<Arc<MeshTree>>; 2] {
+    fn of_shape(&self, scene: &Scene, instance: &Instance, positions: &[Vec3]) -> [Option<Arc<MeshTree>>; 2] {
         let mesh = &scene.meshes[instance.mesh];
         match self.classes(scene, instance) {
             [true, true] => [false, true].map(|class| Some(self.build(mesh, positions, Some(class)))),

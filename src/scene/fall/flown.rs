@@ -1,8 +1,8 @@
 //! A leaf's way as far as no other leaf changes it: keys, and the poses before it touches the ground, where it may
 //! meet leaves that lie there. Invariant: a pure function of the leaf and what is around it.
 
-use super::flight::{Flight, Pose};
 use super::keys::{self, Tolerance};
+use super::leaf::{Flight, Pose};
 use crate::scene::Track;
 use glam::{DQuat, DVec3};
 

@@ -5,8 +5,8 @@
 //! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves' flights; CRC-32 of all that.
 
 use super::Fall;
-use super::flight::Pose;
 use super::flown::Flown;
+use super::leaf::Pose;
 use crate::scene::baking::Baking;
 use crate::scene::{Animate, Extend, Key, Segment, Track};
 use glam::{DQuat, DVec3};

@@ -1,7 +1,7 @@
 //! Poses in, as few keys as show them out. Invariant: between keys the curves pass every pose within
 //! the tolerance.
 
-use super::flight::Pose;
+use super::leaf::Pose;
 use crate::scene::{Animate, Extend, Key, Segment, Track};
 use glam::{DQuat, DVec3};
 

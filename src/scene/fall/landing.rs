@@ -1,8 +1,8 @@
 //! A leaf that touches the ground, or what lies on it, and comes to rest. Invariant: no point of its outline goes
 //! below the ground, and it slides to a halt. How it settles is dressing: the air below it is not modelled.
 
-use super::flight::{Leaf, Pose, Surroundings};
 use super::ground::Ground;
+use super::leaf::{Leaf, Pose, Surroundings};
 use glam::{DQuat, DVec3};
 
 /// Time to settle in units of the leaf's own time: for one that lies flat already, and what is added

@@ -4,7 +4,7 @@
 //! The six are those of Xie & Miyata, "Stochastic modeling of immersed rigid-body dynamics" (SIGGRAPH
 //! Asia 2013 briefs), whose first four are the regimes of Field, Klaus, Moore & Nori, Nature 388 (1997).
 
-use super::flight::Manner;
+use super::leaf::Manner;
 use super::plate::PAPER_DAMPING;
 use crate::math::Chance;
 use std::f64::consts::TAU;

@@ -14,6 +14,7 @@ mod kept;
 mod keys;
 mod landing;
 mod lanes;
+mod leaf;
 mod lean;
 mod manner;
 mod obstacles;
@@ -29,9 +30,9 @@ mod tests;
 
 use crate::math::Chance;
 use crate::scene::Track;
-use flight::{Leaf, Surroundings};
 use glam::{DQuat, DVec3};
 use keys::Tolerance;
+use leaf::{Leaf, Surroundings};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU32, Ordering};

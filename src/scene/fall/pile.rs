@@ -4,11 +4,11 @@
 //!
 //! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says what that leaves undone.
 
-use super::flight::{Leaf, Pose};
 use super::flown::Flown;
 use super::ground::Ground;
 use super::heap::{Heap, Lie, Sheet};
 use super::landing::{self, LEAST_INTERVAL_S, Settling};
+use super::leaf::{Leaf, Pose};
 use super::{Fall, Fallen, Look, lean};
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;

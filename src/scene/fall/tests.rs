@@ -1,6 +1,6 @@
 //! Falls of many leaves: what must hold whatever the leaf.
 
-use super::flight::Flight;
+use super::leaf::Flight;
 use super::*;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -288,7 +288,7 @@ fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flig
         plate: plate::Plate { inertia, damping, curl: 0.0 },
         scales: plate::Scales::new(0.06, 0.08),
         speed_gain: 1.0,
-        manner: flight::Manner { yaw_rad_per_s: 0.0, ..manner },
+        manner: leaf::Manner { yaw_rad_per_s: 0.0, ..manner },
         middle: DVec3::Y * 4.0,
         release_s: 0.0,
         heading: [1.0, 0.0],
@@ -310,7 +310,7 @@ fn fly_alone(leaf: Leaf, interval_s: f64, around: Surroundings<'_>) -> Flight {
         Err(flight) => return flight,
     };
     loop {
-        let together::Leg { plate, mut state, weight, time, steps } = journey.depart(around.wind);
+        let flight::Leg { plate, mut state, weight, time, steps } = journey.depart(around.wind);
         for _ in 0..steps {
             state = plate.step(state, weight, time);
         }

@@ -2,19 +2,10 @@
 //! flight is the one of its leaf alone, to the last bit. Plates take steps side by side; where one comes to the
 //! end of a leg, what turns it into a leaf is done for it alone, and where a flight ends, the next leaf takes its lane.
 
-use super::flight::{Flight, Journey, Leaf, Surroundings};
+use super::flight::{Journey, Leg};
 use super::lanes::{LANES, Lanes};
+use super::leaf::{Flight, Leaf, Surroundings};
 use super::plate::{Plate, State};
-
-/// What a plate does next: so many steps of `time` each under one weight.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Leg {
-    pub(super) plate: Plate,
-    pub(super) state: State,
-    pub(super) weight: [f64; 2],
-    pub(super) time: f64,
-    pub(super) steps: usize,
-}
 
 /// Plates side by side, each on a leg of its own.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,12 +3,12 @@
 
 use super::extras::{Channels, read};
 use crate::color::Rgb;
+use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::description::image::DecodedImage;
 use crate::diagnostic::Loss;
 use crate::scene::{Sky, SkyLight, SkyPicture};
 use serde::Deserialize;
-use serde_json::Value;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,17 +42,18 @@ fn one() -> Channels {
     Channels::Same(1.0)
 }
 
-/// What lies behind the scene, from the extras that stand at `path`.
+/// What lies behind the scene, from its extras.
 ///
 /// Its image, if it has one, has been read already; if that failed, that has been said.
 pub(super) fn surroundings(
-    extras: &Value,
+    source: &GltfScene,
     image: Option<DecodedImage>,
-    path: &str,
     report: &mut Report,
 ) -> (Rgb, Option<Sky>) {
     let nothing = (Rgb::ZERO, None);
-    let Some(found) = read::<Environment>(extras, "sunfleck_env", path, report) else { return nothing };
+    let path = format!("scenes[{}]", source.scene);
+    let found = read::<Environment>(&source.extras, "sunfleck_env", &path, report);
+    let Some(found) = found else { return nothing };
     let path = format!("{path}.extras.sunfleck_env");
     let strength = Rgb::from(found.strength);
     let scaled = |color: [f64; 3]| Rgb::from(color) * strength;

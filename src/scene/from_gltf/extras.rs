@@ -1,13 +1,12 @@
 //! The custom properties through which a Blender scene says what glTF cannot. Invariant: a property
 //! named `sunfleck...` is honoured, reported or refused, never passed over in silence.
 
-use super::{Builder, environment};
+use super::Builder;
 use crate::color::Rgb;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
-use crate::description::image::DecodedImage;
 use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::{Property, Sky};
+use crate::scene::Property;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -17,8 +16,6 @@ use std::collections::BTreeMap;
 pub(super) struct SceneExtras {
     pub(super) sunfleck: Sunfleck,
     pub(super) fog: Option<Fog>,
-    pub(super) background: Rgb,
-    pub(super) sky: Option<Sky>,
 }
 
 /// `sunfleck`: how the scene is to be rendered.
@@ -126,11 +123,7 @@ pub(super) fn read<T: DeserializeOwned>(
 }
 
 /// Everything that the scene's own extras say.
-pub(super) fn scene_extras(
-    source: &GltfScene,
-    sky_image: Option<DecodedImage>,
-    report: &mut Report,
-) -> SceneExtras {
+pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtras {
     let path = format!("scenes[{}]", source.scene);
     let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
     for name in sunfleck.unknown.keys() {
@@ -143,9 +136,8 @@ pub(super) fn scene_extras(
         report.not_honoured(Loss::UnitScale, "sunfleck.unit_scale");
     }
     let fog: Option<Fog> = read(&source.extras, "sunfleck_fog", &path, report);
-    let (background, sky) = environment::surroundings(&source.extras, sky_image, &path, report);
     report_unknown(&source.extras, &["sunfleck", "sunfleck_fog", "sunfleck_env"], "the scene", report);
-    SceneExtras { sunfleck, fog, background, sky }
+    SceneExtras { sunfleck, fog }
 }
 
 /// Says which properties whose name starts as ours do are none that we know.

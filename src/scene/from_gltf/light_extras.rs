@@ -4,7 +4,6 @@
 
 use super::Builder;
 use super::extras::{self, Channels};
-use super::sun_pictures::Fractal;
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
@@ -14,6 +13,20 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::RangeBounds;
+
+/// A Julia set: the constant and the most iterations.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Fractal {
+    pub(super) real: f64,
+    pub(super) imaginary: f64,
+    #[serde(default = "iterations")]
+    pub(super) iterations: f64,
+}
+
+fn iterations() -> f64 {
+    100.0
+}
 
 /// `sunfleck_light` of a node. Angles in radians, as Blender's Python has them.
 #[derive(Debug, Default, Deserialize)]

@@ -61,7 +61,8 @@ pub(super) fn resolve(
     std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
     let sky_image = source.sky_image.take();
     let sun_images = sun_pictures::images(std::mem::take(&mut source.sun_images));
-    let extras = extras::scene_extras(&source, sky_image, &mut report);
+    let extras = extras::scene_extras(&source, &mut report);
+    let surroundings = environment::surroundings(&source, sky_image, &mut report);
     let mut animations = animations::choose(&mut source, options.animation.as_deref(), &mut report);
     let (mut settings, clock) = clock::settings(&source, &extras.sunfleck, &mut report);
 
@@ -87,7 +88,7 @@ pub(super) fn resolve(
     builder.add_meshes_and_instances();
     builder.add_lights(options.light_units, extras.sunfleck.light_units.as_deref());
     builder.add_fogs(extras.fog);
-    (builder.scene.background, builder.scene.sky) = (extras.background, extras.sky);
+    (builder.scene.background, builder.scene.sky) = surroundings;
     builder.add_cameras(&extras.sunfleck, &mut settings);
     builder.apply_controls();
     builder.settle_suns();

@@ -2,28 +2,13 @@
 //! own format a picture has a disc to be on, and is bright somewhere; what is not is an error at its own JSON path.
 
 use super::Builder;
-use super::light_extras::LightExtras;
+use super::light_extras::{Fractal, LightExtras};
 use crate::description::image::DecodedImage;
 use crate::diagnostic::Loss;
 use crate::scene::sun_picture::image_for_suns;
 use crate::scene::{Julia, LightKind, MOST_SUN_PICTURES, SunPicture, SunShows, Texture};
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// A Julia set: the constant and the most iterations.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Fractal {
-    real: f64,
-    imaginary: f64,
-    #[serde(default = "iterations")]
-    iterations: f64,
-}
-
-fn iterations() -> f64 {
-    100.0
-}
 
 /// Images as suns look them up, by the names that the file has for them.
 pub(super) fn images(decoded: BTreeMap<String, DecodedImage>) -> BTreeMap<String, Arc<Texture>> {

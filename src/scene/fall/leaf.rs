@@ -1,0 +1,90 @@
+//! A leaf that falls, what is around it, and where it was. In go numbers, nothing comes out. Invariant: all of a leaf's fall
+//! follows from these.
+
+use super::ground::Ground;
+use super::obstacles::Obstacles;
+use super::plate::{Plate, Scales};
+use super::wind::Wind;
+use glam::{DQuat, DVec3};
+
+/// Longest time between two poses, seconds, and in units of the leaf's own time: four steps.
+const LONGEST_INTERVAL_S: f64 = 1.0 / 40.0;
+const LONGEST_INTERVAL: f64 = 0.4;
+
+/// Where leaves fall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surroundings<'a> {
+    pub(super) wind: &'a Wind,
+    pub(super) ground: &'a Ground,
+    pub(super) obstacles: &'a Obstacles,
+}
+
+/// A leaf that is about to fall.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf {
+    pub(crate) plate: Plate,
+    pub(crate) scales: Scales,
+    /// Factor on all speeds.
+    pub(crate) speed_gain: f64,
+    pub(crate) manner: Manner,
+    /// Where its middle hangs.
+    pub(crate) middle: DVec3,
+    pub(crate) release_s: f64,
+    /// Cosine and sine: of the plane's turn about the vertical, and of the chord's slope in it.
+    pub(crate) heading: [f64; 2],
+    pub(crate) slope: [f64; 2],
+    /// Of the leaf about its normal.
+    pub(crate) twist: DQuat,
+    /// Points of its outline relative to its middle, metres.
+    pub(crate) outline: Vec<DVec3>,
+    /// What points up when it lies, on the one side and on the other.
+    pub(crate) rests: [DVec3; 2],
+    /// How far the outline reaches.
+    pub(crate) reach_m: f64,
+    /// Free height below it once it lies.
+    pub(crate) clearance_m: f64,
+}
+
+/// What turns a fall in a plane into one in space. Dressing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Manner {
+    /// How fast the plane turns.
+    pub(crate) yaw_rad_per_s: f64,
+    /// How fast that becomes less, 1/s: the circles widen.
+    pub(crate) widening_per_s: f64,
+    /// Lean to one side, and how far it sways from there, radians.
+    pub(crate) bank: f64,
+    pub(crate) sway: f64,
+    pub(crate) sway_rad_per_s: f64,
+    /// Cosine and sine of the sway's phase at the release.
+    pub(crate) sway_phase: [f64; 2],
+}
+
+/// Where a leaf is at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pose {
+    pub(crate) time_s: f64,
+    pub(crate) middle: DVec3,
+    pub(crate) turn: DQuat,
+}
+
+/// What becomes of a leaf in the air.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Flight {
+    /// From the release on; the last touches the ground, unless the leaf never does.
+    pub(crate) poses: Vec<Pose>,
+    /// Its velocity there.
+    pub(crate) touches_with: Option<DVec3>,
+}
+
+impl Leaf {
+    /// Time between two poses.
+    pub(super) fn interval_s(&self) -> f64 {
+        LONGEST_INTERVAL_S.min(LONGEST_INTERVAL * self.own_time_s())
+    }
+
+    /// Time in which the leaf falls about half its width.
+    pub(crate) fn own_time_s(&self) -> f64 {
+        self.scales.time_s() / self.speed_gain
+    }
+}
