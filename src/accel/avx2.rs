@@ -2,15 +2,7 @@
 //! processor that has AVX2, which is what makes each `unsafe` below sound.
 #![allow(unsafe_code, reason = "vector instructions, behind a proof that the processor has them")]
 
-use super::{
-    Cut, HalfPlane, Hit, LightPlane, PrimitiveId,
-    instance_tree::Instance,
-    ray_query, shadow_query,
-    simd::{Eight, Lanes, Mask, Simd, WIDTH},
-    slice_query,
-    wide_tree::WideTree,
-};
-use crate::math::{IntervalSet, Ray};
+use super::simd::{Eight, Kernel, Lanes, Mask, Simd, WIDTH};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
@@ -25,6 +17,17 @@ impl Avx2 {
     /// Asks the processor.
     pub(super) fn detect() -> Option<Self> {
         is_x86_feature_detected!("avx2").then_some(Self(()))
+    }
+
+    /// Runs a kernel that is compiled for AVX2.
+    #[inline]
+    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        #[target_feature(enable = "avx2")]
+        fn compiled<K: Kernel>(simd: Avx2, kernel: K) -> K::Output {
+            kernel.run(simd)
+        }
+        // SAFETY: `self` proves AVX2.
+        unsafe { compiled(self, kernel) }
     }
 }
 
@@ -134,100 +137,5 @@ impl Mask for Avx2Mask {
     fn bits(self) -> u32 {
         // SAFETY: masks exist only where AVX2 does.
         (unsafe { _mm256_movemask_ps(self.0) }) as u32
-    }
-}
-
-/// The kernels of each query, compiled for AVX2.
-impl Avx2 {
-    /// [`InstanceTree::nearest_hit`](super::InstanceTree::nearest_hit).
-    pub(super) fn nearest_hit(
-        self,
-        tree: &WideTree,
-        instances: &[Instance],
-        ray: &Ray,
-        t_max: f64,
-        skip: Option<PrimitiveId>,
-    ) -> Option<Hit> {
-        #[target_feature(enable = "avx2")]
-        fn kernel(
-            simd: Avx2,
-            tree: &WideTree,
-            instances: &[Instance],
-            ray: &Ray,
-            t_max: f64,
-            skip: Option<PrimitiveId>,
-        ) -> Option<Hit> {
-            ray_query::trace(simd, tree, instances, ray, t_max, skip, false)
-        }
-        // SAFETY: `self` proves AVX2.
-        unsafe { kernel(self, tree, instances, ray, t_max, skip) }
-    }
-
-    /// [`InstanceTree::any_hit`](super::InstanceTree::any_hit).
-    pub(super) fn any_hit(
-        self,
-        tree: &WideTree,
-        instances: &[Instance],
-        ray: &Ray,
-        t_max: f64,
-        skip: Option<PrimitiveId>,
-    ) -> bool {
-        #[target_feature(enable = "avx2")]
-        fn kernel(
-            simd: Avx2,
-            tree: &WideTree,
-            instances: &[Instance],
-            ray: &Ray,
-            t_max: f64,
-            skip: Option<PrimitiveId>,
-        ) -> bool {
-            ray_query::trace(simd, tree, instances, ray, t_max, skip, true).is_some()
-        }
-        // SAFETY: `self` proves AVX2.
-        unsafe { kernel(self, tree, instances, ray, t_max, skip) }
-    }
-
-    /// [`InstanceTree::add_shadows`](super::InstanceTree::add_shadows).
-    pub(super) fn add_shadows(
-        self,
-        tree: &WideTree,
-        instances: &[Instance],
-        plane: &LightPlane,
-        shadows: &mut IntervalSet,
-    ) {
-        #[target_feature(enable = "avx2")]
-        fn kernel(
-            simd: Avx2,
-            tree: &WideTree,
-            instances: &[Instance],
-            plane: &LightPlane,
-            shadows: &mut IntervalSet,
-        ) {
-            shadow_query::add_shadows(simd, tree, instances, plane, shadows);
-        }
-        // SAFETY: `self` proves AVX2.
-        unsafe { kernel(self, tree, instances, plane, shadows) }
-    }
-
-    /// [`InstanceTree::add_cuts`](super::InstanceTree::add_cuts).
-    pub(super) fn add_cuts(
-        self,
-        tree: &WideTree,
-        instances: &[Instance],
-        half_plane: &HalfPlane,
-        cuts: &mut Vec<Cut>,
-    ) {
-        #[target_feature(enable = "avx2")]
-        fn kernel(
-            simd: Avx2,
-            tree: &WideTree,
-            instances: &[Instance],
-            half_plane: &HalfPlane,
-            cuts: &mut Vec<Cut>,
-        ) {
-            slice_query::add_cuts(simd, tree, instances, half_plane, cuts);
-        }
-        // SAFETY: `self` proves AVX2.
-        unsafe { kernel(self, tree, instances, half_plane, cuts) }
     }
 }

@@ -3,15 +3,14 @@
 //! through shadows only the side of it that lies away from the light.
 
 use super::{
-    PrimitiveId,
     block::Block,
-    instance_tree::Instance,
+    hit::PrimitiveId,
+    instance::{Instance, Instances},
     light_plane::{LightPlane, PlaneFunctions},
     shadow_query::{LeafVisitor, shadowing, visit_leaves},
-    simd::Simd,
+    simd::{Kernel, Simd},
     stack::Stack,
     triangle_cut::Crossing,
-    wide_tree::WideTree,
 };
 
 /// Which part of a ray a triangle shadows, metres.
@@ -26,15 +25,20 @@ pub struct TriangleShadow {
 }
 
 /// Appends the shadows of all instances' triangles.
-pub(super) fn add_each_shadow<S: Simd>(
-    simd: S,
-    tree: &WideTree,
-    instances: &[Instance],
-    plane: &LightPlane,
-    shadows: &mut Vec<TriangleShadow>,
-) {
-    let region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
-    visit_leaves(simd, tree, &region, &mut Stack::new(), &mut InstanceQuery { plane, instances, shadows });
+pub(super) struct AddEachShadow<'a> {
+    pub(super) instances: Instances<'a>,
+    pub(super) plane: &'a LightPlane,
+    pub(super) shadows: &'a mut Vec<TriangleShadow>,
+}
+
+impl Kernel for AddEachShadow<'_> {
+    type Output = ();
+    fn run<S: Simd>(self, simd: S) {
+        let Self { instances: Instances { tree, list: instances }, plane, shadows } = self;
+        let region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
+        let mut query = InstanceQuery { plane, instances, shadows };
+        visit_leaves(simd, tree, &region, &mut Stack::new(), &mut query);
+    }
 }
 
 struct InstanceQuery<'a> {

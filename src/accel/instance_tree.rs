@@ -2,89 +2,19 @@
 //! instance numbers of answers are positions in the list the tree was made of, counted from where its
 //! maker wants.
 
-use super::{
-    Cut, HalfPlane, Hit, LightPlane, MeshTree, PrimitiveId, TriangleShadow, each_shadow, ray_query,
-    rounding::{round_down, round_up},
-    shadow_query,
-    simd::{Level, Portable},
-    slice_query,
-    wide_tree::{Bounds, WideTree},
-};
+use super::each_shadow::{AddEachShadow, TriangleShadow};
+use super::hit::{Hit, PrimitiveId};
+use super::instance::{Instance, Instances, PlacedMesh};
+use super::level::Level;
+use super::light_plane::LightPlane;
+use super::ray_query::Trace;
+use super::rounding::{round_down, round_up};
+use super::shadow_query::AddShadows;
+use super::simd::{Kernel, Portable};
+use super::slice_query::{AddCuts, Cut, HalfPlane};
+use super::wide_tree::{Bounds, WideTree};
 use crate::math::{IntervalSet, Ray};
-use glam::{DAffine3, DVec3, Vec3};
-use std::sync::Arc;
-
-/// Scales beyond this, up or down, do not survive single precision and count as singular.
-const LARGEST_SCALE: f64 = 1e15;
-
-/// One mesh placed in the frame.
-#[derive(Clone, Debug)]
-pub struct PlacedMesh {
-    /// The mesh.
-    pub mesh: Arc<MeshTree>,
-    /// Where it is, relative to the camera along the world's axes, in metres.
-    pub relative_from_mesh: DAffine3,
-}
-
-/// A placed mesh with what queries need.
-#[derive(Debug)]
-pub(super) struct Instance {
-    pub(super) mesh: Arc<MeshTree>,
-    pub(super) relative_from_mesh: DAffine3,
-    pub(super) mesh_from_relative: DAffine3,
-    /// Middle of the mesh's box, in the mesh's space.
-    pub(super) mesh_centre: DVec3,
-    /// Whether shadows and slices cut it in double precision.
-    pub(super) needs_doubles: bool,
-    /// Position in the list of placed meshes.
-    pub(super) index: u32,
-}
-
-/// Single precision knows a mesh to some 1e-7 of its size. That shows on a ground that reaches to the
-/// horizon but is looked at from near by: from nearer than this fraction of its size.
-const NEAR: f64 = 0.25;
-
-/// Only meshes of up to so many blocks: double precision is slower.
-const FEW_BLOCKS: usize = 64;
-
-impl Instance {
-    fn new(index: u32, placed: PlacedMesh) -> Option<Self> {
-        let PlacedMesh { mesh, relative_from_mesh } = placed;
-        let bounds = mesh.tree.bounds;
-        let determinant = relative_from_mesh.matrix3.determinant();
-        if bounds.is_empty() || determinant == 0.0 {
-            return None;
-        }
-        let mesh_from_relative = relative_from_mesh.inverse();
-        let is_sane = |affine: &DAffine3| {
-            affine.to_cols_array().iter().all(|entry| entry.is_finite())
-                && affine.matrix3.to_cols_array().iter().all(|entry| entry.abs() < LARGEST_SCALE)
-        };
-        if !is_sane(&relative_from_mesh) || !is_sane(&mesh_from_relative) {
-            return None;
-        }
-        let mesh_centre = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
-        let nearest = mesh_from_relative.translation.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let distance = relative_from_mesh.transform_point3(nearest).length();
-        let half_size = relative_from_mesh.transform_vector3(bounds.max.as_dvec3() - mesh_centre).length();
-        let needs_doubles = mesh.blocks.len() <= FEW_BLOCKS && distance < NEAR * half_size;
-        Some(Self { mesh, relative_from_mesh, mesh_from_relative, mesh_centre, needs_doubles, index })
-    }
-
-    /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.
-    fn bounds(&self) -> (DVec3, DVec3) {
-        let matrix = self.relative_from_mesh.matrix3;
-        let absolute = glam::DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
-        let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for top_box in &self.mesh.tree.top_boxes {
-            let (min, max) = (top_box.min.as_dvec3(), top_box.max.as_dvec3());
-            let centre = self.relative_from_mesh.transform_point3((min + max) / 2.0);
-            let extent = absolute * ((max - min) / 2.0);
-            bounds = (bounds.0.min(centre - extent), bounds.1.max(centre + extent));
-        }
-        bounds
-    }
-}
+use glam::{DVec3, Vec3};
 
 /// All placed meshes of a frame.
 #[derive(Debug)]
@@ -142,42 +72,29 @@ impl InstanceTree {
     /// The nearest hit with `0 < t < t_max` (metres), on either side of a triangle, `skip` left out:
     /// name the triangle there on which the ray starts.
     pub fn nearest_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> Option<Hit> {
-        match self.level {
-            Level::Portable(simd) => {
-                ray_query::trace(simd, &self.tree, &self.instances, ray, t_max, skip, false)
-            }
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(simd) => simd.nearest_hit(&self.tree, &self.instances, ray, t_max, skip),
-        }
+        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: false })
     }
 
     /// Whether there is any hit with `0 < t < t_max` (metres), `skip` left out.
     pub fn any_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> bool {
-        match self.level {
-            Level::Portable(simd) => {
-                ray_query::trace(simd, &self.tree, &self.instances, ray, t_max, skip, true).is_some()
-            }
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(simd) => simd.any_hit(&self.tree, &self.instances, ray, t_max, skip),
-        }
+        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: true }).is_some()
     }
 
     /// Adds the parts of the plane's ray that lie in the shadow of any mesh. The ray must not pass
     /// through a triangle within the asked part, though it may end on one: a triangle counts as a whole
     /// as before or behind the ray.
     pub fn add_shadows(&self, plane: &LightPlane, shadows: &mut IntervalSet) {
-        match self.level {
-            Level::Portable(simd) => {
-                shadow_query::add_shadows(simd, &self.tree, &self.instances, plane, shadows);
-            }
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(simd) => simd.add_shadows(&self.tree, &self.instances, plane, shadows),
-        }
+        self.level.run(AddShadows { instances: self.instances(), plane, shadows });
     }
 
     /// Appends the shadow of each triangle on the plane's ray by itself. The ray may pass through triangles.
     pub fn add_each_shadow(&self, plane: &LightPlane, shadows: &mut Vec<TriangleShadow>) {
-        each_shadow::add_each_shadow(Portable, &self.tree, &self.instances, plane, shadows);
+        AddEachShadow { instances: self.instances(), plane, shadows }.run(Portable);
+    }
+
+    /// Appends what the half plane cuts, in an order that depends on the tree alone.
+    pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
+        self.level.run(AddCuts { instances: self.instances(), half_plane, cuts });
     }
 
     /// Whether there is nothing in it.
@@ -185,15 +102,8 @@ impl InstanceTree {
         self.instances.is_empty()
     }
 
-    /// Appends what the half plane cuts, in an order that depends on the tree alone.
-    pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
-        match self.level {
-            Level::Portable(simd) => {
-                slice_query::add_cuts(simd, &self.tree, &self.instances, half_plane, cuts);
-            }
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(simd) => simd.add_cuts(&self.tree, &self.instances, half_plane, cuts),
-        }
+    fn instances(&self) -> Instances<'_> {
+        Instances { tree: &self.tree, list: &self.instances }
     }
 
     /// The corners of the box around everything, in relative space; `None` when there is nothing.
@@ -205,9 +115,11 @@ impl InstanceTree {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::mesh_tree::MeshTree;
     use super::*;
     use crate::math::Sampler;
-    use glam::DQuat;
+    use glam::{DAffine3, DQuat};
+    use std::sync::Arc;
 
     fn vector(sampler: &mut Sampler) -> DVec3 {
         let ((x, y), z) = (sampler.next_2d(), sampler.next_1d());

@@ -5,12 +5,12 @@
 //! good to a few units in 1e16 and a ray that starts on a surface needs no offset.
 
 use super::{
-    Hit, PrimitiveId,
     block::Block,
-    instance_tree::Instance,
+    hit::{Hit, PrimitiveId},
+    instance::{Instance, Instances},
     mesh_tree::MeshTree,
     rounding::{UNIT_ROUNDOFF, round_down, round_up},
-    simd::{Eight, Lanes, Mask, Simd, WIDTH, three},
+    simd::{Eight, Kernel, Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
     wide_tree::{Bounds, LEAF, WideTree, plane},
 };
@@ -166,23 +166,27 @@ pub(super) struct RayQuery<'a> {
 }
 
 /// The nearest hit with `0 < t < t_max`; if `any`, the first that is found.
-#[inline(always)]
-pub(super) fn trace<S: Simd>(
-    simd: S,
-    tree: &WideTree,
-    instances: &[Instance],
-    ray: &Ray,
-    t_max: f64,
-    skip: Option<PrimitiveId>,
-    any: bool,
-) -> Option<Hit> {
-    let mut stack = Stack::new();
-    let padding = padding(ray.origin, tree.bounds) as f32;
-    let box_ray =
-        BoxRay::new(simd, ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array(), padding, 0.0);
-    let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
-    visit_leaves(simd, tree, &box_ray, round_up(t_max), &mut stack, &mut query);
-    query.nearest
+pub(super) struct Trace<'a> {
+    pub(super) instances: Instances<'a>,
+    pub(super) ray: &'a Ray,
+    pub(super) t_max: f64,
+    pub(super) skip: Option<PrimitiveId>,
+    pub(super) any: bool,
+}
+
+impl Kernel for Trace<'_> {
+    type Output = Option<Hit>;
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<Hit> {
+        let Self { instances: Instances { tree, list: instances }, ray, t_max, skip, any } = self;
+        let mut stack = Stack::new();
+        let padding = padding(ray.origin, tree.bounds) as f32;
+        let (origin, direction) = (ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array());
+        let box_ray = BoxRay::new(simd, origin, direction, padding, 0.0);
+        let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
+        visit_leaves(simd, tree, &box_ray, round_up(t_max), &mut stack, &mut query);
+        query.nearest
+    }
 }
 
 impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {

@@ -3,10 +3,10 @@
 
 use super::{
     block::Block,
-    instance_tree::Instance,
+    instance::{Instance, Instances},
     light_plane::{Functional, LightPlane, PlaneFunctions},
     rounding::UNIT_ROUNDOFF,
-    simd::{Lanes, Mask, Simd, WIDTH, three},
+    simd::{Kernel, Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
     triangle_cut::{Corners, Crossing, Shadow},
     wide_tree::{Bounds, LEAF, Node, WideTree, plane},
@@ -176,20 +176,24 @@ pub(super) fn visit_leaves<S: Simd, const N: usize>(
 }
 
 /// Adds the shadows of all instances.
-#[inline(always)]
-pub(super) fn add_shadows<S: Simd>(
-    simd: S,
-    tree: &WideTree,
-    instances: &[Instance],
-    plane: &LightPlane,
-    shadows: &mut IntervalSet,
-) {
-    if plane.t_range.0 >= plane.t_range.1 {
-        return;
+pub(super) struct AddShadows<'a> {
+    pub(super) instances: Instances<'a>,
+    pub(super) plane: &'a LightPlane,
+    pub(super) shadows: &'a mut IntervalSet,
+}
+
+impl Kernel for AddShadows<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { instances: Instances { tree, list: instances }, plane, shadows } = self;
+        if plane.t_range.0 >= plane.t_range.1 {
+            return;
+        }
+        let box_region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
+        let mut query = ShadowQuery { plane, instances, shadows };
+        visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
     }
-    let box_region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
-    let mut query = ShadowQuery { plane, instances, shadows };
-    visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
 }
 
 /// A query that goes through the instances.

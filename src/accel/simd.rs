@@ -65,25 +65,12 @@ pub(super) trait Simd: Copy {
     fn prefetch<T>(self, _soon_read: &T) {}
 }
 
-/// Which implementation serves this processor.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Level {
-    /// Plain Rust.
-    Portable(Portable),
-    /// x86-64 with AVX2.
-    #[cfg(target_arch = "x86_64")]
-    Avx2(super::avx2::Avx2),
-}
-
-impl Level {
-    /// The fastest one there is.
-    pub(super) fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = super::avx2::Avx2::detect() {
-            return Self::Avx2(avx2);
-        }
-        Self::Portable(Portable)
-    }
+/// A computation that is compiled for each implementation of [`Simd`]. Everything below `run` has to be inlined into it.
+pub(super) trait Kernel {
+    /// The answer.
+    type Output;
+    /// Computes it.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
 /// Plain Rust, for any processor.

@@ -3,15 +3,15 @@
 //! closed mesh has a closed outline.
 
 use super::{
-    PrimitiveId,
     block::Block,
-    instance_tree::Instance,
+    hit::PrimitiveId,
+    instance::{Instance, Instances},
     light_plane::Functional,
     shadow_query::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, may_vanish, visit_leaves},
-    simd::{Mask, Simd, WIDTH},
+    simd::{Kernel, Mask, Simd, WIDTH},
     stack::Stack,
     triangle_cut::Crossing,
-    wide_tree::{Bounds, WideTree},
+    wide_tree::Bounds,
 };
 use glam::{DVec2, DVec3};
 
@@ -41,22 +41,27 @@ pub struct Cut {
 }
 
 /// Appends the cuts of all instances, in the order in which the tree meets them.
-#[inline(always)]
-pub(super) fn add_cuts<S: Simd>(
-    simd: S,
-    tree: &WideTree,
-    instances: &[Instance],
-    half_plane: &HalfPlane,
-    cuts: &mut Vec<Cut>,
-) {
-    let linear = |gradient: DVec3| Functional::vanishing_at(half_plane.eye, gradient);
-    let out_of_plane = linear(half_plane.axis.cross(half_plane.outward));
-    let reach = linear(half_plane.outward);
-    let height = linear(half_plane.axis);
-    let region = Region { out_of_plane, reach, height, above: height.plus(-half_plane.lowest_slope, &reach) };
-    let limits = region.limits(simd, tree.bounds);
-    let mut query = SliceQuery { region, instances, cuts };
-    visit_leaves(simd, tree, &limits, &mut Stack::new(), &mut query);
+pub(super) struct AddCuts<'a> {
+    pub(super) instances: Instances<'a>,
+    pub(super) half_plane: &'a HalfPlane,
+    pub(super) cuts: &'a mut Vec<Cut>,
+}
+
+impl Kernel for AddCuts<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { instances: Instances { tree, list: instances }, half_plane, cuts } = self;
+        let linear = |gradient: DVec3| Functional::vanishing_at(half_plane.eye, gradient);
+        let out_of_plane = linear(half_plane.axis.cross(half_plane.outward));
+        let reach = linear(half_plane.outward);
+        let height = linear(half_plane.axis);
+        let above = height.plus(-half_plane.lowest_slope, &reach);
+        let region = Region { out_of_plane, reach, height, above };
+        let limits = region.limits(simd, tree.bounds);
+        let mut query = SliceQuery { region, instances, cuts };
+        visit_leaves(simd, tree, &limits, &mut Stack::new(), &mut query);
+    }
 }
 
 /// What belongs to the half plane has `out_of_plane = 0`, and `reach` and `above` not negative.

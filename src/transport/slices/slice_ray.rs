@@ -2,7 +2,7 @@
 //! what the per-ray method finds for the same ray, to rounding.
 
 use super::fog_profile::FogProfile;
-use super::solve::SliceJob;
+use super::slice_job::SliceJob;
 use super::sweep::{LightRays, Meeting, PlanarRay, Sweep};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};

@@ -7,15 +7,15 @@ use super::edges::Edges;
 use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
 use super::fog_profile::FogProfile;
 use super::outline::Outline;
+use super::slice_job::SliceJob;
 use super::slice_ray::SliceRay;
 use super::sweep::{LightRays, PlanarClip, PlanarRay, Sweep};
 use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
-use crate::color::Rgb;
 use crate::math::{Ray, Sampler, kronecker};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
-use crate::transport::radiance::{Scratch, Transport};
+use crate::transport::radiance::Scratch;
 use glam::DVec2;
 
 /// Memory that the slices of one thread share.
@@ -29,23 +29,6 @@ pub struct SliceScratch {
     edges: Edges,
     fog: FogProfile,
     followed: Scratch,
-}
-
-/// What is to be solved.
-#[derive(Clone, Copy)]
-pub struct SliceJob<'a> {
-    /// The frame.
-    pub snapshot: &'a Snapshot<'a>,
-    /// How rays that leave the slices are followed.
-    pub transport: &'a Transport,
-    /// The slices' light: a light of the snapshot, or a point of one.
-    pub light: &'a FrozenLight,
-    /// What its light is to be multiplied by, see [`Sample::hue`].
-    pub hue: Rgb,
-    /// Whether what shines by itself is counted with this light.
-    pub self_luminous: bool,
-    /// All slices of the light, from where they are seen.
-    pub fan: &'a Fan,
 }
 
 /// A part of a chord all of which sees the same things, and the sample that stands for it.

@@ -1,0 +1,21 @@
+//! What rays meet. In goes nothing; these are the names that all answers use. Invariant: a hit's weights lie in the triangle.
+
+/// A triangle of a placed mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PrimitiveId {
+    /// Index into the meshes an [`InstanceTree`] was made of.
+    pub instance: u32,
+    /// Index into the triangles its [`MeshTree`] was made of.
+    pub triangle: u32,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance along the ray, in metres.
+    pub t: f64,
+    /// What it met.
+    pub primitive: PrimitiveId,
+    /// Weights of the triangle's vertices 1 and 2; both and their sum lie in `[0, 1]`.
+    pub barycentrics: [f64; 2],
+}

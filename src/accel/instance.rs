@@ -1,0 +1,87 @@
+//! A mesh placed in a frame. In go the mesh and its place, out comes what queries need of both. Invariant: relative space; a mesh
+//! whose matrix is singular is no instance.
+
+use super::mesh_tree::MeshTree;
+use super::wide_tree::WideTree;
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// Scales beyond this, up or down, do not survive single precision and count as singular.
+const LARGEST_SCALE: f64 = 1e15;
+
+/// One mesh placed in the frame.
+#[derive(Clone, Debug)]
+pub struct PlacedMesh {
+    /// The mesh.
+    pub mesh: Arc<MeshTree>,
+    /// Where it is, relative to the camera along the world's axes, in metres.
+    pub relative_from_mesh: DAffine3,
+}
+
+/// A placed mesh with what queries need.
+#[derive(Debug)]
+pub(super) struct Instance {
+    pub(super) mesh: Arc<MeshTree>,
+    pub(super) relative_from_mesh: DAffine3,
+    pub(super) mesh_from_relative: DAffine3,
+    /// Middle of the mesh's box, in the mesh's space.
+    pub(super) mesh_centre: DVec3,
+    /// Whether shadows and slices cut it in double precision.
+    pub(super) needs_doubles: bool,
+    /// Position in the list of placed meshes.
+    pub(super) index: u32,
+}
+
+/// Single precision knows a mesh to some 1e-7 of its size. That shows on a ground that reaches to the
+/// horizon but is looked at from near by: from nearer than this fraction of its size.
+const NEAR: f64 = 0.25;
+
+/// Only meshes of up to so many blocks: double precision is slower.
+const FEW_BLOCKS: usize = 64;
+
+impl Instance {
+    pub(super) fn new(index: u32, placed: PlacedMesh) -> Option<Self> {
+        let PlacedMesh { mesh, relative_from_mesh } = placed;
+        let bounds = mesh.tree.bounds;
+        let determinant = relative_from_mesh.matrix3.determinant();
+        if bounds.is_empty() || determinant == 0.0 {
+            return None;
+        }
+        let mesh_from_relative = relative_from_mesh.inverse();
+        let is_sane = |affine: &DAffine3| {
+            affine.to_cols_array().iter().all(|entry| entry.is_finite())
+                && affine.matrix3.to_cols_array().iter().all(|entry| entry.abs() < LARGEST_SCALE)
+        };
+        if !is_sane(&relative_from_mesh) || !is_sane(&mesh_from_relative) {
+            return None;
+        }
+        let mesh_centre = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+        let nearest = mesh_from_relative.translation.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let distance = relative_from_mesh.transform_point3(nearest).length();
+        let half_size = relative_from_mesh.transform_vector3(bounds.max.as_dvec3() - mesh_centre).length();
+        let needs_doubles = mesh.blocks.len() <= FEW_BLOCKS && distance < NEAR * half_size;
+        Some(Self { mesh, relative_from_mesh, mesh_from_relative, mesh_centre, needs_doubles, index })
+    }
+
+    /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        let matrix = self.relative_from_mesh.matrix3;
+        let absolute = glam::DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
+        let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for top_box in &self.mesh.tree.top_boxes {
+            let (min, max) = (top_box.min.as_dvec3(), top_box.max.as_dvec3());
+            let centre = self.relative_from_mesh.transform_point3((min + max) / 2.0);
+            let extent = absolute * ((max - min) / 2.0);
+            bounds = (bounds.0.min(centre - extent), bounds.1.max(centre + extent));
+        }
+        bounds
+    }
+}
+
+/// All instances of a frame, and the tree over them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instances<'a> {
+    pub(super) tree: &'a WideTree,
+    /// By the tree's leaves.
+    pub(super) list: &'a [Instance],
+}

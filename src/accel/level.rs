@@ -1,0 +1,36 @@
+//! Which instructions there are. In goes a kernel, out comes its answer. Invariant: the answer is the same on every level.
+
+#[cfg(target_arch = "x86_64")]
+use super::avx2::Avx2;
+use super::simd::{Kernel, Portable};
+
+/// Which implementation serves this processor.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Level {
+    /// Plain Rust.
+    Portable(Portable),
+    /// x86-64 with AVX2.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl Level {
+    /// The fastest one there is.
+    pub(super) fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = Avx2::detect() {
+            return Self::Avx2(avx2);
+        }
+        Self::Portable(Portable)
+    }
+
+    /// Runs a kernel.
+    #[inline]
+    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
+            Self::Portable(simd) => kernel.run(simd),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(simd) => simd.run(kernel),
+        }
+    }
+}

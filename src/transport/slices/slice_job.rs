@@ -1,0 +1,24 @@
+//! What is asked of slices, the same for all of a draw. In goes nothing, nothing comes out. Invariant: the fan's eye and axis are those of
+//! the snapshot's view and of the light.
+
+use super::fan::Fan;
+use crate::color::Rgb;
+use crate::snapshot::{FrozenLight, Snapshot};
+use crate::transport::radiance::Transport;
+
+/// What is to be solved.
+#[derive(Clone, Copy)]
+pub struct SliceJob<'a> {
+    /// The frame.
+    pub snapshot: &'a Snapshot<'a>,
+    /// How rays that leave the slices are followed.
+    pub transport: &'a Transport,
+    /// The slices' light: a light of the snapshot, or a point of one.
+    pub light: &'a FrozenLight,
+    /// What its light is to be multiplied by, see [`Sample::hue`].
+    pub hue: Rgb,
+    /// Whether what shines by itself is counted with this light.
+    pub self_luminous: bool,
+    /// All slices of the light, from where they are seen.
+    pub fan: &'a Fan,
+}
