@@ -6,6 +6,7 @@ mod bearings;
 mod choice;
 mod draws;
 mod lattice;
+mod layout;
 mod places;
 mod refine;
 mod rings;
@@ -25,7 +26,6 @@ use crate::transport::{Component, Transport};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use refine::{Budget, Goal, Refined};
-use std::sync::OnceLock;
 use sum::Sum;
 use survey::Survey;
 
@@ -159,8 +159,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
             let before = sum.frame();
             let developed = watch.part(range, None, |watch| match component {
                 Component::Light(light) => {
-                    let picture =
-                        slices::LightPicture { exposure, job, light, tally: &tally, rings: OnceLock::new() };
+                    let picture = slices::LightPicture::new(exposure, job, light, &tally);
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
                 component => {
@@ -245,7 +244,7 @@ fn develop(
     watch: &Watch,
 ) -> Refined {
     match job.sampling {
-        Sampling::Exactly(samples) => refine::once(picture, job, samples, watch),
+        Sampling::Exactly(_) => refine::once(picture, job, watch),
         Sampling::Until { tolerance, most } => {
             refine::refine(picture, job, &Goal { tolerance, most, survey, budget }, watch)
         }

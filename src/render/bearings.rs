@@ -78,7 +78,7 @@ mod tests {
         fn no_slice_that_meets_wanted_pixels_is_left_out(
             (elevation_deg, azimuth_deg) in (-89.0..89.0_f64, -180.0..180.0_f64),
             wanted in prop::collection::hash_set((0..SIZE.width, 0..SIZE.height), 1..4),
-            wander_deg in prop::array::uniform2(-0.3..0.3_f64),
+            deviation_deg in prop::array::uniform2(-0.3..0.3_f64),
         ) {
             let base = fan(elevation_deg, azimuth_deg);
             let wanted = Mask::from_fn(Window::whole(SIZE), |x, y| wanted.contains(&(x, y)));
@@ -88,12 +88,12 @@ mod tests {
                 prop_assert!(bearings.hold(angle) || !meets(&wanted, &base, angle, Ring::WHOLE), "{angle}");
             }
 
-            let own = fan(elevation_deg + wander_deg[0], azimuth_deg + wander_deg[1]);
+            let own = fan(elevation_deg + deviation_deg[0], azimuth_deg + deviation_deg[1]);
             let extent = base.extent();
             let ring = Ring(extent.0.max(0.02), extent.1.min(PI - 0.02));
             prop_assume!(ring.0 < ring.1);
-            let turn = (base.wander(&own).sin() / ring.0.sin().min(ring.1.sin())).min(1.0).asin();
-            let bearings = Bearings::new(&base, ring, base.wander(&own), &wanted, 1.5 * turn);
+            let turn = (base.deviation(&own).sin() / ring.0.sin().min(ring.1.sin())).min(1.0).asin();
+            let bearings = Bearings::new(&base, ring, base.deviation(&own), &wanted, 1.5 * turn);
             for angle in (0..500).map(angle) {
                 let (own_angle, _) = own.angle_through(&base, angle, 0.5 * (ring.0 + ring.1));
                 prop_assert!(bearings.hold(angle) || !meets(&wanted, &own, own_angle, ring), "{angle}");

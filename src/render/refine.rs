@@ -3,7 +3,7 @@
 //! its block's samples and on those with which the blocks next to it are first judged alone, so that a part of a picture has
 //! the pixels of the whole.
 
-use super::rounds::{Picture, Round};
+use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;
 use super::{Job, Watch};
 use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
@@ -21,15 +21,6 @@ pub(super) const ORDERED: f64 = 0.75;
 
 /// The same where samples have draws of their own, and know little of one another.
 pub(super) const DRAWN: f64 = 0.5;
-
-/// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
-const FIRST_SAMPLES: u32 = 8;
-
-/// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
-const FIRST_SAMPLES_LOOSE: u32 = 3;
-
-/// See [`FIRST_SAMPLES_LOOSE`].
-const LOOSE: f64 = 0.25;
 
 /// A light's part of a picture, or all of it.
 pub(super) struct Refined {
@@ -84,12 +75,13 @@ fn visible(luminance: f64, survey: &Survey) -> f64 {
 }
 
 /// Renders exactly so many samples a pixel, as one round.
-pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watch) -> Refined {
+pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined {
     let blocks = Blocks::covering(job.window, job.size);
     let window = if job.is_judged() { blocks.window() } else { job.window };
     let mut film = picture.film(job, window);
     let wanted = Mask::all(window);
-    picture.add_round(&Round::only(samples, &wanted), &mut film, watch);
+    let schedule = Schedule::of(job.sampling);
+    picture.add_round(&Round { number: 0, schedule, wanted: &wanted }, &mut film, watch);
     picture.fill_holes(&mut film, watch);
     let estimates = if job.is_judged() {
         judge(&estimates(&film, picture.convergence()), &film, &blocks)
@@ -104,68 +96,150 @@ pub(super) fn once(picture: &impl Picture, job: &Job, samples: u32, watch: &Watc
 ///
 /// Each round doubles the samples of the pixels that take part in it, and its samples judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
-    let window_blocks = Blocks::covering(job.window, job.size);
-    // What they show when they are first judged tells whether a block at the window's rim goes on.
-    let blocks = window_blocks.with_neighbours();
-    let corner = |block: usize| {
-        let pixels = blocks.pixels(block);
-        (pixels.x, pixels.y)
-    };
-    let mut film = picture.film(job, blocks.window());
-    let mut variances = vec![f64::INFINITY; blocks.count()];
-    let mut goes_on = vec![true; blocks.count()];
-    let mut mask = Mask::all(blocks.window());
-    let (mut work, mut worst, mut rounds, mut was_judged) = (Work::default(), None, 0, false);
-    for number in 0.. {
-        let active = mask.count() as f64;
-        let round = Round::of_doublings(number, goal.first_samples(), goal.most, &mask);
-        let Some(round) = round.filter(|_| active > 0.0 && !(watch.cancelled)()) else { break };
+    let mut refinement = Refinement::new(picture, job, goal);
+    let schedule = Schedule::of(job.sampling);
+    loop {
+        let wanted = refinement.wanted.clone();
+        let round = schedule.round(refinement.rounds, &wanted).filter(|_| wanted.count() > 0);
+        let Some(round) = round.filter(|_| !(watch.cancelled)()) else { break };
+        refinement.render(&round, watch);
+        let judgement = refinement.judge(&round);
+        refinement.choose_blocks(&judgement);
+        refinement.choose_pixels(&judgement);
+        refinement.foresee(&round, &judgement);
+    }
+    picture.fill_holes(&mut refinement.film, watch);
+    let Refinement { film, blocks, variances, rounds, .. } = refinement;
+    Refined { film, blocks, variances, rounds }
+}
 
-        film.let_fresh_be_known(&mask);
-        let part = work.next(active * f64::from(round.samples));
-        watch.part(part, worst, |watch| picture.add_round(&round, &mut film, watch));
-        rounds += 1;
-        let samples = round.before() + round.samples;
+/// A picture between two rounds.
+struct Refinement<'a, P> {
+    picture: &'a P,
+    goal: &'a Goal<'a>,
+    film: Film,
+    window_blocks: Blocks,
+    /// Those, and the ones around: what they show when they are first judged tells whether a block at the window's rim goes on.
+    blocks: Blocks,
+    variances: Vec<f64>,
+    goes_on: Vec<bool>,
+    /// The pixels that the next round is for.
+    wanted: Mask,
+    rounds: u32,
+    /// Whether some round has had samples enough to judge by.
+    was_judged: bool,
+    /// The largest relative error of all blocks that go on.
+    worst: Option<f64>,
+    work: Work,
+}
 
-        let pixels = estimates(&film, picture.convergence());
-        let estimates = judge(&pixels, &film, &blocks);
+/// What is known after a round.
+struct Judgement {
+    pixels: Vec<Option<PixelEstimate>>,
+    blocks: Vec<BlockEstimate>,
+    /// The standard error of each block that goes on, by what it may be.
+    excess: Vec<f64>,
+    /// Whether there are samples enough to decide by.
+    decides: bool,
+    /// Whether no round has decided before.
+    is_first: bool,
+}
+
+impl<'a, P: Picture> Refinement<'a, P> {
+    fn new(picture: &'a P, job: &Job, goal: &'a Goal) -> Self {
+        let window_blocks = Blocks::covering(job.window, job.size);
+        let blocks = window_blocks.with_neighbours();
+        Self {
+            picture,
+            goal,
+            film: picture.film(job, blocks.window()),
+            window_blocks,
+            variances: vec![f64::INFINITY; blocks.count()],
+            goes_on: vec![true; blocks.count()],
+            wanted: Mask::all(blocks.window()),
+            blocks,
+            rounds: 0,
+            was_judged: false,
+            worst: None,
+            work: Work::default(),
+        }
+    }
+
+    fn render(&mut self, round: &Round, watch: &Watch) {
+        let Self { picture, film, work, worst, .. } = self;
+        film.let_fresh_be_known(round.wanted);
+        let part = work.next(round.wanted.count() as f64 * f64::from(round.samples()));
+        watch.part(part, *worst, |watch| picture.add_round(round, film, watch));
+        self.rounds += 1;
+    }
+
+    fn judge(&mut self, round: &Round) -> Judgement {
+        let Self { picture, goal, film, blocks, .. } = self;
+        let pixels = estimates(film, picture.convergence());
+        let estimates = judge(&pixels, film, blocks);
         let excess = |block: usize| {
-            if goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
+            if self.goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
         };
         let excess: Vec<f64> = (0..blocks.count()).map(excess).collect();
-        let is_first_judged = !was_judged;
-        was_judged = goal.tolerance >= LOOSE || samples >= picture.fewest_samples();
-        for block in 0..blocks.count() {
-            if !goes_on[block] {
+        let samples = round.before() + round.samples();
+        let decides = goal.tolerance >= LOOSE || samples >= picture.fewest_samples();
+        self.worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
+        let is_first = !std::mem::replace(&mut self.was_judged, decides);
+        Judgement { pixels, blocks: estimates, excess, decides, is_first }
+    }
+
+    /// A block goes on while it exceeds its goal. When first judged it also goes on if one next to it does: an edge that the one
+    /// has missed by chance may show in the other.
+    fn choose_blocks(&mut self, judgement: &Judgement) {
+        for block in 0..self.blocks.count() {
+            if !self.goes_on[block] {
                 continue;
             }
-            variances[block] = estimates[block].variance;
-            let (x, y) = corner(block);
-            // An edge that one block has missed by chance may show in the next. What pictures before know of that one depends on how far it went on, so this
-            // block's own has to do.
-            let exceeds = |near: usize| goal.excess(&estimates[near], block) > 1.0;
-            let near_excess = is_first_judged && blocks.neighbourhood(block).any(exceeds);
-            goes_on[block] = !was_judged
-                || window_blocks.index(x, y).is_some()
-                    && if is_first_judged { near_excess } else { excess[block] > 1.0 };
+            self.variances[block] = judgement.blocks[block].variance;
+            self.goes_on[block] = !judgement.decides
+                || self.is_in_window(block)
+                    && if judgement.is_first {
+                        self.neighbourhood_exceeds(block, judgement)
+                    } else {
+                        judgement.excess[block] > 1.0
+                    };
         }
-        worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
-        // A pixel that has missed an edge by chance lies next to one that has not.
-        mask = Mask::from_fn(blocks.window(), |x, y| {
-            blocks.index(x, y).filter(|&block| goes_on[block]).is_some_and(|block| {
-                let near = film.window().around(x, y);
-                let near = near.filter(|&(x, y)| is_first_judged || blocks.index(x, y) == Some(block));
-                let variances = near.filter_map(|(x, y)| pixels[film.window().index(x, y)?]?.variance);
-                let greatest = variances.reduce(f64::max).unwrap_or(f64::INFINITY);
-                !was_judged || greatest > NEGLIGIBLE * goal.variance(&estimates[block], block)
-            })
-        });
-        let pixels_a_block =
-            mask.count() as f64 / goes_on.iter().filter(|goes_on| **goes_on).count().max(1) as f64;
-        work.left = pixels_a_block * samples_left(&excess, samples, goal.most, picture.convergence());
     }
-    picture.fill_holes(&mut film, watch);
-    Refined { film, blocks, variances, rounds }
+
+    fn is_in_window(&self, block: usize) -> bool {
+        let pixels = self.blocks.pixels(block);
+        self.window_blocks.index(pixels.x, pixels.y).is_some()
+    }
+
+    fn neighbourhood_exceeds(&self, block: usize, judgement: &Judgement) -> bool {
+        // What pictures before know of a block next to it depends on how far it went on, so this block's own has to do.
+        let exceeds = |near: usize| self.goal.excess(&judgement.blocks[near], block) > 1.0;
+        self.blocks.neighbourhood(block).any(exceeds)
+    }
+
+    /// A pixel goes on with its block unless it and those next to it have hardly any of the block's variance: one that has missed
+    /// an edge by chance lies next to one that has not.
+    fn choose_pixels(&mut self, judgement: &Judgement) {
+        let Self { goal, film, blocks, goes_on, .. } = self;
+        let variance = |(x, y)| judgement.pixels[film.window().index(x, y)?]?.variance;
+        self.wanted = Mask::from_fn(blocks.window(), |x, y| {
+            let Some(block) = blocks.index(x, y).filter(|&block| goes_on[block]) else { return false };
+            let near = film.window().around(x, y);
+            let near = near.filter(|&(x, y)| judgement.is_first || blocks.index(x, y) == Some(block));
+            let greatest = near.filter_map(variance).reduce(f64::max).unwrap_or(f64::INFINITY);
+            !judgement.decides || greatest > NEGLIGIBLE * goal.variance(&judgement.blocks[block], block)
+        });
+    }
+
+    /// How much is left to do.
+    fn foresee(&mut self, round: &Round, judgement: &Judgement) {
+        let going_on = self.goes_on.iter().filter(|goes_on| **goes_on).count();
+        let pixels_a_block = self.wanted.count() as f64 / going_on.max(1) as f64;
+        let samples = round.before() + round.samples();
+        let convergence = self.picture.convergence();
+        self.work.left =
+            pixels_a_block * samples_left(&judgement.excess, samples, self.goal.most, convergence);
+    }
 }
 
 /// What each pixel's samples say of it.
@@ -190,14 +264,6 @@ fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<
 }
 
 impl Goal<'_> {
-    /// Samples a pixel of the first round; doubled some times they are the most that a pixel may have, or nearly.
-    fn first_samples(&self) -> u32 {
-        if self.tolerance >= LOOSE {
-            return FIRST_SAMPLES_LOOSE;
-        }
-        self.most >> self.most.div_ceil(FIRST_SAMPLES).next_power_of_two().ilog2()
-    }
-
     /// The standard error of a block, by what it may be.
     fn excess(&self, estimate: &BlockEstimate, block: usize) -> f64 {
         if estimate.variance == 0.0 {

@@ -1,10 +1,11 @@
 //! In which rings about the axis slices are laid out, and how densely. In go the fan of the light's centre, how far others
-//! wander and what slices cut, out come rings. Invariant: the choice is the whole picture's, whichever part of it is wanted.
+//! deviate and what slices cut, out come rings. Invariant: the choice is the whole picture's, whichever part of it is wanted.
 //!
-//! A slice with draws of its own passes through its place half way across its ring, and is the farther from where it belongs the farther one looks from
+//! A slice with a draw of its own passes through its place half way across its ring, and is the farther from where it belongs the farther one looks from
 //! there: then pixels see now more slices, now fewer. In narrow rings all stay in order, but each ring gathers anew what its slices cut.
 //!
-//! Slices that share a fan are always in order, but crowd about its axis, and most of them tell nothing there that others do not: fewer do.
+//! Slices that share a fan are always in order, but lie close together near its epipole, where most of them tell nothing that others do not: there are
+//! fewer of them there.
 
 use crate::transport::slices::{Fan, Ring, Separation, Slice};
 use std::f64::consts::PI;
@@ -22,18 +23,18 @@ const MOST_PASSED: f64 = 20.0;
 /// How many slices of a ring are asked what they cut.
 const PROBES: u32 = 3;
 
-/// Slices that share a fan crowd within this part of the way from its axis to where they lie farthest apart. With the sun amid leaves500 a ninth of the time
+/// Slices that share a fan are too many within this part of the way from its axis to where they lie farthest apart. With the sun amid leaves500 a ninth of the time
 /// is spent there, on a hundredth of the square of the error.
-const CROWD: f64 = 0.1;
+const NEAR_EPIPOLE: f64 = 0.1;
 
 /// At its rim they still lie so many times as close as there. With all of them it would be ten times, so a quarter are left.
 const CLOSER_AT_RIM: f64 = 2.5;
 
 /// What decides about rings, beside the fan.
-pub(super) struct Layout<'a> {
+pub(super) struct RingFacts<'a> {
     /// Whether slices have draws of their own.
     pub(super) is_drawn: bool,
-    /// How far fans wander at most.
+    /// How far fans deviate at most.
     pub(super) deviation_rad: f64,
     /// Samples a pixel.
     pub(super) samples: f64,
@@ -43,23 +44,16 @@ pub(super) struct Layout<'a> {
     pub(super) segments: &'a dyn Fn(&Slice) -> usize,
 }
 
-/// What was chosen: the same for all rounds of a picture.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rings {
-    pub(super) count: u32,
-    /// Whether slices mostly keep their places, and so complete one another.
-    pub(super) are_ordered: bool,
-}
-
-impl Layout<'_> {
-    pub(super) fn choose(&self, base: &Fan) -> Rings {
+impl RingFacts<'_> {
+    /// In how many rings the picture is cut, and whether slices mostly keep their places in them.
+    pub(super) fn choose(&self, base: &Fan) -> (u32, bool) {
         let count = self.count(base);
         let areas = self.cut(base, count).into_iter().map(|ring| {
             let area_px = base.separation(ring).area_px;
             (area_px, if self.passed(base, ring) < 1.0 { area_px } else { 0.0 })
         });
         let (all_px, ordered_px) = areas.fold((0.0, 0.0), |sums, area| (sums.0 + area.0, sums.1 + area.1));
-        Rings { count, are_ordered: ordered_px >= 0.5 * all_px }
+        (count, ordered_px >= 0.5 * all_px)
     }
 
     /// In how many rings the picture takes the least time for the same error.
@@ -74,10 +68,10 @@ impl Layout<'_> {
         costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(1, |(count, _)| count)
     }
 
-    /// The picture in so many rings, and what lies about the axis and about its far side in others: there slices wander too far to be kept in any place, or crowd.
+    /// The picture in so many rings, and what lies about the axis and about its far side in others: there slices deviate too far to be kept in any place, or lie too close.
     pub(super) fn cut(&self, base: &Fan, count: u32) -> Vec<Ring> {
         let extent = base.extent();
-        let about_axis_rad = if self.is_drawn { 2.0 * self.deviation_rad } else { crowd_rad(base) };
+        let about_axis_rad = if self.is_drawn { 2.0 * self.deviation_rad } else { near_epipole_rad(base) };
         let (low, high) = (about_axis_rad, PI - about_axis_rad);
         let (from, to) = (extent.0.max(low), extent.1.min(high));
         let mut borders = Vec::new();
@@ -127,10 +121,10 @@ impl Layout<'_> {
     }
 }
 
-/// How far from the axis slices that share a fan crowd.
-fn crowd_rad(base: &Fan) -> f64 {
+/// How far from the axis slices that share a fan lie close together.
+fn near_epipole_rad(base: &Fan) -> f64 {
     let greatest_px = base.separation(Ring::WHOLE).greatest_px;
-    (CROWD * greatest_px / base.px_per_rad()).min(1.0).asin()
+    (NEAR_EPIPOLE * greatest_px / base.px_per_rad()).min(1.0).asin()
 }
 
 #[cfg(test)]
@@ -152,9 +146,9 @@ mod tests {
         [50.0, 5.0, 175.0, 90.0].map(fan)
     }
 
-    fn layout(deviation_deg: f64, segments: &dyn Fn(&Slice) -> usize) -> Layout<'_> {
+    fn facts(deviation_deg: f64, segments: &dyn Fn(&Slice) -> usize) -> RingFacts<'_> {
         let is_drawn = deviation_deg > 0.0;
-        Layout {
+        RingFacts {
             is_drawn,
             deviation_rad: deviation_deg.to_radians(),
             samples: 16.0,
@@ -167,9 +161,9 @@ mod tests {
     fn slices_that_share_a_fan_are_not_cut() {
         let asked = |_: &Slice| -> usize { panic!("nothing is asked of the scene") };
         for fan in fans() {
-            // A parallel sun before a pinhole at an instant; and one that hardly wanders.
+            // A parallel sun before a pinhole at an instant; and one that hardly deviates.
             for deviation_deg in [0.0, 1e-6] {
-                assert_eq!(layout(deviation_deg, &asked).count(&fan), 1);
+                assert_eq!(facts(deviation_deg, &asked).count(&fan), 1);
             }
         }
     }
@@ -177,7 +171,7 @@ mod tests {
     #[test]
     fn a_disc_is_worth_several_rings_where_gathering_is_cheap_and_one_where_it_is_dear() {
         for fan in fans() {
-            let counts = [0, 1, 1_000_000].map(|segments| layout(0.27, &move |_| segments).count(&fan));
+            let counts = [0, 1, 1_000_000].map(|segments| facts(0.27, &move |_| segments).count(&fan));
             assert!(counts[0] == 8 && counts[1] > 1 && counts[2] == 1, "{counts:?}");
         }
     }
@@ -186,44 +180,40 @@ mod tests {
     #[test]
     fn many_samples_are_worth_as_many_rings_as_few() {
         for samples in [4.0, 16.0, 64.0] {
-            let layout = Layout { samples, slices_per_px: 0.5 * samples, ..layout(0.27, &|_| 100) };
-            assert!(layout.count(&fan(50.0)) >= 4, "{samples}");
+            let facts = RingFacts { samples, slices_per_px: 0.5 * samples, ..facts(0.27, &|_| 100) };
+            assert!(facts.count(&fan(50.0)) >= 4, "{samples}");
         }
     }
 
-    /// As in `title`, whose sun and lens make slices wander by more than rings could mend.
+    /// As in `title`, whose sun and lens make slices deviate by more than rings could mend.
     #[test]
-    fn what_wanders_too_far_is_not_cut() {
+    fn what_deviates_too_far_is_not_cut() {
         assert_eq!(
-            Layout { samples: 24.0, slices_per_px: 1000.0, ..layout(0.9, &|_| 1000) }.count(&fan(50.0)),
+            RingFacts { samples: 24.0, slices_per_px: 1000.0, ..facts(0.9, &|_| 1000) }.count(&fan(50.0)),
             1
         );
     }
 
-    /// A small disc in rings keeps its slices in their places; under one that wanders far no half of them completes the other.
+    /// A small disc in rings keeps its slices in their places; under one that deviates far no half of them completes the other.
     #[test]
-    fn far_wanderers_are_not_ordered() {
+    fn what_deviates_far_is_not_ordered() {
         for (deviation_deg, ordered) in [(0.0, true), (0.27, true), (0.9, false), (6.0, false)] {
-            assert_eq!(
-                layout(deviation_deg, &|_| 1).choose(&fan(50.0)).are_ordered,
-                ordered,
-                "{deviation_deg}"
-            );
+            assert_eq!(facts(deviation_deg, &|_| 1).choose(&fan(50.0)).1, ordered, "{deviation_deg}");
         }
     }
 
     /// If that, or its far side, is in the picture.
     #[test]
-    fn a_crowd_about_the_axis_is_thinned() {
-        let layout = layout(0.0, &|_| 1);
-        for (elevation_deg, crowd) in [(50.0, None), (5.0, Some(0)), (175.0, Some(1)), (90.0, None)] {
+    fn slices_near_the_epipole_are_thinned() {
+        let facts = facts(0.0, &|_| 1);
+        for (elevation_deg, near_epipole) in [(50.0, None), (5.0, Some(0)), (175.0, Some(1)), (90.0, None)] {
             let fan = fan(elevation_deg);
-            let all_per_rad = layout.slices_per_px * fan.separation(Ring::WHOLE).greatest_px;
-            let rings = layout.cut(&fan, 1);
-            assert_eq!(rings.len(), if crowd.is_some() { 2 } else { 1 }, "{rings:?}");
+            let all_per_rad = facts.slices_per_px * fan.separation(Ring::WHOLE).greatest_px;
+            let rings = facts.cut(&fan, 1);
+            assert_eq!(rings.len(), if near_epipole.is_some() { 2 } else { 1 }, "{rings:?}");
             for (number, &ring) in rings.iter().enumerate() {
-                let share = layout.slices_per_rad(&fan, ring) / all_per_rad;
-                let expected = if crowd == Some(number) { 0.25 } else { 1.0 };
+                let share = facts.slices_per_rad(&fan, ring) / all_per_rad;
+                let expected = if near_epipole == Some(number) { 0.25 } else { 1.0 };
                 assert!((share / expected - 1.0).abs() < 0.15, "{elevation_deg}: {share} in {ring:?}");
             }
         }
@@ -232,7 +222,7 @@ mod tests {
     #[test]
     fn rings_are_fewer_the_dearer_gathering_is() {
         let counts = [1, 3, 10, 30, 100, 300, 1000, 10_000]
-            .map(|segments| layout(0.27, &move |_| segments).count(&fan(50.0)));
+            .map(|segments| facts(0.27, &move |_| segments).count(&fan(50.0)));
         assert!(counts.is_sorted_by(|a, b| a >= b) && counts[0] > counts[7], "{counts:?}");
     }
 
@@ -241,7 +231,7 @@ mod tests {
         for fan in fans() {
             for deviation_deg in [0.0, 0.27, 3.0] {
                 for count in COUNTS {
-                    let rings = layout(deviation_deg, &|_| 1).cut(&fan, count);
+                    let rings = facts(deviation_deg, &|_| 1).cut(&fan, count);
                     assert!(rings[0].0 == 0.0 && rings[rings.len() - 1].1 == PI, "{rings:?}");
                     assert!(rings.windows(2).all(|pair| pair[0].1 == pair[1].0), "{rings:?}");
                     assert!(rings.iter().all(|ring| ring.0 < ring.1), "{rings:?}");

@@ -3,12 +3,61 @@
 
 use super::{Job, Progress, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
-use crate::scene::{PixelFilter, Size, Window};
+use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
 /// From how far away what is seen may count in a pixel: its edges move along their slices, but no farther than to where they meet the next, which moves as far, and a
 /// swath reaches into the next pixel.
 const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
+
+/// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
+const FIRST_SAMPLES: u32 = 8;
+
+/// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
+const FIRST_SAMPLES_LOOSE: u32 = 3;
+
+/// See [`FIRST_SAMPLES_LOOSE`].
+pub(super) const LOOSE: f64 = 0.25;
+
+/// How many samples a pixel may get in rounds, each of which doubles those before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Schedule {
+    /// In the first round, at least 1.
+    pub(super) first: u32,
+    /// How many rounds may come after it, so that it leaves places for their samples between its own.
+    pub(super) doublings: u32,
+}
+
+impl Schedule {
+    /// One round of exactly so many, or as many as it takes.
+    pub(super) fn of(sampling: Sampling) -> Self {
+        match sampling {
+            Sampling::Exactly(samples) => Self { first: samples, doublings: 0 },
+            Sampling::Until { tolerance, most } if tolerance >= LOOSE => {
+                Self::doubling(FIRST_SAMPLES_LOOSE, most)
+            }
+            // Doubled some times they are the most that a pixel may have, or nearly.
+            Sampling::Until { most, .. } => {
+                Self::doubling(most >> most.div_ceil(FIRST_SAMPLES).next_power_of_two().ilog2(), most)
+            }
+        }
+    }
+
+    fn doubling(first: u32, most: u32) -> Self {
+        let first = first.min(most);
+        Self { first, doublings: (most / first).ilog2() }
+    }
+
+    /// Samples a pixel when all rounds are done.
+    pub(super) fn in_all(self) -> u32 {
+        self.first << self.doublings
+    }
+
+    /// Round `number` of the pixels wanted; `None` if there are no more.
+    pub(super) fn round(self, number: u32, wanted: &Mask) -> Option<Round<'_>> {
+        (number <= self.doublings).then_some(Round { number, schedule: self, wanted })
+    }
+}
 
 /// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All rounds so far
 /// together are spread as evenly as one with all their samples would be.
@@ -16,41 +65,25 @@ const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 pub(super) struct Round<'a> {
     /// How many rounds there were before.
     pub(super) number: u32,
-    /// How many there may be after the first, so that it leaves places for their samples between its own.
-    pub(super) doublings: u32,
-    /// Samples a pixel, at least 1.
-    pub(super) samples: u32,
-    /// Which pixels are to have them.
+    pub(super) schedule: Schedule,
+    /// Which pixels are to have its samples.
     pub(super) wanted: &'a Mask,
 }
 
-impl<'a> Round<'a> {
-    /// The only round of a picture.
-    pub(super) fn only(samples: u32, wanted: &'a Mask) -> Self {
-        Self { number: 0, doublings: 0, samples, wanted }
-    }
-
-    /// Pass `number` of those that double the `first` samples of the pixels wanted; `None` if that would be more than `most` a pixel.
-    pub(super) fn of_doublings(number: u32, first: u32, most: u32, wanted: &'a Mask) -> Option<Self> {
-        let first = first.min(most);
-        let doublings = (most / first).ilog2();
-        let samples = first << number.saturating_sub(1);
-        (number <= doublings).then_some(Self { number, doublings, samples, wanted })
+impl Round<'_> {
+    /// Samples a pixel, at least 1.
+    pub(super) fn samples(&self) -> u32 {
+        self.schedule.first << self.number.saturating_sub(1)
     }
 
     /// Samples a pixel of all rounds before.
     pub(super) fn before(&self) -> u32 {
-        if self.is_first() { 0 } else { self.samples }
+        if self.is_first() { 0 } else { self.samples() }
     }
 
     /// Whether there are no rounds before.
     pub(super) fn is_first(&self) -> bool {
         self.number == 0
-    }
-
-    /// Samples a pixel of the first round.
-    pub(super) fn first_samples(&self) -> u32 {
-        self.samples >> self.refinement()
     }
 
     /// What is seen in one pixel may count in another beside it if both lie in one square of so many pixels, and where edges go on is known as far: after the
@@ -74,11 +107,6 @@ impl<'a> Round<'a> {
             PixelFilter::Box => (0..REACH_PX).fold(self.wanted.clone(), |mask, _| mask.with_rim(full)),
             PixelFilter::BlackmanHarris => self.wanted.with_rim(full),
         }
-    }
-
-    /// How many times as dense as the first this round is, as a power of two.
-    pub(super) fn refinement(&self) -> u32 {
-        self.number.saturating_sub(1)
     }
 }
 
@@ -126,18 +154,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_pass_doubles_the_samples() {
+    fn every_round_doubles_the_samples() {
         let mask = Mask::all(Window { x: 0, y: 0, width: 1, height: 1 });
-        for most in [1, 3, 4, 100, 1024, 65536] {
-            let mut before = 0;
-            for number in 0.. {
-                let Some(round) = Round::of_doublings(number, 8, most, &mask) else { break };
-                assert_eq!(round.before(), before);
-                assert!(number == 0 || round.samples == before, "{before}");
-                assert_eq!(round.first_samples(), most.min(8));
-                before += round.samples;
+        for tolerance in [0.02, 0.4] {
+            for most in [1, 3, 4, 100, 1024, 65536] {
+                let schedule = Schedule::of(Sampling::Until { tolerance, most });
+                let mut before = 0;
+                for round in (0..).map_while(|number| schedule.round(number, &mask)) {
+                    assert_eq!(round.before(), before);
+                    assert!(round.is_first() || round.samples() == before, "{before}");
+                    before += round.samples();
+                }
+                assert_eq!(before, schedule.in_all());
+                assert!(before <= most && most < 2 * before, "{before} of {most}");
             }
-            assert!(before <= most && most < 2 * before, "{before} of {most}");
         }
     }
 }

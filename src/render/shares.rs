@@ -22,15 +22,10 @@ pub(super) struct Shares<'a> {
 }
 
 impl Shares<'_> {
-    /// All in its own pixel.
-    pub(super) fn by_chord(&self, piece: &Piece) -> Splat {
-        splat(piece.place.film_px, piece.chord.pixel, piece.weight)
-    }
-
     /// By the pixels' own areas: the pieces of a slice, and its outline, count wherever its swath reaches.
     pub(super) fn by_swath(
         &self,
-        own: &Fan,
+        drawn: &Fan,
         pieces: &mut [PlacedPiece],
         outline: &mut Outline,
         mut add: impl FnMut(u32, &Splat),
@@ -42,8 +37,8 @@ impl Shares<'_> {
             piece.count(piece.pixel, share * piece.weight);
         }
         let weight_per_area = share * placed.weight_per_area;
-        for (line, turned_rad) in placed.swath_beside(own) {
-            outline.parts(&line, turned_rad, size, unwanted_around, |part| {
+        for (line, rotated_rad) in placed.swath_beside(drawn) {
+            outline.parts(&line, rotated_rad, size, unwanted_around, |part| {
                 let piece = &mut pieces[part.piece];
                 if round.may_share(piece.pixel, part.pixel) {
                     let weight = weight_per_area * part.area_per_rad;

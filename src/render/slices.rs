@@ -1,24 +1,23 @@
-//! Pictures from slices: for each light lattices of its slices. Invariant: samples reach
-//! the film in the order of their slices, whatever thread solved them, and weigh as much as the area of the pixel that they stand for, so
-//! a pixel is the mean over what its slices see of it.
+//! The component of one light, from slices. In go a picture's lattice and a round, out come samples on a film. Invariant: samples
+//! reach the film in the order of their slices, whatever thread solved them, and weigh as much as the area of the pixel that they
+//! stand for, so a pixel is the mean over what its slices see of it.
 
 use super::draws::{Draw, Draws};
-use super::lattice::{Differing, Lattice};
+use super::lattice::{Differing, Lattice, PlacedSlice};
+use super::layout::Layout;
 use super::refine::{DRAWN, ORDERED};
-use super::rings::Rings;
-use super::rounds::{Picture, Round};
+use super::rounds::{Picture, Round, Schedule};
 use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
-use crate::film::{Film, Splats};
+use crate::film::{Film, Mask, Splats};
 use crate::math::Sampler;
 use crate::scattering::LightPlace;
 use crate::scene::{PixelFilter, Window};
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Fan, Outline, Piece, Slice, SliceJob, SliceScratch, count_segments, solve};
+use crate::transport::slices::{Fan, Outline, Piece, SliceJob, SliceScratch, count_segments, solve};
 use crate::transport::{Component, Sample, Scratch, radiance_of_component};
 use glam::DVec2;
 use rayon::prelude::*;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Slices that a thread solves before its samples go to the film: enough for threads to end together, few enough for the caches.
@@ -28,15 +27,16 @@ const BATCH_PER_THREAD: usize = 16;
 /// no half shadow, and between those all halves agree (docs/decisions/tolerance.md).
 const FEWEST_DRAWN_SAMPLES: u32 = 16;
 
-/// The component of one light, in rounds of a lattice each.
+/// One light's component of a picture.
 pub(super) struct LightPicture<'a> {
-    pub(super) exposure: &'a Exposure<'a>,
-    pub(super) job: &'a Job,
+    exposure: &'a Exposure<'a>,
+    job: &'a Job,
     /// The light, as its index in the snapshot.
-    pub(super) light: usize,
-    pub(super) tally: &'a Tally,
-    /// As its first round has chosen them.
-    pub(super) rings: OnceLock<Rings>,
+    light: usize,
+    tally: &'a Tally,
+    draws: Draws<'a, 'a>,
+    /// None if the light is where the camera is: it has no slices.
+    lattice: Option<Lattice>,
 }
 
 /// What the slices of a picture took, whichever thread solved them.
@@ -58,6 +58,91 @@ impl Tally {
     }
 }
 
+/// What a thread keeps from slice to slice.
+#[derive(Default)]
+struct SlicesScratch {
+    slices: SliceScratch,
+    outline: Outline,
+    pieces: Vec<PlacedPiece>,
+}
+
+impl<'a> LightPicture<'a> {
+    /// Lays out the slices.
+    pub(super) fn new(exposure: &'a Exposure<'a>, job: &'a Job, light: usize, tally: &'a Tally) -> Self {
+        let draws = Draws::new(exposure, light, job.seed);
+        let lattice = lattice(exposure, job, light, &draws);
+        Self { exposure, job, light, tally, draws, lattice }
+    }
+
+    /// Solves a slice and keeps its samples.
+    fn solve(
+        &self,
+        round: &Round,
+        seen: &Mask,
+        placed: &Placed,
+        scratch: &mut SlicesScratch,
+        samples: &mut Splats,
+    ) {
+        let Self { job, light, .. } = *self;
+        let Placed { draw, fan, slice } = placed;
+        let SlicesScratch { slices, outline, pieces } = scratch;
+        let slice_job = SliceJob {
+            snapshot: draw.snapshot,
+            transport: &job.transport,
+            light: &draw.light,
+            hue: draw.hue,
+            self_luminous: light == 0,
+            fan,
+        };
+        let shares = Shares { round, size: job.size, placed: slice };
+        let chords = slice.chords(job.size, seen);
+        pieces.clear();
+        let has_outline = job.filter == PixelFilter::Box;
+        let add = |piece: &Piece, value: &Sample| {
+            let sample = samples.keep(value);
+            match job.filter {
+                PixelFilter::Box => pieces.push(PlacedPiece::new(piece, sample)),
+                PixelFilter::BlackmanHarris => {
+                    shares.by_window(piece).for_each(|splat| samples.add(sample, &splat));
+                }
+            }
+        };
+        outline.start(round.region_side());
+        let outlined = has_outline.then_some(&mut *outline);
+        if let Some(segments) = solve(&slice_job, &slice.slice, chords, outlined, slices, add) {
+            self.tally.add(segments);
+            if has_outline {
+                shares.by_swath(fan, pieces, outline, |sample, splat| samples.add(sample, splat));
+            }
+        }
+    }
+}
+
+/// A slice in the fan of its draw.
+struct Placed<'a> {
+    draw: Draw<'a, 'a>,
+    fan: Fan,
+    slice: PlacedSlice,
+}
+
+fn fan_of(job: &Job, draw: &Draw) -> Option<Fan> {
+    Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.place())
+}
+
+fn lattice(exposure: &Exposure, job: &Job, light: usize, draws: &Draws) -> Option<Lattice> {
+    let middle = draws.middle();
+    let base = fan_of(job, &middle)?;
+    let deviations = draws.probes().filter_map(|draw| fan_of(job, &draw)).map(|fan| base.deviation(&fan));
+    let differing = (!draws.is_single()).then(|| Differing {
+        deviation_rad: deviations.fold(0.0, f64::max),
+        in_time: !exposure.is_instant(),
+        in_brightness: matches!(middle.light.place(), LightPlace::At(_)),
+    });
+    let segments = |slice: &_| count_segments(exposure.middle(), &base, slice);
+    let mut sampler = Sampler::new(job.seed, light as u32, 0, 0);
+    Some(Lattice::new(base, differing, Schedule::of(job.sampling), &segments, || sampler.next_2d()))
+}
+
 impl Picture for LightPicture<'_> {
     fn film(&self, job: &Job, window: Window) -> Film {
         let has_hues = self.exposure.middle().lights[self.light].has_hues();
@@ -66,7 +151,10 @@ impl Picture for LightPicture<'_> {
     }
 
     fn convergence(&self) -> f64 {
-        let are_ordered = self.rings.get().is_some_and(|rings| rings.are_ordered);
+        let are_ordered = self
+            .lattice
+            .as_ref()
+            .is_some_and(|lattice| matches!(lattice.layout(), Layout::Common | Layout::InRings));
         if are_ordered && self.exposure.is_instant() { ORDERED } else { DRAWN }
     }
 
@@ -75,7 +163,39 @@ impl Picture for LightPicture<'_> {
     }
 
     fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch) {
-        add_round(self, round, film, watch);
+        let Self { job, ref draws, ref lattice, .. } = *self;
+        let Some(lattice) = lattice else { return };
+        let seen = round.seen(job.size, job.filter);
+        let lattice = lattice.of_round(round, &seen);
+        let placed = |number: usize| {
+            let draw = draws.get(lattice.draw(number));
+            let fan = fan_of(job, &draw)?;
+            let slice = lattice.slice(&fan, number)?;
+            Some(Placed { draw, fan, slice })
+        };
+        let count = lattice.count();
+        // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
+        let batch = BATCH_PER_THREAD * rayon::current_num_threads();
+        let mut solved: Vec<Splats> = vec![film.splats(); batch];
+        for first in (0..count).step_by(batch) {
+            if (watch.cancelled)() {
+                break;
+            }
+            solved.par_iter_mut().enumerate().for_each_init(
+                SlicesScratch::default,
+                |scratch, (index, samples)| {
+                    let number = first + index;
+                    // Of a lattice's slices every other one is a lattice too; what nobody judges has no halves.
+                    samples.start(job.is_judged() && (!round.is_first() || number % 2 == 1));
+                    let is_wanted = lattice.is_wanted(number) && !(watch.cancelled)();
+                    if let Some(placed) = is_wanted.then(|| placed(number)).flatten() {
+                        self.solve(round, &seen, &placed, scratch, samples);
+                    }
+                },
+            );
+            film.add_all(&solved);
+            watch.tell(count.min(first + batch) as f64 / count as f64);
+        }
     }
 
     /// A ray of its own, through the pixel's centre.
@@ -99,79 +219,5 @@ impl Picture for LightPicture<'_> {
             );
             film.add(x, y, 1.0, 0.0, &value);
         }
-    }
-}
-
-/// Adds a round's samples to the film.
-fn add_round(picture: &LightPicture, round: &Round, film: &mut Film, watch: &Watch) {
-    let LightPicture { exposure, job, light, tally, ref rings } = *picture;
-    let mut sampler = Sampler::new(job.seed, light as u32, 0, 0);
-    let draws = Draws::new(exposure, light, job.seed);
-    let fan_of = |draw: &Draw| Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.place());
-    let Some(base) = fan_of(&draws.middle()) else { return };
-    let wanders = draws.probes().filter_map(|draw| fan_of(&draw)).map(|own| base.wander(&own));
-    let differing = (!draws.is_single()).then(|| Differing {
-        deviation_rad: wanders.fold(0.0, f64::max),
-        in_time: !exposure.is_instant(),
-        in_brightness: matches!(draws.middle().light.place(), LightPlace::At(_)),
-    });
-    let segments = |slice: &Slice| count_segments(exposure.middle(), &base, slice);
-    let seen = round.seen(job.size, job.filter);
-    let lattice = Lattice::new(&base, differing, round, &seen, &segments, rings, || sampler.next_2d());
-    let count = lattice.count();
-
-    // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
-    let batch = BATCH_PER_THREAD * rayon::current_num_threads();
-    let mut solved: Vec<Splats> = vec![film.splats(); batch];
-    for first in (0..count).step_by(batch) {
-        if (watch.cancelled)() {
-            break;
-        }
-        solved.par_iter_mut().enumerate().for_each_init(
-            || (SliceScratch::default(), Outline::default(), Vec::new()),
-            |(scratch, outline, pieces), (index, samples)| {
-                let number = first + index;
-                // Of a lattice's rows every other one is a lattice too; what nobody judges has no halves.
-                samples.start(job.is_judged() && (!round.is_first() || lattice.row(number) % 2 == 1));
-                if !lattice.is_wanted(number) || (watch.cancelled)() {
-                    return;
-                }
-                let draw = draws.get(lattice.draw(number));
-                let Some(own) = fan_of(&draw) else { return };
-                let Some(placed) = lattice.slice(&base, &own, number) else { return };
-                let slice_job = SliceJob {
-                    snapshot: draw.snapshot,
-                    transport: &job.transport,
-                    light: &draw.light,
-                    hue: draw.hue,
-                    self_luminous: light == 0,
-                    fan: &own,
-                };
-                let shares = Shares { round, size: job.size, placed: &placed };
-                let chords = placed.chords(job.size, &seen);
-                pieces.clear();
-                let has_outline = placed.has_swath() && job.filter == PixelFilter::Box;
-                let add = |piece: &Piece, value: &Sample| {
-                    let sample = samples.keep(value);
-                    match job.filter {
-                        PixelFilter::Box if has_outline => pieces.push(PlacedPiece::new(piece, sample)),
-                        PixelFilter::Box => samples.add(sample, &shares.by_chord(piece)),
-                        PixelFilter::BlackmanHarris => {
-                            shares.by_window(piece).for_each(|splat| samples.add(sample, &splat));
-                        }
-                    }
-                };
-                outline.start(round.region_side());
-                let outlined = has_outline.then_some(&mut *outline);
-                if let Some(segments) = solve(&slice_job, &placed.slice, chords, outlined, scratch, add) {
-                    tally.add(segments);
-                    if has_outline {
-                        shares.by_swath(&own, pieces, outline, |sample, splat| samples.add(sample, splat));
-                    }
-                }
-            },
-        );
-        film.add_all(&solved);
-        watch.tell(count.min(first + batch) as f64 / count as f64);
     }
 }

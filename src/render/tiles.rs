@@ -76,7 +76,7 @@ impl RayPicture<'_> {
             if (watch.cancelled)() {
                 return;
             }
-            for number in 0..round.samples {
+            for number in 0..round.samples() {
                 let mut sampler = Sampler::new(job.seed, x as u32, y as u32, round.before() + number);
                 let from_centre = match (job.sampling, job.filter) {
                     (Sampling::Exactly(1), _) => DVec2::ZERO,
@@ -90,7 +90,7 @@ impl RayPicture<'_> {
                     radiance_of_component(component, snapshot, transport, &ray, &mut sampler, scratch);
                 let from_centre = from_centre.length();
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
-                if !round.is_first() || 2 * number >= round.samples {
+                if !round.is_first() || 2 * number >= round.samples() {
                     film.add_fresh(x, y, 1.0, from_centre, &value);
                 } else {
                     film.add(x, y, 1.0, from_centre, &value);

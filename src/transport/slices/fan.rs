@@ -145,7 +145,7 @@ impl Fan {
     }
 
     /// How far from this fan's axis another's appears to be in the picture, radians.
-    pub fn wander(&self, other: &Self) -> f64 {
+    pub fn deviation(&self, other: &Self) -> f64 {
         self.picture.reframed(&other.picture, other.axis).angle_between(self.axis)
     }
 

@@ -1,0 +1,112 @@
+//! Which slices a picture has. In go facts about its light, lens, shutter and samples, out comes one of four layouts. Invariant: the
+//! choice is the whole picture's, whichever part of it is wanted.
+//!
+//! A *draw* is a moment of the shutter, a point of the lens and a point of the light (`draws.rs`).
+
+/// Which draws slices have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layout {
+    /// All have the same: there is nothing to draw.
+    Common,
+    /// Each has its own, but their fans differ so little that slices keep their places between one another.
+    InRings,
+    /// Slices a pixel apart share one, so that pixels side by side have seen the same points of light and lens: what these have
+    /// wrong is as smooth as what they light.
+    SharedDraws,
+    /// Each has its own, and knows nothing of its neighbours.
+    OwnDraws,
+}
+
+/// What decides about the layout.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facts {
+    /// Whether light, lens or shutter have an extent.
+    pub(super) is_drawn: bool,
+    /// Whether slices mostly keep their places in the rings that the picture is cut in.
+    pub(super) are_ordered: bool,
+    /// How many rings that are.
+    pub(super) rings: u32,
+    /// Whether draws differ in time: shared, a few moments would show as so many copies of what moves.
+    pub(super) in_time: bool,
+    /// Whether points of the light are not all as bright as each other: those of a lamp lie nearer or farther.
+    pub(super) in_brightness: bool,
+    /// Samples a pixel when all rounds are done.
+    pub(super) samples: u32,
+}
+
+/// With so many samples a pixel or more slices share draws: what few points of a light tell would show as so many shadows.
+const SHARED_DRAWS_FROM: u32 = 16;
+
+/// With more than so many every slice has a draw of its own: what swaths of a pixel's width blur would be most of the error.
+const SHARED_DRAWS_TO: u32 = 128;
+
+impl Layout {
+    /// The one for a picture. Figures of the alternatives: docs/decisions/layouts.md.
+    pub(super) fn choose(facts: &Facts) -> Self {
+        let Facts { is_drawn, are_ordered, rings, in_time, in_brightness, samples } = *facts;
+        if !is_drawn {
+            Self::Common
+        } else if are_ordered {
+            Self::InRings
+        } else if rings == 1
+            && !(in_time || in_brightness)
+            && (SHARED_DRAWS_FROM..=SHARED_DRAWS_TO).contains(&samples)
+        {
+            Self::SharedDraws
+        } else {
+            Self::OwnDraws
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As a still sun's disc before a lens that deviates far.
+    const DRAWN: Facts = Facts {
+        is_drawn: true,
+        are_ordered: false,
+        rings: 1,
+        in_time: false,
+        in_brightness: false,
+        samples: 32,
+    };
+
+    #[test]
+    fn nothing_to_draw_is_common() {
+        let facts = Facts { is_drawn: false, are_ordered: true, ..DRAWN };
+        assert_eq!(Layout::choose(&facts), Layout::Common);
+    }
+
+    #[test]
+    fn what_keeps_its_order_is_in_rings_whatever_moves() {
+        for (rings, in_time) in [(1, false), (8, true)] {
+            let facts = Facts { are_ordered: true, rings, in_time, ..DRAWN };
+            assert_eq!(Layout::choose(&facts), Layout::InRings);
+        }
+    }
+
+    #[test]
+    fn suns_that_deviate_far_share_draws_unless_samples_are_few_or_many() {
+        for (samples, layout) in [
+            (8, Layout::OwnDraws),
+            (16, Layout::SharedDraws),
+            (128, Layout::SharedDraws),
+            (256, Layout::OwnDraws),
+        ] {
+            assert_eq!(Layout::choose(&Facts { samples, ..DRAWN }), layout, "{samples}");
+        }
+    }
+
+    #[test]
+    fn lamps_open_shutters_and_rings_have_draws_of_their_own() {
+        for facts in [
+            Facts { in_time: true, ..DRAWN },
+            Facts { in_brightness: true, ..DRAWN },
+            Facts { rings: 4, ..DRAWN },
+        ] {
+            assert_eq!(Layout::choose(&facts), Layout::OwnDraws);
+        }
+    }
+}
