@@ -32,7 +32,7 @@ pub use mesh_tree::MeshTree;
 pub use slice_query::{Cut, HalfPlane};
 
 /// A triangle of a placed mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PrimitiveId {
     /// Index into the meshes an [`InstanceTree`] was made of.
     pub instance: u32,

@@ -3,6 +3,7 @@
 
 use super::lit_segments::LitSegments;
 use super::shafts::{VolumeMethod, in_scattered};
+use super::stack::Stack;
 use super::visibility::{BlendedHit, RayEnd, Way, blended_hits, ray_end};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, sky_light};
 use crate::accel::PrimitiveId;
@@ -11,7 +12,7 @@ use crate::math::{Ray, Sampler};
 use crate::scattering::Stretch;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 /// How rays are to be followed.
 #[derive(Clone, Copy, Debug)]
@@ -46,9 +47,17 @@ pub(super) struct Illumination<'a> {
 impl Illumination<'_> {
     /// What a surface scatters towards the eye.
     fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, sampler: &mut Sampler) -> Rgb {
-        let lights = direct::scattered(snapshot, self.lights, point);
+        direct::scattered(snapshot, self.lights, point) + self.scattered_of_sky(snapshot, point, sampler)
+    }
+
+    fn scattered_of_sky(&self, snapshot: &Snapshot, point: &SurfacePoint, sampler: &mut Sampler) -> Rgb {
         let sky = snapshot.sky.as_ref().filter(|sky| self.sky && sky.lights_surfaces());
-        lights + sky.map_or(Rgb::ZERO, |sky| sky_light::scattered(snapshot, sky, point, sampler))
+        sky.map_or(Rgb::ZERO, |sky| sky_light::scattered(snapshot, sky, point, sampler))
+    }
+
+    /// What a surface emits.
+    fn emitted(&self, point: &SurfacePoint) -> Rgb {
+        if self.self_luminous { point.emission } else { Rgb::ZERO }
     }
 
     /// What lies behind everything.
@@ -99,6 +108,17 @@ impl Shown {
     /// What shines by itself.
     pub(super) fn own(own: Rgb) -> Self {
         Self { radiance: own, own }
+    }
+
+    fn times(self, share: f64) -> Self {
+        Self { radiance: share * self.radiance, own: share * self.own }
+    }
+}
+
+impl AddAssign for Shown {
+    fn add_assign(&mut self, other: Self) {
+        self.radiance += other.radiance;
+        self.own += other.own;
     }
 }
 
@@ -226,8 +246,7 @@ pub(super) fn follow(
     let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
     let surface = hit.map(|hit| snapshot.surface(ray, &hit));
 
-    let mut blended = blended_hits(snapshot, ray, distance.min(shown.end), leaving);
-    blended.retain(|hit| shown.start <= hit.t);
+    let blended = blended_hits(snapshot, ray, &(shown.start..distance.min(shown.end)), leaving);
     let way = Way { distance, blended, passes_hidden };
     let blended = way.blended.as_slice();
     let (shafts, fog) = if snapshot.medium.is_empty() {
@@ -241,10 +260,20 @@ pub(super) fn follow(
     };
     // Front to back: what each blended surface shows itself, and what all of them let through.
     let (mut radiance, mut own, mut seen_through) = (shafts, Rgb::ZERO, Rgb::ONE);
-    for hit in blended {
-        let scattered = light.scattered(snapshot, &hit.point, sampler);
-        let shown =
-            own_and_mirrored(snapshot, transport, light, ray, &hit.point, mirrors_left, sampler, scratch);
+    let stack = Stack::of(snapshot, &light, ray, blended, sampler);
+    for (index, hit) in blended.iter().enumerate() {
+        let (point, mut scattered) = (&hit.point, Rgb::ZERO);
+        let share = stack.as_ref().map_or(1.0, |stack| stack.shares[index]);
+        let mut shown = Shown::own(light.emitted(point));
+        match &stack {
+            None => scattered += direct::scattered(snapshot, light.lights, point),
+            Some(stack) => scattered += stack.scattered[index],
+        }
+        if share > 0.0 {
+            scattered += share * light.scattered_of_sky(snapshot, point, sampler);
+            let mirrored = mirrored(snapshot, transport, light, ray, point, mirrors_left, sampler, scratch);
+            shown += mirrored.times(share);
+        }
         let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
         let weight = seen_through * through_fog * hit.point.alpha;
         radiance += weight * (scattered + shown.radiance);
@@ -301,20 +330,35 @@ pub(super) fn own_and_mirrored(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Shown {
-    let emission = if light.self_luminous { point.emission } else { Rgb::ZERO };
-    let shines = Shown::own(emission);
+    let mut shown = Shown::own(light.emitted(point));
+    shown += mirrored(snapshot, transport, light, ray, point, mirrors_left, sampler, scratch);
+    shown
+}
+
+/// What is seen in a surface if it is a mirror.
+#[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
+fn mirrored(
+    snapshot: &Snapshot,
+    transport: &Transport,
+    light: Illumination,
+    ray: &Ray,
+    point: &SurfacePoint,
+    mirrors_left: u32,
+    sampler: &mut Sampler,
+    scratch: &mut Scratch,
+) -> Shown {
     if mirrors_left == 0 || point.mirror == Rgb::ZERO {
-        return shines;
+        return Shown::default();
     }
     let normal = point.shading_normal;
     let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
     // An interpolated normal may send light through the surface: no mirror does.
     let leaves = reflected.dot(point.geometric_normal) > 0.0;
     if !leaves {
-        return shines;
+        return Shown::default();
     }
     let ray = Ray { origin: point.position, direction: reflected.normalize() };
     let from = Start::Surface(point.primitive);
     let (seen, _) = follow(snapshot, transport, light, &ray, from, mirrors_left - 1, sampler, scratch);
-    Shown { radiance: emission + point.mirror * seen.radiance, own: emission + point.mirror * seen.own }
+    Shown { radiance: point.mirror * seen.radiance, own: point.mirror * seen.own }
 }
