@@ -1,7 +1,7 @@
 //! What rays meet. In goes nothing; these are the names that all answers use. Invariant: a hit's weights lie in the triangle.
 
 /// A triangle of a placed mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PrimitiveId {
     /// Index into the meshes an [`InstanceTree`] was made of.
     pub instance: u32,

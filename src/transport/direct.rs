@@ -12,19 +12,40 @@ use std::f64::consts::FRAC_1_PI;
 /// Of lights before the surface by its albedo and of those behind it by its transmission:
 /// `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
-    lights
-        .iter()
-        .map(|light| {
-            let Some(unshadowed) = Unshadowed::new(light, point) else { return Rgb::ZERO };
-            let Unshadowed { radiance, to_light, distance } = unshadowed;
-            let shadow_ray = Ray { origin: point.position, direction: to_light };
-            let visible = visibility(snapshot, &shadow_ray, distance, Some(point.primitive));
-            if visible == Rgb::ZERO {
-                return Rgb::ZERO;
-            }
-            radiance * visible * snapshot.medium.transmittance(point.position, to_light, distance)
+    let scattered = |light| {
+        scattered_if(snapshot, light, point, |shadow_ray, distance| {
+            visibility(snapshot, shadow_ray, distance, Some(point.primitive))
         })
-        .sum()
+    };
+    lights.iter().map(scattered).sum()
+}
+
+/// The same of one light, of which blended surfaces let a known share through.
+pub(super) fn scattered_past_blended(
+    snapshot: &Snapshot,
+    light: &FrozenLight,
+    point: &SurfacePoint,
+    let_through: Rgb,
+) -> Rgb {
+    scattered_if(snapshot, light, point, |shadow_ray, distance| {
+        let is_hidden = snapshot.tree.any_hit(shadow_ray, distance, Some(point.primitive));
+        if is_hidden { Rgb::ZERO } else { let_through }
+    })
+}
+
+fn scattered_if(
+    snapshot: &Snapshot,
+    light: &FrozenLight,
+    point: &SurfacePoint,
+    visible: impl Fn(&Ray, f64) -> Rgb,
+) -> Rgb {
+    let Some(unshadowed) = Unshadowed::new(light, point) else { return Rgb::ZERO };
+    let Unshadowed { radiance, to_light, distance } = unshadowed;
+    let visible = visible(&Ray { origin: point.position, direction: to_light }, distance);
+    if visible == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    radiance * visible * snapshot.medium.transmittance(point.position, to_light, distance)
 }
 
 /// The same if nothing is in the way of any light.

@@ -4,23 +4,17 @@
 //! over what an exponential fall-off lets through. Invariant: unbiased.
 
 use super::march::scattered_at;
-use super::visibility::BlendedHit;
+use super::path::Path;
+use super::visibility::Way;
 use crate::color::Rgb;
-use crate::math::{Ray, Sampler};
-use crate::snapshot::{FrozenLight, Snapshot};
+use crate::math::Ray;
+use crate::snapshot::FrozenLight;
 
 /// In-scattered radiance of one light, estimated from `points` jittered points.
-pub(super) fn in_scattered(
-    snapshot: &Snapshot,
-    points: u32,
-    ray: &Ray,
-    distance: f64,
-    light: &FrozenLight,
-    blended: &[BlendedHit],
-    sampler: &mut Sampler,
-) -> Rgb {
-    let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
-    let jitter = sampler.next_1d();
+pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, light: &FrozenLight) -> Rgb {
+    let snapshot = path.snapshot;
+    let Some((start, end)) = snapshot.medium.range(ray, way.distance) else { return Rgb::ZERO };
+    let jitter = path.sampler.next_1d();
     let mut sum = Rgb::ZERO;
     for index in 0..points {
         let u = (f64::from(index) + jitter) / f64::from(points);
@@ -31,7 +25,7 @@ pub(super) fn in_scattered(
                 exponential(start, end, tau / (end - start), u)
             }
         };
-        sum += scattered_at(snapshot, ray, t, light, blended) / pdf_per_m;
+        sum += scattered_at(snapshot, ray, t, light, &way.blended) / pdf_per_m;
     }
     sum / f64::from(points)
 }

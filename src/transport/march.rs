@@ -2,40 +2,23 @@
 //! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness,
 //! but for one number a ray where the steps are jittered.
 
-use super::visibility::{BlendedHit, visibility};
+use super::path::{MarchSteps, Path};
+use super::visibility::{BlendedHit, Way, visibility};
 use crate::color::Rgb;
-use crate::math::{Ray, Sampler};
+use crate::math::Ray;
 use crate::scattering::exp_minus;
 use crate::snapshot::{FrozenLight, Snapshot};
 
-/// Where the shadow rays stand.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MarchSteps {
-    /// The image plane is moved by `step_m` at a time, to `depth_m`, both along the view axis, metres.
-    Planes {
-        /// How far.
-        depth_m: f64,
-        /// By how much.
-        step_m: f64,
-    },
-    /// So many equal steps over the foggy part of the ray, a shadow ray in the middle of each.
-    Count(u32),
-    /// The same, all shadow rays moved by one random part of a step: what is banding above is noise here
-    /// (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
-    Jittered(u32),
-}
-
 /// In-scattered radiance of one light by the midpoint rule, or a jittered one.
 pub(super) fn in_scattered(
-    snapshot: &Snapshot,
+    path: &mut Path,
     steps: MarchSteps,
     ray: &Ray,
-    distance: f64,
+    way: &Way,
     light: &FrozenLight,
-    blended: &[BlendedHit],
-    sampler: &mut Sampler,
 ) -> Rgb {
-    let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
+    let snapshot = path.snapshot;
+    let Some((start, end)) = snapshot.medium.range(ray, way.distance) else { return Rgb::ZERO };
     let (first, step, count) = match steps {
         MarchSteps::Count(count) => {
             let step = (end - start) / f64::from(count);
@@ -43,7 +26,7 @@ pub(super) fn in_scattered(
         }
         MarchSteps::Jittered(count) => {
             let step = (end - start) / f64::from(count);
-            (start + sampler.next_1d() * step, step, count as usize)
+            (start + path.sampler.next_1d() * step, step, count as usize)
         }
         MarchSteps::Planes { depth_m, step_m } => {
             // Mirrored rays do not start at the eye: there the steps are taken along the ray.
@@ -61,7 +44,7 @@ pub(super) fn in_scattered(
         if t >= end {
             break;
         }
-        sum += step * scattered_at(snapshot, ray, t, light, blended);
+        sum += step * scattered_at(snapshot, ray, t, light, &way.blended);
     }
     sum
 }

@@ -1,61 +1,16 @@
 //! The story of one camera ray. Invariant: radiance is light of surfaces, weakened by all that lies before
 //! them, plus `shafts`; without blended surfaces `surface * transmittance + shafts`.
 
-use super::lit_segments::LitSegments;
-use super::shafts::{VolumeMethod, in_scattered};
+use super::path::{Illumination, Path, Scratch, Transport};
+use super::shafts;
+use super::stack::Stack;
 use super::visibility::{BlendedHit, RayEnd, Way, blended_hits, ray_end};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, sky_light};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
-use crate::scattering::Stretch;
-use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
-use glam::DVec3;
-use std::ops::Range;
-
-/// How rays are to be followed.
-#[derive(Clone, Copy, Debug)]
-pub struct Transport {
-    /// How light scattered in fog is found.
-    pub volume: VolumeMethod,
-    /// How often a ray may be reflected by mirrors.
-    pub mirror_depth: u32,
-    /// Whether [`Sample::surface`] is wanted.
-    pub features: bool,
-}
-
-/// Memory that rays of one thread share.
-#[derive(Default)]
-pub struct Scratch {
-    pub(super) lit: LitSegments,
-    pub(super) cuts: Vec<f64>,
-    pub(super) stretches: Vec<Stretch>,
-    lights: Vec<FrozenLight>,
-}
-
-/// Which light is being followed: a picture may be made of one picture a light, added up.
-#[derive(Clone, Copy)]
-pub(super) struct Illumination<'a> {
-    pub(super) lights: &'a [FrozenLight],
-    /// Whether surfaces that shine by themselves, and the background, belong to it.
-    pub(super) self_luminous: bool,
-    /// Whether the light of the sky belongs to it.
-    pub(super) sky: bool,
-}
-
-impl Illumination<'_> {
-    /// What a surface scatters towards the eye.
-    fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, sampler: &mut Sampler) -> Rgb {
-        let lights = direct::scattered(snapshot, self.lights, point);
-        let sky = snapshot.sky.as_ref().filter(|sky| self.sky && sky.lights_surfaces());
-        lights + sky.map_or(Rgb::ZERO, |sky| sky_light::scattered(snapshot, sky, point, sampler))
-    }
-
-    /// What lies behind everything.
-    pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
-        if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
-    }
-}
+use crate::snapshot::{Snapshot, SurfacePoint};
+use std::ops::{Add, AddAssign, Range};
 
 /// A component of the light of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,11 +44,11 @@ pub(super) struct Leg {
     pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
-/// What a surface shows beside the light that it scatters.
+/// What a surface shows.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Shown {
     pub(super) radiance: Rgb,
-    /// Of that what shines by itself, it or what is seen in it.
+    /// Of that what it, or what is seen in it, emits.
     pub(super) emitted: Rgb,
 }
 
@@ -101,6 +56,25 @@ impl Shown {
     /// What shines by itself.
     pub(super) fn emitted(emitted: Rgb) -> Self {
         Self { radiance: emitted, emitted }
+    }
+
+    fn weakened(self, transmittance: Rgb) -> Self {
+        Self { radiance: transmittance * self.radiance, emitted: transmittance * self.emitted }
+    }
+}
+
+impl AddAssign for Shown {
+    fn add_assign(&mut self, other: Self) {
+        self.radiance += other.radiance;
+        self.emitted += other.emitted;
+    }
+}
+
+impl Add for Shown {
+    type Output = Self;
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
     }
 }
 
@@ -176,27 +150,20 @@ fn radiance_of(
         });
     }
     let light = Illumination { lights: &lights, self_luminous, sky };
-    let (leg, surface) =
-        follow(snapshot, transport, light, ray, Start::Camera, transport.mirror_depth, sampler, scratch);
+    let mut path = Path { snapshot, transport, light, sampler, scratch };
+    let (leg, surface) = path.follow(ray, Start::Camera, transport.mirror_depth);
+    let sample = path.sample(&leg, surface.as_ref(), ray, hue);
     scratch.lights = lights;
-    leg.sample(surface.as_ref(), snapshot, transport, ray, hue)
+    sample
 }
 
-impl Leg {
-    /// What the film is to know of it, by light that has no hue yet; `surface` is what the data passes show.
-    pub(super) fn sample(
-        &self,
-        surface: Option<&SurfacePoint>,
-        snapshot: &Snapshot,
-        transport: &Transport,
-        ray: &Ray,
-        hue: Rgb,
-    ) -> Sample {
-        let alpha = if self.covered || snapshot.has_background() {
-            1.0
-        } else {
-            1.0 - self.transmittance.element_sum() / 3.0
-        };
+impl Path<'_> {
+    /// What the film is to know of a leg, by light that has no hue yet; `surface` is what the data passes show.
+    pub(super) fn sample(&self, leg: &Leg, surface: Option<&SurfacePoint>, ray: &Ray, hue: Rgb) -> Sample {
+        let Self { snapshot, transport, .. } = self;
+        let Leg { radiance, emitted, shafts, transmittance, covered, mattes } = *leg;
+        let alpha =
+            if covered || snapshot.has_background() { 1.0 } else { 1.0 - transmittance.element_sum() / 3.0 };
         let motion_px = snapshot.motion_px(surface, ray.direction);
         let surface = surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
             depth_m: snapshot.view.depth(point.position),
@@ -205,72 +172,106 @@ impl Leg {
             albedo: point.albedo,
             leaf_id: point.leaf_id,
         });
-        let Self { radiance, emitted, shafts, transmittance, mattes, .. } = *self;
         Sample { radiance, emitted, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
     }
-}
 
-/// To the first surface and, by mirrors, beyond; with it comes the surface that data passes show.
-#[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
-pub(super) fn follow(
-    snapshot: &Snapshot,
-    transport: &Transport,
-    light: Illumination,
-    ray: &Ray,
-    from: Start,
-    mirrors_left: u32,
-    sampler: &mut Sampler,
-    scratch: &mut Scratch,
-) -> (Leg, Option<SurfacePoint>) {
-    let (leaving, shown) = match from {
-        Start::Camera => (None, snapshot.view.shown_along(ray)),
-        Start::Surface(primitive) => (Some(primitive), 0.0..f64::INFINITY),
-    };
-    let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, leaving);
-    let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
-    let surface = hit.map(|hit| snapshot.surface(ray, &hit));
+    /// To the first surface and, by mirrors, beyond; with it comes the surface that data passes show.
+    pub(super) fn follow(
+        &mut self,
+        ray: &Ray,
+        from: Start,
+        mirrors_left: u32,
+    ) -> (Leg, Option<SurfacePoint>) {
+        let (snapshot, light) = (self.snapshot, self.light);
+        let (leaving, shown) = match from {
+            Start::Camera => (None, snapshot.view.shown_along(ray)),
+            Start::Surface(primitive) => (Some(primitive), 0.0..f64::INFINITY),
+        };
+        let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, leaving);
+        let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
+        let surface = hit.map(|hit| snapshot.surface(ray, &hit));
 
-    let mut blended = blended_hits(snapshot, ray, distance.min(shown.end), leaving);
-    blended.retain(|hit| shown.start <= hit.t);
-    let way = Way { distance, blended, passes_hidden };
-    let blended = way.blended.as_slice();
-    let (shafts, fog) = if snapshot.medium.is_empty() {
-        (Rgb::ZERO, Rgb::ONE)
-    } else {
-        let lights = in_scattered(snapshot, transport.volume, light.lights, ray, &way, sampler, scratch);
-        let sky = snapshot.sky.as_ref().filter(|sky| light.sky && sky.lights_fog());
-        let sky = sky
-            .map_or(Rgb::ZERO, |sky| sky_light::in_scattered(snapshot, sky, ray, distance, blended, sampler));
-        (lights + sky, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
-    };
-    // Front to back: what each blended surface shows itself, and what all of them let through.
-    let (mut radiance, mut emitted, mut seen_through) = (shafts, Rgb::ZERO, Rgb::ONE);
-    for hit in blended {
-        let scattered = light.scattered(snapshot, &hit.point, sampler);
-        let shown =
-            own_and_mirrored(snapshot, transport, light, ray, &hit.point, mirrors_left, sampler, scratch);
-        let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
-        let weight = seen_through * through_fog * hit.point.alpha;
-        radiance += weight * (scattered + shown.radiance);
-        emitted += weight * shown.emitted;
-        seen_through *= hit.point.see_through;
+        let blended = blended_hits(snapshot, ray, &(shown.start..distance.min(shown.end)), leaving);
+        let way = Way { distance, blended, passes_hidden };
+        let (shafts, fog) = if snapshot.medium.is_empty() {
+            (Rgb::ZERO, Rgb::ONE)
+        } else {
+            let scattered = shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way);
+            (scattered, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
+        };
+        let (mut shown, seen_through) = self.blended(shafts, ray, &way.blended, mirrors_left);
+        let transmittance = fog * seen_through;
+        let behind_fog = surface.as_ref().map_or_else(
+            || Shown::emitted(light.background(snapshot, ray.direction)),
+            |point| {
+                let scattered = Shown { radiance: self.scattered(point), emitted: Rgb::ZERO };
+                scattered + self.emitted_and_mirrored(ray, point, mirrors_left)
+            },
+        );
+        shown += behind_fog.weakened(transmittance);
+        let Shown { radiance, emitted } = shown;
+        let solid = way.blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
+        let mattes = mattes(snapshot, &way.blended, surface.as_ref());
+        let leg = Leg { radiance, emitted, shafts, transmittance, covered: hit.is_some(), mattes };
+        (leg, solid.or(surface))
     }
-    let transmittance = fog * seen_through;
-    let behind_fog = surface.map_or_else(
-        || Shown::emitted(light.background(snapshot, ray.direction)),
-        |point| {
-            let scattered = light.scattered(snapshot, &point, sampler);
-            let shown =
-                own_and_mirrored(snapshot, transport, light, ray, &point, mirrors_left, sampler, scratch);
-            Shown { radiance: scattered + shown.radiance, emitted: shown.emitted }
-        },
-    );
-    radiance += behind_fog.radiance * transmittance;
-    emitted += behind_fog.emitted * transmittance;
-    let solid = blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
-    let mattes = mattes(snapshot, blended, surface.as_ref());
-    let leg = Leg { radiance, emitted, shafts, transmittance, covered: hit.is_some(), mattes };
-    (leg, solid.or(surface))
+
+    /// Front to back: the shafts and what each blended surface shows itself, and what all of them let through.
+    fn blended(&mut self, shafts: Rgb, ray: &Ray, blended: &[BlendedHit], mirrors_left: u32) -> (Shown, Rgb) {
+        let (snapshot, light) = (self.snapshot, self.light);
+        let (mut sum, mut seen_through) = (Shown { radiance: shafts, emitted: Rgb::ZERO }, Rgb::ONE);
+        let stack = Stack::of(snapshot, &light, ray, blended, self.sampler);
+        for (index, hit) in blended.iter().enumerate() {
+            let point = &hit.point;
+            let share = stack.as_ref().map_or(1.0, |stack| stack.shares[index]);
+            let mut scattered = match &stack {
+                None => direct::scattered(snapshot, light.lights, point),
+                Some(stack) => stack.scattered[index],
+            };
+            let mut shown = Shown::emitted(light.emitted(point));
+            if share > 0.0 {
+                scattered += share * sky_light::scattered(self, point);
+                shown += self.mirrored(ray, point, mirrors_left).weakened(Rgb::splat(share));
+            }
+            shown.radiance = scattered + shown.radiance;
+            let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
+            sum += shown.weakened(seen_through * through_fog * point.alpha);
+            seen_through *= point.see_through;
+        }
+        (sum, seen_through)
+    }
+
+    /// What a surface scatters towards the eye.
+    fn scattered(&mut self, point: &SurfacePoint) -> Rgb {
+        direct::scattered(self.snapshot, self.light.lights, point) + sky_light::scattered(self, point)
+    }
+
+    /// Light that a surface emits, and what is seen in it if it is a mirror.
+    pub(super) fn emitted_and_mirrored(
+        &mut self,
+        ray: &Ray,
+        point: &SurfacePoint,
+        mirrors_left: u32,
+    ) -> Shown {
+        Shown::emitted(self.light.emitted(point)) + self.mirrored(ray, point, mirrors_left)
+    }
+
+    /// What is seen in a surface if it is a mirror.
+    fn mirrored(&mut self, ray: &Ray, point: &SurfacePoint, mirrors_left: u32) -> Shown {
+        if mirrors_left == 0 || point.mirror == Rgb::ZERO {
+            return Shown::default();
+        }
+        let normal = point.shading_normal;
+        let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
+        // An interpolated normal may send light through the surface: no mirror does.
+        let leaves = reflected.dot(point.geometric_normal) > 0.0;
+        if !leaves {
+            return Shown::default();
+        }
+        let ray = Ray { origin: point.position, direction: reflected.normalize() };
+        let (seen, _) = self.follow(&ray, Start::Surface(point.primitive), mirrors_left - 1);
+        Shown { radiance: seen.radiance, emitted: seen.emitted }.weakened(point.mirror)
+    }
 }
 
 /// Which objects a ray sees, and how much of each past those before it.
@@ -291,37 +292,4 @@ pub(super) fn mattes(
         left *= 1.0 - point.alpha;
     }
     mattes
-}
-
-/// Light that a surface emits, and what is seen in it if it is a mirror.
-#[allow(clippy::too_many_arguments, reason = "a recursion that carries its whole context")]
-pub(super) fn own_and_mirrored(
-    snapshot: &Snapshot,
-    transport: &Transport,
-    light: Illumination,
-    ray: &Ray,
-    point: &SurfacePoint,
-    mirrors_left: u32,
-    sampler: &mut Sampler,
-    scratch: &mut Scratch,
-) -> Shown {
-    let emission = if light.self_luminous { point.emission } else { Rgb::ZERO };
-    let shines = Shown::emitted(emission);
-    if mirrors_left == 0 || point.mirror == Rgb::ZERO {
-        return shines;
-    }
-    let normal = point.shading_normal;
-    let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
-    // An interpolated normal may send light through the surface: no mirror does.
-    let leaves = reflected.dot(point.geometric_normal) > 0.0;
-    if !leaves {
-        return shines;
-    }
-    let ray = Ray { origin: point.position, direction: reflected.normalize() };
-    let from = Start::Surface(point.primitive);
-    let (seen, _) = follow(snapshot, transport, light, &ray, from, mirrors_left - 1, sampler, scratch);
-    Shown {
-        radiance: emission + point.mirror * seen.radiance,
-        emitted: emission + point.mirror * seen.emitted,
-    }
 }

@@ -1,57 +1,31 @@
 //! Light scattered by fog towards the start of a ray, by whichever method was chosen. Invariant:
 //! all methods estimate the same integral; only `Segments` is exact.
 
-use super::equiangular;
-use super::march::{self, MarchSteps};
-use super::radiance::Scratch;
+use super::path::{Path, Scratch, VolumeMethod};
 use super::visibility::Way;
+use super::{equiangular, march};
 use crate::color::Rgb;
-use crate::math::{Ray, Sampler};
-use crate::snapshot::{FrozenLight, Snapshot};
+use crate::math::Ray;
+use crate::snapshot::FrozenLight;
 
-/// How the integral along the ray is done.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum VolumeMethod {
-    /// Exact visibility intervals from geometry, closed forms and quadrature on smooth pieces.
-    Segments,
-    /// A shadow ray at each step.
-    March(MarchSteps),
-    /// Shadow rays at points spread evenly over the angle seen from the light (Kulla & Fajardo 2012).
-    Equiangular {
-        /// Points a ray and light, at least 1.
-        points: u32,
-    },
+/// Radiance of all lights of the path scattered into a ray on its way, W m^-2 sr^-1.
+pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
+    let lights = path.light.lights;
+    lights
+        .iter()
+        .map(|light| match path.transport.volume {
+            VolumeMethod::Segments => by_segments(path, ray, way, light),
+            VolumeMethod::March(steps) => march::in_scattered(path, steps, ray, way, light),
+            VolumeMethod::Equiangular { points } => equiangular::in_scattered(path, points, ray, way, light),
+        })
+        .sum()
 }
 
-/// Radiance scattered into the ray by all `lights` on its way, W m^-2 sr^-1.
-#[allow(clippy::too_many_arguments, reason = "what a method may need, in one call")]
-pub(super) fn in_scattered(
-    snapshot: &Snapshot,
-    method: VolumeMethod,
-    lights: &[FrozenLight],
-    ray: &Ray,
-    way: &Way,
-    sampler: &mut Sampler,
-    scratch: &mut Scratch,
-) -> Rgb {
-    let (distance, blended) = (way.distance, way.blended.as_slice());
-    let mut sum = Rgb::ZERO;
-    for light in lights {
-        sum += match method {
-            VolumeMethod::Segments => {
-                let Scratch { lit, cuts, stretches, .. } = scratch;
-                let Some(range) = snapshot.medium.range(ray, distance) else { continue };
-                snapshot.medium.stretches(ray, distance, light.place(), cuts, stretches);
-                lit.find_along(snapshot, ray, light, range, way);
-                lit.integrate(&snapshot.medium, stretches, ray, light)
-            }
-            VolumeMethod::March(steps) => {
-                march::in_scattered(snapshot, steps, ray, distance, light, blended, sampler)
-            }
-            VolumeMethod::Equiangular { points } => {
-                equiangular::in_scattered(snapshot, points, ray, distance, light, blended, sampler)
-            }
-        };
-    }
-    sum
+fn by_segments(path: &mut Path, ray: &Ray, way: &Way, light: &FrozenLight) -> Rgb {
+    let medium = &path.snapshot.medium;
+    let Scratch { lit, cuts, stretches, .. } = &mut *path.scratch;
+    let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
+    medium.stretches(ray, way.distance, light.place(), cuts, stretches);
+    lit.find_along(path.snapshot, ray, light, range, way);
+    lit.integrate(medium, stretches, ray, light)
 }

@@ -6,11 +6,12 @@
 //! "Optimally combining sampling techniques for Monte Carlo rendering", section 3.3).
 
 use super::direct::scattered_per_radiance;
-use super::visibility::{BlendedHit, visibility};
+use super::path::Path;
+use super::visibility::{Way, visibility};
 use crate::color::{Rgb, luminance};
-use crate::math::{Ray, Sampler, disc_from_square};
+use crate::math::{Ray, disc_from_square};
 use crate::scattering::{Medium, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
-use crate::snapshot::{FrozenSky, Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenSky, SurfacePoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -23,14 +24,12 @@ const DEPTH_TOLERANCE: f64 = 1e-10;
 const MOST_STEPS: usize = 40;
 
 /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
-pub(super) fn scattered(
-    snapshot: &Snapshot,
-    sky: &FrozenSky,
-    point: &SurfacePoint,
-    sampler: &mut Sampler,
-) -> Rgb {
+pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
+    let snapshot = path.snapshot;
+    let sky = snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_surfaces());
+    let Some(sky) = sky else { return Rgb::ZERO };
     let Some(lobes) = Lobes::of(point) else { return Rgb::ZERO };
-    let u = DVec2::from(sampler.next_2d());
+    let u = DVec2::from(path.sampler.next_2d());
     let (to_sky, density) =
         picked(sky, u, |u| lobes.pick(point, u), |direction| lobes.picked(point, direction));
     let scattered = scattered_per_radiance(point, to_sky) * sky.along(to_sky);
@@ -46,18 +45,13 @@ pub(super) fn scattered(
     scattered * visible * fog / density
 }
 
-/// Radiance that fog scatters into the ray, up to `distance`, seen through `blended`, W m^-2 sr^-1.
-pub(super) fn in_scattered(
-    snapshot: &Snapshot,
-    sky: &FrozenSky,
-    ray: &Ray,
-    distance: f64,
-    blended: &[BlendedHit],
-    sampler: &mut Sampler,
-) -> Rgb {
-    let medium = &snapshot.medium;
-    let Some(range) = medium.range(ray, distance) else { return Rgb::ZERO };
-    let [along, u, v] = sampler.next_3d();
+/// Radiance that fog scatters into the ray on its way, W m^-2 sr^-1.
+pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
+    let (snapshot, medium) = (path.snapshot, &path.snapshot.medium);
+    let sky = snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_fog());
+    let Some(sky) = sky else { return Rgb::ZERO };
+    let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
+    let [along, u, v] = path.sampler.next_3d();
     let Some((t, density_per_m)) = place_by_depth(medium, ray, range, along) else { return Rgb::ZERO };
     let point = ray.at(t);
     let g = medium.anisotropy_at(point);
@@ -78,7 +72,7 @@ pub(super) fn in_scattered(
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let seen_through = blended.iter().filter(|hit| hit.t < t);
+    let seen_through = way.blended.iter().filter(|hit| hit.t < t);
     let visible = seen_through.fold(visible, |product, hit| product * hit.point.see_through);
     let tau = medium.optical_depth(point, to_sky, f64::INFINITY)
         + medium.optical_depth(ray.origin, ray.direction, t);

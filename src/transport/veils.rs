@@ -2,8 +2,9 @@
 //! go intervals with a transmittance, out come the pieces of the ray on which their product is
 //! constant. Invariant: the order in which veils are added does not show, to the last bit.
 
-use super::visibility::BlendedHit;
-use crate::accel::{LightPlane, PrimitiveId};
+use super::running_product::RunningProduct;
+use super::visibility::{BlendedHit, blended_hits};
+use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::{FrozenLight, Snapshot};
@@ -18,6 +19,8 @@ pub(super) struct Veils {
     veils: Vec<Veil>,
     /// Where each piece begins, and what gets through there; before the first, everything.
     pieces: Vec<(f64, Rgb)>,
+    /// Of those that cover a piece.
+    product: RunningProduct,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +51,9 @@ impl Veils {
             self.add(hit.t, f64::INFINITY, hit.point.see_through);
         }
         let Some(plane) = plane else {
-            self.find_in_line(snapshot, ray, light, range);
+            for (shadow, see_through) in shadows_in_line(snapshot, ray, light, range.0) {
+                self.add(shadow.start, shadow.end, see_through);
+            }
             self.resolve();
             return;
         };
@@ -67,22 +72,6 @@ impl Veils {
         self.resolve();
     }
 
-    /// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond.
-    fn find_in_line(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
-        let light_at = match *light {
-            FrozenLight::Sun { to_light, .. } => f64::INFINITY.copysign(to_light.dot(ray.direction)),
-            FrozenLight::Point { position, .. } => (position - ray.origin).dot(ray.direction),
-        };
-        for sign in [1.0, -1.0] {
-            let line = Ray { origin: ray.at(range.0), direction: sign * ray.direction };
-            for hit in super::visibility::blended_hits(snapshot, &line, f64::INFINITY, None) {
-                let t = range.0 + sign * hit.t;
-                let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
-                self.add(start, end, hit.point.see_through);
-            }
-        }
-    }
-
     fn add(&mut self, start: f64, end: f64, transmittance: Rgb) {
         if transmittance != Rgb::ONE && start < end {
             self.veils.push(Veil { start, end, transmittance });
@@ -91,7 +80,7 @@ impl Veils {
 
     /// From veils to pieces.
     fn resolve(&mut self) {
-        let Self { veils, pieces } = self;
+        let Self { veils, pieces, product } = self;
         let key = |veil: &Veil| {
             let [red, green, blue] = veil.transmittance.to_array();
             [veil.start, veil.end, red, green, blue]
@@ -101,18 +90,16 @@ impl Veils {
             let order = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
             order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
         });
-        let mut ends: Vec<f64> = veils.iter().flat_map(|veil| [veil.start, veil.end]).collect();
-        ends.sort_unstable_by(f64::total_cmp);
-        ends.dedup();
-        let mut next = 0;
-        let mut active: Vec<Veil> = Vec::new();
-        for start in ends {
-            active.retain(|veil| veil.end > start);
-            while let Some(veil) = veils.get(next).filter(|veil| veil.start <= start) {
-                active.push(*veil);
-                next += 1;
+        let starts = veils.iter().zip(0..).map(|(veil, index)| (veil.start, index, veil.transmittance));
+        let ends = veils.iter().zip(0..).map(|(veil, index)| (veil.end, index, Rgb::ONE));
+        let mut changes: Vec<(f64, usize, Rgb)> = starts.chain(ends).collect();
+        changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        product.start(veils.len());
+        for at_one_place in changes.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, veil, factor) in at_one_place {
+                product.set(veil, factor);
             }
-            pieces.push((start, active.iter().fold(Rgb::ONE, |product, veil| product * veil.transmittance)));
+            pieces.extend(at_one_place.first().map(|(start, ..)| (*start, product.get())));
         }
     }
 
@@ -130,8 +117,36 @@ impl Veils {
     }
 }
 
+/// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond: its shadow and what it
+/// lets through, as seen from a place on the ray.
+pub(super) fn shadows_in_line(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    light: &FrozenLight,
+    from: f64,
+) -> impl Iterator<Item = (TriangleShadow, Rgb)> {
+    let light_at = match *light {
+        FrozenLight::Sun { to_light, .. } => f64::INFINITY.copysign(to_light.dot(ray.direction)),
+        FrozenLight::Point { position, .. } => (position - ray.origin).dot(ray.direction),
+    };
+    [1.0, -1.0].into_iter().flat_map(move |sign| {
+        let line = Ray { origin: ray.at(from), direction: sign * ray.direction };
+        blended_hits(snapshot, &line, &(0.0..f64::INFINITY), None).into_iter().map(move |hit| {
+            let t = from + sign * hit.t;
+            let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
+            (TriangleShadow { primitive: hit.point.primitive, start, end }, hit.point.see_through)
+        })
+    })
+}
+
 /// What gets through a triangle of the light that goes to a place on the ray.
-fn met_at(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, primitive: PrimitiveId, t: f64) -> Rgb {
+pub(super) fn met_at(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    light: &FrozenLight,
+    primitive: PrimitiveId,
+    t: f64,
+) -> Rgb {
     let origin = ray.at(t);
     let (to_light, ..) = light.arriving_at(origin);
     let way = Ray { origin, direction: to_light };

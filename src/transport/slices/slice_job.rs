@@ -4,7 +4,7 @@
 use super::fan::Fan;
 use crate::color::Rgb;
 use crate::snapshot::{FrozenLight, Snapshot};
-use crate::transport::radiance::Transport;
+use crate::transport::path::Transport;
 
 /// What is to be solved.
 #[derive(Clone, Copy)]

@@ -6,12 +6,11 @@ use super::slice_job::SliceJob;
 use super::sweep::{LightRays, Meeting, PlanarRay, Sweep};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
-use crate::snapshot::{Facet, FrozenLight, Snapshot, SurfacePoint};
+use crate::snapshot::{Facet, FrozenLight, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
-use crate::transport::radiance::{
-    Illumination, Leg, Scratch, Shown, Start, follow, mattes, own_and_mirrored,
-};
+use crate::transport::path::{Illumination, Path, Scratch};
+use crate::transport::radiance::{Leg, Shown, Start, mattes};
 
 /// A ray of a slice and what it meets first.
 pub(super) struct SliceRay<'a> {
@@ -34,27 +33,19 @@ impl SliceRay<'_> {
         })
     }
 
-    fn illumination(&self) -> Illumination<'_> {
-        let lights = std::slice::from_ref(self.job.light);
-        Illumination { lights, self_luminous: self.job.self_luminous, sky: false }
+    /// The path that it begins.
+    fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
+        let SliceJob { snapshot, transport, light, self_luminous, .. } = *self.job;
+        let light = Illumination { lights: std::slice::from_ref(light), self_luminous, sky: false };
+        Path { snapshot, transport, light, sampler, scratch }
     }
 
     /// Its value by the per-ray method.
     pub(super) fn by_itself(&self, scratch: &mut Scratch) -> Sample {
-        let SliceJob { snapshot, transport, .. } = *self.job;
-        let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
         let mut sampler = self.sampler;
-        let (leg, surface) = follow(
-            snapshot,
-            transport,
-            illumination,
-            &self.ray,
-            Start::Camera,
-            mirrors,
-            &mut sampler,
-            scratch,
-        );
-        leg.sample(surface.as_ref(), snapshot, transport, &self.ray, self.job.hue)
+        let mut path = self.path(&mut sampler, scratch);
+        let (leg, surface) = path.follow(&self.ray, Start::Camera, self.job.transport.mirror_depth);
+        path.sample(&leg, surface.as_ref(), &self.ray, self.job.hue)
     }
 
     /// Its value, with the shadows of a sweep and, under a distant light, the fog of its slice.
@@ -66,6 +57,8 @@ impl SliceRay<'_> {
     ) -> Sample {
         let Self { ref ray, planar, light_rays, .. } = *self;
         let SliceJob { snapshot, transport, light, .. } = *self.job;
+        let mut sampler = self.sampler;
+        let mut path = self.path(&mut sampler, scratch);
         let distance = self.distance();
         let end = distance * planar.direction.x;
         let end_name = self.meeting.map(|_| light_rays.through(distance * planar.direction));
@@ -80,7 +73,7 @@ impl SliceRay<'_> {
             let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
             let all = shadows.as_slice().iter().chain(own_shadows.as_slice());
             let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
-            by_segments(snapshot, light, ray, distance, shadows, scratch)
+            by_segments(&mut path, light, ray, distance, shadows)
         });
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
             meeting.is_lit || facet.shines_or_mirrors() || transport.features
@@ -90,10 +83,10 @@ impl SliceRay<'_> {
         let surface = seen.map(|(_, facet)| facet.seen_along(ray, distance));
         let behind_fog = match &surface {
             None if self.meeting.is_some() => Shown::default(),
-            None => Shown::emitted(self.illumination().background(snapshot, ray.direction)),
+            None => Shown::emitted(path.light.background(snapshot, ray.direction)),
             Some(point) => {
                 let to_light = fog.map(|fog| fog.transmittance_to_light(&planar, end));
-                self.reflected(point, is_lit, to_light, scratch)
+                self.reflected(&mut path, point, is_lit, to_light)
             }
         };
         let radiance = behind_fog.radiance * transmittance + shafts;
@@ -101,51 +94,33 @@ impl SliceRay<'_> {
         let covered = self.meeting.is_some();
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg { radiance, emitted, shafts, transmittance, covered, mattes };
-        leg.sample(surface.as_ref(), snapshot, transport, ray, self.job.hue)
+        path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 
     /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the light, if that is known.
-    fn reflected(
-        &self,
-        point: &SurfacePoint,
-        is_lit: bool,
-        to_light: Option<Rgb>,
-        scratch: &mut Scratch,
-    ) -> Shown {
+    fn reflected(&self, path: &mut Path, point: &SurfacePoint, is_lit: bool, to_light: Option<Rgb>) -> Shown {
         let SliceJob { snapshot, transport, light, .. } = *self.job;
         let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };
         let of_light = unshadowed.map_or(Rgb::ZERO, |Unshadowed { radiance, to_light: way, distance }| {
             radiance
                 * to_light.unwrap_or_else(|| snapshot.medium.transmittance(point.position, way, distance))
         });
-        let (illumination, mirrors) = (self.illumination(), transport.mirror_depth);
-        let mut sampler = self.sampler;
-        let shown = own_and_mirrored(
-            snapshot,
-            transport,
-            illumination,
-            &self.ray,
-            point,
-            mirrors,
-            &mut sampler,
-            scratch,
-        );
-        Shown { radiance: of_light + shown.radiance, emitted: shown.emitted }
+        let scattered = Shown { radiance: of_light, emitted: Rgb::ZERO };
+        scattered + path.emitted_and_mirrored(&self.ray, point, transport.mirror_depth)
     }
 }
 
 /// Light scattered on the way, and transmittance, as for any ray whose shadows are known.
 fn by_segments(
-    snapshot: &Snapshot,
+    path: &mut Path,
     light: &FrozenLight,
     ray: &Ray,
     distance: f64,
     shadows: impl Iterator<Item = (f64, f64)>,
-    scratch: &mut Scratch,
 ) -> (Rgb, Rgb) {
-    let medium = &snapshot.medium;
+    let medium = &path.snapshot.medium;
     let Some(range) = medium.range(ray, distance) else { return (Rgb::ZERO, Rgb::ONE) };
-    let Scratch { lit, cuts, stretches, .. } = scratch;
+    let Scratch { lit, cuts, stretches, .. } = &mut *path.scratch;
     lit.set(ray, light, range, shadows);
     medium.stretches(ray, distance, light.place(), cuts, stretches);
     let shafts = lit.integrate(medium, stretches, ray, light);

@@ -15,7 +15,7 @@ use crate::accel::{Cut, HalfPlane};
 use crate::math::{Ray, Sampler, kronecker};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
-use crate::transport::radiance::Scratch;
+use crate::transport::path::Scratch;
 use glam::DVec2;
 
 /// Memory that the slices of one thread share.

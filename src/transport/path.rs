@@ -1,0 +1,91 @@
+//! What is carried along a path. In go a snapshot, a way to follow rays and the light that is wanted; every leg of the path reads
+//! them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one thread's.
+
+use super::lit_segments::LitSegments;
+use crate::color::Rgb;
+use crate::math::Sampler;
+use crate::scattering::Stretch;
+use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
+use glam::DVec3;
+
+/// Where the shadow rays stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MarchSteps {
+    /// The image plane is moved by `step_m` at a time, to `depth_m`, both along the view axis, metres.
+    Planes {
+        /// How far.
+        depth_m: f64,
+        /// By how much.
+        step_m: f64,
+    },
+    /// So many equal steps over the foggy part of the ray, a shadow ray in the middle of each.
+    Count(u32),
+    /// The same, all shadow rays moved by one random part of a step: what is banding above is noise here
+    /// (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
+    Jittered(u32),
+}
+
+/// How the light scattered in fog along a ray is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VolumeMethod {
+    /// Exact visibility intervals from geometry, closed forms and quadrature on smooth pieces.
+    Segments,
+    /// A shadow ray at each step.
+    March(MarchSteps),
+    /// Shadow rays at points spread evenly over the angle seen from the light (Kulla & Fajardo 2012).
+    Equiangular {
+        /// Points a ray and light, at least 1.
+        points: u32,
+    },
+}
+
+/// How rays are to be followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Transport {
+    /// How light scattered in fog is found.
+    pub volume: VolumeMethod,
+    /// How often a ray may be reflected by mirrors.
+    pub mirror_depth: u32,
+    /// Whether [`Sample::surface`](super::Sample::surface) is wanted.
+    pub features: bool,
+}
+
+/// Memory that rays of one thread share.
+#[derive(Default)]
+pub struct Scratch {
+    pub(super) lit: LitSegments,
+    pub(super) cuts: Vec<f64>,
+    pub(super) stretches: Vec<Stretch>,
+    pub(super) lights: Vec<FrozenLight>,
+}
+
+/// Which light is being followed: a picture may be made of one picture a light, added up.
+#[derive(Clone, Copy)]
+pub(super) struct Illumination<'a> {
+    pub(super) lights: &'a [FrozenLight],
+    /// Whether surfaces that shine by themselves, and the background, belong to it.
+    pub(super) self_luminous: bool,
+    /// Whether the light of the sky belongs to it.
+    pub(super) sky: bool,
+}
+
+impl Illumination<'_> {
+    /// What a surface emits.
+    pub(super) fn emitted(&self, point: &SurfacePoint) -> Rgb {
+        if self.self_luminous { point.emission } else { Rgb::ZERO }
+    }
+
+    /// What lies behind everything.
+    pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
+        if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
+    }
+}
+
+/// A path that is being followed.
+pub(super) struct Path<'a> {
+    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) transport: &'a Transport,
+    pub(super) light: Illumination<'a>,
+    pub(super) sampler: &'a mut Sampler,
+    pub(super) scratch: &'a mut Scratch,
+}

@@ -1,0 +1,59 @@
+//! A product of factors that come and go. In go factors with fixed places, out comes the product of all, at any time.
+//! Invariant: a change takes as many multiplications as the number of places has binary digits, and nothing is divided.
+
+use crate::color::Rgb;
+
+/// The factors are the leaves of a binary tree, each of whose nodes is the product of the two below it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RunningProduct {
+    /// The root is at 1, the nodes below `i` at `2 i` and `2 i + 1`.
+    nodes: Vec<Rgb>,
+}
+
+impl RunningProduct {
+    /// Starts over with so many places, each of a factor of 1.
+    pub(super) fn start(&mut self, places: usize) {
+        self.nodes.clear();
+        self.nodes.resize(2 * places.next_power_of_two(), Rgb::ONE);
+    }
+
+    /// Puts a factor in its place.
+    pub(super) fn set(&mut self, place: usize, factor: Rgb) {
+        let nodes = &mut self.nodes;
+        let mut node = nodes.len() / 2 + place;
+        nodes[node] = factor;
+        while node > 1 {
+            node /= 2;
+            nodes[node] = nodes[2 * node] * nodes[2 * node + 1];
+        }
+    }
+
+    /// Of all factors.
+    pub(super) fn get(&self) -> Rgb {
+        self.nodes[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn equals_the_product_of_all(
+            count in 1_usize..20,
+            changes in prop::collection::vec((0_usize..20, 0.0..1.0_f64), 0..60),
+        ) {
+            let mut product = RunningProduct::default();
+            product.start(count);
+            let mut factors = vec![1.0; count];
+            for (place, factor) in changes.into_iter().filter(|(place, _)| *place < count) {
+                product.set(place, Rgb::splat(factor));
+                factors[place] = factor;
+                let expected: f64 = factors.iter().product();
+                prop_assert!((product.get().x - expected).abs() <= 1e-14 * expected);
+            }
+        }
+    }
+}
