@@ -1,5 +1,6 @@
 //! The directions of import and the place of `unsafe`, held by reading the source.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,7 @@ fn source_files(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// (file relative to src, its top-level module, its text without the inline tests)
+/// (file relative to src, its top-level module, its text without tests and comments)
 fn sources() -> Vec<(String, String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
@@ -51,28 +52,118 @@ fn sources() -> Vec<(String, String, String)> {
             let relative = path.strip_prefix(&root).expect("below src").to_string_lossy().into_owned();
             let module = relative.split(['/', '.']).next().expect("a name").to_owned();
             let text = fs::read_to_string(&path).expect("readable");
-            let shipped = text.split("#[cfg(test)]").next().expect("a part").to_owned();
-            (relative, module, shipped)
+            (relative, module, shipped(&text))
         })
         .collect()
+}
+
+/// The text without what is compiled for tests alone, wherever it stands.
+fn shipped(text: &str) -> String {
+    let (mut shipped, mut rest) = (String::new(), text);
+    while let Some((before, after)) = rest.split_once("#[cfg(test)]") {
+        shipped.push_str(before);
+        rest = after_item(after);
+    }
+    shipped + rest
+}
+
+/// What follows the item that a text begins with: a statement, or a block in braces.
+fn after_item(text: &str) -> &str {
+    let mut depth = 0;
+    for (at, character) in text.char_indices() {
+        match character {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ';' if depth == 0 => return &text[at + 1..],
+            _ => continue,
+        }
+        if depth == 0 {
+            return &text[at + 1..];
+        }
+    }
+    ""
 }
 
 fn rank(module: &str) -> Option<usize> {
     ORDER.iter().position(|name| *name == module)
 }
 
-/// Every `crate::name` in code, comments aside.
-fn imports(text: &str) -> Vec<String> {
+/// Lines of code, comments aside.
+fn code(text: &str) -> String {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The paths that a file names: those that begin with `crate` or `super`, made absolute, as lists of segments.
+fn paths(file: &str, text: &str) -> Vec<Vec<String>> {
+    let own = module_of(file);
+    let code = code(text);
     let mut found = Vec::new();
-    for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
-        for after in line.split("crate::").skip(1) {
-            let name: String = after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            if !name.is_empty() {
-                found.push(name);
-            }
+    for (at, _) in code.match_indices("crate::").chain(code.match_indices("super::")) {
+        let follows_path =
+            code[..at].ends_with("::") || code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        if follows_path {
+            continue;
         }
+        let mut rest = &code[at..];
+        let mut base = if rest.starts_with("crate::") { Vec::new() } else { own.clone() };
+        rest = rest.strip_prefix("crate::").unwrap_or(rest);
+        while let Some(above) = rest.strip_prefix("super::") {
+            base.pop();
+            rest = above;
+        }
+        expand(&base, rest, &mut found);
     }
     found
+}
+
+/// Appends the paths that a text begins with: one, or all of a list in braces.
+fn expand(base: &[String], text: &str, found: &mut Vec<Vec<String>>) {
+    let mut path = base.to_vec();
+    let mut rest = text;
+    loop {
+        if let Some(list) = rest.strip_prefix('{') {
+            let inner = &list[..rest.len() - after_item(rest).len() - 2];
+            split_list(inner).into_iter().for_each(|item| expand(&path, item.trim(), found));
+            return;
+        }
+        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+        if end > 0 {
+            path.push(rest[..end].to_owned());
+        }
+        let Some(after) = rest[end..].strip_prefix("::") else { break };
+        rest = after;
+    }
+    found.push(path);
+}
+
+/// The parts of a list between commas that are in no braces.
+fn split_list(list: &str) -> Vec<&str> {
+    let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0);
+    for (at, character) in list.char_indices() {
+        match character {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(&list[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&list[start..]);
+    parts.into_iter().filter(|part| !part.trim().is_empty()).collect()
+}
+
+/// `a/b.rs` and `a/b/mod.rs` are `a::b`.
+fn module_of(file: &str) -> Vec<String> {
+    let path = file.trim_end_matches(".rs").trim_end_matches("/mod");
+    path.split('/').map(str::to_owned).collect()
+}
+
+/// The top-level modules that a file imports.
+fn imports(file: &str, text: &str) -> Vec<String> {
+    paths(file, text).into_iter().filter_map(|path| path.into_iter().next()).collect()
 }
 
 #[test]
@@ -88,7 +179,7 @@ fn every_module_has_its_place() {
 fn imports_point_only_upward() {
     for (file, module, text) in sources() {
         let Some(own) = rank(&module) else { continue };
-        for import in imports(&text) {
+        for import in imports(&file, &text) {
             let Some(other) = rank(&import) else { panic!("{file}: crate::{import} is not a module") };
             assert!(other <= own, "{file}: `{module}` imports `{import}`, which comes after it");
         }
@@ -126,4 +217,71 @@ fn every_file_tells_its_invariant_and_holds_one_concept() {
         assert!(text.starts_with("//! "), "{file} does not say what it is");
         assert!(text.lines().count() <= MOST_LINES, "{file} is too long");
     }
+}
+
+/// What each module that is a file names of others, re-exports followed to where things are written.
+fn uses(sources: &[(String, String, String)]) -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
+    let modules: BTreeSet<Vec<String>> = sources.iter().map(|(file, ..)| module_of(file)).collect();
+    let mut reexports = BTreeMap::new();
+    for (file, _, text) in sources {
+        let own = module_of(file);
+        for (at, _) in text.match_indices("use ") {
+            let mut found = Vec::new();
+            expand(&own, &text[at + 4..], &mut found);
+            for path in
+                found.into_iter().filter(|path| modules.contains(&path[..(own.len() + 1).min(path.len())]))
+            {
+                let name = [own.clone(), path[path.len() - 1..].to_vec()].concat();
+                reexports.insert(name, path);
+            }
+        }
+    }
+    let resolve = |path: Vec<String>| {
+        let mut path = path;
+        for _ in 0..8 {
+            let known = (1..=path.len()).rev().find(|&end| modules.contains(&path[..end])).unwrap_or(0);
+            let Some(target) = path.get(..=known).and_then(|name| reexports.get(name)) else {
+                return path[..known].to_vec();
+            };
+            path = [target.clone(), path[known + 1..].to_vec()].concat();
+        }
+        path
+    };
+    let mut uses: BTreeMap<Vec<String>, BTreeSet<Vec<String>>> = BTreeMap::new();
+    for (file, _, text) in sources {
+        let own = module_of(file);
+        let named = paths(file, text).into_iter().map(resolve);
+        let others = named.filter(|path| !path.is_empty() && *path != own).collect();
+        uses.insert(own, others);
+    }
+    uses
+}
+
+#[test]
+fn no_files_import_one_another_in_a_circle() {
+    let uses = uses(&sources());
+    let reached_from = |start: &Vec<String>| {
+        let (mut reached, mut next) = (BTreeSet::new(), vec![start]);
+        while let Some(module) = next.pop() {
+            let others = uses.get(module).into_iter().flatten();
+            next.extend(others.filter(|other| reached.insert((*other).clone())));
+        }
+        reached
+    };
+    assert!(uses.len() > 200, "the source is read");
+    let all = uses.values().map(BTreeSet::len).sum::<usize>();
+    assert!(all > 800, "imports are found: {all}");
+    let circles: Vec<String> = uses
+        .keys()
+        .filter(|module| reached_from(module).contains(*module))
+        .map(|path| path.join("::"))
+        .collect();
+    assert!(circles.is_empty(), "these are in circles: {circles:?}");
+}
+
+#[test]
+fn imports_are_read_in_every_form() {
+    let text = "use crate::a::{b::C, d::{self, E}};\nuse super::{F, g};\nfn f() { super::super::g::H; }\n#[cfg(test)]\nmod tests { use crate::z; }\nuse super::Late;";
+    let found: Vec<String> = paths("m/n/o.rs", &shipped(text)).iter().map(|path| path.join("::")).collect();
+    assert_eq!(found, ["a::b::C", "a::d::self", "a::d::E", "m::n::F", "m::n::g", "m::g::H", "m::n::Late"]);
 }
