@@ -2,7 +2,7 @@
 
 use super::arguments::DiffArguments;
 use super::{CliError, answer};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
 use crate::frame_file::{self, FrameFile};
 use crate::frame_file::{compare, net_rmse};
 use std::path::Path;
@@ -14,7 +14,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
         let diagnostic = Diagnostic::error(Place::File(arguments.output.clone()), error.to_string())
             .expected(format!(
                 "a frame of the same size and with channels of {}",
-                arguments.reference.display()
+                shown(&arguments.reference)
             ))
             .remedy("render with the same --size, --crop and --passes");
         CliError::Scene(Diagnostics(vec![diagnostic]))
