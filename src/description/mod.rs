@@ -7,6 +7,7 @@ pub mod image;
 mod ktx2;
 pub mod obj;
 mod peers;
+mod radiances;
 pub mod ron;
 pub(crate) mod tangents;
 
