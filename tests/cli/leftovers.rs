@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 const FALL: &str = r#"Scene(version: 1, meshes: {"leaf": Leaf(length_m: 0.08, width_m: 0.05)}, objects: {},
     cameras: {"main": (position_m: (0, 1, 3), look_at_m: (0, 1, 0))},
     lights: {"s": Sun(to_sun: (0, 1, 0), irradiance_w_per_m2: 1)},
-    fall: {"autumn": (count: 3, species: [(meshes: ["leaf"], length_m: 0.08)],
-        emitter: Box(min_m: (-1, 2, -1), max_m: (1, 3, 1)))})"#;
+    fall: {"autumn": (count: 1000, species: [(meshes: ["leaf"], length_m: 0.08)],
+        emitter: Box(min_m: (-1, 0.2, -1), max_m: (1, 0.3, 1)))})"#;
 
 /// The next run removes what nobody is at work on of its own files, says so, and touches nothing else.
 #[test]
