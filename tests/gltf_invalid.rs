@@ -491,3 +491,27 @@ proptest! {
         survives(&glb.to_vec().unwrap());
     }
 }
+
+/// The place is that of the first byte too many.
+#[test]
+fn white_space_may_follow_the_json_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("leaf.gltf");
+    let leaf = std::fs::read_to_string("tests/data/valid/gltf/leaf.gltf").unwrap();
+    let leaf = leaf.trim_end();
+    let line = leaf.lines().count();
+    for (rest, place) in
+        [("\n \t\r\n", None), ("x", Some([0, 2])), ("\n{}", Some([1, 1])), ("\n\n  \0", Some([2, 3]))]
+    {
+        std::fs::write(&path, format!("{leaf}{rest}")).unwrap();
+        let refused = description::load(&path).err().map(|error| error.to_string());
+        let expected = place.map(|[lines, column]| {
+            format!("leaf.gltf:{}:{column}: error: the JSON is damaged", line + lines)
+        });
+        match (refused, expected) {
+            (None, None) => {}
+            (Some(refused), Some(expected)) => assert!(refused.contains(&expected), "{refused}"),
+            (refused, expected) => panic!("{rest:?}: {refused:?}, expected {expected:?}"),
+        }
+    }
+}

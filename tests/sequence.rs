@@ -46,7 +46,7 @@ fn done(frame: Frame) -> Option<Rendered> {
 }
 
 fn pattern(folder: &Path) -> OutputPattern {
-    OutputPattern::parse(&format!("{}/", folder.display()), "x").unwrap()
+    OutputPattern::parse(format!("{}/", folder.display()), "x").unwrap()
 }
 
 fn job<'a>(frames: &'a FrameList, output: &'a OutputPattern, skip: Skip) -> Job<'a> {

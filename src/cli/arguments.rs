@@ -2,8 +2,8 @@
 
 use super::CliError;
 use super::parse::{
-    parse_bloom, parse_crop, parse_exposure, parse_frame, parse_frame_rate, parse_noise, parse_seconds,
-    parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
+    parse_bloom, parse_crop, parse_exposure, parse_frame, parse_frame_rate, parse_limit, parse_noise,
+    parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
 };
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
@@ -309,7 +309,30 @@ pub(super) struct DiffArguments {
     /// The reference's own noise (root mean square of its standard error), taken out of the RMSE.
     #[arg(long, default_value_t = 0.0)]
     pub(super) reference_noise: f64,
+    #[command(flatten)]
+    pub(super) limits: LimitArguments,
 }
+
+/// Each may be given several times; of those that name a channel the last counts.
+#[derive(Args, Debug)]
+pub(super) struct LimitArguments {
+    /// Largest root mean square error: of the colour, and of every other channel; or of those named, such as diffuse.*=0.01.
+    #[arg(long, value_name = "[CHANNELS=]X", value_parser = parse_limit)]
+    pub(super) max_rmse: Vec<ChannelsLimit>,
+    /// Largest relative mean square error, likewise.
+    #[arg(long, value_name = "[CHANNELS=]X", value_parser = parse_limit)]
+    pub(super) max_relmse: Vec<ChannelsLimit>,
+    /// Largest difference of a value, likewise.
+    #[arg(long, value_name = "[CHANNELS=]X", value_parser = parse_limit)]
+    pub(super) max_error: Vec<ChannelsLimit>,
+    /// Largest share of a channel's ids that differ, 0 to 1.
+    #[arg(long, value_name = "[CHANNELS=]SHARE", value_parser = parse_share_limit)]
+    pub(super) max_ids: Vec<ChannelsLimit>,
+}
+
+/// The names of channels, or `None` for all, and the most that these may differ by.
+#[derive(Clone, Debug)]
+pub(super) struct ChannelsLimit(pub(super) Option<glob::Pattern>, pub(super) f64);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ExposureArgument {

@@ -6,14 +6,16 @@ mod skips;
 
 use super::arguments::{BenchArguments, MethodArgument, SizeArgument};
 use super::plan::{find_camera, resized, usage};
+use super::saving::clear;
 use super::{CliError, answer, loading, tell};
 use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
 use crate::description;
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::frame_file;
 use crate::scene::{self, PixelFilter, RenderSettings, Scene, Size};
 use crate::snapshot::{Exposure, MeshTrees, Shutter};
 use rayon::ThreadPool;
+use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -210,20 +212,23 @@ fn output(asked: Option<&Path>, subject: &Subject, extension: &str) -> PathBuf {
 
 fn create_folder(path: &Path) -> Result<(), CliError> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|error| cannot_write(path, &error))
+    folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|error| cannot_write(path, error))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {
     save(path, text)?;
-    answer(&format!("{} was written", path.display()))
+    answer(&format!("{} was written", shown(path)))
 }
 
 fn save(path: &Path, text: &str) -> Result<(), CliError> {
-    create_folder(path)?;
-    std::fs::write(path, text).map_err(|error| cannot_write(path, &error))
+    clear(path);
+    frame_file::write_whole(path, &[text.as_bytes()]).map_err(|error| {
+        let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+        cannot_write(path, reason)
+    })
 }
 
-fn cannot_write(path: &Path, error: &std::io::Error) -> CliError {
+fn cannot_write(path: &Path, error: impl std::fmt::Display) -> CliError {
     let diagnostic = Diagnostic::error(Place::File(path.to_owned()), format!("cannot be written: {error}"))
         .expected("a place where files can be written")
         .remedy("choose another with --csv and --svg");

@@ -22,7 +22,7 @@ pub enum CliError {
     /// A file cannot be read or written (4).
     #[error("{0}")]
     InputOutput(String),
-    /// A frame failed its checks (5).
+    /// A frame failed its checks, or is too far from another (5).
     #[error("{0}")]
     Frame(String),
     /// A signal ended the work (128 + its number).

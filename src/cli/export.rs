@@ -3,16 +3,16 @@
 
 use super::arguments::ExportArguments;
 use super::plan::usage;
+use super::saving::save;
 use super::{CliError, answer, loading, tell};
-use crate::diagnostic::Diagnostics;
-use crate::frame_file;
+use crate::diagnostic::{Diagnostics, shown};
 use crate::sequence::FrameList;
 use crate::{description, export};
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let output = &arguments.output;
     if output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("glb")) {
-        let found = format!("`{}` is no name of a binary glTF file", output.display());
+        let found = format!("`{}` is no name of a binary glTF file", shown(output));
         return Err(usage("OUT.glb", found, "a name that ends in .glb"));
     }
     let description = description::load(&arguments.input)?;
@@ -37,12 +37,11 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let remarks = Diagnostics([scene.remarks.0.clone(), exported.remarks.0].concat());
     arguments.scene.check(&remarks)?;
     remarks.told().for_each(|remark| tell(&remark.to_string()));
-    frame_file::write_whole(output, &[&exported.head, &exported.binary])
-        .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
+    save(output, &[&exported.head, &exported.binary])?;
     let (first, last) = (settings.frames.start(), settings.frames.end());
     answer(&format!(
         "{}: {:.1} MB, {} nodes, {} moving values over frames {first} to {last}",
-        output.display(),
+        shown(output),
         (exported.head.len() + exported.binary.len()) as f64 / 1e6,
         scene.nodes.len(),
         exported.channels

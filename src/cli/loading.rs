@@ -5,8 +5,9 @@
 use super::CliError;
 use super::arguments::BakeArguments;
 use super::plan::usage;
+use super::saving::clear_folder;
 use crate::description::{Description, SceneSource, read_regular};
-use crate::diagnostic::readable;
+use crate::diagnostic::{readable, shown};
 use crate::frame_file;
 use crate::scene::{self, Baking, RenderSettings, ResolveOptions, Scene};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -58,6 +59,7 @@ pub(super) fn resolve(
     };
     let keep = |name: &str, bytes: &[u8]| {
         let (Some(folder), Some(path)) = (&folder, path(name)) else { return };
+        clear_folder(folder, is_bake);
         make_room(folder, bytes.len() as u64);
         let _ = frame_file::write_whole(&path, &[bytes]);
     };
@@ -76,7 +78,7 @@ pub(super) fn check_not_read(flag: &str, output: &Path, inputs: &[PathBuf]) -> R
         None => Ok(()),
         Some(input) => Err(usage(
             flag,
-            format!("{} is read by this very command, and would be lost", readable(input).display()),
+            format!("{} is read by this very command, and would be lost", shown(&readable(input))),
             "a file of another name",
         )),
     }
@@ -115,17 +117,27 @@ fn user_folder() -> Option<PathBuf> {
     caches.map(|caches| caches.join("sunfleck"))
 }
 
-/// Removes the bakes that have not been used for longest until there is room for so many bytes.
+/// By the bytes of its name.
+fn is_bake(name: &[u8]) -> bool {
+    name.strip_suffix(EXTENSION.as_bytes()).is_some_and(|stem| stem.ends_with(b"."))
+}
+
+/// Removes the bakes that have not been used for longest until there is room for so many bytes, beside those that other
+/// processes are writing.
 fn make_room(folder: &Path, bytes: u64) {
-    let bake = |entry: &DirEntry| entry.path().extension().is_some_and(|extension| extension == EXTENSION);
+    let entries = || fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let bake = |entry: &DirEntry| is_bake(entry.file_name().as_encoded_bytes());
+    let unfinished =
+        |entry: &DirEntry| frame_file::final_name(entry.file_name().as_encoded_bytes()).is_some_and(is_bake);
+    let size = |entry: DirEntry| entry.metadata().map_or(0, |metadata| metadata.len());
     let age = |entry: DirEntry| {
         let metadata = entry.metadata().ok()?;
         Some((metadata.modified().ok()?, metadata.len(), entry.path()))
     };
-    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok).filter(bake);
-    let mut bakes: Vec<_> = entries.filter_map(age).collect();
+    let mut bakes: Vec<_> = entries().filter(bake).filter_map(age).collect();
     bakes.sort();
-    let mut held = bytes + bakes.iter().map(|(_, bytes, _)| bytes).sum::<u64>();
+    let others: u64 = entries().filter(unfinished).map(size).sum();
+    let mut held = bytes + others + bakes.iter().map(|(_, bytes, _)| bytes).sum::<u64>();
     for (_, bytes, path) in bakes {
         if held <= MOST_BYTES {
             return;

@@ -17,6 +17,7 @@ mod plan;
 mod preview;
 mod progress;
 mod render;
+mod saving;
 mod signals;
 mod stats;
 

@@ -1,7 +1,8 @@
 //! Values of flags from their text. Invariant: whatever is refused is refused with what was expected, and an example.
 
-use super::arguments::{Crop, ExposureArgument, SizeArgument};
+use super::arguments::{ChannelsLimit, Crop, ExposureArgument, SizeArgument};
 use crate::scene::Size;
+use glob::Pattern;
 
 pub(super) fn parse_size(text: &str) -> Result<SizeArgument, String> {
     let expected = || {
@@ -69,6 +70,41 @@ pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
         Ok(noise) if noise >= 0.0 && noise.is_finite() => Ok(noise),
         _ => Err("expected the root mean square of a standard error, 0 or more, such as 0.0014".into()),
     }
+}
+
+/// A number above 0; of a pattern of channels' names also `inf`, which is no limit.
+pub(super) fn parse_limit(text: &str) -> Result<ChannelsLimit, String> {
+    let (channels, number) = channels_and_number(text)?;
+    let is_limit = number > 0.0 && (number.is_finite() || channels.is_some());
+    let expected = "expected a number above 0, or channels and one, such as diffuse.*=0.01";
+    if is_limit { Ok(ChannelsLimit(channels, number)) } else { Err(expected.into()) }
+}
+
+/// A share, from 0 to 1.
+pub(super) fn parse_share_limit(text: &str) -> Result<ChannelsLimit, String> {
+    let (channels, number) = channels_and_number(text)?;
+    let expected = "expected a share from 0 to 1, or channels and one, such as leaf_id.*=0.01";
+    if (0.0..=1.0).contains(&number) { Ok(ChannelsLimit(channels, number)) } else { Err(expected.into()) }
+}
+
+/// `CHANNELS=NUMBER`; without channels the number alone. What is no number is NaN.
+fn channels_and_number(text: &str) -> Result<(Option<Pattern>, f64), String> {
+    let (channels, number) =
+        text.rsplit_once('=').map_or((None, text), |(names, number)| (Some(names), number));
+    let pattern = |names: &str| {
+        Pattern::new(&one_star(names))
+            .map_err(|error| format!("`{names}` is no pattern of names: {}", error.msg))
+    };
+    Ok((channels.map(pattern).transpose()?, number.trim().parse().unwrap_or(f64::NAN)))
+}
+
+/// Several stars are one: names of channels have no folders.
+fn one_star(names: &str) -> String {
+    let mut names = names.to_owned();
+    while names.contains("**") {
+        names = names.replace("**", "*");
+    }
+    names
 }
 
 pub(super) fn parse_crop(text: &str) -> Result<Crop, String> {

@@ -4,7 +4,7 @@
 use super::arguments::{Crop, ProgressArgument, RenderArguments, SizeArgument, Volume, passes};
 use super::{CliError, loading};
 use crate::description;
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::frame_file;
 use crate::passes::{Needs, any_needs};
 use crate::render::{Job, Placement};
@@ -140,7 +140,7 @@ impl fmt::Display for Plan {
         )?;
         writeln!(f, "camera `{}`, seed {}", self.scene.cameras[self.camera].name, self.job.seed)?;
         if let Some(&first) = frames.first() {
-            write!(f, "the first would be {}; ", self.output.path(first).display())?;
+            write!(f, "the first would be {}; ", shown(&self.output.path(first)))?;
         }
         write!(f, "nothing was rendered")
     }
@@ -162,7 +162,7 @@ fn check_output(arguments: &RenderArguments) -> Result<(), CliError> {
 
 fn parse_output(out: Option<&Path>, name: &str) -> Result<OutputPattern, CliError> {
     let Some(out) = out else { return Ok(OutputPattern::default_for(name)) };
-    OutputPattern::parse(&out.to_string_lossy(), name).map_err(CliError::Usage)
+    OutputPattern::parse(out, name).map_err(CliError::Usage)
 }
 
 fn find_output(out: Option<&Path>, name: &str, frames: &FrameList) -> Result<OutputPattern, CliError> {

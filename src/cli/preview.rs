@@ -5,8 +5,10 @@ use super::arguments::{PreviewArguments, SizeArgument};
 use super::bench::{MOST_PIXELS, fitting};
 use super::darkness::DarkFrames;
 use super::plan::{find_camera, find_frames, resized, usage};
+use super::saving::{clear, clear_folder, failure};
 use super::{CliError, exposure, loading, tell};
 use crate::description;
+use crate::diagnostic::shown;
 use crate::film::Frame;
 use crate::frame_file::{self, Animation, FrameFileError, Picture};
 use crate::scanline;
@@ -14,7 +16,7 @@ use crate::scene::{FrameRate, RenderSettings, Scene, Size};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::snapshot::{MeshTrees, Shutter, Snapshot};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -58,6 +60,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
     let measured = || pool.install(|| source.auto_exposure_stops(&settings)).map_err(failure);
     let display = exposure::display(&arguments.display, settings.exposure_stops, measured)?;
+    outputs.clear(&frames);
     let dark_frames = DarkFrames::default();
     let started = Instant::now();
     let mut kept = Kept::new(&outputs, frames.len(), settings.frame_rate);
@@ -143,7 +146,7 @@ impl Source {
         }
         let files = frame_file::frames_in(input).map_err(failure)?;
         let (Some(first), Some(last)) = (files.keys().next().copied(), files.keys().last().copied()) else {
-            let found = format!("there is no frame in {}", input.display());
+            let found = format!("there is no frame in {}", shown(input));
             return Err(usage("INPUT", found, "a folder of files such as name.0001.exr"));
         };
         let name =
@@ -214,16 +217,14 @@ impl Outputs {
         let Some(out) = out else {
             let folder = Path::new("out").join(format!("{name}.preview"));
             let pattern = folder.join(format!("{name}.####.png"));
-            let pictures =
-                OutputPattern::parse_as(&pattern.to_string_lossy(), name, "png").map_err(CliError::Usage)?;
+            let pictures = OutputPattern::parse_as(&pattern, name, "png").map_err(CliError::Usage)?;
             let sheet = Some(folder.join(format!("{name}.sheet.png")));
             return Ok(Self { pictures: Some(pictures), sheet, animation: None });
         };
         if Animation::is_named(out) {
             return Ok(Self { pictures: None, sheet: None, animation: Some(out.to_owned()) });
         }
-        let pictures =
-            OutputPattern::parse_as(&out.to_string_lossy(), name, "png").map_err(CliError::Usage)?;
+        let pictures = OutputPattern::parse_as(out, name, "png").map_err(CliError::Usage)?;
         // A single file for many frames is their contact sheet.
         if pictures.check(frames).is_err() {
             return Ok(Self { pictures: None, sheet: Some(out.to_owned()), animation: None });
@@ -232,11 +233,27 @@ impl Outputs {
     }
 }
 
+impl Outputs {
+    /// Removes what killed runs left of these files.
+    fn clear(&self, frames: &[i64]) {
+        if let Some(pictures) = &self.pictures {
+            let paths: Vec<PathBuf> = frames.iter().map(|&frame| pictures.path(frame)).collect();
+            let names: HashSet<&[u8]> = paths
+                .iter()
+                .filter_map(|path| path.file_name())
+                .map(std::ffi::OsStr::as_encoded_bytes)
+                .collect();
+            clear_folder(pictures.folder(), |name| names.contains(name));
+        }
+        self.sheet.iter().chain(&self.animation).for_each(|path| clear(path));
+    }
+}
+
 impl std::fmt::Display for Outputs {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (&self.pictures, self.sheet.as_ref().or(self.animation.as_ref())) {
-            (Some(pictures), _) => write!(f, "{}", pictures.folder().display()),
-            (None, file) => write!(f, "{}", file.map_or(Path::new(""), PathBuf::as_path).display()),
+            (Some(pictures), _) => write!(f, "{}", shown(pictures.folder())),
+            (None, file) => write!(f, "{}", shown(file.map_or(Path::new(""), PathBuf::as_path))),
         }
     }
 }
@@ -304,8 +321,4 @@ impl<'a> Kept<'a> {
         self.animation.map_or(Ok(()), Animation::finish).map_err(failure)?;
         Ok(self.size)
     }
-}
-
-fn failure(error: FrameFileError) -> CliError {
-    CliError::InputOutput(error.diagnostic().to_string())
 }

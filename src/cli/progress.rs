@@ -1,11 +1,13 @@
 //! Events of a run to lines on a terminal, in a log or for a render farm. Invariant: standard
 //! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
 
+use crate::diagnostic::shown;
 use crate::render::Statistics;
 use crate::sequence::{Event, Summary};
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -221,7 +223,7 @@ impl State {
                     _ => format!("; {clamped} values too bright for half precision were clamped to 65504"),
                 };
                 let count = format!("{} of {}", self.skipped + self.written, self.frames);
-                let path = path.display();
+                let path = shown(path);
                 format!(
                     "frame {frame} written to {path} in {seconds:.1} s{} ({count}{}){clamping}",
                     quality(statistics),
@@ -229,7 +231,7 @@ impl State {
                 )
             }
             Event::AbandonedRemoved { path } => {
-                format!("removed {}, left behind by a run that was killed", path.display())
+                format!("removed {}, left behind by a run that was killed", shown(path))
             }
             Event::Finished(summary) => match self.most_noise {
                 Some(most) if summary.written > 1 => {
@@ -248,11 +250,16 @@ impl State {
     }
 }
 
+/// The path itself; JSON has no bytes that are no text, which are escaped.
+fn text_of(path: &Path) -> String {
+    path.to_str().map_or_else(|| shown(path).to_string(), str::to_owned)
+}
+
 fn as_json(event: &Event) -> Value {
     match event {
         Event::Started { frames } => json!({ "event": "started", "frames": frames }),
         Event::AbandonedRemoved { path } => {
-            json!({ "event": "abandoned_removed", "path": path.to_string_lossy() })
+            json!({ "event": "abandoned_removed", "path": text_of(path) })
         }
         Event::FrameSkipped { frame, reason } => {
             json!({ "event": "frame_skipped", "frame": frame, "reason": reason.to_string() })
@@ -268,7 +275,7 @@ fn as_json(event: &Event) -> Value {
             json!({ "event": "frame_given_up", "frame": frame, "seconds": seconds })
         }
         Event::FrameWritten { frame, path, seconds, clamped, dark, statistics, .. } => json!({
-            "event": "frame_written", "frame": frame, "path": path.to_string_lossy(), "seconds": seconds,
+            "event": "frame_written", "frame": frame, "path": text_of(path), "seconds": seconds,
             "clamped": clamped, "error": statistics.error, "noise": statistics.noise, "dark": dark.is_some(),
         }),
         Event::Finished(Summary {
@@ -284,7 +291,7 @@ fn as_json(event: &Event) -> Value {
             json!({
                 "event": "finished", "written": written, "skipped_valid": skipped_valid,
                 "skipped_existing": skipped_existing, "given_up": given_up, "not_reached": not_reached, "seconds": seconds,
-                "folder": folder.to_string_lossy(), "stopped": stopped,
+                "folder": text_of(folder), "stopped": stopped,
             })
         }
     }

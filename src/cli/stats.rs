@@ -3,7 +3,7 @@
 
 use super::CliError;
 use super::inspect::losses;
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostics, shown};
 use crate::render::Statistics;
 use crate::sequence::Event;
 use serde_json::{Value, json};
@@ -118,7 +118,7 @@ fn peak_memory_bytes() -> Option<u64> {
 }
 
 fn failure(path: &Path, error: &std::io::Error) -> CliError {
-    let path = path.display();
+    let path = shown(path);
     CliError::InputOutput(format!(
         "{path}: error: statistics cannot be written: {error}\n  expected: a file in a folder that exists\n  remedy: name another with --stats"
     ))

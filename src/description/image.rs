@@ -1,19 +1,15 @@
 //! Image files in, linear light out. Invariant: `width * height` texels, none larger than the
 //! limits allow, whatever the file's header claims.
 
-use super::ktx2;
-use crate::color::{CodeCurve, Primaries, Texels};
+use super::{ktx2, radiances};
+use crate::color::{CodeCurve, Texels};
 use crate::diagnostic::{Diagnostic, Place};
 use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
-use exr::math::Vec2;
-use exr::meta::header::Header;
-use exr::meta::{BlockDescription, MetaData};
-use glam::{DMat3, DVec2, Vec3};
 use std::io::Cursor;
 
 /// Longest side that is accepted, in texels.
 const MAX_SIDE: u32 = 16_384;
-/// Most texels that are accepted; 1 GiB once decoded, if they are radiances.
+/// Most texels that are accepted; 1 GiB once decoded, if they are radiances. A file of a few hundred kilobytes can claim them.
 const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
@@ -39,12 +35,6 @@ pub enum Encoding {
     /// Light, of any brightness: Radiance HDR and OpenEXR.
     Radiance,
 }
-
-/// Elements of a matrix between primaries that are the same, but for the digits that files give.
-const SAME_PRIMARIES: f64 = 1e-3;
-
-/// Larger radiances are refused, as larger numbers are everywhere.
-const MOST_RADIANCE: f32 = 1e15;
 
 /// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances, recognised by its content.
 ///
@@ -86,55 +76,25 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
     let (width, height) = dimensions(bytes).map_err(&reject)?;
-    if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MAX_TEXELS {
-        return Err(reject(format!("the image has {width}x{height} texels")));
+    if width.min(height) == 0
+        || width.max(height) > MAX_SIDE
+        || u64::from(width) * u64::from(height) > MAX_TEXELS
+    {
+        return Err(reject(format!(
+            "the image has {width}x{height} texels; at most {MAX_SIDE} a side and {MAX_TEXELS} in all are read"
+        )));
     }
-    let ours_from_its = match reader.format() {
-        Some(ImageFormat::OpenExr) => ours_from_exr(bytes).map_err(&reject)?,
-        _ => None,
-    };
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        return radiances::of_exr(bytes, MAX_TEXELS).map_err(reject);
+    }
     let decoded = reader
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
     if encoding == Encoding::Radiance {
-        radiances(decoded, ours_from_its).map_err(reject)
+        radiances::of_hdr(decoded).map_err(reject)
     } else {
         Ok(linear(decoded, encoding))
     }
-}
-
-/// Linear Rec. 709 from the colours of an OpenEXR image, if it has others.
-///
-/// Refuses what would make the decoder take more memory than the limits, which it does not keep to for OpenEXR:
-/// parts and tiles of any size, and channels that have fewer samples than the picture.
-fn ours_from_exr(bytes: &[u8]) -> Result<Option<DMat3>, String> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
-        .map_err(|error| format!("the image cannot be decoded: {error}"))?;
-    let fits = |header: &Header| {
-        let is_small = |Vec2(width, height): Vec2<usize>| {
-            let samples = (width as u64).saturating_mul(height as u64);
-            samples.saturating_mul(4 * header.channels.list.len() as u64) <= MAX_DECODER_BYTES
-        };
-        let tile_is_small = match header.blocks {
-            BlockDescription::Tiles(tiles) => is_small(tiles.tile_size),
-            BlockDescription::ScanLines => true,
-        };
-        let is_whole = header.channels.list.iter().all(|channel| channel.sampling == Vec2(1, 1));
-        !header.deep && is_whole && tile_is_small && is_small(header.layer_size)
-    };
-    if !meta.headers.iter().all(fits) {
-        return Err(String::from(
-            "the image has deep data, a subsampled channel, or a part of more than 1 GiB",
-        ));
-    }
-    // Without the attribute they are Rec. 709 (OpenEXR, "Standard attributes").
-    let said = meta.headers.first().and_then(|header| header.shared_attributes.chromaticities);
-    let Some(said) = said else { return Ok(None) };
-    let place = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
-    let [red, green, blue, white] = [said.red, said.green, said.blue, said.white].map(place);
-    let matrix = Primaries { red, green, blue, white }.to_rec_709();
-    let matrix = matrix.ok_or("the image's chromaticities span no colours")?;
-    Ok(Some(matrix).filter(|matrix| !matrix.abs_diff_eq(DMat3::IDENTITY, SAME_PRIMARIES)))
 }
 
 fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
@@ -156,30 +116,6 @@ fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
         Texels::of_bytes(decoded.into_rgba8().into_raw(), curve)
     };
     DecodedImage { width, height, texels }
-}
-
-/// What is wrong is said of the first texel concerned.
-fn radiances(decoded: DynamicImage, ours_from_its: Option<DMat3>) -> Result<DecodedImage, String> {
-    let rgba = decoded.into_rgba32f();
-    let mut texels: Vec<[f32; 4]> = rgba.pixels().map(|pixel| pixel.0).collect();
-    if let Some(ours_from_its) = ours_from_its {
-        for [red, green, blue, _] in &mut texels {
-            let ours = ours_from_its * Vec3::new(*red, *green, *blue).as_dvec3();
-            [*red, *green, *blue] = ours.as_vec3().to_array();
-        }
-    }
-    let is_bad =
-        |texel: &[f32; 4]| texel[..3].iter().any(|value| value.is_nan() || value.abs() > MOST_RADIANCE);
-    let width = rgba.width() as usize;
-    if let Some(bad) = texels.iter().position(is_bad) {
-        return Err(format!(
-            "the texel in column {} of row {} has the radiance {:?}",
-            bad % width,
-            bad / width,
-            &texels[bad][..3]
-        ));
-    }
-    Ok(DecodedImage { width, height: rgba.height() as usize, texels: texels.into() })
 }
 
 #[cfg(test)]

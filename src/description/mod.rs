@@ -7,10 +7,11 @@ pub mod image;
 mod ktx2;
 pub mod obj;
 mod peers;
+mod radiances;
 pub mod ron;
 pub(crate) mod tangents;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable, shown};
 use std::path::{Path, PathBuf};
 
 pub use files::Files;
@@ -63,7 +64,7 @@ impl SceneSource {
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// A file is missing or cannot be read.
-    #[error("{}: error: cannot be read: {source}\n  expected: a readable file\n  remedy: check the path{}", readable(path).display(), referrer.as_deref().map(|r| format!(" in {r}")).unwrap_or_default())]
+    #[error("{}: error: cannot be read: {source}\n  expected: a readable file\n  remedy: check the path{}", shown(&readable(path)), referrer.as_deref().map(|r| format!(" in {r}")).unwrap_or_default())]
     Io {
         /// The file.
         path: PathBuf,

@@ -3,8 +3,11 @@
 //! was expected and how to get there.
 
 mod loss;
+mod printable;
 
 pub use loss::Loss;
+use printable::Printable;
+pub use printable::shown;
 use std::fmt::{self, Write as _};
 use std::path::{Component, Path, PathBuf};
 
@@ -112,38 +115,16 @@ impl Diagnostic {
     }
 }
 
-/// Writes text on, control characters escaped: names come from files, and a terminal obeys what it is sent.
-struct Printable<'a, 'f>(&'a mut fmt::Formatter<'f>);
-
-impl fmt::Write for Printable<'_, '_> {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        for part in text.split_inclusive(is_obeyed) {
-            let plain = part.trim_end_matches(is_obeyed);
-            self.0.write_str(plain)?;
-            part[plain.len()..]
-                .chars()
-                .try_for_each(|character| write!(self.0, "{}", character.escape_default()))?;
-        }
-        Ok(())
-    }
-}
-
-/// Control characters but for the ends of lines, and those that turn the direction of writing.
-fn is_obeyed(character: char) -> bool {
-    let turns = matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    turns || character.is_control() && character != '\n'
-}
-
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut printable = Printable(f);
         match self {
             Self::Nowhere => Ok(()),
-            Self::File(file) => write!(printable, "{}: ", readable(file).display()),
+            Self::File(file) => write!(printable, "{}: ", shown(&readable(file))),
             Self::Text { file, line, column } => {
-                write!(printable, "{}:{line}:{column}: ", readable(file).display())
+                write!(printable, "{}:{line}:{column}: ", shown(&readable(file)))
             }
-            Self::Field { file, path } => write!(printable, "{}: {path}: ", readable(file).display()),
+            Self::Field { file, path } => write!(printable, "{}: {path}: ", shown(&readable(file))),
         }
     }
 }

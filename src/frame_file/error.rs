@@ -1,6 +1,6 @@
 //! What can go wrong with a frame's file, and what to do about it. Invariant: every error names the path.
 
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum FrameFileError {
     /// The output's name is that of a folder, or no file name at all.
-    #[error("{} is a folder, not a file", path.display())]
+    #[error("{} is a folder, not a file", shown(path))]
     IsFolder {
         /// The path.
         path: PathBuf,
     },
     /// The folder for the output could not be made.
-    #[error("cannot create the folder {}: {source}", path.display())]
+    #[error("cannot create the folder {}: {source}", shown(path))]
     CreateFolder {
         /// The folder.
         path: PathBuf,
@@ -22,7 +22,7 @@ pub enum FrameFileError {
         source: io::Error,
     },
     /// The bytes could not be brought to the disk. Nothing is left under the file's name that was not there before.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {source}", shown(path))]
     Write {
         /// The file.
         path: PathBuf,
@@ -30,7 +30,7 @@ pub enum FrameFileError {
         source: io::Error,
     },
     /// The frame cannot be expressed as a file.
-    #[error("cannot encode {}: {reason}", path.display())]
+    #[error("cannot encode {}: {reason}", shown(path))]
     Encode {
         /// The file.
         path: PathBuf,
@@ -38,7 +38,7 @@ pub enum FrameFileError {
         reason: String,
     },
     /// Pictures cannot become an animation of this format.
-    #[error("cannot make {}: {reason}", path.display())]
+    #[error("cannot make {}: {reason}", shown(path))]
     Animation {
         /// The file.
         path: PathBuf,
@@ -46,7 +46,7 @@ pub enum FrameFileError {
         reason: String,
     },
     /// The file could not be read from the disk.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}", shown(path))]
     Read {
         /// The file.
         path: PathBuf,
@@ -54,7 +54,7 @@ pub enum FrameFileError {
         source: io::Error,
     },
     /// The file is no EXR, or a damaged one.
-    #[error("{} is no whole EXR file: {reason}", path.display())]
+    #[error("{} is no whole EXR file: {reason}", shown(path))]
     Invalid {
         /// The file.
         path: PathBuf,
@@ -62,7 +62,7 @@ pub enum FrameFileError {
         reason: String,
     },
     /// The file is an EXR of a kind that is not read here.
-    #[error("{}: {what} cannot be read", path.display())]
+    #[error("{}: {what} cannot be read", shown(path))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -70,7 +70,7 @@ pub enum FrameFileError {
         what: String,
     },
     /// The header asks for more memory than the file can account for.
-    #[error("{} claims {bytes} bytes of pixels, more than {limit}", path.display())]
+    #[error("{} claims {bytes} bytes of pixels, more than {limit}", shown(path))]
     TooLarge {
         /// The file.
         path: PathBuf,

@@ -1,6 +1,7 @@
 //! What happens during a run, for those who watch. Invariant: every frame of the list ends in
 //! exactly one of skipped, written, given up or none of them, and the summary counts them.
 
+use crate::diagnostic::shown;
 use crate::film::Dark;
 use crate::render::{Progress, Statistics};
 use std::fmt;
@@ -119,7 +120,7 @@ impl fmt::Display for Summary {
             f,
             "{} frame{plural} written to {} in {:.1} s",
             self.written,
-            self.folder.display(),
+            shown(&self.folder),
             self.seconds
         )?;
         for (count, what) in [

@@ -1,5 +1,6 @@
 //! A frame's number to the path of its file. Invariant: two frames never have the same path unless
-//! the pattern has no place for the number, and then [`OutputPattern::check`] refuses more than one frame.
+//! the pattern has no place for the number, and then [`OutputPattern::check`] refuses more than one frame. Bytes of a name
+//! that are no text are kept.
 //!
 //! | written | frame 7 |
 //! |---|---|
@@ -9,18 +10,18 @@
 //! | `x.#.exr`, `x.@.exr`, `x.%d.exr`, `x.$F.exr`, `x.${F}.exr`, `x.<F>.exr` | `x.7.exr` |
 //! | `x.exr` | `x.exr`, for one frame only |
 
-use crate::diagnostic::{Diagnostic, Place};
-use std::ffi::OsStr;
+use crate::diagnostic::{Diagnostic, Place, shown};
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Where the frames of a sequence go.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputPattern {
     folder: PathBuf,
-    before: String,
+    before: OsString,
     /// Least digits of the frame's number; `None` is a pattern without the number.
     digits: Option<usize>,
-    after: String,
+    after: OsString,
 }
 
 impl OutputPattern {
@@ -33,7 +34,7 @@ impl OutputPattern {
     ///
     /// # Errors
     /// If it is neither a folder nor the name of an EXR file, or has more than one place for the number.
-    pub fn parse(text: &str, sequence_name: &str) -> Result<Self, Diagnostic> {
+    pub fn parse(text: impl AsRef<OsStr>, sequence_name: &str) -> Result<Self, Diagnostic> {
         Self::parse_as(text, sequence_name, "exr")
     }
 
@@ -41,52 +42,57 @@ impl OutputPattern {
     ///
     /// # Errors
     /// As [`OutputPattern::parse`].
-    pub fn parse_as(text: &str, sequence_name: &str, extension: &str) -> Result<Self, Diagnostic> {
-        let path = Path::new(text);
-        let error = |text: &str, why: &str| error(text, why, extension);
-        if text.is_empty() {
-            return Err(error(text, "the name is empty"));
-        }
-        if text.ends_with(['/', std::path::MAIN_SEPARATOR]) || path.is_dir() {
+    pub fn parse_as(
+        text: impl AsRef<OsStr>,
+        sequence_name: &str,
+        extension: &str,
+    ) -> Result<Self, Diagnostic> {
+        let path = Path::new(&text);
+        let error = |why: &str| error(path, why, extension);
+        let Some(last) = text.as_ref().as_encoded_bytes().last() else {
+            return Err(error("the name is empty"));
+        };
+        if std::path::is_separator(char::from(*last)) || path.is_dir() {
             return Ok(Self::in_folder(path.to_owned(), sequence_name, extension));
         }
-        let Some(file) = path.file_name().and_then(OsStr::to_str) else {
-            return Err(error(text, "it does not end in the name of a file"));
+        let Some(file) = path.file_name().map(OsStr::as_encoded_bytes) else {
+            return Err(error("it does not end in the name of a file"));
         };
         let placeholders = placeholders(file);
         if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension)) {
             if path.extension().is_none() && placeholders.is_empty() {
                 return Ok(Self::in_folder(path.to_owned(), sequence_name, extension));
             }
-            return Err(error(text, &format!("the file's name does not end in .{extension}"))
+            return Err(error(&format!("the file's name does not end in .{extension}"))
                 .remedy(format!("end it in .{extension}, or in / if it is a folder")));
         }
         let folder = path.parent().unwrap_or_else(|| Path::new(""));
-        if folder.to_str().is_some_and(|folder| !self::placeholders(folder).is_empty()) {
-            return Err(error(text, "the frame's number stands in a folder's name"));
+        if !self::placeholders(folder.as_os_str().as_encoded_bytes()).is_empty() {
+            return Err(error("the frame's number stands in a folder's name"));
         }
-        if let Some(unknown) = unknown_placeholder(text) {
-            return Err(error(text, &format!("`{unknown}` is no place for the frame's number")));
+        if let Some(unknown) = unknown_placeholder(&path.to_string_lossy()) {
+            return Err(error(&format!("`{unknown}` is no place for the frame's number")));
         }
         match placeholders.as_slice() {
             [] => Ok(Self {
                 folder: folder.to_owned(),
-                before: file.to_owned(),
+                before: name_of(file),
                 digits: None,
-                after: String::new(),
+                after: OsString::new(),
             }),
             [only] => Ok(Self {
                 folder: folder.to_owned(),
-                before: file[..only.start].to_owned(),
+                before: name_of(&file[..only.start]),
                 digits: Some(only.digits),
-                after: file[only.end..].to_owned(),
+                after: name_of(&file[only.end..]),
             }),
-            _ => Err(error(text, "it has several places for the frame's number")),
+            _ => Err(error("it has several places for the frame's number")),
         }
     }
 
     fn in_folder(folder: PathBuf, sequence_name: &str, extension: &str) -> Self {
-        Self { folder, before: format!("{sequence_name}."), digits: Some(4), after: format!(".{extension}") }
+        let (before, after) = (format!("{sequence_name}.").into(), format!(".{extension}").into());
+        Self { folder, before, digits: Some(4), after }
     }
 
     /// Refuses to write several frames to one file.
@@ -97,14 +103,15 @@ impl OutputPattern {
         if self.digits.is_some() || frames <= 1 {
             return Ok(());
         }
-        let (stem, extension) = self.before.rsplit_once('.').unwrap_or((&self.before, "exr"));
-        let found = format!("--out: {frames} frames would all be written to {}", self.path(0).display());
+        let only = self.path(0);
+        let extension = only.extension().unwrap_or(OsStr::new("exr"));
+        let mut numbered = only.file_stem().unwrap_or_default().to_owned();
+        numbered.push(".####.");
+        numbered.push(extension);
+        let found = format!("--out: {frames} frames would all be written to {}", shown(&only));
         Err(Diagnostic::error(Place::Nowhere, found)
             .expected("a place for the frame's number: ####, %04d or $F4")
-            .remedy(format!(
-                "write for instance --out {}",
-                self.folder.join(format!("{stem}.####.{extension}")).display()
-            )))
+            .remedy(format!("write for instance --out {}", shown(&self.folder.join(numbered)))))
     }
 
     /// The file of a frame. Negative numbers have as many digits as others, after their sign.
@@ -113,7 +120,10 @@ impl OutputPattern {
             let sign = if frame < 0 { "-" } else { "" };
             format!("{sign}{:0digits$}", frame.unsigned_abs())
         });
-        self.folder.join(format!("{}{number}{}", self.before, self.after))
+        let mut name = self.before.clone();
+        name.push(number);
+        name.push(&self.after);
+        self.folder.join(name)
     }
 
     /// The folder that all frames are in.
@@ -129,10 +139,17 @@ struct Placeholder {
     digits: usize,
 }
 
-fn placeholders(name: &str) -> Vec<Placeholder> {
+/// A part of a name that was cut beside ASCII characters. Only on Unix names may hold what is no text.
+fn name_of(bytes: &[u8]) -> OsString {
+    #[cfg(unix)]
+    return std::os::unix::ffi::OsStringExt::from_vec(bytes.to_vec());
+    #[cfg(not(unix))]
+    String::from_utf8_lossy(bytes).into_owned().into()
+}
+
+fn placeholders(bytes: &[u8]) -> Vec<Placeholder> {
     /// Longer runs of digits would be a slip of the finger, or of memory.
     const MOST_DIGITS: usize = 18;
-    let bytes = name.as_bytes();
     let run =
         |from: usize, wanted: fn(&u8) -> bool| bytes[from..].iter().take_while(|&byte| wanted(byte)).count();
     let mut found = Vec::new();
@@ -141,9 +158,9 @@ fn placeholders(name: &str) -> Vec<Placeholder> {
         // What stands before the width, and what has to stand behind it.
         let framed = |before: &str, after: &[&str]| {
             let from = at + before.len();
-            let width = name[at..].starts_with(before).then(|| run(from, u8::is_ascii_digit))?;
-            let end = after.iter().find(|end| name[from + width..].starts_with(**end))?;
-            Some((before.len() + width + end.len(), number(&name[from..from + width])))
+            let width = bytes[at..].starts_with(before.as_bytes()).then(|| run(from, u8::is_ascii_digit))?;
+            let end = after.iter().find(|end| bytes[from + width..].starts_with(end.as_bytes()))?;
+            Some((before.len() + width + end.len(), number(&bytes[from..from + width])))
         };
         let (length, digits) = match bytes[at] {
             mark @ (b'#' | b'@') => {
@@ -165,7 +182,7 @@ fn placeholders(name: &str) -> Vec<Placeholder> {
 
 /// What other programs put something in place of and we do not: `%s`, `${SHOT}`, `<UDIM>`, `$SHOT`.
 fn unknown_placeholder(name: &str) -> Option<&str> {
-    let places = placeholders(name);
+    let places = placeholders(name.as_bytes());
     let between = std::iter::once(0).chain(places.iter().map(|place| place.end));
     let until = places.iter().map(|place| place.start).chain([name.len()]);
     let literal = between.zip(until).map(|(start, end)| &name[start..end]);
@@ -191,13 +208,14 @@ fn unknown_placeholder(name: &str) -> Option<&str> {
 }
 
 /// The number in `digits`; none is 1 digit, too large a one is cut by the caller.
-fn number(digits: &str) -> usize {
-    if digits.is_empty() { 1 } else { digits.parse().unwrap_or(usize::MAX) }
+fn number(digits: &[u8]) -> usize {
+    let add = |number: usize, digit: &u8| number.saturating_mul(10).saturating_add(usize::from(digit - b'0'));
+    if digits.is_empty() { 1 } else { digits.iter().fold(0, add) }
 }
 
-fn error(text: &str, why: &str, extension: &str) -> Diagnostic {
+fn error(path: &Path, why: &str, extension: &str) -> Diagnostic {
     let example = format!("out/name.####.{extension}");
-    Diagnostic::error(Place::Nowhere, format!("--out: cannot write frames to `{text}`: {why}"))
+    Diagnostic::error(Place::Nowhere, format!("--out: cannot write frames to `{}`: {why}", shown(path)))
         .expected(format!("a folder, or a file name with a place for the frame's number, such as {example}"))
         .remedy(format!("write for instance --out {example}"))
 }
@@ -242,6 +260,24 @@ mod tests {
             OutputPattern::parse_as("a/x.##.exr", "name", "png").unwrap_err().to_string().contains(".png")
         );
         assert_eq!(OutputPattern::default_for("fall").path(3), Path::new("out/fall/fall.0003.exr"));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn bytes_that_are_no_text_are_kept() {
+        use std::os::unix::ffi::OsStrExt;
+        for (text, expected) in [
+            (&b"a\xff/x\xfe.##.exr"[..], &b"a\xff/x\xfe.07.exr"[..]),
+            (b"x\xff%03d\xc3.exr", b"x\xff007\xc3.exr"),
+            (b"a\xff/", b"a\xff/name.0007.exr"),
+            (b"\xff", b"\xff/name.0007.exr"),
+            (b"\xff.exr", b"\xff.exr"),
+        ] {
+            let pattern = OutputPattern::parse(OsStr::from_bytes(text), "name").unwrap();
+            assert_eq!(pattern.path(7).as_os_str().as_bytes(), expected);
+        }
+        let one_file = OutputPattern::parse(OsStr::from_bytes(b"x\xff.exr"), "name").unwrap();
+        assert!(one_file.check(2).unwrap_err().to_string().contains("--out x\\xff.####.exr"));
     }
 
     #[test]

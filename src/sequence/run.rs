@@ -7,7 +7,7 @@ use crate::color::Display;
 use crate::film::FrameDefects;
 use crate::frame_file::{self, FrameFileError, Provenance};
 use crate::render::{Progress, Rendered};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Instant;
@@ -121,10 +121,9 @@ pub fn run<E: Send>(
                 break;
             }
             let path = job.output.path(frame);
-            for target in [path.clone(), path.with_extension("png")] {
-                for path in frame_file::remove_abandoned(&target) {
-                    report(Event::AbandonedRemoved { path });
-                }
+            let targets = [path.clone(), path.with_extension("png")];
+            for path in frame_file::remove_abandoned(job.output.folder(), |name| is_name_of(name, &targets)) {
+                report(Event::AbandonedRemoved { path });
             }
             let provenance = provenance(frame);
             if let Some(reason) = skip_reason(job.skip, &path, &provenance) {
@@ -178,6 +177,10 @@ pub fn run<E: Send>(
     summary.seconds = started.elapsed().as_secs_f64();
     report(Event::Finished(summary.clone()));
     Ok(summary)
+}
+
+fn is_name_of(name: &[u8], paths: &[PathBuf]) -> bool {
+    paths.iter().any(|path| path.file_name().is_some_and(|own| own.as_encoded_bytes() == name))
 }
 
 fn skip_reason(skip: Skip, path: &Path, provenance: &Provenance) -> Option<SkipReason> {

@@ -2,12 +2,14 @@
 #![allow(clippy::unwrap_used)]
 
 mod bench;
+mod disks;
 mod documentation;
 mod extras;
 mod failures;
 mod first_sight;
 mod frames;
 mod interruption;
+mod leftovers;
 mod live;
 mod losses;
 mod previews;

@@ -173,6 +173,36 @@ fn diff_measures_how_far_frames_are_apart() {
     assert!(refusal.contains("a.exr") && refusal.contains("remedy: "), "{refusal}");
 }
 
+/// As `sunfleck-tools compare` has them.
+#[test]
+fn diff_keeps_limits_of_all_channels_and_of_single_ones() {
+    let studio = Studio::new();
+    let render = "render tiny.ron --frames 1 --passes depth,leaf-id,albedo";
+    studio.succeed(&format!("{render} --out a.exr"));
+    studio.succeed(&format!("{render} --seed 9 --out b.exr"));
+    for (limits, is_kept) in [
+        ("--max-rmse 1e-9 --max-relmse 1e-9 --max-error 1e-9 --max-ids 0", false),
+        ("--max-rmse 1e30 --max-relmse 1e30 --max-error 1e30 --max-ids 1", true),
+        ("--max-error 1e9 --max-error [RG]=1e-9", false),
+        ("--max-error 1e-9 --max-error *=inf", false),
+        ("--max-error *=1e-9 --max-error *=1e30", true),
+        ("--max-ids leaf_id.*=1", true),
+        ("--max-rmse diffuse.*=1", false),
+    ] {
+        let same = studio.run(&format!("diff a.exr a.exr {limits}"));
+        assert_eq!(same.code, if limits.contains("diffuse") { 5 } else { 0 }, "{limits}: {}", same.err);
+        let other = studio.run(&format!("diff a.exr b.exr {limits}"));
+        assert_eq!(other.code, if is_kept { 0 } else { 5 }, "{limits}: {}", other.err);
+        let is_said =
+            ["a.exr", "error: ", "expected: ", "remedy: "].iter().all(|part| other.err.contains(part));
+        assert!(is_kept || is_said, "{}", other.err);
+        assert!(other.out.contains("RGB") && other.out.contains("leaf_id"), "{}", other.out);
+    }
+    for limit in ["--max-rmse 0", "--max-error inf", "--max-error x=-1", "--max-ids 2", "--max-rmse a[=1"] {
+        studio.fail(&format!("diff a.exr b.exr {limit}"), 2);
+    }
+}
+
 #[test]
 fn shells_get_completions() {
     let studio = Studio::new();

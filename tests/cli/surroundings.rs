@@ -2,14 +2,45 @@
 //! that do not read. Frames are written, and the exit code is the right one.
 #![cfg(unix)]
 
-use crate::program::{Studio, repository};
+use crate::program::{Studio, outcome, repository};
+use std::ffi::OsStr;
 use std::net::TcpListener;
+use std::os::unix::ffi::OsStrExt;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 const USAGE: i32 = 2;
 const SCENE: i32 = 3;
 const INPUT_OUTPUT: i32 = 4;
+
+/// Names of files are bytes; some have none of a text's meaning.
+#[test]
+fn bytes_of_names_that_are_no_text_are_kept() {
+    let studio = Studio::new();
+    let name = |bytes: &[u8]| studio.path("").join(OsStr::from_bytes(bytes));
+    std::fs::create_dir(name(b"in\xff")).unwrap();
+    std::fs::write(name(b"in\xff/s.ron"), studio.bytes("scene.ron")).unwrap();
+    let render = "render tiny.ron --frames 1 --size 8x4 --samples 1 --preview png";
+    for (line, last, written) in [
+        (&format!("{render} --out")[..], &b"x\xff/f\xfe.####.exr"[..], &b"x\xff/f\xfe.0001.exr"[..]),
+        (&format!("{render} --skip exists --out"), b"x\xff/f\xfe.####.exr", b"x\xff/f\xfe.0001.png"),
+        (&format!("{render} --out"), b"folder\xff/", b"folder\xff/tiny.0001.exr"),
+        (&format!("{render} --out a/ --stats"), b"s\xff.jsonl", b"s\xff.jsonl"),
+        ("export tiny.ron", b"e\xff.glb", b"e\xff.glb"),
+        ("preview tiny.ron --frames 1-2 --size 8x4 --out", b"p\xff.#.png", b"p\xff.2.png"),
+        ("preview tiny.ron --frames 1-2 --size 8x4 --out", b"sheet\xff.png", b"sheet\xff.png"),
+        ("preview tiny.ron --frames 1-2 --size 8x4 --out", b"play\xff.webp", b"play\xff.webp"),
+        ("inspect", b"in\xff/s.ron", b"in\xff/s.ron"),
+        ("preview --out q.png", b"x\xff", b"q.png"),
+    ] {
+        let outcome = outcome(studio.command(line).arg(OsStr::from_bytes(last)).output().unwrap());
+        assert_eq!(outcome.code, 0, "{line}: {}", outcome.err);
+        assert!(name(written).is_file(), "{line}: {}", outcome.err);
+        assert!(!outcome.err.contains('\u{fffd}'), "{line}: {}", outcome.err);
+    }
+    let refusal = studio.command("export tiny.ron").arg(OsStr::from_bytes(b"e\xff.gltf")).output().unwrap();
+    assert!(String::from_utf8(refusal.stderr).unwrap().contains("`e\\xff.gltf`"));
+}
 
 /// Runs a line of the shell in the studio's folder, with `sunfleck` for the program.
 fn shell(studio: &Studio, line: &str) -> i32 {

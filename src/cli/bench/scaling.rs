@@ -4,6 +4,7 @@
 use super::{BenchArguments, CliError, Subject, answer, output, save, tell, write};
 use crate::bench::{Growth, Quantity, ScalingPlan, growth_csv, growth_plot, growth_table, measure_growth};
 use crate::cli::arguments::QuantityArgument;
+use crate::diagnostic::shown;
 use crate::scene::Size;
 
 /// Measures `quantities`, or all of them if there are none.
@@ -45,7 +46,7 @@ pub(super) fn run(
         growths.push(growth);
         save(&csv, &growth_csv(&growths))?;
     }
-    answer(&format!("{} was written\n\n{title}\n\n{}", csv.display(), growth_table(&growths)))
+    answer(&format!("{} was written\n\n{title}\n\n{}", shown(&csv), growth_table(&growths)))
 }
 
 impl QuantityArgument {

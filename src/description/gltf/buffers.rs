@@ -6,7 +6,7 @@ use super::json::{self, Document};
 use super::meshopt;
 use super::report::Report;
 use super::{Files, LoadError, invalid};
-use crate::diagnostic::{Diagnostic, Loss, readable};
+use crate::diagnostic::{Diagnostic, Loss, readable, shown};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;
@@ -90,7 +90,7 @@ pub(super) fn load<'a>(
 pub(super) fn unreadable(error: &LoadError, file: &Path, path: &str) -> Diagnostic {
     let found = match error {
         LoadError::Io { path, source, .. } => {
-            format!("{} cannot be read: {source}", readable(path).display())
+            format!("{} cannot be read: {source}", shown(&readable(path)))
         }
         LoadError::Invalid(_) => error.to_string(),
     };

@@ -3,7 +3,7 @@
 //! an error only where nothing would be left.
 
 use super::field;
-use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, readable};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, readable, shown};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ impl Report {
     pub(crate) fn leave_out(&mut self, loss: Loss, damage: Diagnostic) {
         let place = match &damage.place {
             Place::Field { path, .. } => format!("{path}: "),
-            Place::File(file) if *file != self.file => format!("{}: ", readable(file).display()),
+            Place::File(file) if *file != self.file => format!("{}: ", shown(&readable(file))),
             _ => String::new(),
         };
         self.add(loss, format!("{place}{}", damage.found), Some(damage));

@@ -1,0 +1,148 @@
+//! Temporary files beside the final ones, and what killed runs left of them. Invariant: only names that [`temporary`]
+//! makes are removed, and none that another process is still writing.
+
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use tempfile::NamedTempFile;
+
+/// What our temporary files end with; they begin with a dot, the final file's name, and a dot.
+const SUFFIX: &str = ".sunfleck-part";
+/// Letters between the two that make the name its own.
+const RANDOM_LETTERS: usize = 6;
+/// Where files cannot be locked, a temporary one as old as this is nobody's: no frame takes a day to write.
+const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
+
+/// A temporary file for a file of this name, in its folder, that this process has locked: which tells others that
+/// somebody is at work on it. Dropped on an error, it removes itself.
+pub(super) fn temporary(folder: &Path, name: &OsStr) -> io::Result<NamedTempFile> {
+    let mut prefix = OsString::from(".");
+    prefix.push(name);
+    prefix.push(".");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).rand_bytes(RANDOM_LETTERS).suffix(SUFFIX);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any other file: the umask decides, where a temporary file would be its owner's alone.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    claimed(|| builder.tempfile_in(folder))
+}
+
+fn claimed(mut create: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    loop {
+        let temporary = create()?;
+        match temporary.as_file().try_lock() {
+            // Another process took it for abandoned before it was locked, and is about to remove it.
+            Err(TryLockError::WouldBlock) => continue,
+            // Removed already.
+            Ok(()) if !temporary.path().exists() => continue,
+            // Where files cannot be locked their age tells (see `is_abandoned`).
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(temporary),
+        }
+    }
+}
+
+/// Removes what killed runs left of the temporary files of a folder's files, of those that are wanted by the bytes of
+/// their final names; says what it removed.
+///
+/// None that another process is still writing is touched: two runs of the same frame at the same time both end with whole
+/// frames.
+pub fn remove_abandoned(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    entries
+        .filter_map(Result::ok)
+        .filter(|entry| final_name(entry.file_name().as_encoded_bytes()).is_some_and(&is_wanted))
+        .map(|entry| entry.path())
+        .filter(|temporary| is_abandoned(temporary) && fs::remove_file(temporary).is_ok())
+        .collect()
+}
+
+/// The bytes of the name that a temporary file would get.
+pub fn final_name(temporary: &[u8]) -> Option<&[u8]> {
+    let unique = temporary.strip_prefix(b".")?.strip_suffix(SUFFIX.as_bytes())?;
+    let (name, letters) = unique.split_at_checked(unique.len().checked_sub(RANDOM_LETTERS)?)?;
+    letters.iter().all(u8::is_ascii_alphanumeric).then(|| name.strip_suffix(b"."))?
+}
+
+/// Whether no process is at work on a temporary file: its lock is free, or, where there are no locks, it is old.
+fn is_abandoned(temporary: &Path) -> bool {
+    // A pipe of such a name is none of ours, and would be waited for.
+    let is_file = fs::symlink_metadata(temporary).is_ok_and(|metadata| metadata.is_file());
+    let Some(file) = is_file.then(|| fs::File::open(temporary).ok()).flatten() else { return false };
+    match file.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => false,
+        Err(TryLockError::Error(_)) => file
+            .metadata()
+            .and_then(|metadata| metadata.modified())
+            .is_ok_and(|modified| modified.elapsed().is_ok_and(|age| age > ABANDONED_AFTER)),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const OURS: &str = ".picture.0001.exr.Ab3dE6.sunfleck-part";
+
+    fn remove(folder: &Path) -> Vec<PathBuf> {
+        remove_abandoned(folder, |name| name == b"picture.0001.exr")
+    }
+
+    #[test]
+    fn what_another_process_writes_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let at_work = folder.path().join(OURS);
+        let file = fs::File::create(&at_work).unwrap();
+        file.lock().unwrap();
+        assert!(remove(folder.path()).is_empty());
+        drop(file);
+        assert_eq!(remove(folder.path()), [at_work]);
+    }
+
+    #[test]
+    fn a_temporary_file_that_is_taken_for_abandoned_is_made_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut made = 0;
+        let temporary = claimed(|| {
+            made += 1;
+            let temporary = tempfile::Builder::new().tempfile_in(folder.path())?;
+            if made == 1 {
+                fs::remove_file(temporary.path())?;
+            }
+            Ok(temporary)
+        });
+        assert!(temporary.unwrap().path().exists() && made == 2);
+    }
+
+    #[test]
+    fn only_our_own_leavings_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let others = [
+            ".picture.0001.exr.swp",
+            ".picture.0001.exr.more.Ab3dE6.sunfleck-part",
+            ".picture.0001.exr.sunfleck-part",
+            ".picture.0002.exr.Ab3dE6.sunfleck-part",
+            "picture.0001.exr",
+        ];
+        for name in others.iter().chain([&OURS]) {
+            fs::write(folder.path().join(name), b"half").unwrap();
+        }
+        assert_eq!(remove(folder.path()), [folder.path().join(OURS)]);
+        assert!(others.iter().all(|name| folder.path().join(name).exists()));
+    }
+
+    #[test]
+    fn names_of_temporary_files_tell_the_final_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let made = temporary(folder.path(), OsStr::new("a.b")).unwrap();
+        assert_eq!(final_name(made.path().file_name().unwrap().as_encoded_bytes()), Some(&b"a.b"[..]));
+        assert_eq!(final_name(OURS.as_bytes()), Some(&b"picture.0001.exr"[..]));
+        assert_eq!(final_name(b".Ab3dE6.sunfleck-part"), None);
+    }
+}
