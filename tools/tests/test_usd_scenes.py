@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
 from sunfleck_tools.errors import SceneError
 from sunfleck_tools.gltf.container import Container
@@ -168,6 +168,19 @@ class Crowds(SceneCase):
             positions.Set([(code, 0, 0)] * 2, code)
         with mock.patch.object(crowds, "MOST_MOMENTS", 9), self.assertRaisesRegex(SceneError, "/crowd0: 2 instances .* --frames"):
             self.load(stage)
+
+
+class Units(SceneCase):
+    def test_a_unit_in_single_precision(self):
+        """Binary files of some exporters have it so; text files cannot."""
+        path = self.folder / "single.usdc"
+        stage = self.stage()
+        quad(stage, "/a")
+        UsdGeom.SetStageMetersPerUnit(stage, 0.5)
+        stage.GetRootLayer().Export(str(path))
+        with mock.patch.object(UsdGeom, "GetStageMetersPerUnit", side_effect=Tf.ErrorException("does not match retrieved type float")):
+            import_usd(path, self.folder / "single.glb")
+        np.testing.assert_allclose(Container(self.folder / "single.glb").document.raw["nodes"][0]["scale"], [0.5] * 3)
 
 
 class Visibility(SceneCase):

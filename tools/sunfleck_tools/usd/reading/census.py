@@ -12,7 +12,7 @@ from .losses import TooMuch
 from .source import Source
 
 MOST_INSTANCES = 1_000_000
-"""Of a stage: as many leaves as a scene may have. They take about a minute, and 2 gigabytes."""
+"""Of a stage: as many leaves as a scene may have. They take half a minute, and up to 2 gigabytes."""
 DEEPEST = 64
 """Instancers within instancers."""
 
