@@ -19,7 +19,7 @@ import numpy as np
 from sunfleck_tools import Options, validate
 from sunfleck_tools.exr.header import COMPRESSIONS, parse_header
 
-from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite, write_frame
+from .files import Channels, add_attribute, flip, frame_path, good_sequence, rewrite, seal, write_frame
 from .files import scene as moving_ball
 
 VICTIM = 6
@@ -287,6 +287,32 @@ def hash_lost(folder: Path) -> None:
 @damage("one value changed without a new hash", "pixel-hash")
 def changed(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), set_value("G", 0.123), sign=False)
+
+
+def seal_all(folder: Path) -> Path:
+    """All frames with hashes of their files, and the victim's path."""
+    for path in folder.glob("*.exr"):
+        seal(path)
+    return frame_path(folder, VICTIM)
+
+
+@damage("one bit of a header flipped", "file-hash")
+def header_bit(folder: Path) -> None:
+    path = seal_all(folder)
+    # The width of the screen window, which no other check looks at.
+    flip(path, path.read_bytes().index(b"screenWindowWidth\0float\0") + len(b"screenWindowWidth\0float\0") + 4, 1)
+
+
+@damage("a byte added to the end of a file", "file-hash")
+def byte_added(folder: Path) -> None:
+    path = seal_all(folder)
+    path.write_bytes(path.read_bytes() + b"\0")
+
+
+@damage("one bit flipped in the name of the file's hash", "unsigned")
+def hash_renamed(folder: Path) -> None:
+    path = seal_all(folder)
+    flip(path, path.read_bytes().index(b"sunfleck:fileHash"), 1)
 
 
 @damage("one firefly", "firefly")

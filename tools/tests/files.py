@@ -15,6 +15,7 @@ import numpy as np
 import OpenEXR
 
 from sunfleck_tools.exr.decode import decode
+from sunfleck_tools.exr.file_hash import HEAD, file_hash
 from sunfleck_tools.exr.header import parse_header
 from sunfleck_tools.exr.pixel_hash import pixel_hash
 
@@ -79,6 +80,13 @@ def add_attribute(path: Path, name: str, kind: str, value: bytes) -> None:
     count = (first - end) // 8
     offsets = [offset + len(record) for offset in struct.unpack_from(f"<{count}Q", data, end)]
     path.write_bytes(data[: end - 1] + record + b"\0" + struct.pack(f"<{count}Q", *offsets) + data[first:])
+
+
+def seal(path: Path) -> None:
+    """Gives a file the hash of all its bytes, as the renderer does."""
+    add_attribute(path, "sunfleck:fileHash", "string", b"0" * 64)
+    data = path.read_bytes()
+    path.write_bytes(data.replace(HEAD + b"0" * 64, HEAD + file_hash(data)[1].encode()))
 
 
 def flip(path: Path, at: int, bits: int = 0xFF) -> None:

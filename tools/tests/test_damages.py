@@ -7,10 +7,11 @@ import unittest
 from pathlib import Path
 
 from sunfleck_tools import Options, validate
+from sunfleck_tools.exr.file_hash import NAME, file_hash
 from sunfleck_tools.exr.header import parse_header
 from sunfleck_tools.findings import CHECKS
 
-from .damages import DAMAGES, VICTIM
+from .damages import DAMAGES, VICTIM, seal_all
 from .files import DATA, flip, frame_path, good_sequence, rewrite
 
 HERE = Options(processes=0)
@@ -73,6 +74,35 @@ class Damaged(unittest.TestCase):
                     path.write_bytes(whole)
                     flip(path, at)
                     validate(path, HERE)
+
+
+class Sealed(unittest.TestCase):
+    """The renderer's own frames, with hashes of their files."""
+
+    def test_any_bit_of_the_file_counts(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = good_sequence(Path(scratch), "sealed")
+            path = frame_path(folder, 2, "sealed")
+            whole = path.read_bytes()
+            for at in range(0, len(whole), 7):
+                path.write_bytes(whole)
+                flip(path, at, 1 << at % 8)
+                self.assertIn(2, [finding.frame for finding in validate(folder, HERE).findings], at)
+
+    def test_hashes_are_the_renderers(self):
+        whole = (DATA / "sealed.0001.exr").read_bytes()
+        said, found = file_hash(whole)
+        self.assertEqual(said, found)
+        self.assertNotEqual(*file_hash(whole + b"\0"))
+        self.assertIsNone(file_hash(b"no file"))
+
+    def test_damage_of_pixels_is_said_once(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = good_sequence(Path(scratch))
+            path = seal_all(folder)
+            rewrite(path, lambda channels: channels["R"].fill(0.5), extra={NAME: "0" * 64}, sign=False)
+            found = [finding.check for finding in validate(folder, HERE).findings if "hash" in finding.message]
+        self.assertEqual(found, ["pixel-hash"])
 
 
 class Good(unittest.TestCase):

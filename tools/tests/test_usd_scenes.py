@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import unittest
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
+from sunfleck_tools.errors import SceneError
 from sunfleck_tools.gltf.container import Container
 from sunfleck_tools.gltf.meshes import Meshes
 from sunfleck_tools.gltf.nodes import Node
 from sunfleck_tools.gltf.scene import Gltf
 from sunfleck_tools.usd import ImportOptions, import_usd
+from sunfleck_tools.usd.reading import census as census_module
+from sunfleck_tools.usd.reading import convert, crowds
 from sunfleck_tools.usd.reading.cages import MOST_OF_ONE
+from sunfleck_tools.usd.reading.census import Census
+from sunfleck_tools.usd.reading.losses import TooMuch
 from sunfleck_tools.usd.reading.solids import SOLIDS
 
 from .test_usd_export import inspect, needs_program
@@ -110,6 +117,70 @@ class Instances(SceneCase):
             gltf = self.load(stage)
             shown = [node for node in gltf.nodes if node.source.member("mesh") is not None]
             self.assertEqual(len(shown), 2, specifier)
+
+
+class Crowds(SceneCase):
+    """Instancers in instancers."""
+
+    def nested(self, *numbers: int) -> Usd.Stage:
+        """Instancers each in the one before, of so many instances a unit apart; the last of them of a quad."""
+        stage, path = self.stage(), ""
+        for level, number in enumerate(numbers):
+            path += f"/crowd{level}"
+            prototype = f"{path}/crowd{level + 1}" if level + 1 < len(numbers) else f"{path}/leaf"
+            instancer = UsdGeom.PointInstancer.Define(stage, path)
+            instancer.CreatePrototypesRel().SetTargets([prototype])
+            instancer.CreateProtoIndicesAttr(Vt.IntArray([0] * number))
+            instancer.CreatePositionsAttr([(10.0**level * index, 0, 0) for index in range(number)])
+        quad(stage, f"{path}/leaf")
+        return stage
+
+    def test_each_instance_is_there(self):
+        gltf = self.load(self.nested(2, 3))
+        shown = [node for node in gltf.nodes if node.source.member("mesh") is not None]
+        places = [node.world_from_node(np.zeros(1))[0][0, 3] for node in shown]
+        self.assertEqual(sorted(places), [0, 1, 10, 11, 20, 21])
+
+    def test_more_than_a_file_holds_are_refused_before_any_is_made(self):
+        path = self.folder / "many.usda"
+        stage = self.nested(100, 100, 101)
+        stage.GetRootLayer().Export(str(path))
+        with mock.patch.object(convert, "read_crowd") as made, self.assertRaises(SceneError) as caught:
+            import_usd(path, self.folder / "many.glb")
+        made.assert_not_called()
+        self.assertIn("/crowd0: with it there are 1020100 instances", str(caught.exception))
+        self.assertIn("--mask", str(caught.exception))
+
+    def test_are_counted_when_most_are_there(self):
+        stage = self.nested(2, 2)
+        indices = UsdGeom.PointInstancer.Get(stage, "/crowd0").GetProtoIndicesAttr()
+        indices.Set([0] * 5, 3)
+        census = Census(SimpleNamespace(first=1.0))
+        with mock.patch.object(census_module, "MOST_INSTANCES", 15):
+            census.add(stage.GetPrimAtPath("/crowd0"))
+            with self.assertRaisesRegex(TooMuch, "17 instances"):
+                census.add(stage.GetPrimAtPath("/crowd0/crowd1"))
+
+    def test_many_places_over_time_are_refused(self):
+        stage = self.nested(2)
+        positions = UsdGeom.PointInstancer.Get(stage, "/crowd0").GetPositionsAttr()
+        for code in (1, 5):
+            positions.Set([(code, 0, 0)] * 2, code)
+        with mock.patch.object(crowds, "MOST_MOMENTS", 9), self.assertRaisesRegex(SceneError, "/crowd0: 2 instances .* --frames"):
+            self.load(stage)
+
+
+class Units(SceneCase):
+    def test_a_unit_in_single_precision(self):
+        """Binary files of some exporters have it so; text files cannot."""
+        path = self.folder / "single.usdc"
+        stage = self.stage()
+        quad(stage, "/a")
+        UsdGeom.SetStageMetersPerUnit(stage, 0.5)
+        stage.GetRootLayer().Export(str(path))
+        with mock.patch.object(UsdGeom, "GetStageMetersPerUnit", side_effect=Tf.ErrorException("does not match retrieved type float")):
+            import_usd(path, self.folder / "single.glb")
+        np.testing.assert_allclose(Container(self.folder / "single.glb").document.raw["nodes"][0]["scale"], [0.5] * 3)
 
 
 class Visibility(SceneCase):

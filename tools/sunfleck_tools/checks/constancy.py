@@ -73,7 +73,7 @@ def mixed_seed(rendered: Rendered) -> Iterator[Found]:
     yield from odd_ones(rendered, "seed", lambda frame: frame.provenance.get("seed"))
 
 
-@check("unsigned", Severity.WARNING, Scope.SEQUENCE, "a file carries no pixel hash: damage may go unseen")
+@check("unsigned", Severity.WARNING, Scope.SEQUENCE, "a file carries no hash: damage may go unseen")
 def unsigned(rendered: Rendered) -> Iterator[Found]:
     """One finding if no frame has one: then another program wrote them."""
     frames = [frame for frame in rendered.frames if frame.structure]
@@ -83,6 +83,11 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
     else:
         for frame in without:
             yield Found("it carries no pixel hash", frame=frame.number, path=frame.path)
+    sealed = [frame for frame in frames if "fileHash" in frame.provenance]
+    if sealed:
+        for frame in frames:
+            if "fileHash" not in frame.provenance:
+                yield Found("it carries no hash of the file, as the others do", frame=frame.number, path=frame.path)
 
 
 @check("frame-rate", Severity.ERROR, Scope.SEQUENCE, "the frame rate differs from the other frames', or from --fps")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..exr import file_hash as whole
+from ..exr.mapped import mapped
 from ..findings import Found, Scope, Severity, check
 from ..frame import FileBytes, Frame
 
@@ -64,6 +66,28 @@ def decode(file: FileBytes) -> Iterator[Found]:
 @check("pixel-hash", Severity.ERROR, Scope.FRAME, "the pixels are not those that the file was written with", rerender=True)
 def pixel_hash(frame: Frame) -> Iterator[Found]:
     """Damage that decodes without complaint, as in uncompressed or PIZ files."""
-    stored = frame.headers[0].text(NAME)
-    if stored is not None and stored != frame.hash:
+    if not _has_its_pixels(frame):
+        stored = frame.headers[0].text(NAME)
         yield Found(f"the pixels' hash is {frame.hash[:12]}..., the header says {stored[:12]}...")
+
+
+@check("file-hash", Severity.ERROR, Scope.FRAME, "a byte is not the one that the file was written with", rerender=True)
+def file_hash(frame: Frame) -> Iterator[Found]:
+    """Damage beside the pixels, of which `pixel-hash` tells: in the header, or bytes at the end."""
+    if whole.NAME not in frame.headers[0].values or not _has_its_pixels(frame):
+        return
+    try:
+        with mapped(frame.path) as data:
+            hashes = whole.file_hash(data)
+    except OSError as error:
+        yield Found(f"it cannot be read a second time: {error.strerror or error}")
+        return
+    if hashes is None:
+        yield Found("the file's hash is no 64 digits: its header is damaged")
+    elif hashes[0] != hashes[1]:
+        said, has = hashes
+        yield Found(f"the file's hash is {has[:12]}..., its header says {said[:12]}...: it is damaged, or saved by another program")
+
+
+def _has_its_pixels(frame: Frame) -> bool:
+    return frame.headers[0].text(NAME) in (None, frame.hash)

@@ -14,12 +14,13 @@ from ...gltf.writer import GlbWriter
 from ...whole_file import write_whole
 from ..properties import SPACE
 from ..surroundings import ENVIRONMENT, OF_SCENE
-from .crowds import check_depth, place_crowd, read_crowd
+from .census import Census
+from .crowds import Member, place_crowd, read_crowd
 from .domes import is_dome, picture_uri, read_dome
 from .lamps import read_lamp
 from .lenses import read_camera
 from .losses import Loss, Losses
-from .meshes import Meshes
+from .meshes import Meshes, Piece
 from .nodes import Nodes
 from .options import ImportOptions
 from .places import local_matrices
@@ -87,6 +88,10 @@ class _Import:
         self.has_dome = False
         # Cameras by the names that the stage has for them: nodes may have to get others.
         self.cameras: dict[str, int] = {}
+        self.census = Census(source)
+        self._crowds: dict[Sdf.Path, list[Member]] = {}
+        # Of prototypes that are nothing but shapes, the meshes; None of others.
+        self._plain: dict[Sdf.Path, list[Piece] | None] = {}
 
     def run(self) -> bytes:
         """The file's bytes."""
@@ -225,7 +230,7 @@ class _Import:
         """What stands at a node."""
         shapes = [thing for thing in things if is_shape(thing)]
         if shapes:
-            self.meshes.place(shapes, node)
+            self.meshes.put(self.meshes.pieces(shapes), node)
         for thing in things:
             with self.lost.leaving_out(thing):
                 self._thing(thing, node, depth)
@@ -241,8 +246,9 @@ class _Import:
         elif thing.HasAPI(UsdLux.LightAPI) and not thing.IsA(UsdGeom.Mesh):
             self._place_lamp(thing, node)
         elif thing.IsA(UsdGeom.PointInstancer):
-            check_depth(thing, depth)
-            members = read_crowd(thing, self.source, self.lost)
+            if depth == 0:
+                self.census.add(thing)
+            members = self._members(thing)
             place_crowd(members, self.nodes, node, lambda prototype, place: self._instance(prototype, place, depth))
 
     def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
@@ -279,16 +285,32 @@ class _Import:
 
     def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
         """A prototype below a node, or in it if it is nothing but shapes."""
+        path = prototype.GetPath()
+        if path not in self._plain:
+            shapes = self._only_shapes(prototype)
+            self._plain[path] = None if shapes is None else self.meshes.pieces(shapes)
+        pieces = self._plain[path]
+        if pieces is None:
+            self._visit(prototype, node, depth + 1)
+        else:
+            self.meshes.put(pieces, node)
+
+    def _members(self, prim: Usd.Prim) -> list[Member]:
+        """Of an instancer, read once, be there ever so many instances of itself."""
+        path = prim.GetPath()
+        if path not in self._crowds:
+            self._crowds[path] = read_crowd(prim, self.source, self.lost)
+        return self._crowds[path]
+
+    def _only_shapes(self, prototype: Usd.Prim) -> list[Usd.Prim] | None:
+        """The shapes that a prototype consists of, those that are drawn; None if it is more than shapes in its own place."""
         children = [child for child in _children(prototype) if child.IsA(UsdGeom.Imageable)]
         stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
-        stands = stands and not says_visibility(prototype)
-        if stands and is_shape(prototype) and not children:
-            if self._is_drawn(prototype):
-                self.meshes.place([prototype], node)
-        elif stands and not is_shape(prototype) and children and all(is_shape(each) and self._joins(each) for each in children):
-            self.meshes.place(children, node)
-        else:
-            self._visit(prototype, node, depth + 1)
+        if not stands or says_visibility(prototype) or prototype.IsA(UsdGeom.PointInstancer):
+            return None
+        if is_shape(prototype):
+            return None if children else [prototype] if self._is_drawn(prototype) else []
+        return children if children and all(is_shape(each) and self._joins(each) for each in children) else None
 
     def _finish(self) -> None:
         source, document = self.source, self.writer.document

@@ -19,8 +19,8 @@ from .places import codes_of, parts, steady
 from .properties import SPACE
 from .source import Source
 
-DEEPEST = 64
-"""Instancers within instancers."""
+MOST_MOMENTS = 10_000_000
+"""Instances of an instancer times codes: 160 bytes each while they are sorted."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,12 @@ class _Reader:
 
     def members(self) -> list[Member]:
         """One for each id and prototype."""
+        here = len(self.instancer.GetProtoIndicesAttr().Get(self.source.first) or ())
+        if here * len(self.codes) > MOST_MOMENTS:
+            raise TooMuch(
+                f"{self.prim.GetPath()}: {here} instances that change at {len(self.codes)} times are more than "
+                f"{MOST_MOMENTS} places: read fewer frames by --frames"
+            )
         moments = [self._moment(code) for code in self.codes.tolist()]
         if not any(len(each) for each, *_ in moments) and (problems := [what for *_, what in moments if what]):
             raise SceneError(f"{self.prim.GetPath()}: {problems[0]}")
@@ -156,9 +162,3 @@ def place_crowd(members: list[Member], nodes: Nodes, node: int, fill: Callable[[
         if member.leaf_id is not None:
             nodes.extra(instance, "leaf_id", member.leaf_id)
         fill(member.prototype, instance)
-
-
-def check_depth(prim: Usd.Prim, depth: int) -> None:
-    """Raises `TooMuch` for instancers that hold themselves by way of others."""
-    if depth >= DEEPEST:
-        raise TooMuch(f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?")

@@ -21,7 +21,7 @@ from .surfaces import Surfaces
 
 
 @dataclass(frozen=True)
-class _Piece:
+class Piece:
     """A mesh of the file, what it is called, how it bends, when it is there, and the joints that it hangs on."""
 
     name: str
@@ -38,16 +38,19 @@ class Meshes:
         self.writer, self.nodes, self.skins, self.source, self.lost = writer, nodes, skins, source, lost
         self.surfaces = Surfaces(writer, source, lost)
         self._reader = ShapeReader(source, lost)
-        self._read: dict[tuple, list[_Piece]] = {}
+        self._read: dict[tuple, list[Piece]] = {}
         self._known: dict[bytes, int] = {}
 
-    def place(self, prims: list[Usd.Prim], node: int) -> None:
-        """Puts prims in one place at a node: what stays as one mesh, what bends or takes turns in nodes below it."""
+    def pieces(self, prims: list[Usd.Prim]) -> list[Piece]:
+        """The meshes of prims that stand in one place; written once, be there ever so many instances of the prims."""
         bound = [read_bound(prim) for prim in prims]
         key = tuple((path_of(prim), each.key(), _color_key(prim)) for prim, each in zip(prims, bound))
         if key not in self._read:
             self._read[key] = self._pieces(prims, bound)
-        pieces = self._read[key]
+        return self._read[key]
+
+    def put(self, pieces: list[Piece], node: int) -> None:
+        """Puts pieces at a node: what stays as one mesh, what bends or takes turns in nodes below it."""
         for index, piece in enumerate(pieces):
             is_still = piece.bend is None and piece.span is None and piece.skin is None
             is_alone = len(pieces) == 1 and piece.span is None
@@ -61,7 +64,7 @@ class Meshes:
             if piece.span is not None:
                 self._take_turns(at, piece.span)
 
-    def _pieces(self, prims: list[Usd.Prim], bound: list[Bound]) -> list[_Piece]:
+    def _pieces(self, prims: list[Usd.Prim], bound: list[Bound]) -> list[Piece]:
         """Meshes of prims, what stays first."""
         still, moving = [], []
         for prim, each in zip(prims, bound):
@@ -77,8 +80,8 @@ class Meshes:
                             still += shapes.parts
                         elif shapes.parts:
                             moving.append((prim.GetName(), shapes, None if span.is_always else span, skin))
-        pieces = [_Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
-        return pieces + [_Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving]
+        pieces = [Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
+        return pieces + [Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving]
 
     def _take_turns(self, node: int, span: Span) -> None:
         """Shows a node for as long as a span lasts."""

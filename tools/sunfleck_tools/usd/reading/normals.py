@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from .subdivision import Cage
+from .subdivision import Cage, sums
+from .triangles import cross
 
 
 def smooth_normals(cage: Cage, points: np.ndarray) -> np.ndarray:
     """A normal for each corner: the mean about its vertex by area, as far as no sharp edge is between."""
-    before = np.empty(len(cage.corners), np.int64)
-    before[cage.next_corner] = np.arange(len(cage.corners))
     here = points[cage.corners]
-    facing = np.cross(here[cage.next_corner] - here, here[before] - here)
-    fans = _fans(cage, before)
-    sums = np.stack([np.bincount(fans, column) for column in facing.T], axis=1)[fans]
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    facing = cross(here[cage.next_corner] - here, here[cage.corner_before] - here)
+    fans = _fans(cage)
+    about = sums(fans, facing, int(fans.max(initial=-1)) + 1)[fans]
+    lengths = np.linalg.norm(about, axis=1, keepdims=True)
     flat = np.array([0.0, 0.0, 1.0])
-    return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1.0), flat)
+    return np.where(lengths > 0, about / np.where(lengths > 0, lengths, 1.0), flat)
 
 
-def _fans(cage: Cage, before: np.ndarray) -> np.ndarray:
+def _fans(cage: Cage) -> np.ndarray:
     """A number for each corner, the same for those at a vertex that no sharp edge parts."""
     edges = cage.edges
     parts = (edges.faces == 2) & (edges.sharpness > 0)

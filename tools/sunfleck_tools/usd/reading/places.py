@@ -96,6 +96,8 @@ def turn_of(quaternion: list[float]) -> np.ndarray:
 
 def steady(turns: np.ndarray) -> np.ndarray:
     """The same turns, each on the side of the one before."""
+    if len(turns) < 2:
+        return turns
     flips = np.sum(turns[1:] * turns[:-1], axis=1) < 0
     signs = np.concatenate([[1.0], np.where(flips, -1.0, 1.0)]).cumprod()
     return turns * signs[:, None]

@@ -57,7 +57,7 @@ class Source:
     @property
     def metres(self) -> float:
         """Of a unit of the stage."""
-        return UsdGeom.GetStageMetersPerUnit(self.stage)
+        return _metres(self.stage)
 
 
 @contextmanager
@@ -87,7 +87,7 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     if options.masks:
         stage = _masked(path, stage, options.masks)
     _say_what_is_missing(path, stage, lost)
-    metres = UsdGeom.GetStageMetersPerUnit(stage)
+    metres = _metres(stage)
     if not (math.isfinite(metres) and metres > 0):
         raise SceneError(f"{path}: a unit of {metres} metres is no unit")
     fps, codes_per_second, codes = read_clock(path, stage, options.frames, lost)
@@ -95,6 +95,11 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
     is_for = ours.get("for") if isinstance(ours, dict) else None
     return Source(path, stage, fps, codes_per_second, codes, said.startswith("Blender v"), bool(ours), is_for == "blender")
+
+
+def _metres(stage: Usd.Stage) -> float:
+    """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit` takes for an error."""
+    return float(stage.GetMetadata(UsdGeom.Tokens.metersPerUnit))
 
 
 def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice: str) -> None:

@@ -56,6 +56,13 @@ class Cage:
         return following
 
     @cached_property
+    def corner_before(self) -> np.ndarray:
+        """The corner before each one, round its face."""
+        before = np.empty(len(self.corners), np.int64)
+        before[self.next_corner] = np.arange(len(self.corners))
+        return before
+
+    @cached_property
     def edges(self) -> Edges:
         """Edges, each once."""
         starts, ends = self.corners, self.corners[self.next_corner]
@@ -161,16 +168,17 @@ class Refinement:
         centers = self._centers(values)
         about = centers[cage.face_of_corner]
         ends = values[edges.ends]
-        at_edges = ends.mean(axis=1) * self.edge_by_middle[:, None]
-        at_edges += _sums(edges.of_corner, about, len(edges.ends)) * self.edge_by_face[:, None]
+        at_edges = 0.5 * (ends[:, 0] + ends[:, 1]) * self.edge_by_middle[:, None]
+        at_edges += sums(edges.of_corner, about, len(edges.ends)) * self.edge_by_face[:, None]
         others = (ends[:, ::-1] * self.by_end[:, :, None]).reshape(-1, values.shape[1])
-        at_vertices = values * self.own[:, None] + _sums(edges.ends.ravel(), others, cage.vertices)
-        at_vertices += _sums(cage.corners, about, cage.vertices) * self.by_face[:, None]
+        at_vertices = values * self.own[:, None] + sums(edges.ends.ravel(), others, cage.vertices)
+        at_vertices += sums(cage.corners, about, cage.vertices) * self.by_face[:, None]
         return np.concatenate([at_vertices, at_edges] + ([] if cage.is_loop else [centers]))
 
     def linear(self, values: np.ndarray) -> np.ndarray:
         """Values of vertices, refined in straight lines: primvars of interpolation `varying`."""
-        middles = values[self.cage.edges.ends].mean(axis=1)
+        ends = values[self.cage.edges.ends]
+        middles = 0.5 * (ends[:, 0] + ends[:, 1])
         return np.concatenate([values, middles] + ([] if self.cage.is_loop else [self._centers(values)]))
 
     def _centers(self, values: np.ndarray) -> np.ndarray:
@@ -214,9 +222,11 @@ class _Rule:
     by_face: np.ndarray
 
 
-def _sums(places: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
+def sums(places: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
     """The sum of the rows of each place."""
-    return np.stack([np.bincount(places, column, count) for column in rows.T], axis=1)
+    width = rows.shape[1]
+    bins = (places[:, None] * width + np.arange(width)).ravel()
+    return np.bincount(bins, rows.ravel(), count * width).reshape(count, width)
 
 
 def refined(cage: Cage, levels: int) -> list[Refinement]:

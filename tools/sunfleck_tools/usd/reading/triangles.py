@@ -45,8 +45,8 @@ def _following(rows: np.ndarray) -> np.ndarray:
     return np.concatenate([rows[:, 1:], rows[:, :1]], axis=1)
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """numpy's own takes several times as long for a few vectors, of which a stage has many."""
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The cross products of rows of vectors; numpy's own takes several times as long for a few vectors, of which a stage has many."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
@@ -54,12 +54,12 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _normals(polygons: np.ndarray) -> np.ndarray:
     """Newell's: of polygons that need not be flat."""
-    return _cross(polygons, _following(polygons)).sum(axis=1)
+    return cross(polygons, _following(polygons)).sum(axis=1)
 
 
 def _is_convex(polygons: np.ndarray) -> np.ndarray:
     edges = _following(polygons) - polygons
-    turns = _cross(edges, _following(edges))
+    turns = cross(edges, _following(edges))
     # The turns of a quadrangle add up to twice Newell's normal.
     normals = turns.sum(axis=1) if polygons.shape[1] == 4 else _normals(polygons)
     return (np.einsum("fci,fi->fc", turns, normals) >= 0).all(axis=1)
