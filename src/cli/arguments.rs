@@ -2,13 +2,14 @@
 
 use super::CliError;
 use super::parse::{
-    parse_bloom, parse_crop, parse_exposure, parse_frame, parse_frame_rate, parse_limit, parse_noise,
-    parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
+    ChannelsLimit, Crop, ExposureArgument, SizeArgument, parse_bloom, parse_crop, parse_exposure,
+    parse_frame, parse_frame_rate, parse_limit, parse_noise, parse_seconds, parse_share_limit, parse_shutter,
+    parse_shutter_position, parse_size, parse_tolerance,
 };
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
 use crate::passes::Pass;
-use crate::scene::{LightUnits, PixelFilter, ResolveOptions, Size};
+use crate::scene::{LightUnits, PixelFilter, ResolveOptions};
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -328,31 +329,6 @@ pub(super) struct LimitArguments {
     /// Largest share of a channel's ids that differ, 0 to 1.
     #[arg(long, value_name = "[CHANNELS=]SHARE", value_parser = parse_share_limit)]
     pub(super) max_ids: Vec<ChannelsLimit>,
-}
-
-/// The names of channels, or `None` for all, and the most that these may differ by.
-#[derive(Clone, Debug)]
-pub(super) struct ChannelsLimit(pub(super) Option<glob::Pattern>, pub(super) f64);
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ExposureArgument {
-    Stops(f64),
-    Auto,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum SizeArgument {
-    Pixels(Size),
-    Percent(f64),
-}
-
-/// A rectangle of pixels, far edges excluded.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Crop {
-    pub(super) x0: usize,
-    pub(super) y0: usize,
-    pub(super) x1: usize,
-    pub(super) y1: usize,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -4,8 +4,10 @@
 mod scaling;
 mod skips;
 
-use super::arguments::{BenchArguments, MethodArgument, SizeArgument};
-use super::plan::{find_camera, resized, usage};
+use super::arguments::{BenchArguments, MethodArgument};
+use super::error::usage;
+use super::parse::SizeArgument;
+use super::plan::{find_camera, resized};
 use super::saving::clear;
 use super::{CliError, answer, loading, tell};
 use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};

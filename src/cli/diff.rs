@@ -1,7 +1,8 @@
 //! `sunfleck diff`: how far two frames are apart. In go two EXR files, out comes a table, and a failure
 //! if a limit is not kept.
 
-use super::arguments::{ChannelsLimit, DiffArguments, LimitArguments};
+use super::arguments::{DiffArguments, LimitArguments};
+use super::parse::ChannelsLimit;
 use super::saving::failure;
 use super::{CliError, answer};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};

@@ -2,7 +2,7 @@
 //! the kind, the text tells people the rest.
 
 use crate::description::LoadError;
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 
 /// The command line itself.
 pub(super) const USAGE: u8 = 2;
@@ -56,4 +56,13 @@ impl From<Diagnostics> for CliError {
     fn from(diagnostics: Diagnostics) -> Self {
         Self::Scene(diagnostics.worst())
     }
+}
+
+/// What is wrong with the value of a flag.
+pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {
+    CliError::Usage(
+        Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))
+            .expected(expected)
+            .remedy(format!("change {flag}; `sunfleck inspect` says what the input holds")),
+    )
 }

@@ -2,7 +2,7 @@
 //! it does not carry is said.
 
 use super::arguments::ExportArguments;
-use super::plan::usage;
+use super::error::usage;
 use super::saving::save;
 use super::{CliError, answer, loading, tell};
 use crate::diagnostic::{Diagnostics, shown};

@@ -2,7 +2,8 @@
 //! for all frames. Invariant: it depends on scene and settings alone, not on which frames are asked for, so pictures do not
 //! flicker and a frame's picture is the same alone and in a range. EXR frames know nothing of it.
 
-use super::arguments::{DisplayArguments, ExposureArgument};
+use super::arguments::DisplayArguments;
+use super::parse::ExposureArgument;
 use super::plan::Plan;
 use super::tell;
 use crate::color::Display;

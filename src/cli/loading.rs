@@ -4,7 +4,7 @@
 
 use super::CliError;
 use super::arguments::BakeArguments;
-use super::plan::usage;
+use super::error::usage;
 use super::saving::clear_folder;
 use crate::description::{Description, SceneSource, read_regular};
 use crate::diagnostic::{readable, shown};

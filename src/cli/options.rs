@@ -3,8 +3,9 @@
 
 use super::arguments::{
     BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
-    SizeArgument, Switch,
+    Switch,
 };
+use super::parse::SizeArgument;
 use crate::scene::{FrameRate, ResolveOptions, Size};
 
 impl RenderArguments {

@@ -1,8 +1,32 @@
 //! Values of flags from their text. Invariant: whatever is refused is refused with what was expected, and an example.
 
-use super::arguments::{ChannelsLimit, Crop, ExposureArgument, SizeArgument};
 use crate::scene::Size;
 use glob::Pattern;
+
+/// The names of channels, or `None` for all, and the most that these may differ by.
+#[derive(Clone, Debug)]
+pub(super) struct ChannelsLimit(pub(super) Option<Pattern>, pub(super) f64);
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ExposureArgument {
+    Stops(f64),
+    Auto,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SizeArgument {
+    Pixels(Size),
+    Percent(f64),
+}
+
+/// A rectangle of pixels, far edges excluded.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crop {
+    pub(super) x0: usize,
+    pub(super) y0: usize,
+    pub(super) x1: usize,
+    pub(super) y1: usize,
+}
 
 pub(super) fn parse_size(text: &str) -> Result<SizeArgument, String> {
     let expected = || {

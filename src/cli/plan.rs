@@ -1,10 +1,12 @@
 //! What is to be rendered, once and for all: input and flags in, a plan out. Invariant: flags win
 //! over the file, the file over the defaults; a plan that exists can be carried out.
 
-use super::arguments::{Crop, ProgressArgument, RenderArguments, SizeArgument, Volume, passes};
+use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
+use super::error::usage;
+use super::parse::{Crop, SizeArgument};
 use super::{CliError, loading};
 use crate::description;
-use crate::diagnostic::{Diagnostic, Place, shown};
+use crate::diagnostic::shown;
 use crate::frame_file;
 use crate::passes::{Needs, any_needs};
 use crate::render::{Job, Placement};
@@ -248,12 +250,4 @@ fn volume_word(job: &Job) -> &'static str {
         (Placement::Pixels, VolumeMethod::March(_)) => "march",
         (Placement::Pixels, VolumeMethod::Equiangular { .. }) => "equiangular",
     }
-}
-
-pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {
-    CliError::Usage(
-        Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))
-            .expected(expected)
-            .remedy(format!("change {flag}; `sunfleck inspect` says what the input holds")),
-    )
 }

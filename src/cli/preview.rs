@@ -1,10 +1,12 @@
 //! `sunfleck preview`: a scene by scan line, or frames that are there, to pictures for eyes. In goes an input, out come PNG
 //! files. Invariant: every file is whole or not there; pictures are the same for any number of threads.
 
-use super::arguments::{PreviewArguments, SizeArgument};
+use super::arguments::PreviewArguments;
 use super::bench::{MOST_PIXELS, fitting};
 use super::darkness::DarkFrames;
-use super::plan::{find_camera, find_frames, resized, usage};
+use super::error::usage;
+use super::parse::SizeArgument;
+use super::plan::{find_camera, find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
 use super::{CliError, exposure, loading, tell};
 use crate::description;
