@@ -13,9 +13,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scene::{Sampling, Size, Window};
+use sunfleck::scene::{RenderSettings, Sampling, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
-use sunfleck::transport::{Transport, VolumeMethod};
+use sunfleck::transport::{MarchSteps, Transport, VolumeMethod};
 use sunfleck::{description, scene};
 use tempfile::TempDir;
 
@@ -120,11 +120,14 @@ fn shown(input: &Path) -> Result<(), String> {
     let size = Size { width: 4, height: 2 };
     let trees = MeshTrees::new(&scene);
     let shutter = Shutter::of(&settings, *settings.frames.start() as f64);
-    let volumes = [(VolumeMethod::Segments, Placement::Auto)]
-        .into_iter()
-        .chain(settings.march.map(|steps| (VolumeMethod::March(steps), Placement::Pixels)));
+    let RenderSettings { march_depth_m: depth_m, march_step_m: step_m, .. } = settings;
+    let mut methods = vec![(VolumeMethod::Segments, Placement::Auto)];
+    if step_m != RenderSettings::default().march_step_m {
+        methods.push((VolumeMethod::March(MarchSteps::Planes { depth_m, step_m }), Placement::Pixels));
+    }
+    let cameras = 0..scene.cameras.len();
     for ((volume, placement), camera) in
-        volumes.flat_map(|volume| (0..scene.cameras.len()).map(move |camera| (volume, camera)))
+        methods.into_iter().flat_map(|method| cameras.clone().map(move |camera| (method, camera)))
     {
         let job = Job {
             size,
