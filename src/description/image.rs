@@ -1,6 +1,7 @@
 //! Image files in, linear light out. Invariant: `width * height` texels, none larger than the
 //! limits allow, whatever the file's header claims.
 
+pub use super::decoded_image::DecodedImage;
 use super::{ktx2, radiances};
 use crate::color::{CodeCurve, Texels};
 use crate::diagnostic::{Diagnostic, Place};
@@ -13,17 +14,6 @@ const MAX_SIDE: u32 = 16_384;
 const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
-
-/// An RGBA image in linear Rec. 709, top row first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DecodedImage {
-    /// Texels a row, at least 1.
-    pub width: usize,
-    /// Rows, at least 1.
-    pub height: usize,
-    /// Linear colour, alpha last, row by row from the top.
-    pub texels: Texels,
-}
 
 /// What the numbers of an image stand for; alpha is always itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,6 +1,7 @@
 //! What the author wrote: files in, typed descriptions out. Invariant: the only input files ever
 //! opened are opened here, through [`Files`], so the content hash covers all of them.
 
+mod decoded_image;
 mod files;
 pub mod gltf;
 pub mod image;

@@ -1,7 +1,7 @@
 //! Images of radiances, OpenEXR and Radiance HDR, to linear Rec. 709. Invariant: beside its result a decoder takes no more
 //! memory than three quarters of that, and 1 GiB for what a file claims of parts, channels and tiles.
 
-use super::image::DecodedImage;
+use super::decoded_image::DecodedImage;
 use crate::color::Primaries;
 use ::image::DynamicImage;
 use exr::image::read::image::ReadLayers;
