@@ -190,7 +190,7 @@ def _cage(prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.nd
         if indices.size and (indices.min() < 0 or indices.max() >= points):
             raise SceneError(f"{prim.GetPath()}: {name} go from {indices.min()} to {indices.max()}, of {points} points")
     at_vertex = np.zeros(points)
-    at_vertex[tips] = np.nan_to_num(tip_sharpness, nan=0.0)
+    at_vertex[tips] = np.where(np.isnan(tip_sharpness), 0.0, tip_sharpness)
     rule = value_of(mesh.GetTriangleSubdivisionRuleAttr(), code)
     is_loop = scheme == UsdGeom.Tokens.loop
-    return Cage(counts, corners, ends, np.nan_to_num(crease, nan=0.0), at_vertex, is_loop, rule == UsdGeom.Tokens.smooth)
+    return Cage(counts, corners, ends, np.where(np.isnan(crease), 0.0, crease), at_vertex, is_loop, rule == UsdGeom.Tokens.smooth)

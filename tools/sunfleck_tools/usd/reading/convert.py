@@ -151,7 +151,8 @@ class _Import:
             return False
         return True
 
-    def _read_scene(self, prim: Usd.Prim) -> dict:
+    def _read_scene(self, prim: Usd.Prim) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
+        """As `read_properties`, without those of the scene, which are kept."""
         found, carried = read_properties(prim, self.source)
         for name in OF_SCENE:
             if name in found and name not in self.scene:
@@ -162,7 +163,7 @@ class _Import:
                 for field_name, (codes, rows) in carried.items():
                     if field_name.startswith(f"{name}."):
                         self.nodes.carry(None, field_name, codes, rows)
-        return found
+        return found, carried
 
     def _node(self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int) -> tuple:
         """The node of a prim, and those children that are not in it."""
@@ -215,8 +216,7 @@ class _Import:
             self.nodes.show(node, *found)
 
     def _extras(self, prim: Usd.Prim, node: int) -> None:
-        found = self._read_scene(prim)
-        _, carried = read_properties(prim, self.source)
+        found, carried = self._read_scene(prim)
         for name, fields in found.items():
             self.nodes.extra(node, name, fields)
         for field_name, (codes, rows) in carried.items():

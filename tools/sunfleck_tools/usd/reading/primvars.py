@@ -14,6 +14,8 @@ MOST_LAYERS = 8
 COORDINATES = {getattr(Sdf.ValueTypeNames, f"{name}Array") for name in
                ("TexCoord2f", "TexCoord2d", "TexCoord2h", "TexCoord3f", "TexCoord3d", "TexCoord3h", "Float2", "Double2", "Half2")}  # fmt: skip
 FIRST_LAYERS = ("st", "UVMap")
+UPWARD, FROM_TOP = np.array([1, -1]), np.array([0, 1])
+"""glTF counts rows of texels from the top."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,9 @@ class Primvars:
         else:
             gprim = UsdGeom.PointBased(self.prim)
             found = self.fit("NORMAL", value_of(gprim.GetNormalsAttr(), self.code), gprim.GetNormalsInterpolation(), 3)
-        lengths = np.linalg.norm(found.values, axis=1) if found else np.zeros(1)
+        if found is None:
+            return None
+        lengths = np.linalg.norm(found.values, axis=1)
         if not (lengths > 1e-6).all():
             return None
         return Stream(found.name, found.values / lengths[:, None], found.interpolation)
@@ -73,8 +77,7 @@ class Primvars:
             width = 3 if "3" in str(primvar.GetTypeName()) else 2
             found = self.fit(f"TEXCOORD_{len(names)}", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), width)
             if found is not None:
-                # glTF counts rows of texels from the top.
-                streams.append(Stream(found.name, found.values[:, :2] * [1, -1] + [0, 1], found.interpolation))
+                streams.append(Stream(found.name, found.values[:, :2] * UPWARD + FROM_TOP, found.interpolation))
                 names.append(primvar.GetPrimvarName())
         return streams, names
 

@@ -166,7 +166,8 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
             raise SceneError(f"{prim.GetPath()}: {error}") from None
     if faces.flips:
         triangles = triangles[:, [0, 2, 1, 3]]
-    triangles = triangles[~np.isin(triangles[:, 3], faces.holes)]
+    if len(faces.holes):
+        triangles = triangles[~np.isin(triangles[:, 3], faces.holes)]
     found = []
     for material, mask in _masks(bound, outline.faces.count, code):
         if mask is not None:

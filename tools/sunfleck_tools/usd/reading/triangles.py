@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 MOST_CORNERS = 1000
 """Of a face that is not convex: clipping takes the square of that."""
+MOST_KNOWN = 4096
+"""Faces of a mesh whose fans are kept for the next one of as many."""
 
 
 def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> np.ndarray:
@@ -20,15 +24,18 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
     for count in different:
         if count < 3:
             continue
-        faces = np.nonzero(counts == count)[0] if len(different) > 1 else np.arange(len(counts))
-        places = starts[faces, None] + np.arange(count)
+        if is_one and len(counts) <= MOST_KNOWN:
+            faces, places, fans = _known_fans(len(counts), int(count))
+        else:
+            faces = np.nonzero(counts == count)[0]
+            places = starts[faces, None] + np.arange(count)
+            fans = None
         bent = np.zeros(len(faces), bool) if count == 3 else ~_is_convex(points[corners[places]])
         if count > MOST_CORNERS and bent.any():
             raise ValueError(f"a face has {count} corners and is not convex: at most {MOST_CORNERS} can be")
-        whole, owners = (places[~bent], faces[~bent]) if bent.any() else (places, faces)
-        fans = np.empty((len(whole), count - 2, 4), np.int64)
-        fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = whole[:, :1], whole[:, 1:-1], whole[:, 2:], owners[:, None]
-        found.append(fans.reshape(-1, 4))
+        if fans is None or bent.any():
+            fans = _fans(faces[~bent], places[~bent])
+        found.append(fans)
         for face in np.nonzero(bent)[0]:
             ears = places[face][_ears(points[corners[places[face]]])]
             found.append(np.column_stack([ears, np.full(len(ears), faces[face])]))
@@ -38,6 +45,24 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
         return found[0]
     triangles = np.concatenate(found)
     return triangles[np.argsort(triangles[:, 3], kind="stable")]
+
+
+@lru_cache(maxsize=16)
+def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Faces, places of corners, and fans of so many faces of as many corners each: stages have many meshes of few such sizes."""
+    numbers = np.arange(faces)
+    places = numbers[:, None] * count + np.arange(count)
+    known = numbers, places, _fans(numbers, places)
+    for each in known:
+        each.setflags(write=False)
+    return known
+
+
+def _fans(faces: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Triangles about the first corner of each face; rows as those of `triangulate`."""
+    fans = np.empty((len(places), places.shape[1] - 2, 4), np.int64)
+    fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = places[:, :1], places[:, 1:-1], places[:, 2:], faces[:, None]
+    return fans.reshape(-1, 4)
 
 
 def _following(rows: np.ndarray) -> np.ndarray:
