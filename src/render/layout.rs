@@ -34,24 +34,18 @@ pub(super) struct Facts {
     pub(super) samples: u32,
 }
 
-/// With so many samples a pixel or more slices share draws: what few points of a light tell would show as so many shadows.
-const SHARED_DRAWS_FROM: u32 = 16;
-
-/// With more than so many every slice has a draw of its own: what swaths of a pixel's width blur would be most of the error.
+/// With more than so many samples a pixel every slice has a draw of its own: what swaths of a pixel's width blur would be most of the error.
 const SHARED_DRAWS_TO: u32 = 128;
 
 impl Layout {
-    /// The one for a picture. Figures of the alternatives: docs/decisions/layouts.md.
+    /// The one for a picture. Figures of the alternatives: docs/decisions/slices.md#layouts.
     pub(super) fn choose(facts: &Facts) -> Self {
         let Facts { is_drawn, are_ordered, rings, in_time, in_brightness, samples } = *facts;
         if !is_drawn {
             Self::Common
         } else if are_ordered {
             Self::InRings
-        } else if rings == 1
-            && !(in_time || in_brightness)
-            && (SHARED_DRAWS_FROM..=SHARED_DRAWS_TO).contains(&samples)
-        {
+        } else if rings == 1 && !(in_time || in_brightness) && samples <= SHARED_DRAWS_TO {
             Self::SharedDraws
         } else {
             Self::OwnDraws
@@ -88,13 +82,10 @@ mod tests {
     }
 
     #[test]
-    fn suns_that_deviate_far_share_draws_unless_samples_are_few_or_many() {
-        for (samples, layout) in [
-            (8, Layout::OwnDraws),
-            (16, Layout::SharedDraws),
-            (128, Layout::SharedDraws),
-            (256, Layout::OwnDraws),
-        ] {
+    fn suns_that_deviate_far_share_draws_unless_samples_are_many() {
+        for (samples, layout) in
+            [(1, Layout::SharedDraws), (128, Layout::SharedDraws), (256, Layout::OwnDraws)]
+        {
             assert_eq!(Layout::choose(&Facts { samples, ..DRAWN }), layout, "{samples}");
         }
     }
