@@ -364,7 +364,7 @@ impl<'a> Resolver<'a> {
                 owner,
                 &mut self.problems,
             );
-            return Some(Motion::Keyed { translation: position?, rotation: turn?, scale: Rgb::ONE.into() });
+            return Some(Motion::Keyed { translation: position?, rotation: turn?, scale: DVec3::ONE.into() });
         };
         if turned {
             self.problems.error(
