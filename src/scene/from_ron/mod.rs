@@ -32,7 +32,7 @@ use crate::description::image::DecodedImage;
 use crate::description::obj::{ObjModel, ObjPicture};
 use crate::description::ron::{self, LoadedScene, SceneFile};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use problems::Problems;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
