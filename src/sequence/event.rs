@@ -5,7 +5,7 @@ use crate::diagnostic::shown;
 use crate::film::Dark;
 use crate::render::{Progress, Statistics};
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,6 +102,35 @@ pub struct Summary {
     pub folder: PathBuf,
     /// True if a signal ended the run early.
     pub stopped: bool,
+}
+
+impl Summary {
+    /// Of a run that has not begun, into a folder.
+    pub(super) fn of_nothing(folder: &Path) -> Self {
+        Self {
+            written: 0,
+            skipped_valid: 0,
+            skipped_existing: 0,
+            given_up: Vec::new(),
+            not_reached: 0,
+            seconds: 0.0,
+            folder: folder.to_owned(),
+            stopped: false,
+        }
+    }
+
+    /// Counts a frame that is kept.
+    pub(super) fn count_skipped(&mut self, reason: SkipReason) {
+        match reason {
+            SkipReason::Valid => self.skipped_valid += 1,
+            SkipReason::Exists => self.skipped_existing += 1,
+        }
+    }
+
+    /// Frames that are written, kept or given up.
+    pub(super) fn done(&self) -> usize {
+        self.written + self.skipped_valid + self.skipped_existing + self.given_up.len()
+    }
 }
 
 impl fmt::Display for SkipReason {

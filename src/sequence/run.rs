@@ -94,16 +94,7 @@ pub fn run<E: Send>(
     let started = Instant::now();
     let frames = job.frames.as_slice();
     report(Event::Started { frames: frames.len() });
-    let mut summary = Summary {
-        written: 0,
-        skipped_valid: 0,
-        skipped_existing: 0,
-        given_up: Vec::new(),
-        not_reached: 0,
-        seconds: 0.0,
-        folder: job.output.folder().to_owned(),
-        stopped: false,
-    };
+    let mut summary = Summary::of_nothing(job.output.folder());
     let writer_failed = AtomicBool::new(false);
     let stopped = || job.stop.load(Ordering::Relaxed);
     summary.written = std::thread::scope(|scope| {
@@ -121,40 +112,27 @@ pub fn run<E: Send>(
                 break;
             }
             let path = job.output.path(frame);
-            let targets = [path.clone(), path.with_extension("png")];
-            for path in frame_file::remove_abandoned(job.output.folder(), |name| is_name_of(name, &targets)) {
-                report(Event::AbandonedRemoved { path });
-            }
+            remove_abandoned(job, &path, report);
             let provenance = provenance(frame);
             if let Some(reason) = skip_reason(job.skip, &path, &provenance) {
-                match reason {
-                    SkipReason::Valid => summary.skipped_valid += 1,
-                    SkipReason::Exists => summary.skipped_existing += 1,
-                }
-                report(Event::FrameSkipped { frame, reason });
-                if let Some(display) = &job.preview {
-                    match preview_of_file(&path, display) {
-                        Ok(None) => {}
-                        Ok(Some(reason)) => report(Event::PreviewOmitted { frame, reason }),
-                        Err(source) => {
-                            error = Some(SequenceError::Write { frame, source });
-                            break;
-                        }
-                    }
+                summary.count_skipped(reason);
+                if let Err(source) = keep(job, frame, reason, report) {
+                    error = Some(SequenceError::Write { frame, source });
+                    break;
                 }
                 continue;
             }
             report(Event::FrameStarted { frame });
             let frame_started = Instant::now();
-            match render(frame, &|progress| report(Event::FrameProgress { frame, progress })) {
+            let rendered = render(frame, &|progress| report(Event::FrameProgress { frame, progress }));
+            let seconds = frame_started.elapsed().as_secs_f64();
+            match rendered {
                 Ok(None) => {
                     summary.given_up.push(frame);
-                    let seconds = frame_started.elapsed().as_secs_f64();
                     report(Event::FrameGivenUp { frame, seconds });
                 }
+                // Refused only by a writer that has failed; its error is the one to tell.
                 Ok(Some(rendered)) => {
-                    let seconds = frame_started.elapsed().as_secs_f64();
-                    // Refused only by a writer that has failed; its error is the one to tell.
                     if to_writer.send(Finished { frame, rendered, provenance, seconds }).is_err() {
                         break;
                     }
@@ -171,12 +149,34 @@ pub fn run<E: Send>(
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         error.map_or(Ok(written), Err)
     })?;
-    let done = summary.written + summary.skipped_valid + summary.skipped_existing + summary.given_up.len();
-    summary.not_reached = frames.len() - done;
+    summary.not_reached = frames.len() - summary.done();
     summary.stopped = summary.not_reached > 0;
     summary.seconds = started.elapsed().as_secs_f64();
     report(Event::Finished(summary.clone()));
     Ok(summary)
+}
+
+/// Removes what killed runs left of a frame and of its preview.
+fn remove_abandoned(job: Job<'_>, path: &Path, report: &(dyn Fn(Event) + Sync)) {
+    let targets = [path.to_owned(), path.with_extension("png")];
+    for path in frame_file::remove_abandoned(job.output.folder(), |name| is_name_of(name, &targets)) {
+        report(Event::AbandonedRemoved { path });
+    }
+}
+
+/// Keeps a frame, and makes its preview from its file.
+fn keep(
+    job: Job<'_>,
+    frame: i64,
+    reason: SkipReason,
+    report: &(dyn Fn(Event) + Sync),
+) -> Result<(), FrameFileError> {
+    report(Event::FrameSkipped { frame, reason });
+    let Some(display) = &job.preview else { return Ok(()) };
+    if let Some(reason) = preview_of_file(&job.output.path(frame), display)? {
+        report(Event::PreviewOmitted { frame, reason });
+    }
+    Ok(())
 }
 
 fn is_name_of(name: &[u8], paths: &[PathBuf]) -> bool {

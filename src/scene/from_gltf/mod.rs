@@ -17,6 +17,7 @@ mod material_extras;
 mod meshes;
 mod nodes;
 mod properties;
+mod settings;
 mod sun_pictures;
 mod surfaces;
 
@@ -64,7 +65,7 @@ pub(super) fn resolve(
     let extras = extras::scene_extras(&source, &mut report);
     let surroundings = environment::surroundings(&source, sky_image, &mut report);
     let mut animations = animations::choose(&mut source, options.animation.as_deref(), &mut report);
-    let (mut settings, clock) = clock::settings(&source, &extras.sunfleck, &mut report);
+    let (mut settings, clock) = settings::settings(&source, &extras.sunfleck, &mut report);
 
     animations::set_right(&mut animations, &clock);
     let textures = std::mem::take(&mut source.textures);

@@ -1,0 +1,160 @@
+//! How a file wants to be rendered. In go the scene's extras, out come settings. Invariant: a number that cannot be used is an error at
+//! its own JSON path, and all of them are found.
+
+use super::clock::Clock;
+use super::extras::Sunfleck;
+use crate::description::gltf::GltfScene;
+use crate::description::gltf::report::Report;
+use crate::diagnostic::{Diagnostic, Loss};
+use crate::passes::Pass;
+use crate::scene::{PixelFilter, RenderSettings, Sampling, Size};
+
+/// Largest frame number, so that frame times keep sub-frame digits in single precision.
+const MAX_FRAME: f64 = 1e7;
+
+/// What `sunfleck` of the scene's extras says.
+pub(super) fn settings(
+    source: &GltfScene,
+    sunfleck: &Sunfleck,
+    report: &mut Report,
+) -> (RenderSettings, Clock) {
+    let mut settings = RenderSettings { camera: sunfleck.camera.clone(), ..RenderSettings::default() };
+    if let Some(stem) = source.path.file_stem() {
+        settings.name = stem.to_string_lossy().into_owned();
+    }
+    let clock = Clock::new(source, sunfleck, settings.frame_rate, report);
+    settings.frame_rate = clock.frame_rate;
+    let mut reading = Reading { scene: source.scene, sunfleck, report };
+    reading.frames(&mut settings, clock.animated_frames(source));
+    reading.picture(&mut settings);
+    reading.passes(&mut settings);
+    reading.shutter(&mut settings);
+    (settings, clock)
+}
+
+/// The extras, and who hears of what is wrong with them.
+struct Reading<'a> {
+    /// The scene's number.
+    scene: usize,
+    sunfleck: &'a Sunfleck,
+    report: &'a mut Report,
+}
+
+impl Reading<'_> {
+    fn at(&self, name: &str) -> String {
+        format!("scenes[{}].extras.sunfleck.{name}", self.scene)
+    }
+
+    fn error(&mut self, name: &str, found: String, expected: &str) {
+        let at = self.at(name);
+        self.report.error(at, found, expected);
+    }
+
+    /// A whole number; the least there may be if it is none.
+    fn whole(&mut self, name: &str, value: f64, min: f64, max: f64) -> f64 {
+        if value.fract() == 0.0 && value >= min && value <= max {
+            return value;
+        }
+        self.error(name, format!("{value} is not usable"), &format!("a whole number from {min} to {max}"));
+        min
+    }
+
+    /// Frames, of those that keys lie on.
+    fn frames(&mut self, settings: &mut RenderSettings, (first, last): (f64, f64)) {
+        let Sunfleck { frame_start, frame_end, .. } = self.sunfleck;
+        let start = self.whole("frame_start", frame_start.unwrap_or(first), -MAX_FRAME, MAX_FRAME);
+        let end = self.whole("frame_end", frame_end.unwrap_or(last.max(start)), -MAX_FRAME, MAX_FRAME);
+        if end < start {
+            self.error("frame_end", format!("frame {end} comes before frame {start}"), "the last frame");
+        }
+        settings.frames = start as i64..=end as i64;
+        settings.only_these_frames = true;
+        let is_animated = first < last;
+        if is_animated && (end < first || last < start) {
+            let found = format!(
+                "frames {start} to {end} are to be rendered, and keys lie on frames {first} to {last}"
+            );
+            let place = self.report.at(self.at("frame_start"));
+            self.report.push(Diagnostic::warning(Loss::KeysOutsideFrames, place, found).expected(
+                "frames among the keys: before the first and after the last everything keeps still",
+            ));
+        }
+    }
+
+    /// Size, samples, filter and brightness.
+    fn picture(&mut self, settings: &mut RenderSettings) {
+        let sunfleck = self.sunfleck;
+        let samples = sunfleck.samples.map(|samples| self.whole("samples", samples, 1.0, 65536.0) as u32);
+        if let Some(seed) = sunfleck.seed {
+            settings.seed = self.whole("seed", seed, 0.0, f64::from(u32::MAX)) as u32;
+        }
+        if let Some(depth) = sunfleck.mirror_depth {
+            settings.mirror_depth = self.whole("mirror_depth", depth, 0.0, 64.0) as u32;
+        }
+        if let Some([width, height]) = sunfleck.resolution {
+            let width = self.whole("resolution[0]", width, 1.0, 65536.0) as usize;
+            let height = self.whole("resolution[1]", height, 1.0, 65536.0) as usize;
+            settings.size = Size { width, height };
+        }
+        let tolerance = sunfleck.tolerance.filter(|&tolerance| {
+            let expected = "a relative error greater than 0 and at most 1, such as 0.02 for 2 %";
+            self.is_usable("tolerance", tolerance, 0.0 < tolerance && tolerance <= 1.0, expected)
+        });
+        settings.exposure_stops = sunfleck.exposure.filter(|&stops| {
+            let expected = "powers of two from -100 to 100, such as 1 for twice as bright";
+            self.is_usable("exposure", stops, stops.abs() <= 100.0, expected)
+        });
+        settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
+        if let Some(name) = &sunfleck.filter {
+            match PixelFilter::ALL.into_iter().find(|filter| filter.name() == name) {
+                Some(filter) => settings.filter = filter,
+                None => {
+                    let expected = format!("one of {}", PixelFilter::ALL.map(PixelFilter::name).join(", "));
+                    self.error("filter", format!("`{name}` is no filter"), &expected);
+                }
+            }
+        }
+    }
+
+    /// Whether a number fits, and if not says what would.
+    fn is_usable(&mut self, name: &str, value: f64, fits: bool, expected: &str) -> bool {
+        if !fits {
+            self.error(name, format!("{value} is not usable"), expected);
+        }
+        fits
+    }
+
+    fn passes(&mut self, settings: &mut RenderSettings) {
+        for (index, name) in self.sunfleck.passes.iter().flatten().enumerate() {
+            match Pass::named(name) {
+                Some(pass) => settings.passes.push(pass),
+                None => {
+                    let expected = format!("one of {}", Pass::names());
+                    self.error(&format!("passes[{index}]"), format!("`{name}` is no pass"), &expected);
+                }
+            }
+        }
+        settings.passes.sort_unstable();
+        settings.passes.dedup();
+    }
+
+    fn shutter(&mut self, settings: &mut RenderSettings) {
+        let Some(shutter) = self.sunfleck.shutter else { return };
+        if !(0.0..=1000.0).contains(&shutter) {
+            self.error("shutter", format!("the shutter is open for {shutter} frames"), "0 to 1000 frames");
+            return;
+        }
+        settings.shutter = shutter;
+        let Some(offset) = self.sunfleck.shutter_offset else { return };
+        if !(-1000.0..=1000.0).contains(&offset) {
+            let found = format!("the shutter opens {offset} frames after the frame");
+            self.error("shutter_offset", found, "-1000 to 1000 frames");
+            return;
+        }
+        if shutter > 0.0 {
+            settings.shutter_position = offset / shutter + 0.5;
+        } else if offset != 0.0 {
+            self.report.not_honoured(Loss::ShutterInstant, "sunfleck.shutter_offset");
+        }
+    }
+}
