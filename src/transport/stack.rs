@@ -9,12 +9,11 @@
 
 use super::direct;
 use super::path::Illumination;
-use super::running_product::RunningProduct;
 use super::veils::{met_at, shadows_in_line};
 use super::visibility::{BlendedHit, NEGLIGIBLE};
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
-use crate::math::{Ray, Sampler};
+use crate::math::{Ray, RunningProduct, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
 
 /// To so many surfaces each has shadow rays of its own: less than the walk costs.

@@ -7,12 +7,10 @@
 //! below its base it is as dense everywhere, above it its density is `exp(-u)`, with `u` linear in reach and height.
 
 use crate::accel::HalfPlane;
+use crate::fog::FogBank;
+use crate::fog::bank::EDGE_SLACK;
 use crate::math::Ray;
-use crate::scattering::FogBank;
 use glam::DVec3;
-
-/// A break too many costs one exponential, a break too few an error: rounding must not lose one.
-const EDGE_SLACK: f64 = 1e-9;
 
 /// A border as near to the light's direction, in radians, runs along it: as a line over the reach it would be so
 /// steep that rounding puts it metres from where it is.
@@ -103,7 +101,7 @@ impl FogSection {
             return;
         };
         let scale_heights =
-            Linear { at_eye: outward.height(0.0), per_reach: outward.per_m(), per_height: upward.per_m() };
+            Linear { at_eye: outward.height(0.0), per_reach: outward.per_m, per_height: upward.per_m };
         let mut below = section;
         below.add(scale_heights.negative());
         each(below);

@@ -6,17 +6,10 @@
 //! product with the density follow by the rules for power series (Knuth, "The Art of Computer Programming" 2,
 //! section 4.7).
 
-use super::lit_cells::{FACTORIALS, LitCells, Moments, ORDER, Piece};
+use super::lit_cells::{FACTORIALS, Lit, MOST_PIECES, Moments, ORDER, Piece};
 use super::thinning_fog::{Series, ThinningFog};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, fast_exp};
-
-/// How much density and transmittance may change, as the sum of their exponents, from one end of a piece to the other.
-/// What is left out is below 1e-8 of what an unshadowed piece scatters (see the tests).
-const LARGEST_CHANGE: f64 = 1.0;
-
-/// Rays that take more pieces than this on one stretch are left to the per-ray method.
-const MOST_PIECES: f64 = 512.0;
+use crate::math::fast_exp;
 
 /// Fog on a stretch of a ray, from reach `start` on.
 #[derive(Debug, Default)]
@@ -39,14 +32,9 @@ impl DepthSeries {
     }
 
     /// Light scattered on what is lit of a range, per unit of irradiance and, as its integral goes over reaches, per metre
-    /// of reach: see [`LitCells::for_each_piece`]. `None` if the fog changes too fast along it.
-    pub(super) fn lit_integral(
-        &self,
-        end: f64,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
+    /// of reach: see [`Lit::for_each_piece`], by the sum of the exponents of density and transmittance. `None` if the fog changes too fast along it.
+    /// What is left out is below 1e-8 of what an unshadowed piece scatters (see the tests).
+    pub(super) fn lit_integral(&self, end: f64, lit: &Lit) -> Option<Rgb> {
         let range = self.start..end;
         let width = range.end - range.start;
         let fastest = |most: f64, fog: &ThinningFog| most.max(fog.exponents_change());
@@ -58,13 +46,13 @@ impl DepthSeries {
         // A function with a convex logarithm lies below the exponential through its ends.
         let (first, last) = (log_bound(range.start), log_bound(range.end));
         let growth = (last - first) / width;
-        let change = |reach: f64| (even + fast_exp(first + growth * (reach - self.start))) / LARGEST_CHANGE;
+        let change = |reach: f64| even + fast_exp(first + growth * (reach - self.start));
         let pieces = width * (change(range.start) + change(range.end));
         if pieces > MOST_PIECES {
             return None;
         }
         let mut sum = Rgb::ZERO;
-        lit.for_each_piece(range, shadows, more_shadows, change, |piece, moments| {
+        lit.for_each_piece(range, change, |piece, moments| {
             sum += self.integral(piece, moments);
         });
         Some(sum)
@@ -119,11 +107,11 @@ fn weighted(density: &Series, powers: &[f64; ORDER]) -> [f64; ORDER] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fog_section::{LightWay, Line, Linear};
-    use super::super::sweep::PlanarRay;
+    use super::super::lit_cells::LitCells;
+    use super::super::section::{LightWay, Line, Linear};
     use super::super::thinning_fog::{Ascent, Column};
     use super::*;
-    use crate::math::gauss_legendre;
+    use crate::math::{IntervalSet, PlanarRay, gauss_legendre};
     use glam::DVec2;
     use proptest::prelude::*;
 
@@ -183,7 +171,8 @@ mod tests {
             }],
         };
         let (cells, none) = <(LitCells, IntervalSet)>::default();
-        let found = series.lit_integral(1e7, &cells, &none, &none).expect("few pieces");
+        let lit = Lit { cells: &cells, shadows: &none, more_shadows: &none };
+        let found = series.lit_integral(1e7, &lit).expect("few pieces");
         let expected = -(-1e-6 * (1e7 - 10.0_f64)).exp_m1() * (-1e-6_f64 / 0.8).exp();
         assert!((found / expected - 1.0).abs().max_element() < 1e-8, "{found} {expected}");
     }
@@ -230,7 +219,8 @@ mod tests {
                 shadows.for_each_gap(from, from + width, |a, b| cells.darken(a, b));
                 shadows.insert(from, from + width);
             }
-            let found = series.lit_integral(end, &cells, &shadows, &IntervalSet::default());
+            let lit = Lit { cells: &cells, shadows: &shadows, more_shadows: &IntervalSet::default() };
+            let found = series.lit_integral(end, &lit);
             // Left to the per-ray method if it would take too many pieces, as it rarely does.
             prop_assume!(found.is_some());
             let found = found.unwrap_or_default();

@@ -4,16 +4,13 @@
 
 use super::depth_line::DepthLine;
 use super::depth_series::DepthSeries;
-use super::fog_section::{FogSection, LightWay, Line};
-use super::lit_cells::LitCells;
-use super::sweep::PlanarRay;
+use super::lit_cells::Lit;
+use super::section::{FogSection, LightWay, Line};
 use super::thinning_fog::{Ascent, Column, ThinningFog};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, Ray};
-use crate::scattering::{FogBank, henyey_greenstein};
-
-/// Stands for the length of a way through fog that does not end: times 0 it is 0.
-pub(super) const ENDLESS_M: f64 = 1e200;
+use crate::fog::falloff::ENDLESS_M;
+use crate::fog::{FogBank, henyey_greenstein};
+use crate::math::{PlanarRay, Ray};
 
 /// A bank, or its part below its base or above it.
 #[derive(Debug)]
@@ -48,12 +45,7 @@ pub(super) struct Stretch<'a> {
 impl Stretch<'_> {
     /// Light scattered on what is lit of it, where all fog is even.
     #[inline(always)]
-    pub(super) fn even<const LANES: usize>(
-        &self,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
+    pub(super) fn even<const LANES: usize>(&self, lit: &Lit) -> Option<Rgb> {
         let mut scattering = Rgb::ZERO;
         let mut line = DepthLine { start: self.start, at_start: [0.0; LANES], per_reach: [0.0; LANES] };
         for (profile, way) in self.banks.iter().zip(self.ways) {
@@ -69,17 +61,11 @@ impl Stretch<'_> {
         if scattering == Rgb::ZERO {
             return Some(Rgb::ZERO);
         }
-        Some(scattering * line.lit_integral(self.start..self.end, lit, shadows, more_shadows)?)
+        Some(scattering * line.lit_integral(self.start..self.end, lit)?)
     }
 
     /// The same where some fog thins out.
-    pub(super) fn thinning(
-        &self,
-        series: &mut DepthSeries,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
+    pub(super) fn thinning(&self, series: &mut DepthSeries, lit: &Lit) -> Option<Rgb> {
         let mut scatters = false;
         series.clear(self.start);
         for (profile, way) in self.banks.iter().zip(self.ways) {
@@ -114,11 +100,9 @@ impl Stretch<'_> {
         if series.thinning.is_empty() {
             let (at_start, per_reach) = (series.tau_at_start.to_array(), series.tau_per_reach.to_array());
             let line = DepthLine::<3> { start: self.start, at_start, per_reach };
-            return Some(
-                series.scattering * line.lit_integral(self.start..self.end, lit, shadows, more_shadows)?,
-            );
+            return Some(series.scattering * line.lit_integral(self.start..self.end, lit)?);
         }
-        series.lit_integral(self.end, lit, shadows, more_shadows)
+        series.lit_integral(self.end, lit)
     }
 
     fn middle(&self) -> f64 {

@@ -1,24 +1,27 @@
-//! Fog within one slice under a distant light. In go the banks of fog and the half plane, out come,
-//! for any ray of it, transmittance and light scattered on the way. Invariant: everything that does
-//! not depend on the ray is found once a slice.
+//! All fog of one slice. In go the medium and the half plane, out come, for any ray of it, transmittance and light scattered on the
+//! way. Invariant: where there is no answer it says so, and the ray is left to [`Medium::scattered`].
 //!
 //! The light's way through a bank leads from one border of its section to another, the same two between breaks that are
 //! known beforehand; so on every stretch of a ray between breaks all ways are smooth.
 
 use super::depth_series::DepthSeries;
-use super::fog_section::{FogSection, LightWay, Line};
-use super::lit_cells::LitCells;
-use super::stretch::{BankProfile, ENDLESS_M, Stretch, above};
-use super::sweep::PlanarRay;
+use super::lit_cells::{Lit, LitCells};
+use super::section::{FogSection, LightWay, Line};
+use super::stretch::{BankProfile, Stretch, above};
 use super::thinning_fog::Column;
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, Ray};
-use crate::scattering::{FogBank, Medium, exp_minus};
+use crate::fog::beer_lambert::exp_minus;
+use crate::fog::falloff::ENDLESS_M;
+use crate::fog::{FogBank, Medium};
+use crate::light::FrozenLight;
+use crate::math::{IntervalSet, PlanarRay, Ray};
 
 /// All fog of a slice.
 #[derive(Debug, Default)]
-pub(super) struct FogProfile {
+pub struct FogSlice {
+    /// Of the light on a plane across its way, W/m^2; `None` if nothing is known of this slice.
+    irradiance: Option<Rgb>,
     banks: Vec<BankProfile>,
     /// Reaches at which the light's way changes from one border of a bank to another, in order.
     breaks: Vec<f64>,
@@ -32,16 +35,16 @@ pub(super) struct FogProfile {
     /// Fog along the current stretch, where some thins out.
     series: DepthSeries,
     /// What of the light the scene lets through.
-    lit: LitCells,
+    cells: LitCells,
 }
 
 /// What fog does along one ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage {
+pub struct Passage {
     /// Of what lies behind.
-    pub(super) transmittance: Rgb,
-    /// Light scattered on the way, per unit of irradiance, 1/sr.
-    pub(super) scattered: Rgb,
+    pub transmittance: Rgb,
+    /// Radiance scattered on the way, W m^-2 sr^-1.
+    pub scattered: Rgb,
 }
 
 /// Cells for each optical depth of the way through all fog, to the eye and to the light: where they
@@ -51,23 +54,49 @@ const CELLS_PER_DEPTH: f64 = 3.0;
 /// So many scale heights from the base a double tells heights to 1e-10 of one.
 const MOST_SCALE_HEIGHTS: f64 = 1e6;
 
-impl FogProfile {
+impl FogSlice {
     /// Starts over with another slice, in which everything is lit. `slope` is that of a ray like most; all shadows will
-    /// be those of `cuts`. False, and no slice to follow rays in, where heights are too great to tell.
-    pub(super) fn start(
+    /// be those of `cuts`. Nothing is known of it under lamps, and where heights are too great to tell.
+    pub fn start(
         &mut self,
         medium: &Medium,
+        light: &FrozenLight,
         half_plane: &HalfPlane,
         slope: f64,
         cuts: &[Cut],
-    ) -> bool {
-        let Self { banks, breaks, ways, lit, .. } = self;
+    ) {
+        self.irradiance = None;
+        let FrozenLight::Sun { irradiance, .. } = *light else { return };
         self.is_grey = medium.banks().iter().all(|fog| fog.sigma_t == Rgb::splat(fog.sigma_t.x));
-        banks.clear();
+        self.banks.clear();
         for bank in medium.banks() {
-            FogSection::for_each(bank, half_plane, |section| banks.push(BankProfile::new(bank, section)));
+            FogSection::for_each(bank, half_plane, |section| {
+                self.banks.push(BankProfile::new(bank, section))
+            });
         }
-        self.is_even = banks.iter().all(|profile| profile.section.scale_heights.is_none());
+        self.is_even = self.banks.iter().all(|profile| profile.section.scale_heights.is_none());
+        self.find_ways();
+        let ray = Line { at_axis: 0.0, growth: slope };
+        let (mut scale_heights_per_reach, mut farthest) = (0.0_f64, 0.0_f64);
+        for heights in self.banks.iter().filter_map(|profile| profile.section.scale_heights) {
+            scale_heights_per_reach = scale_heights_per_reach.max(heights.along(&ray).growth.abs());
+            farthest = farthest.max(heights.at_eye.abs());
+        }
+        if farthest > MOST_SCALE_HEIGHTS {
+            return;
+        }
+        // Where fog has no end, cells have one where shadows do.
+        let is_bounded = medium.banks().iter().all(FogBank::is_bounded);
+        let ends = if is_bounded { &[] } else { cuts }.iter().flat_map(|cut| cut.ends);
+        let last_reach = ends.fold(0.0_f64, |last, end| last.max(end.x));
+        let cells_per_reach = CELLS_PER_DEPTH * medium.most_extinction_per_m() + scale_heights_per_reach;
+        self.cells.start(&self.breaks, last_reach, cells_per_reach);
+        self.irradiance = Some(irradiance);
+    }
+
+    /// The light's ways through all banks, between one break and the next.
+    fn find_ways(&mut self) {
+        let Self { banks, breaks, ways, .. } = self;
         breaks.clear();
         for profile in banks.iter() {
             profile.section.for_each_break(|reach| {
@@ -83,37 +112,27 @@ impl FogProfile {
             let middle = breaks.get(index).map_or(before + 1.0, |after| 0.5 * (before + after));
             ways.extend(banks.iter().map(|profile| profile.section.light_way(middle)));
         }
-        let depth_per_m: f64 = medium.banks().iter().map(|fog| fog.sigma_t.max_element()).sum();
-        let ray = Line { at_axis: 0.0, growth: slope };
-        let (mut scale_heights_per_reach, mut farthest) = (0.0_f64, 0.0_f64);
-        for heights in banks.iter().filter_map(|profile| profile.section.scale_heights) {
-            scale_heights_per_reach = scale_heights_per_reach.max(heights.along(&ray).growth.abs());
-            farthest = farthest.max(heights.at_eye.abs());
-        }
-        // Where fog has no end, cells have one where shadows do.
-        let is_bounded = medium.banks().iter().all(FogBank::is_bounded);
-        let ends = if is_bounded { &[] } else { cuts }.iter().flat_map(|cut| cut.ends);
-        let last_reach = ends.fold(0.0_f64, |last, end| last.max(end.x));
-        lit.start(breaks, last_reach, CELLS_PER_DEPTH * depth_per_m + scale_heights_per_reach);
-        farthest <= MOST_SCALE_HEIGHTS
     }
 
     /// The light's rays between two reaches, let through until now, are blocked from now on.
-    pub(super) fn darken(&mut self, start: f64, end: f64) {
-        self.lit.darken(start, end);
+    pub fn darken(&mut self, start: f64, end: f64) {
+        if self.irradiance.is_some() {
+            self.cells.darken(start, end);
+        }
     }
 
-    /// Follows a ray up to a reach. The `shadows` are those that [`FogProfile::darken`] was told of;
-    /// `more_shadows` are this ray's own. `None` if the fog changes too fast along it.
-    pub(super) fn follow(
+    /// Follows a ray up to a reach. The first `shadows` are those that [`FogSlice::darken`] was told of, the second
+    /// this ray's own. `None` if nothing is known of the slice, or the fog changes too fast along the ray.
+    pub fn follow(
         &mut self,
         planar: &PlanarRay,
         ray: &Ray,
         end: f64,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
+        shadows: (&IntervalSet, &IntervalSet),
     ) -> Option<Passage> {
-        let Self { banks, breaks, ways, is_grey, is_even, lit, series } = self;
+        let irradiance = self.irradiance?;
+        let Self { banks, breaks, ways, is_grey, is_even, cells, series, .. } = self;
+        let lit = Lit { cells, shadows: shadows.0, more_shadows: shadows.1 };
         let (mut first, mut last) = (f64::INFINITY, 0.0_f64);
         let mut tau = Rgb::ZERO;
         for profile in banks.iter_mut() {
@@ -124,7 +143,7 @@ impl FogProfile {
                 tau += profile.bank.sigma_t * profile.metres;
             }
         }
-        let mut passage = Passage { transmittance: exp_minus(tau), scattered: Rgb::ZERO };
+        let mut scattered = Rgb::ZERO;
         let mut row = breaks.partition_point(|reach| *reach <= first);
         let mut start = first;
         while start < last {
@@ -139,20 +158,21 @@ impl FogProfile {
             }
             let ways = &ways[row * banks.len()..][..banks.len()];
             let stretch = Stretch { banks, ways, ray: planar, start, end };
-            passage.scattered += match (*is_even, *is_grey) {
-                (true, true) => stretch.even::<1>(lit, shadows, more_shadows)?,
-                (true, false) => stretch.even::<3>(lit, shadows, more_shadows)?,
-                (false, _) => stretch.thinning(series, lit, shadows, more_shadows)?,
+            scattered += match (*is_even, *is_grey) {
+                (true, true) => stretch.even::<1>(&lit)?,
+                (true, false) => stretch.even::<3>(&lit)?,
+                (false, _) => stretch.thinning(series, &lit)?,
             };
             start = end;
         }
         // In full shadow rounding may leave a trace of either sign.
-        passage.scattered = (passage.scattered / planar.direction.x).max(Rgb::ZERO);
-        Some(passage)
+        let scattered = (scattered / planar.direction.x).max(Rgb::ZERO) * irradiance;
+        Some(Passage { transmittance: exp_minus(tau), scattered })
     }
 
-    /// The share of the light that gets through to the place on a ray at a reach.
-    pub(super) fn transmittance_to_light(&self, ray: &PlanarRay, reach: f64) -> Rgb {
+    /// The share of the light that gets through to the place on a ray at a reach, if that is known.
+    pub fn transmittance_to_light(&self, ray: &PlanarRay, reach: f64) -> Option<Rgb> {
+        self.irradiance?;
         let row = self.breaks.partition_point(|before| *before <= reach);
         let ways = &self.ways[row * self.banks.len()..][..self.banks.len()];
         let depth_in = |(profile, way): (&BankProfile, &Option<LightWay>)| {
@@ -163,6 +183,6 @@ impl FogProfile {
             };
             profile.bank.sigma_t * metres.clamp(0.0, ENDLESS_M)
         };
-        exp_minus(self.banks.iter().zip(ways).map(depth_in).sum())
+        Some(exp_minus(self.banks.iter().zip(ways).map(depth_in).sum()))
     }
 }

@@ -2,9 +2,11 @@
 //! part of it that is lit. Invariant: in closed form wherever there is one; elsewhere from one fit,
 //! which a hundred lit parts share.
 
+use super::beer_lambert::{exp_minus, mean_transmittance};
+use super::falloff::Climb;
+use super::stretch::Stretch;
 use crate::color::Rgb;
 use crate::math::{Antiderivative, Ray};
-use crate::scattering::{Climb, Course, Medium, Stretch, exp_minus, mean_transmittance};
 use glam::DVec3;
 
 /// What a fit may be wrong by, as a share of what the whole stretch would scatter without any shadow.
@@ -23,25 +25,15 @@ pub(super) enum SunStretch {
 }
 
 impl SunStretch {
-    pub(super) fn new(medium: &Medium, stretch: &Stretch, ray: &Ray, to_light: DVec3) -> Self {
-        let cos = to_light.dot(ray.direction);
-        let line = match medium.course(stretch, ray, to_light) {
-            Course::Even => DepthLine::even(medium, stretch, ray, to_light),
-            Course::Thinning { climb, tau_per_m } => {
-                let tau_at_start = tau(medium, stretch, ray, to_light, stretch.start);
-                DepthLine { start: stretch.start, climb: Some(climb), tau_at_start, tau_per_m }
-            }
-            Course::Mixed => {
-                let mut fitted = Antiderivative::default();
-                let integrand = |t: f64| {
-                    let tau = tau(medium, stretch, ray, to_light, t);
-                    medium.scattering(stretch, ray, t, cos) * exp_minus(tau)
-                };
-                fitted.fit(integrand, stretch.start, stretch.end, TOLERANCE);
-                return Self::Fitted(fitted);
-            }
-        };
-        Self::Closed { scattering: medium.densest_scattering(stretch, cos), line }
+    pub(super) fn new(stretch: &Stretch, to_light: DVec3) -> Self {
+        let cos = to_light.dot(stretch.ray.direction);
+        if let Some(line) = DepthLine::of(stretch, to_light) {
+            return Self::Closed { scattering: stretch.densest_scattering(cos), line };
+        }
+        let mut fitted = Antiderivative::default();
+        let integrand = |t: f64| stretch.scattering(t, cos) * exp_minus(stretch.tau(t));
+        fitted.fit(integrand, stretch.start, stretch.end, TOLERANCE);
+        Self::Fitted(fitted)
     }
 
     /// Over a lit part, 1/sr.
@@ -51,11 +43,6 @@ impl SunStretch {
             Self::Fitted(fitted) => fitted.between(start, end),
         }
     }
-}
-
-/// Optical depth from the eye over a place on the ray to the light.
-fn tau(medium: &Medium, stretch: &Stretch, ray: &Ray, to_light: DVec3, t: f64) -> Rgb {
-    medium.tau_to_eye(stretch, ray, t) + medium.optical_depth(ray.at(t), to_light, f64::INFINITY)
 }
 
 /// The optical depth from the eye to `t` and on to a distant light: linear on a stretch in the metres
@@ -69,15 +56,50 @@ pub(super) struct DepthLine {
 }
 
 impl DepthLine {
+    /// `None` if the optical depth is no such line.
+    fn of(stretch: &Stretch, to_light: DVec3) -> Option<Self> {
+        let Stretch { ray, start, .. } = *stretch;
+        let middle = stretch.middle();
+        let (mut thinning, mut count) = (None, 0);
+        for (index, fog) in stretch.medium.banks().iter().enumerate() {
+            let is_inside = stretch.is_inside(index);
+            if !is_inside && fog.length(ray.at(middle), to_light, f64::INFINITY) == 0.0 {
+                continue;
+            }
+            count += 1;
+            let Some(climb) = fog.climb(ray) else { continue };
+            if fog.is_bounded() {
+                return None;
+            }
+            // Below the base it is as dense everywhere, and the column above weighs the same.
+            if climb.height(middle) <= 0.0 {
+                continue;
+            }
+            // At height u the way to a light at the elevation k' weighs exp(-u) / k', and per metre
+            // at base density u grows by k exp(u): the two exponentials cancel.
+            let towards_light = fog.climb(&Ray { origin: DVec3::ZERO, direction: to_light })?;
+            if !is_inside || towards_light.per_m <= 0.0 {
+                return None;
+            }
+            thinning = Some((climb, fog.sigma_t * (1.0 - climb.per_m / towards_light.per_m)));
+        }
+        match thinning {
+            None => Some(Self::even(stretch)),
+            Some((climb, tau_per_m)) if count == 1 => {
+                Some(Self { start, climb: Some(climb), tau_at_start: stretch.tau(start), tau_per_m })
+            }
+            Some(_) => None,
+        }
+    }
+
     /// In fog that is as dense everywhere.
-    fn even(medium: &Medium, stretch: &Stretch, ray: &Ray, to_light: DVec3) -> Self {
-        let width = stretch.end - stretch.start;
+    fn even(stretch: &Stretch) -> Self {
+        let Stretch { start, end, .. } = *stretch;
         // Just inside, so that a way that starts in a face is measured on this stretch's side.
-        let (a, b) = (stretch.start + 1e-3 * width, stretch.end - 1e-3 * width);
-        let (tau_a, tau_b) = (tau(medium, stretch, ray, to_light, a), tau(medium, stretch, ray, to_light, b));
+        let (a, b) = (start + 1e-3 * (end - start), end - 1e-3 * (end - start));
+        let (tau_a, tau_b) = (stretch.tau(a), stretch.tau(b));
         let tau_per_m = (tau_b - tau_a) / (b - a);
-        let tau_at_start = tau_a - tau_per_m * (a - stretch.start);
-        Self { start: stretch.start, climb: None, tau_at_start, tau_per_m }
+        Self { start, climb: None, tau_at_start: tau_a - tau_per_m * (a - start), tau_per_m }
     }
 
     fn metres(&self, start: f64, end: f64) -> f64 {
