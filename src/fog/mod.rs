@@ -16,7 +16,6 @@ mod scattered;
 mod slice;
 mod stretch;
 mod sun_stretch;
-mod veils;
 
 pub use bank::FogBank;
 pub use beer_lambert::exp_minus;

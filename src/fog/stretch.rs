@@ -107,13 +107,9 @@ impl<'a> Stretch<'a> {
     }
 
     /// Banks by a mask of their numbers.
-    fn members(&self, mut mask: u64) -> impl Iterator<Item = &'a FogBank> {
-        let banks = self.medium.banks();
-        std::iter::from_fn(move || {
-            let fog = banks.get(mask.trailing_zeros() as usize)?;
-            mask &= mask - 1;
-            Some(fog)
-        })
+    fn members(&self, mask: u64) -> impl Iterator<Item = &'a FogBank> {
+        let banks = self.medium.banks().iter().enumerate();
+        banks.filter(move |(index, _)| mask >> index & 1 == 1).map(|(_, fog)| fog)
     }
 }
 
