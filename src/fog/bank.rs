@@ -1,5 +1,5 @@
-//! One bank of fog: where it is, how dense it is there, what it does to light. In go lines, out come lengths and densities. Invariant: lengths are exact in double precision also
-//! for lines that run in a face of the bank's box, and finite also for lines that do not end.
+//! One bank of fog: where it is, how dense it is there, what it does to light. In go lines, out come lengths and densities. Invariant: lengths
+//! are exact also for lines that run in a face of the bank's box, and finite also for lines that do not end.
 
 use super::beer_lambert::NOTHING_LEFT;
 use super::falloff::{Climb, Falloff};
@@ -70,7 +70,7 @@ impl FogBank {
     }
 
     /// How it thins out, if it does so with height.
-    pub(super) fn falloff(&self) -> Option<&Falloff> {
+    fn falloff(&self) -> Option<&Falloff> {
         match &self.density {
             Density::Even => None,
             Density::Thinning(falloff) => Some(falloff),
@@ -84,7 +84,10 @@ impl FogBank {
 
     /// Whether its density changes about a place on a ray.
     pub(super) fn changes_at(&self, ray: &Ray, t: f64) -> bool {
-        self.climb(ray).is_some_and(|climb| climb.height(t) > 0.0)
+        match &self.density {
+            Density::Even => false,
+            Density::Thinning(falloff) => falloff.along(ray).height(t) > 0.0,
+        }
     }
 
     /// Metres, as dense as where it is densest, between two places on a ray that are inside.

@@ -67,10 +67,10 @@ impl DepthLine {
                 continue;
             }
             count += 1;
-            let Some(climb) = fog.climb(ray) else { continue };
-            if fog.is_bounded() {
-                return None;
+            if fog.is_even() {
+                continue;
             }
+            let climb = fog.climb(ray).filter(|_| !fog.is_bounded())?;
             // Below the base it is as dense everywhere, and the column above weighs the same.
             if climb.height(middle) <= 0.0 {
                 continue;

@@ -65,7 +65,7 @@ const MOST_SCALE_HEIGHTS: f64 = 1e6;
 
 impl FogSlice {
     /// Starts over with another slice, in which everything is lit. `slope` is that of a ray like most; all shadows will
-    /// be those of `cuts`. Nothing is known of it under lamps, and where heights are too great to tell.
+    /// be those of `cuts`.
     pub fn start(
         &mut self,
         medium: &Medium,
@@ -74,14 +74,21 @@ impl FogSlice {
         slope: f64,
         cuts: &[Cut],
     ) {
-        self.irradiance = None;
-        let FrozenLight::Sun { irradiance, .. } = *light else { return };
+        self.irradiance = match *light {
+            FrozenLight::Sun { irradiance, .. } => {
+                self.find(medium, half_plane, slope, cuts).map(|()| irradiance)
+            }
+            FrozenLight::Point { .. } => None,
+        };
+    }
+
+    /// `None` where a bank has no sections, or where heights are too great to tell.
+    fn find(&mut self, medium: &Medium, half_plane: &HalfPlane, slope: f64, cuts: &[Cut]) -> Option<()> {
         self.is_grey = medium.banks().iter().all(|fog| fog.sigma_t == Rgb::splat(fog.sigma_t.x));
         self.banks.clear();
         for bank in medium.banks() {
-            FogSection::for_each(bank, half_plane, |section| {
-                self.banks.push(BankProfile::new(bank, section))
-            });
+            let add = |section| self.banks.push(BankProfile::new(bank, section));
+            FogSection::for_each(bank, half_plane, add)?;
         }
         self.is_even = self.banks.iter().all(|profile| profile.section.scale_heights.is_none());
         self.find_ways();
@@ -91,16 +98,13 @@ impl FogSlice {
             scale_heights_per_reach = scale_heights_per_reach.max(heights.along(&ray).growth.abs());
             farthest = farthest.max(heights.at_eye.abs());
         }
-        if farthest > MOST_SCALE_HEIGHTS {
-            return;
-        }
         // Where fog has no end, cells have one where shadows do.
         let is_bounded = medium.banks().iter().all(FogBank::is_bounded);
         let ends = if is_bounded { &[] } else { cuts }.iter().flat_map(|cut| cut.ends);
         let last_reach = ends.fold(0.0_f64, |last, end| last.max(end.x));
         let cells_per_reach = CELLS_PER_DEPTH * medium.most_extinction_per_m() + scale_heights_per_reach;
         self.cells.start(&self.breaks, last_reach, cells_per_reach);
-        self.irradiance = Some(irradiance);
+        (farthest <= MOST_SCALE_HEIGHTS).then_some(())
     }
 
     /// The light's ways through all banks, between one break and the next.
