@@ -18,12 +18,27 @@ pub(super) struct DepthLine<const LANES: usize> {
 }
 
 impl<const LANES: usize> DepthLine<LANES> {
+    /// No depth.
+    #[inline(always)]
+    pub(super) fn new(start: f64) -> Self {
+        Self { start, at_start: [0.0; LANES], per_reach: [0.0; LANES] }
+    }
+
+    /// Adds metres of a bank.
+    #[inline(always)]
+    pub(super) fn add(&mut self, sigma_t: Rgb, metres_at_start: f64, metres_per_reach: f64) {
+        for lane in 0..LANES {
+            self.at_start[lane] += sigma_t[lane] * metres_at_start;
+            self.per_reach[lane] += sigma_t[lane] * metres_per_reach;
+        }
+    }
+
     /// `integral of exp(-tau)` over what is lit of a range: see [`Lit::for_each_piece`]. `None` if the fog
     /// changes too fast along it. What is left out is the eighth power of half a piece's change over `8!` of
     /// the integral at most: 1e-7.
     #[inline(always)]
     pub(super) fn lit_integral(&self, range: Range<f64>, lit: &Lit) -> Option<Rgb> {
-        let steepest = self.per_reach.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+        let steepest = self.steepest();
         let is_thick = steepest * (range.end - range.start) > NOTHING_LEFT;
         let range = if is_thick { self.visible(range) } else { range };
         if steepest * (range.end - range.start) > MOST_PIECES {
@@ -38,6 +53,12 @@ impl<const LANES: usize> DepthLine<LANES> {
         };
         lit.for_each_piece(range, |_| steepest, add);
         Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
+    }
+
+    /// How fast the depth changes per reach, of the colour of which it does most.
+    #[inline(always)]
+    pub(super) fn steepest(&self) -> f64 {
+        self.per_reach.iter().fold(0.0, |most, k| most.max(k.abs()))
     }
 
     /// The part of a range where, of some colour, something is left beside what gets through at its brighter end.

@@ -20,11 +20,10 @@ use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::light::FrozenLight;
 use crate::math::{IntervalSet, PlanarRay, Ray};
-use depth_series::DepthSeries;
 use lit_cells::{Lit, LitCells};
 use section::{FogSection, LightWay, Line};
 use stretch::{BankProfile, Stretch, above};
-use thinning_fog::Column;
+use thinning_fog::{Column, ThinningFog};
 
 /// All fog of a slice.
 #[derive(Debug, Default)]
@@ -41,8 +40,8 @@ pub struct FogSlice {
     is_grey: bool,
     /// Whether no fog thins out with height.
     is_even: bool,
-    /// Fog along the current stretch, where some thins out.
-    series: DepthSeries,
+    /// Of the current stretch.
+    thinning: Vec<ThinningFog>,
     /// What of the light the scene lets through.
     cells: LitCells,
 }
@@ -144,7 +143,7 @@ impl FogSlice {
         shadows: (&IntervalSet, &IntervalSet),
     ) -> Option<Passage> {
         let irradiance = self.irradiance?;
-        let Self { banks, breaks, ways, is_grey, is_even, cells, series, .. } = self;
+        let Self { banks, breaks, ways, is_grey, is_even, cells, thinning, .. } = self;
         let lit = Lit { cells, shadows: shadows.0, more_shadows: shadows.1 };
         let (mut first, mut last) = (f64::INFINITY, 0.0_f64);
         let mut tau = Rgb::ZERO;
@@ -174,7 +173,7 @@ impl FogSlice {
             scattered += match (*is_even, *is_grey) {
                 (true, true) => stretch.even::<1>(&lit)?,
                 (true, false) => stretch.even::<3>(&lit)?,
-                (false, _) => stretch.thinning(series, &lit)?,
+                (false, _) => stretch.thinning(thinning, &lit)?,
             };
             start = end;
         }
