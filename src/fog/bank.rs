@@ -69,17 +69,12 @@ impl FogBank {
         matches!(self.density, Density::Even)
     }
 
-    /// How it thins out, if it does so with height.
-    fn falloff(&self) -> Option<&Falloff> {
-        match &self.density {
-            Density::Even => None,
-            Density::Thinning(falloff) => Some(falloff),
-        }
-    }
-
     /// Heights along a ray, if it thins out with them.
     pub(super) fn climb(&self, ray: &Ray) -> Option<Climb> {
-        self.falloff().map(|falloff| falloff.along(ray))
+        match &self.density {
+            Density::Even => None,
+            Density::Thinning(falloff) => Some(falloff.along(ray)),
+        }
     }
 
     /// Whether its density changes about a place on a ray.
@@ -205,9 +200,10 @@ impl FogBank {
                 (self.cube_from_relative.transform_point3(position) - origin, -direction)
             }
         };
-        let base = self.falloff().map(|falloff| falloff.base_y);
-        if let Some(climb) = self.climb(ray) {
-            kink(climb.at_base());
+        let mut base = None;
+        if let Density::Thinning(falloff) = &self.density {
+            base = Some(falloff.base_y);
+            kink(falloff.along(ray).at_base());
         }
         let faces = |axis: usize| [-1.0, 1.0].into_iter().chain(base.filter(|_| axis == 1));
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {

@@ -1,13 +1,17 @@
-//! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit segments: visibility is a union of
-//! intervals found from the triangles themselves. Invariant: nothing is sampled, nothing is stepped.
+//! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit segments: opaque triangles end the light
+//! on an interval of the ray, blended ones dim it there. Invariant: where light begins and ends is never sampled.
 
-use super::veils;
-use super::visibility::Way;
-use crate::accel::LightPlane;
+use super::visibility::{BlendedHit, Way, blended_hits};
+use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
+use crate::color::Rgb;
 use crate::fog::LitSegments;
 use crate::light::FrozenLight;
 use crate::math::Ray;
 use crate::snapshot::Snapshot;
+
+/// Into so many equal parts the shadow of a textured triangle is cut; each takes the alpha that the light
+/// to its middle meets.
+const TEXTURED_PARTS: usize = 8;
 
 /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
 pub fn lit_segments(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) -> LitSegments {
@@ -25,7 +29,7 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
         FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
     };
     if snapshot.has_blended() {
-        veils::add(lit, snapshot, (ray, light), plane.as_ref(), &way.blended);
+        dim(lit, snapshot, (ray, light), plane.as_ref(), &way.blended);
     }
     match plane {
         Some(plane) if way.passes_hidden => {
@@ -41,6 +45,38 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
     }
 }
 
+/// Dims a ray by all that the camera looks through on it, and by what lies in the light's way.
+fn dim(
+    lit: &mut LitSegments,
+    snapshot: &Snapshot,
+    (ray, light): (&Ray, &FrozenLight),
+    plane: Option<&LightPlane>,
+    blended: &[BlendedHit],
+) {
+    for hit in blended {
+        lit.dim(hit.t, f64::INFINITY, hit.point.see_through);
+    }
+    let Some(plane) = plane else {
+        for (shadow, see_through) in shadows_in_line(snapshot, ray, light, lit.range().0) {
+            lit.dim(shadow.start, shadow.end, see_through);
+        }
+        return lit.resolve();
+    };
+    let mut shadows = Vec::new();
+    snapshot.blended.add_each_shadow(plane, &mut shadows);
+    for shadow in shadows {
+        let parts = if snapshot.is_textured(shadow.primitive) { TEXTURED_PARTS } else { 1 };
+        let width = (shadow.end - shadow.start) / parts as f64;
+        for part in 0..parts {
+            let start = shadow.start + part as f64 * width;
+            let end = if part + 1 == parts { shadow.end } else { start + width };
+            let transmittance = met_at(snapshot, ray, light, shadow.primitive, 0.5 * (start + end));
+            lit.dim(start, end, transmittance);
+        }
+    }
+    lit.resolve();
+}
+
 /// Ray and light in one line: the whole range is lit or dark.
 fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) -> bool {
     // The middle of the range sees the light along the ray itself, forwards or backwards. Between
@@ -48,4 +84,42 @@ fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range
     let origin = ray.at(0.5 * (range.0 + range.1));
     let (to_light, distance, _) = light.arriving_at(origin);
     snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
+}
+
+/// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond: its shadow and what it
+/// lets through, as seen from a place on the ray.
+pub(super) fn shadows_in_line(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    light: &FrozenLight,
+    from: f64,
+) -> impl Iterator<Item = (TriangleShadow, Rgb)> {
+    let light_at = match *light {
+        FrozenLight::Sun { to_light, .. } => f64::INFINITY.copysign(to_light.dot(ray.direction)),
+        FrozenLight::Point { position, .. } => (position - ray.origin).dot(ray.direction),
+    };
+    [1.0, -1.0].into_iter().flat_map(move |sign| {
+        let line = Ray { origin: ray.at(from), direction: sign * ray.direction };
+        blended_hits(snapshot, &line, &(0.0..f64::INFINITY), None).into_iter().map(move |hit| {
+            let t = from + sign * hit.t;
+            let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
+            (TriangleShadow { primitive: hit.point.primitive, start, end }, hit.point.see_through)
+        })
+    })
+}
+
+/// What gets through a triangle of the light that goes to a place on the ray.
+pub(super) fn met_at(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    light: &FrozenLight,
+    primitive: PrimitiveId,
+    t: f64,
+) -> Rgb {
+    let origin = ray.at(t);
+    let (to_light, ..) = light.arriving_at(origin);
+    let way = Ray { origin, direction: to_light };
+    let facet = snapshot.facet(primitive);
+    let distance = facet.distance_along(&way);
+    if distance.is_finite() { facet.seen_along(&way, distance).see_through } else { Rgb::ONE }
 }

@@ -13,7 +13,6 @@ mod shafts;
 mod sky_light;
 pub mod slices;
 mod stack;
-mod veils;
 mod visibility;
 
 pub use direct::unshadowed;

@@ -8,8 +8,8 @@
 //! left. Light of the sky, and mirrors, are left to a few surfaces that stand for all.
 
 use super::direct;
+use super::lit_segments::{met_at, shadows_in_line};
 use super::path::Illumination;
-use super::veils::{met_at, shadows_in_line};
 use super::visibility::{BlendedHit, NEGLIGIBLE};
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
