@@ -15,7 +15,7 @@ pub(super) const EDGE_SLACK: f64 = 1e-9;
 const FARTHEST_M: f64 = 1e15;
 
 /// How dense fog is, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Density {
     /// The same everywhere.
     Even,
@@ -24,7 +24,7 @@ enum Density {
 }
 
 /// Fog in a parallelepiped, or everywhere. Frozen at one time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct FogBank {
     /// Without bounds: maps everything to the middle of the cube, so that no line ever leaves it.
     cube_from_relative: DAffine3,

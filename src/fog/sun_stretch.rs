@@ -14,22 +14,17 @@ const TOLERANCE: f64 = 1e-11;
 
 /// Light scattered on a stretch, per unit of irradiance.
 pub(super) enum SunStretch {
-    /// The optical depth changes in proportion to a measure along the ray.
-    Closed {
-        /// `sigma_s * phase`, per metre at base density and sr.
-        scattering: Rgb,
-        line: DepthLine,
-    },
+    Closed(ClosedForm),
     /// An integral that has no closed form.
     Fitted(Antiderivative),
 }
 
 impl SunStretch {
     pub(super) fn new(stretch: &Stretch, to_light: DVec3) -> Self {
-        let cos = to_light.dot(stretch.ray.direction);
-        if let Some(line) = DepthLine::of(stretch, to_light) {
-            return Self::Closed { scattering: stretch.densest_scattering(cos), line };
+        if let Some(closed) = ClosedForm::of(stretch, to_light) {
+            return Self::Closed(closed);
         }
+        let cos = to_light.dot(stretch.ray.direction);
         let mut fitted = Antiderivative::default();
         let integrand = |t: f64| stretch.scattering(t, cos) * exp_minus(stretch.tau(t));
         fitted.fit(integrand, stretch.start, stretch.end, TOLERANCE);
@@ -39,15 +34,17 @@ impl SunStretch {
     /// Over a lit part, 1/sr.
     pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
         match self {
-            Self::Closed { scattering, line } => *scattering * line.integral(start, end),
+            Self::Closed(closed) => closed.integral(start, end),
             Self::Fitted(fitted) => fitted.between(start, end),
         }
     }
 }
 
-/// The optical depth from the eye to `t` and on to a distant light: linear on a stretch in the metres
-/// of fog on the way, counted at the density of the fog's base.
-pub(super) struct DepthLine {
+/// Where the optical depth from the eye to `t` and on to a distant light is linear in the metres of fog on the
+/// way, counted at the density of the fog's base.
+pub(super) struct ClosedForm {
+    /// `sigma_s * phase`, per metre at base density and sr.
+    scattering: Rgb,
     start: f64,
     /// Heights along the ray, where the fog thins out.
     climb: Option<Climb>,
@@ -55,10 +52,10 @@ pub(super) struct DepthLine {
     tau_per_m: Rgb,
 }
 
-impl DepthLine {
-    /// `None` if the optical depth is no such line.
+impl ClosedForm {
+    /// `None` if the optical depth is not linear.
     fn of(stretch: &Stretch, to_light: DVec3) -> Option<Self> {
-        let Stretch { ray, start, .. } = *stretch;
+        let Stretch { ray, start, end, .. } = *stretch;
         let middle = stretch.middle();
         let (mut thinning, mut count) = (None, 0);
         for (index, fog) in stretch.medium.banks().iter().enumerate() {
@@ -83,32 +80,27 @@ impl DepthLine {
             }
             thinning = Some((climb, fog.sigma_t * (1.0 - climb.per_m / towards_light.per_m)));
         }
-        match thinning {
-            None => Some(Self::even(stretch)),
-            Some((climb, tau_per_m)) if count == 1 => {
-                Some(Self { start, climb: Some(climb), tau_at_start: stretch.tau(start), tau_per_m })
-            }
-            Some(_) => None,
+        let scattering = stretch.densest_scattering(to_light.dot(ray.direction));
+        if let Some((climb, tau_per_m)) = thinning {
+            let tau_at_start = stretch.tau(start);
+            let line = Self { scattering, start, climb: Some(climb), tau_at_start, tau_per_m };
+            return (count == 1).then_some(line);
         }
-    }
-
-    /// In fog that is as dense everywhere.
-    fn even(stretch: &Stretch) -> Self {
-        let Stretch { start, end, .. } = *stretch;
         // Just inside, so that a way that starts in a face is measured on this stretch's side.
         let (a, b) = (start + 1e-3 * (end - start), end - 1e-3 * (end - start));
         let (tau_a, tau_b) = (stretch.tau(a), stretch.tau(b));
         let tau_per_m = (tau_b - tau_a) / (b - a);
-        Self { start, climb: None, tau_at_start: tau_a - tau_per_m * (a - start), tau_per_m }
+        let tau_at_start = tau_a - tau_per_m * (a - start);
+        Some(Self { scattering, start, climb: None, tau_at_start, tau_per_m })
     }
 
     fn metres(&self, start: f64, end: f64) -> f64 {
         self.climb.map_or(end - start, |climb| climb.metres_at_base_density(start, end))
     }
 
-    /// `integral of density * exp(-tau) dt` over `[start, end]`, metres at base density.
+    /// `integral of density * exp(-tau) dt` over `[start, end]`, times the scattering.
     ///
-    /// Written as `metres * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the ends'
+    /// The integral is written as `metres * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the ends'
     /// depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
     fn integral(&self, start: f64, end: f64) -> Rgb {
         let (before, metres) = (self.metres(self.start, start), self.metres(start, end));
@@ -119,8 +111,8 @@ impl DepthLine {
         };
         let (tau, k) = (self.tau_at_start, self.tau_per_m);
         if tau.x == tau.y && tau.y == tau.z && k.x == k.y && k.y == k.z {
-            return Rgb::splat(one(tau.x, k.x));
+            return self.scattering * Rgb::splat(one(tau.x, k.x));
         }
-        Rgb::new(one(tau.x, k.x), one(tau.y, k.y), one(tau.z, k.z))
+        self.scattering * Rgb::new(one(tau.x, k.x), one(tau.y, k.y), one(tau.z, k.z))
     }
 }

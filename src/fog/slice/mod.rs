@@ -22,7 +22,7 @@ use crate::light::FrozenLight;
 use crate::math::{IntervalSet, PlanarRay, Ray};
 use lit_cells::{Lit, LitCells};
 use section::{FogSection, LightWay, Line};
-use stretch::{BankProfile, Stretch, above};
+use stretch::{BankProfile, SliceStretch, above};
 use thinning_fog::{Column, ThinningFog};
 
 /// All fog of a slice.
@@ -169,7 +169,7 @@ impl FogSlice {
                 end = if leave > start { end.min(leave) } else { end };
             }
             let ways = &ways[row * banks.len()..][..banks.len()];
-            let stretch = Stretch { banks, ways, ray: planar, start, end };
+            let stretch = SliceStretch { banks, ways, ray: planar, start, end };
             scattered += match (*is_even, *is_grey) {
                 (true, true) => stretch.even::<1>(&lit)?,
                 (true, false) => stretch.even::<3>(&lit)?,

@@ -33,7 +33,7 @@ pub(super) fn above(way: LightWay, ray: &PlanarRay, reach: f64) -> Option<LightW
 }
 
 /// A part of a ray on which nothing but distances changes.
-pub(super) struct Stretch<'a> {
+pub(super) struct SliceStretch<'a> {
     pub(super) banks: &'a [BankProfile],
     /// The light's way through each bank.
     pub(super) ways: &'a [Option<LightWay>],
@@ -42,7 +42,7 @@ pub(super) struct Stretch<'a> {
     pub(super) end: f64,
 }
 
-impl Stretch<'_> {
+impl SliceStretch<'_> {
     /// Light scattered on what is lit of it, where all fog is even.
     #[inline(always)]
     pub(super) fn even<const LANES: usize>(&self, lit: &Lit) -> Option<Rgb> {
@@ -132,7 +132,7 @@ impl Stretch<'_> {
 
 impl BankProfile {
     pub(super) fn new(bank: &FogBank, section: FogSection) -> Self {
-        Self { bank: *bank, section, span: (0.0, 0.0), metres: 0.0, scattering: Rgb::ZERO }
+        Self { bank: bank.clone(), section, span: (0.0, 0.0), metres: 0.0, scattering: Rgb::ZERO }
     }
 
     /// Finds where a ray that ends at a reach is inside.
