@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 20] = [
     "color",
     "diagnostic",
     "math",
@@ -15,6 +15,8 @@ const ORDER: [&str; 18] = [
     "export",
     "accel",
     "scattering",
+    "light",
+    "fog",
     "snapshot",
     "transport",
     "film",

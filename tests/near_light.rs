@@ -4,10 +4,9 @@
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use sunfleck::color::Rgb;
+use sunfleck::fog::{FogBank, LitSegments, Medium, exp_minus, henyey_greenstein};
 use sunfleck::math::{IntervalSet, Ray, gauss_legendre};
-use sunfleck::scattering::{FogBank, Medium, exp_minus, henyey_greenstein};
 use sunfleck::snapshot::{Cone, Emission, FrozenLight};
-use sunfleck::transport::LitSegments;
 
 /// The project's bar for near lights, relative to the whole ray.
 const BAR: f64 = 2e-6;
@@ -40,10 +39,8 @@ impl Case {
 
     /// What the renderer finds with these shadows.
     fn found(&self, shadows: &IntervalSet) -> f64 {
-        let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
-        self.medium.stretches(&self.ray, f64::INFINITY, self.light.place(), &mut cuts, &mut stretches);
         let lit = LitSegments::from_shadows(shadows.clone(), self.range());
-        lit.integrate(&self.medium, &stretches, &self.ray, &self.light).x
+        self.medium.scattered(&self.ray, f64::INFINITY, &lit, &self.light).x
     }
 
     /// 16 nodes on each of so many pieces of each lit part, in the distance along the ray.

@@ -10,10 +10,10 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
+use sunfleck::fog::henyey_greenstein;
 use sunfleck::math::{Ray, Sampler, gauss_legendre};
 use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Placement, Watch, render};
-use sunfleck::scattering::henyey_greenstein;
 use sunfleck::scene::{
     Coat, Instance, Lens, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Sky, SkyLight,
     SkyPicture, Texture, Triangle, Window, Wrap,

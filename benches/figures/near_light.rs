@@ -5,10 +5,9 @@ use glam::{DAffine3, DVec3};
 use std::hint::black_box;
 use std::time::Instant;
 use sunfleck::color::Rgb;
+use sunfleck::fog::{FogBank, LitSegments, Medium, exp_minus, henyey_greenstein};
 use sunfleck::math::{IntervalSet, Ray, Sampler, gauss_legendre};
-use sunfleck::scattering::{FogBank, Medium, Stretch, exp_minus, henyey_greenstein};
 use sunfleck::snapshot::{Emission, FrozenLight};
-use sunfleck::transport::LitSegments;
 
 const RAYS: u32 = 200;
 
@@ -51,7 +50,6 @@ fn fog(g: f64) -> Medium {
 /// A ray and what is lit of it.
 struct LitRay {
     ray: Ray,
-    stretches: Vec<Stretch>,
     shadows: IntervalSet,
     range: (f64, f64),
 }
@@ -64,15 +62,13 @@ fn rays(medium: &Medium, parts: u32) -> Vec<LitRay> {
             direction: DVec3::new(1.6 * x - 0.8, 0.9 * y - 0.45, -1.0).normalize(),
         };
         let range = medium.range(&ray, f64::INFINITY)?;
-        let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
-        medium.stretches(&ray, f64::INFINITY, LAMP.place(), &mut cuts, &mut stretches);
         let mut shadows = IntervalSet::default();
         let tooth = (range.1 - range.0) / f64::from(2 * parts - 1);
         for index in 0..parts - 1 {
             let from = range.0 + f64::from(2 * index + 1) * tooth;
             shadows.insert(from, from + tooth);
         }
-        Some(LitRay { ray, stretches, shadows, range })
+        Some(LitRay { ray, shadows, range })
     };
     (0..RAYS).filter_map(ray).collect()
 }
@@ -80,7 +76,7 @@ fn rays(medium: &Medium, parts: u32) -> Vec<LitRay> {
 impl LitRay {
     fn found(&self, medium: &Medium) -> f64 {
         let lit = LitSegments::from_shadows(self.shadows.clone(), self.range);
-        lit.integrate(medium, &self.stretches, &self.ray, &LAMP).x
+        medium.scattered(&self.ray, f64::INFINITY, &lit, &LAMP).x
     }
 
     /// 16 nodes on each of 100 pieces of each lit part.

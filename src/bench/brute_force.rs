@@ -3,11 +3,12 @@
 //! the exact method is from what follows from them. Invariant: shares no code with the trees.
 
 use crate::color::Rgb;
+use crate::fog::LitSegments;
+use crate::light::LightPlace;
 use crate::math::{IntervalSet, Ray, Sampler};
-use crate::scattering::LightPlace;
 use crate::scene::Scene;
 use crate::snapshot::{Luminaire, Snapshot};
-use crate::transport::LitSegments;
+use crate::transport::lit_segments;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -57,14 +58,11 @@ pub fn deviation(
             let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None);
             let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
             let range = snapshot.medium.range(&ray, distance)?;
-            let (mut cuts, mut stretches) = (Vec::new(), Vec::new());
-            snapshot.medium.stretches(&ray, distance, light.place(), &mut cuts, &mut stretches);
-            let mut found = LitSegments::default();
-            found.find(snapshot, &ray, light, range);
+            let found = lit_segments(snapshot, &ray, light, range);
             let truth = shadows(triangles, &ray, light.place(), range);
             let truth = LitSegments::from_shadows(truth, range);
             let value = |lit: &LitSegments| {
-                let scattered: Rgb = lit.integrate(&snapshot.medium, &stretches, &ray, light);
+                let scattered: Rgb = snapshot.medium.scattered(&ray, distance, lit, light);
                 scattered.element_sum() / 3.0
             };
             Some((value(&found), value(&truth)))

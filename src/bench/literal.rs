@@ -8,8 +8,8 @@
 use super::Stage;
 use super::method::timed;
 use crate::color::Rgb;
+use crate::fog::exp_minus;
 use crate::math::{Ray, Sampler};
-use crate::scattering::exp_minus;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use crate::transport::{MarchSteps, Scratch, Transport, VolumeMethod, radiance};
 use glam::DVec3;

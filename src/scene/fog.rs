@@ -25,7 +25,7 @@ pub struct Fog {
 }
 
 /// Where fog is. A new shape is read in `scene/from_ron` and `scene/from_gltf`, frozen in `snapshot`,
-/// and answered for in `scattering/fog_bank.rs`.
+/// and answered for in `fog/bank.rs`.
 #[derive(Clone, Debug)]
 pub enum FogShape {
     /// In the cube `[-1, 1]^3`, as dense throughout.

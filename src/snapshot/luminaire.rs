@@ -4,8 +4,8 @@
 //!
 //! The points do not depend on who is lit, so that a whole slice of rays may share one.
 
-use super::{Cone, Emission, FrozenLight};
 use crate::color::Rgb;
+use crate::light::{Cone, Emission, FrozenLight};
 use crate::math::disc_from_square;
 use crate::scene::{AreaShape, DiscPicture, Light, LightKind};
 use glam::{DAffine3, DVec2, DVec3};

@@ -4,10 +4,8 @@
 //! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
 
 mod bent_mesh;
-mod emission;
 mod exposure;
 mod lens;
-mod light;
 mod luminaire;
 mod mesh_trees;
 mod motion_field;
@@ -17,17 +15,16 @@ mod surface;
 
 use crate::accel::{InstanceTree, PlacedMesh, PrimitiveId};
 use crate::color::Rgb;
-use crate::scattering::{Falloff, FogBank, Medium};
+use crate::fog::{Falloff, FogBank, Medium};
 use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, RenderSettings, Scene};
 use bent_mesh::BentMesh;
 use glam::{DAffine3, DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-pub use emission::{Cone, Emission};
+pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
 pub use exposure::Exposure;
 pub use lens::View;
-pub use light::FrozenLight;
 pub use luminaire::Luminaire;
 pub use mesh_trees::MeshTrees;
 pub use motion_field::MotionField;

@@ -1,157 +1,80 @@
-//! The exact method. In go a ray, a light and the fog, out comes the light scattered along the
-//! ray: visibility is a union of intervals found from the triangles themselves, and what is left
-//! is integrated on smooth pieces. Invariant: nothing is sampled, nothing is stepped.
+//! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit segments: opaque triangles end the light
+//! on an interval of the ray, blended ones dim it there. Invariant: where light begins and ends is never sampled.
 
-use super::near_light::NearLight;
-use super::sun_stretch::SunStretch;
-use super::veils::Veils;
-use super::visibility::Way;
-use crate::accel::LightPlane;
+use super::visibility::{BlendedHit, Way, blended_hits};
+use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, Ray};
-use crate::scattering::{Medium, Stretch};
-use crate::snapshot::{Emission, FrozenLight, Snapshot};
-use glam::DVec3;
-use std::ops::Range;
+use crate::fog::LitSegments;
+use crate::light::FrozenLight;
+use crate::math::Ray;
+use crate::snapshot::Snapshot;
 
-/// The parts of a ray that one light reaches.
-#[derive(Clone, Debug, Default)]
-pub struct LitSegments {
-    shadows: IntervalSet,
-    range: (f64, f64),
-    /// What dims the rest of it.
-    veils: Veils,
+/// Into so many equal parts the shadow of a textured triangle is cut; each takes the alpha that the light
+/// to its middle meets.
+const TEXTURED_PARTS: usize = 8;
+
+/// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
+pub fn lit_segments(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) -> LitSegments {
+    let mut lit = LitSegments::default();
+    lit.start(ray, light, range);
+    shade(&mut lit, snapshot, ray, light, &Way::default());
+    lit
 }
 
-impl LitSegments {
-    /// What `shadows` leave of `range`.
-    pub fn from_shadows(shadows: IntervalSet, range: (f64, f64)) -> Self {
-        Self { shadows, range, veils: Veils::default() }
+/// Takes the shadows of a scene away from what is lit of a ray that passes what lies on its way.
+pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, way: &Way) {
+    let range = lit.range();
+    let plane = match *light {
+        FrozenLight::Sun { to_light, .. } => LightPlane::towards_direction(ray, to_light, range),
+        FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
+    };
+    if snapshot.has_blended() {
+        dim(lit, snapshot, (ray, light), plane.as_ref(), &way.blended);
     }
+    match plane {
+        Some(plane) if way.passes_hidden => {
+            let mut shadows = Vec::new();
+            snapshot.tree.add_each_shadow(&plane, &mut shadows);
+            shadows.into_iter().for_each(|shadow| lit.shadows_mut().insert(shadow.start, shadow.end));
+        }
+        Some(plane) => snapshot.tree.add_shadows(&plane, lit.shadows_mut()),
+        None if is_blocked_in_line(snapshot, ray, light, range) => {
+            lit.shadows_mut().insert(range.0, range.1);
+        }
+        None => {}
+    }
+}
 
-    /// Takes what the scene's `shadows` leave, where they are known already.
-    pub(super) fn set(
-        &mut self,
-        ray: &Ray,
-        light: &FrozenLight,
-        range: (f64, f64),
-        shadows: impl Iterator<Item = (f64, f64)>,
-    ) {
-        self.start(ray, light, range);
-        for (start, end) in shadows {
-            self.shadows.insert(start, end);
+/// Dims a ray by all that the camera looks through on it, and by what lies in the light's way.
+fn dim(
+    lit: &mut LitSegments,
+    snapshot: &Snapshot,
+    (ray, light): (&Ray, &FrozenLight),
+    plane: Option<&LightPlane>,
+    blended: &[BlendedHit],
+) {
+    for hit in blended {
+        lit.dim(hit.t, f64::INFINITY, hit.point.see_through);
+    }
+    let Some(plane) = plane else {
+        for (shadow, see_through) in shadows_in_line(snapshot, ray, light, lit.range().0) {
+            lit.dim(shadow.start, shadow.end, see_through);
+        }
+        return lit.resolve();
+    };
+    let mut shadows = Vec::new();
+    snapshot.blended.add_each_shadow(plane, &mut shadows);
+    for shadow in shadows {
+        let parts = if snapshot.is_textured(shadow.primitive) { TEXTURED_PARTS } else { 1 };
+        let width = (shadow.end - shadow.start) / parts as f64;
+        for part in 0..parts {
+            let start = shadow.start + part as f64 * width;
+            let end = if part + 1 == parts { shadow.end } else { start + width };
+            let transmittance = met_at(snapshot, ray, light, shadow.primitive, 0.5 * (start + end));
+            lit.dim(start, end, transmittance);
         }
     }
-
-    /// Everything is lit, but for where the light does not shine.
-    fn start(&mut self, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
-        self.shadows.clear();
-        self.veils.clear();
-        self.range = range;
-        if let FrozenLight::Point { position, emission, .. } = light {
-            self.shade_outside(emission, ray, *position);
-        }
-    }
-
-    /// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
-    pub fn find(&mut self, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
-        self.find_along(snapshot, ray, light, range, &Way::default());
-    }
-
-    /// The same of a ray that passes what lies on its way.
-    pub(super) fn find_along(
-        &mut self,
-        snapshot: &Snapshot,
-        ray: &Ray,
-        light: &FrozenLight,
-        range: (f64, f64),
-        way: &Way,
-    ) {
-        self.start(ray, light, range);
-        let plane = match *light {
-            FrozenLight::Sun { to_light, .. } => LightPlane::towards_direction(ray, to_light, range),
-            FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
-        };
-        if snapshot.has_blended() {
-            self.veils.find(snapshot, ray, light, plane.as_ref(), range, &way.blended);
-        }
-        match plane {
-            Some(plane) if way.passes_hidden => {
-                let mut shadows = Vec::new();
-                snapshot.tree.add_each_shadow(&plane, &mut shadows);
-                shadows.into_iter().for_each(|shadow| self.shadows.insert(shadow.start, shadow.end));
-            }
-            Some(plane) => snapshot.tree.add_shadows(&plane, &mut self.shadows),
-            None => {
-                if is_blocked_in_line(snapshot, ray, light, range) {
-                    self.shadows.insert(range.0, range.1);
-                }
-            }
-        }
-    }
-
-    /// Calls `lit(start, end)` for each lit part, in order.
-    pub fn for_each(&self, lit: impl FnMut(f64, f64)) {
-        self.shadows.for_each_gap(self.range.0, self.range.1, lit);
-    }
-
-    /// Total length of the lit parts, metres.
-    pub fn length(&self) -> f64 {
-        let mut length = 0.0;
-        self.for_each(|start, end| length += end - start);
-        length
-    }
-
-    /// Radiance scattered into the ray from its lit parts, W m^-2 sr^-1.
-    pub fn integrate(&self, medium: &Medium, stretches: &[Stretch], ray: &Ray, light: &FrozenLight) -> Rgb {
-        let mut sum = Rgb::ZERO;
-        match *light {
-            FrozenLight::Sun { to_light, irradiance } => {
-                for stretch in stretches {
-                    let mut sunny = None;
-                    self.for_each_part(self.part_of(stretch), |start, end, share| {
-                        let sunny =
-                            sunny.get_or_insert_with(|| SunStretch::new(medium, stretch, ray, to_light));
-                        sum += share * sunny.integral(start, end);
-                    });
-                }
-                sum * irradiance
-            }
-            FrozenLight::Point { position, intensity, emission } => {
-                for stretch in stretches {
-                    let near = NearLight::new(medium, stretch, ray, position, emission);
-                    sum +=
-                        near.integral(self.part_of(stretch), &|range, part| self.for_each_part(range, part));
-                }
-                sum * intensity
-            }
-        }
-    }
-
-    /// What the range holds of a stretch; the end may come before the start.
-    fn part_of(&self, stretch: &Stretch) -> Range<f64> {
-        stretch.start.max(self.range.0)..stretch.end.min(self.range.1)
-    }
-
-    /// Lit parts of a range, with the share of the light that is left there.
-    fn for_each_part(&self, range: Range<f64>, mut lit: impl FnMut(f64, f64, Rgb)) {
-        self.shadows.for_each_gap(range.start, range.end, |start, end| {
-            self.veils.for_each_piece(start, end, &mut lit);
-        });
-    }
-
-    /// What lies outside a spot's cone, or behind a flat light, counts as shadow.
-    fn shade_outside(&mut self, emission: &Emission, ray: &Ray, position: DVec3) {
-        let borders = emission.borders(ray, position);
-        let mut start = self.range.0;
-        for end in borders.into_iter().flatten().chain([self.range.1]) {
-            let end = end.clamp(start, self.range.1);
-            if !emission.reaches(ray.at(0.5 * (start + end)) - position) {
-                self.shadows.insert(start, end);
-            }
-            start = end;
-        }
-    }
+    lit.resolve();
 }
 
 /// Ray and light in one line: the whole range is lit or dark.
@@ -161,4 +84,42 @@ fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range
     let origin = ray.at(0.5 * (range.0 + range.1));
     let (to_light, distance, _) = light.arriving_at(origin);
     snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
+}
+
+/// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond: its shadow and what it
+/// lets through, as seen from a place on the ray.
+pub(super) fn shadows_in_line(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    light: &FrozenLight,
+    from: f64,
+) -> impl Iterator<Item = (TriangleShadow, Rgb)> {
+    let light_at = match *light {
+        FrozenLight::Sun { to_light, .. } => f64::INFINITY.copysign(to_light.dot(ray.direction)),
+        FrozenLight::Point { position, .. } => (position - ray.origin).dot(ray.direction),
+    };
+    [1.0, -1.0].into_iter().flat_map(move |sign| {
+        let line = Ray { origin: ray.at(from), direction: sign * ray.direction };
+        blended_hits(snapshot, &line, &(0.0..f64::INFINITY), None).into_iter().map(move |hit| {
+            let t = from + sign * hit.t;
+            let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
+            (TriangleShadow { primitive: hit.point.primitive, start, end }, hit.point.see_through)
+        })
+    })
+}
+
+/// What gets through a triangle of the light that goes to a place on the ray.
+pub(super) fn met_at(
+    snapshot: &Snapshot,
+    ray: &Ray,
+    light: &FrozenLight,
+    primitive: PrimitiveId,
+    t: f64,
+) -> Rgb {
+    let origin = ray.at(t);
+    let (to_light, ..) = light.arriving_at(origin);
+    let way = Ray { origin, direction: to_light };
+    let facet = snapshot.facet(primitive);
+    let distance = facet.distance_along(&way);
+    if distance.is_finite() { facet.seen_along(&way, distance).see_through } else { Rgb::ONE }
 }

@@ -5,8 +5,8 @@
 use super::path::{MarchSteps, Path};
 use super::visibility::{BlendedHit, Way, visibility};
 use crate::color::Rgb;
+use crate::fog::exp_minus;
 use crate::math::Ray;
-use crate::scattering::exp_minus;
 use crate::snapshot::{FrozenLight, Snapshot};
 
 /// In-scattered radiance of one light by the midpoint rule, or a jittered one.

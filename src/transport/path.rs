@@ -1,10 +1,9 @@
 //! What is carried along a path. In go a snapshot, a way to follow rays and the light that is wanted; every leg of the path reads
 //! them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one thread's.
 
-use super::lit_segments::LitSegments;
 use crate::color::Rgb;
+use crate::fog::LitSegments;
 use crate::math::Sampler;
-use crate::scattering::Stretch;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 
@@ -54,8 +53,6 @@ pub struct Transport {
 #[derive(Default)]
 pub struct Scratch {
     pub(super) lit: LitSegments,
-    pub(super) cuts: Vec<f64>,
-    pub(super) stretches: Vec<Stretch>,
     pub(super) lights: Vec<FrozenLight>,
 }
 

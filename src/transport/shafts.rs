@@ -1,10 +1,12 @@
 //! Light scattered by fog towards the start of a ray, by whichever method was chosen. Invariant:
 //! all methods estimate the same integral; only `Segments` is exact.
 
-use super::path::{Path, Scratch, VolumeMethod};
+use super::lit_segments::shade;
+use super::path::{Path, VolumeMethod};
 use super::visibility::Way;
 use super::{equiangular, march};
 use crate::color::Rgb;
+use crate::fog::LitSegments;
 use crate::math::Ray;
 use crate::snapshot::FrozenLight;
 
@@ -14,18 +16,28 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
     lights
         .iter()
         .map(|light| match path.transport.volume {
-            VolumeMethod::Segments => by_segments(path, ray, way, light),
+            VolumeMethod::Segments => {
+                let snapshot = path.snapshot;
+                let shadows = |lit: &mut LitSegments| shade(lit, snapshot, ray, light, way);
+                by_segments(path, ray, way.distance, light, shadows)
+            }
             VolumeMethod::March(steps) => march::in_scattered(path, steps, ray, way, light),
             VolumeMethod::Equiangular { points } => equiangular::in_scattered(path, points, ray, way, light),
         })
         .sum()
 }
 
-fn by_segments(path: &mut Path, ray: &Ray, way: &Way, light: &FrozenLight) -> Rgb {
-    let medium = &path.snapshot.medium;
-    let Scratch { lit, cuts, stretches, .. } = &mut *path.scratch;
-    let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
-    medium.stretches(ray, way.distance, light.place(), cuts, stretches);
-    lit.find_along(path.snapshot, ray, light, range, way);
-    lit.integrate(medium, stretches, ray, light)
+/// The exact method, along a ray that ends at a distance; `shadows` takes them away from what is lit.
+pub(super) fn by_segments(
+    path: &mut Path,
+    ray: &Ray,
+    distance: f64,
+    light: &FrozenLight,
+    shadows: impl FnOnce(&mut LitSegments),
+) -> Rgb {
+    let (medium, lit) = (&path.snapshot.medium, &mut path.scratch.lit);
+    let Some(range) = medium.range(ray, distance) else { return Rgb::ZERO };
+    lit.start(ray, light, range);
+    shadows(lit);
+    medium.scattered(ray, distance, lit, light)
 }

@@ -8,13 +8,12 @@
 //! left. Light of the sky, and mirrors, are left to a few surfaces that stand for all.
 
 use super::direct;
+use super::lit_segments::{met_at, shadows_in_line};
 use super::path::Illumination;
-use super::running_product::RunningProduct;
-use super::veils::{met_at, shadows_in_line};
 use super::visibility::{BlendedHit, NEGLIGIBLE};
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
-use crate::math::{Ray, Sampler};
+use crate::math::{Ray, RunningProduct, Sampler};
 use crate::snapshot::{FrozenLight, Snapshot};
 
 /// To so many surfaces each has shadow rays of its own: less than the walk costs.

@@ -6,8 +6,8 @@ use crate::compare::{SlicePlan, by_slices, per_ray_of};
 use crate::scenes::{Frame, Lamp, grove};
 use glam::DVec3;
 use std::f64::consts::TAU;
+use sunfleck::light::LightPlace;
 use sunfleck::math::Ray;
-use sunfleck::scattering::LightPlace;
 use sunfleck::scene::{Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 

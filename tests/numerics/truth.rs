@@ -9,8 +9,8 @@ use crate::fog_truth::{FogTruth, integral};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::FRAC_1_PI;
 use sunfleck::color::Rgb;
+use sunfleck::light::LightPlace;
 use sunfleck::math::{IntervalSet, Ray};
-use sunfleck::scattering::LightPlace;
 use sunfleck::scene::Scene;
 use sunfleck::snapshot::{FrozenLight, Luminaire, Snapshot};
 

@@ -112,7 +112,7 @@ impl Border {
 mod tests {
     use super::*;
     use crate::accel::{Cut, HalfPlane};
-    use crate::scattering::LightPlace;
+    use crate::light::LightPlace;
     use crate::scene::{
         Camera, Clip, Instance, Lens, Material, Mesh, Motion, Node, Scene, Size, Track, Triangle,
     };

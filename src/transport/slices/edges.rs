@@ -208,7 +208,7 @@ fn add_shadow_edges(
 mod tests {
     use super::*;
     use crate::accel::{Cut, PrimitiveId};
-    use crate::transport::slices::sweep::PlanarRay;
+    use crate::math::PlanarRay;
     use proptest::prelude::*;
 
     fn ray(slope: f64) -> PlanarRay {

@@ -3,7 +3,7 @@
 //! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
 //! picture, beside it, behind the camera or at infinity.
 
-use crate::scattering::LightPlace;
+use crate::light::LightPlace;
 use crate::scene::{Size, Window};
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};

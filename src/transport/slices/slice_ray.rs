@@ -1,16 +1,17 @@
 //! One ray of a slice. In go what it meets first and what the sweep knows of shadows, out comes its value. Invariant: it is
 //! what the per-ray method finds for the same ray, to rounding.
 
-use super::fog_profile::FogProfile;
 use super::slice_job::SliceJob;
-use super::sweep::{LightRays, Meeting, PlanarRay, Sweep};
+use super::sweep::{LightRays, Meeting, Sweep};
 use crate::color::Rgb;
-use crate::math::{Ray, Sampler};
-use crate::snapshot::{Facet, FrozenLight, SurfacePoint};
+use crate::fog::{FogSlice, LitSegments, Passage};
+use crate::math::{PlanarRay, Ray, Sampler};
+use crate::snapshot::{Facet, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
 use crate::transport::path::{Illumination, Path, Scratch};
 use crate::transport::radiance::{Leg, Shown, Start, mattes};
+use crate::transport::shafts::by_segments;
 
 /// A ray of a slice and what it meets first.
 pub(super) struct SliceRay<'a> {
@@ -48,13 +49,8 @@ impl SliceRay<'_> {
         path.sample(&leg, surface.as_ref(), &self.ray, self.job.hue)
     }
 
-    /// Its value, with the shadows of a sweep and, under a distant light, the fog of its slice.
-    pub(super) fn value(
-        &self,
-        sweep: &mut Sweep,
-        mut fog: Option<&mut FogProfile>,
-        scratch: &mut Scratch,
-    ) -> Sample {
+    /// Its value, with the shadows of a sweep and the fog of its slice.
+    pub(super) fn value(&self, sweep: &mut Sweep, fog: &mut FogSlice, scratch: &mut Scratch) -> Sample {
         let Self { ref ray, planar, light_rays, .. } = *self;
         let SliceJob { snapshot, transport, light, .. } = *self.job;
         let mut sampler = self.sampler;
@@ -62,19 +58,19 @@ impl SliceRay<'_> {
         let distance = self.distance();
         let end = distance * planar.direction.x;
         let end_name = self.meeting.map(|_| light_rays.through(distance * planar.direction));
-        let (shadows, own_shadows) = sweep.shadows(end_name);
-        let passage = match (*light, &mut fog) {
-            (FrozenLight::Sun { irradiance, .. }, Some(fog)) => fog
-                .follow(&planar, ray, end, shadows, own_shadows)
-                .map(|passage| (passage.scattered * irradiance, passage.transmittance)),
-            _ => None,
-        };
-        let (shafts, transmittance) = passage.unwrap_or_else(|| {
-            let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
-            let all = shadows.as_slice().iter().chain(own_shadows.as_slice());
-            let shadows = all.map(|&(start, end)| (distance_of(start), distance_of(end)));
-            by_segments(&mut path, light, ray, distance, shadows)
-        });
+        let shadows = sweep.shadows(end_name);
+        let Passage { scattered: shafts, transmittance } =
+            fog.follow(&planar, ray, end, shadows).unwrap_or_else(|| {
+                let distance_of = |name: f64| light_rays.reach(name, planar.slope) / planar.direction.x;
+                let shade = |lit: &mut LitSegments| {
+                    for (start, end) in shadows.0.as_slice().iter().chain(shadows.1.as_slice()) {
+                        lit.shadows_mut().insert(distance_of(*start), distance_of(*end));
+                    }
+                };
+                let scattered = by_segments(&mut path, ray, distance, light, shade);
+                let transmittance = snapshot.medium.transmittance(ray.origin, ray.direction, distance);
+                Passage { transmittance, scattered }
+            });
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
             meeting.is_lit || facet.shines_or_mirrors() || transport.features
         };
@@ -85,7 +81,7 @@ impl SliceRay<'_> {
             None if self.meeting.is_some() => Shown::default(),
             None => Shown::emitted(path.light.background(snapshot, ray.direction)),
             Some(point) => {
-                let to_light = fog.map(|fog| fog.transmittance_to_light(&planar, end));
+                let to_light = fog.transmittance_to_light(&planar, end);
                 self.reflected(&mut path, point, is_lit, to_light)
             }
         };
@@ -108,21 +104,4 @@ impl SliceRay<'_> {
         let scattered = Shown { radiance: of_light, emitted: Rgb::ZERO };
         scattered + path.emitted_and_mirrored(&self.ray, point, transport.mirror_depth)
     }
-}
-
-/// Light scattered on the way, and transmittance, as for any ray whose shadows are known.
-fn by_segments(
-    path: &mut Path,
-    light: &FrozenLight,
-    ray: &Ray,
-    distance: f64,
-    shadows: impl Iterator<Item = (f64, f64)>,
-) -> (Rgb, Rgb) {
-    let medium = &path.snapshot.medium;
-    let Some(range) = medium.range(ray, distance) else { return (Rgb::ZERO, Rgb::ONE) };
-    let Scratch { lit, cuts, stretches, .. } = &mut *path.scratch;
-    lit.set(ray, light, range, shadows);
-    medium.stretches(ray, distance, light.place(), cuts, stretches);
-    let shafts = lit.integrate(medium, stretches, ray, light);
-    (shafts, medium.transmittance(ray.origin, ray.direction, distance))
 }

@@ -5,14 +5,14 @@ use super::border::Borders;
 use super::chord::Chord;
 use super::edges::Edges;
 use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
-use super::fog_profile::FogProfile;
 use super::outline::Outline;
 use super::slice_job::SliceJob;
 use super::slice_ray::SliceRay;
-use super::sweep::{LightRays, PlanarClip, PlanarRay, Sweep};
+use super::sweep::{LightRays, PlanarClip, Sweep};
 use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
-use crate::math::{Ray, Sampler, kronecker};
+use crate::fog::FogSlice;
+use crate::math::{PlanarRay, Ray, Sampler, kronecker};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::path::Scratch;
@@ -27,7 +27,7 @@ pub struct SliceScratch {
     sweep: Sweep,
     veils: VeilSweep,
     edges: Edges,
-    fog: FogProfile,
+    fog: FogSlice,
     followed: Scratch,
 }
 
@@ -77,19 +77,13 @@ pub fn solve(
     snapshot.tree.add_cuts(&half_plane, cuts);
     sweep.start(cuts, light_rays, lowest_slopes);
     let middle_slope = lowest_slopes[lowest_slopes.len() / 2];
-    let has_profile = matches!(light, FrozenLight::Sun { .. })
-        && fog.start(&snapshot.medium, &half_plane, middle_slope, cuts);
-    let darken = |fog: &mut FogProfile, start: f64, end: f64| {
-        if has_profile {
-            fog.darken(start, end);
-        }
-    };
+    fog.start(&snapshot.medium, light, &half_plane, middle_slope, cuts);
 
     let mut met: Option<Facet> = None;
     let borders = Borders::new(snapshot, job.fan, slice, light_rays);
     for chord in chords.iter() {
         let [highest_slope, lowest_slope] = chord.slopes;
-        sweep.enter(highest_slope, |start, end| darken(fog, start, end));
+        sweep.enter(highest_slope, |start, end| fog.darken(start, end));
         veils.enter(highest_slope);
         let mut piece_start = chord.start;
         let chord_area = chord.end - chord.start;
@@ -101,7 +95,7 @@ pub fn solve(
             let area = piece_end - piece_start;
             let place = slice.place(piece_start + phase * area);
             let planar = planar(&place);
-            let meeting = sweep.advance(&planar, light_rays, |start, end| darken(fog, start, end));
+            let meeting = sweep.advance(&planar, light_rays, |start, end| fog.darken(start, end));
             if let Some(meeting) =
                 meeting.filter(|meeting| met.is_none_or(|met| met.primitive != meeting.primitive))
             {
@@ -118,11 +112,8 @@ pub fn solve(
                 sampler: Sampler::new(x as u32, y as u32, number as u32, random),
             };
             let is_veiled = blended_cuts > 0 && veils.touches(&planar, light_rays, slice_ray.distance());
-            let value = if is_veiled {
-                slice_ray.by_itself(followed)
-            } else {
-                slice_ray.value(sweep, has_profile.then_some(&mut *fog), followed)
-            };
+            let value =
+                if is_veiled { slice_ray.by_itself(followed) } else { slice_ray.value(sweep, fog, followed) };
             let range = [piece_start, piece_end].map(|end| (end - chord.start) / chord_area);
             sample(&Piece { chord, place, range, weight: chord.weight_per_area * area }, &value);
             if let Some(outline) = &mut outline {

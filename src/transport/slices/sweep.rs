@@ -11,7 +11,7 @@
 
 use super::buckets::{Buckets, partition_point_near};
 use crate::accel::{Cut, PrimitiveId};
-use crate::math::IntervalSet;
+use crate::math::{IntervalSet, PlanarRay};
 use crate::scene::Clip;
 use crate::snapshot::View;
 use glam::{DVec2, DVec3};
@@ -56,21 +56,6 @@ impl LightRays {
                 if divisor > 0.0 { height * sin / divisor } else { f64::INFINITY }
             }
         }
-    }
-}
-
-/// A ray of the camera within the half plane.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PlanarRay {
-    /// Unit vector: reach and height per metre.
-    pub(super) direction: DVec2,
-    /// Height per reach.
-    pub(super) slope: f64,
-}
-
-impl PlanarRay {
-    pub(super) fn new(direction: DVec2) -> Self {
-        Self { direction, slope: direction.y / direction.x }
     }
 }
 

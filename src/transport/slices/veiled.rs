@@ -1,8 +1,9 @@
 //! Which rays of a slice have to do with blended surfaces. In go what the half plane cuts of these, out comes, ray
 //! by ray, whether one may lie on it or in the light's way. Invariant: none that has to do with one is missed.
 
-use super::sweep::{LightRays, PlanarRay, Sweep};
+use super::sweep::{LightRays, Sweep};
 use crate::accel::Cut;
+use crate::math::PlanarRay;
 
 /// A sweep over blended surfaces alone: their shadows only tell where to look.
 #[derive(Default)]

@@ -2,6 +2,9 @@
 
 use crate::color::Rgb;
 
+/// So many optical depths away nothing shows: `exp(-40)` is 4e-18, less than one rounding of what it would be added to.
+pub(super) const NOTHING_LEFT: f64 = 40.0;
+
 /// `exp(-tau)` per channel, computed once where the channels are alike.
 pub fn exp_minus(tau: Rgb) -> Rgb {
     if tau.x == tau.y && tau.y == tau.z {
@@ -11,7 +14,7 @@ pub fn exp_minus(tau: Rgb) -> Rgb {
 }
 
 /// `(1 - exp(-d)) / d`, the mean of `exp(-x)` over `[0, d]`, for `d >= 0`.
-pub fn mean_transmittance(d: f64) -> f64 {
+pub(super) fn mean_transmittance(d: f64) -> f64 {
     if d < 1e-3 {
         // Taylor: the next term is d^4 / 120, below 1e-14.
         return 1.0 - d * (0.5 - d * (1.0 / 6.0 - d / 24.0));

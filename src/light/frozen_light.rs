@@ -3,7 +3,6 @@
 
 use super::Emission;
 use crate::color::Rgb;
-use crate::scattering::LightPlace;
 use glam::DVec3;
 
 /// A light without extent at one time, in relative space.
@@ -25,6 +24,15 @@ pub enum FrozenLight {
         /// Which share of it goes where.
         emission: Emission,
     },
+}
+
+/// Where light comes from, in relative space.
+#[derive(Clone, Copy, Debug)]
+pub enum LightPlace {
+    /// From infinitely far away; unit vector towards the light.
+    Towards(DVec3),
+    /// From a point.
+    At(DVec3),
 }
 
 impl FrozenLight {

@@ -17,6 +17,9 @@ pub(super) const ORDER: usize = 10;
 /// However thick the fog, no more cells than this between two breaks.
 const MOST_CELLS: f64 = 64.0;
 
+/// Rays that take more pieces than this on one stretch are left to the per-ray method.
+pub(super) const MOST_PIECES: f64 = 512.0;
+
 /// `j!`
 pub(super) const FACTORIALS: [f64; ORDER] =
     [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0, 40_320.0, 362_880.0];
@@ -73,9 +76,19 @@ impl LitCells {
             }
         }
     }
+}
 
-    /// Calls back with a range in pieces and with the moments of what is lit there: neither in the `shadows` that
-    /// the cells know of nor in the `more_shadows`. What those take away comes as pieces of its own, with negative moments.
+/// What of the light reaches a ray.
+pub(super) struct Lit<'a> {
+    pub(super) cells: &'a LitCells,
+    /// Those that the cells know of.
+    pub(super) shadows: &'a IntervalSet,
+    /// The ray's own.
+    pub(super) more_shadows: &'a IntervalSet,
+}
+
+impl Lit<'_> {
+    /// Calls back with a range in pieces and with the moments of what is lit there: in no shadow. What the ray's own take away comes as pieces of its own, with negative moments.
     ///
     /// The integrand takes the first N moments. `changes` says how fast the integrand changes per reach, which between two places is no faster than at one of
     /// the two; over a piece it changes by 1 at most.
@@ -83,14 +96,13 @@ impl LitCells {
     pub(super) fn for_each_piece<const N: usize>(
         &self,
         range: Range<f64>,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
         changes: impl Fn(f64) -> f64,
         mut each: impl FnMut(&Piece, &[f64; N]),
     ) {
+        let Self { cells: LitCells { edges, moments }, shadows, more_shadows } = self;
         let mut from = range.start;
-        let first_cell = self.edges.partition_point(|edge| *edge <= from).saturating_sub(1);
-        for (edges, moments) in self.edges[first_cell..].windows(2).zip(&self.moments[first_cell..]) {
+        let first_cell = edges.partition_point(|edge| *edge <= from).saturating_sub(1);
+        for (edges, moments) in edges[first_cell..].windows(2).zip(&moments[first_cell..]) {
             let part = from..edges[1].min(range.end);
             if part.is_empty() {
                 break;
@@ -109,7 +121,7 @@ impl LitCells {
     }
 }
 
-/// Pieces as of [`LitCells::for_each_piece`], from the shadows themselves.
+/// Pieces as of [`Lit::for_each_piece`], from the shadows themselves.
 fn look_at<const N: usize>(
     range: Range<f64>,
     shadows: &IntervalSet,

@@ -10,18 +10,18 @@
 //! `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`: a step as wide as the integrand's other changes,
 //! whose singularities, like those of `cosh x`, lie at the distance `pi / 2` from the real axis for every `g`.
 
+use super::LitSegments;
+use super::beer_lambert::exp_minus;
+use super::stretch::Stretch;
 use crate::color::Rgb;
-use crate::math::{Antiderivative, Ray, gauss_legendre};
-use crate::scattering::{LightPlace, Medium, Stretch, exp_minus};
-use crate::snapshot::Emission;
+use crate::light::Emission;
+use crate::math::{Antiderivative, gauss_legendre};
 use glam::DVec3;
 use std::ops::Range;
 
 /// A near light over a stretch of a ray.
 pub(super) struct NearLight<'a> {
-    medium: &'a Medium,
-    stretch: &'a Stretch,
-    ray: &'a Ray,
+    stretch: &'a Stretch<'a>,
     light: DVec3,
     emission: Emission,
     nearest: f64,
@@ -33,9 +33,6 @@ pub(super) struct NearLight<'a> {
     /// The nearest poles before and after the stretch, in `x`: see [`NearLight::poles`].
     poles: (f64, f64),
 }
-
-/// Calls back with the lit parts of a range, in order, and the share of the light that is left there.
-pub(super) type LitParts<'a> = &'a dyn Fn(Range<f64>, &mut dyn FnMut(f64, f64, Rgb));
 
 /// A light this near to the ray, as a fraction of its distance, counts as this far from it: the
 /// integral grows beyond all bounds as the gap closes, and no picture shows that.
@@ -61,13 +58,8 @@ const LARGEST_RATIO: f64 = 1e150;
 const DEEPEST: f64 = 30.0;
 
 impl<'a> NearLight<'a> {
-    pub(super) fn new(
-        medium: &'a Medium,
-        stretch: &'a Stretch,
-        ray: &'a Ray,
-        light: DVec3,
-        emission: Emission,
-    ) -> Self {
+    pub(super) fn new(stretch: &'a Stretch, light: DVec3, emission: Emission) -> Self {
+        let ray = stretch.ray;
         let to_light = light - ray.origin;
         let nearest = to_light.dot(ray.direction);
         let gap = ray.direction.cross(to_light).length();
@@ -75,34 +67,34 @@ impl<'a> NearLight<'a> {
         let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
         // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge.
         let more_nodes = if matches!(emission, Emission::Spot(_)) { 2 } else { 0 };
-        let densest_per_m = medium.banks().iter().map(|bank| bank.sigma_t.max_element()).sum();
+        let densest_per_m = stretch.medium.most_extinction_per_m();
         let poles = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut near =
-            Self { medium, stretch, ray, light, emission, nearest, gap, more_nodes, densest_per_m, poles };
+        let mut near = Self { stretch, light, emission, nearest, gap, more_nodes, densest_per_m, poles };
         near.poles = near.poles();
         near
     }
 
     /// Over the lit parts of a range, per unit of intensity, 1/(m^2 sr).
-    pub(super) fn integral(&self, range: Range<f64>, lit: LitParts) -> Rgb {
+    pub(super) fn integral(&self, range: Range<f64>, lit: &LitSegments) -> Rgb {
         let mut sum = Rgb::ZERO;
         if range.is_empty() {
             return sum;
         }
         let mut start = range.start;
         // The slope of a spot's falloff changes at kinks.
-        for end in self.emission.kinks(self.ray, self.light).into_iter().flatten().chain([range.end]) {
+        for end in self.emission.kinks(self.stretch.ray, self.light).into_iter().flatten().chain([range.end])
+        {
             let end = end.clamp(start, range.end);
-            sum += self.smooth_integral(start..end, lit);
+            sum += self.smooth_integral(&(start..end), lit);
             start = end;
         }
         sum
     }
 
-    fn smooth_integral(&self, range: Range<f64>, lit: LitParts) -> Rgb {
+    fn smooth_integral(&self, range: &Range<f64>, lit: &LitSegments) -> Rgb {
         let mut parts = 0;
         let mut hull = range.end..range.start;
-        lit(range.clone(), &mut |start, end, _| {
+        lit.for_each_part(range, |start, end, _| {
             parts += 1;
             hull = hull.start.min(start)..end;
         });
@@ -111,13 +103,13 @@ impl<'a> NearLight<'a> {
         }
         let is_deep = self.densest_per_m * (hull.end - hull.start) > DEEPEST;
         let mut sum = Rgb::ZERO;
-        if parts < MANY_PARTS && !is_deep && self.medium.is_even() {
-            lit(range, &mut |start, end, share| sum += share * self.part(start, end));
+        if parts < MANY_PARTS && !is_deep && self.stretch.medium.is_even() {
+            lit.for_each_part(range, |start, end, share| sum += share * self.part(start, end));
         } else {
             let mut fitted = Antiderivative::default();
             let integrand = |x: f64| self.integrand(x, &hull);
             fitted.fit(integrand, self.x(hull.start), self.x(hull.end), FIT_TOLERANCE);
-            lit(range, &mut |start, end, share| {
+            lit.for_each_part(range, |start, end, share| {
                 sum += share * fitted.between(self.x(start), self.x(end));
             });
         }
@@ -165,7 +157,8 @@ impl<'a> NearLight<'a> {
             return along;
         }
         // Near a pole the way through the fog grows by more than the way.
-        let to_light = |t: f64| self.medium.optical_depth_to(self.ray.at(t), LightPlace::At(self.light));
+        let Stretch { medium, ray, light, .. } = *self.stretch;
+        let to_light = |t: f64| medium.optical_depth_to(ray.at(t), light);
         along + (to_light(to) - to_light(from)).abs().max_element()
     }
 
@@ -177,8 +170,9 @@ impl<'a> NearLight<'a> {
     fn poles(&self) -> (f64, f64) {
         let (first, last) = (self.x(self.stretch.start), self.x(self.stretch.end));
         let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
-        for bank in self.medium.banks() {
-            let (origin, direction) = bank.in_cube(self.ray.origin, self.ray.direction);
+        let ray = self.stretch.ray;
+        for bank in self.stretch.medium.banks() {
+            let (origin, direction) = bank.in_cube(ray.origin, ray.direction);
             let (light, _) = bank.in_cube(self.light, DVec3::ZERO);
             for axis in 0..3 {
                 // Between the faces light and ray meet none of the two.
@@ -212,14 +206,10 @@ impl<'a> NearLight<'a> {
         let exp = x.exp();
         let (sinh, cosh) = (0.5 * (exp - 1.0 / exp), 0.5 * (exp + 1.0 / exp));
         let t = (self.nearest + self.gap * sinh).clamp(range.start, range.end);
-        let point = self.ray.at(t);
-        let way = self.light - point;
+        let way = self.light - self.stretch.ray.at(t);
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
         let share = self.emission.share(-to_light);
-        let tau_to_eye = self.medium.tau_to_eye(self.stretch, self.ray, t);
-        let tau = tau_to_eye + self.medium.optical_depth_to(point, LightPlace::At(self.light));
-        let scattering = self.medium.scattering(self.stretch, self.ray, t, -sinh / cosh);
-        share / cosh * scattering * exp_minus(tau)
+        share / cosh * self.stretch.scattering(t, -sinh / cosh) * exp_minus(self.stretch.tau(t))
     }
 }
 

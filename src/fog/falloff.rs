@@ -2,13 +2,13 @@
 //! Invariant: all lengths are closed forms in which nothing cancels, however flat the line, however
 //! thin the fog and however far above it the line starts.
 
-use super::mean_transmittance;
+use super::beer_lambert::mean_transmittance;
 use crate::math::Ray;
 use glam::{DAffine3, DVec3};
 
 /// Stands for the length of a way through fog that does not end: finite, so that times 0 it is 0,
 /// and so long that not even fog of 1e-15 per metre lets anything through.
-const ENDLESS_M: f64 = 1e200;
+pub(super) const ENDLESS_M: f64 = 1e200;
 
 /// The density is that of the base times `exp(-max(u, 0))`, where `u` counts scale heights above it.
 #[derive(Clone, Copy, Debug)]
@@ -57,11 +57,6 @@ impl Climb {
     /// The height at a distance.
     pub fn height(&self, t: f64) -> f64 {
         self.start + self.per_m * t
-    }
-
-    /// How the height grows per metre.
-    pub fn per_m(&self) -> f64 {
-        self.per_m
     }
 
     /// The density at a distance, as a share of that at the base.

@@ -1,27 +1,34 @@
-//! One bank of fog and the lines through it. Invariant: lengths are exact in double precision also
-//! for lines that run in a face of the bank's box, and finite also for lines that do not end.
+//! One bank of fog: where it is, how dense it is there, what it does to light. In go lines, out come lengths and densities. Invariant: lengths
+//! are exact also for lines that run in a face of the bank's box, and finite also for lines that do not end.
 
+use super::beer_lambert::NOTHING_LEFT;
 use super::falloff::{Climb, Falloff};
 use crate::color::Rgb;
+use crate::light::LightPlace;
 use crate::math::Ray;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// A cut too many costs one exponential, a cut too few an error: rounding must not lose one.
-const EDGE_SLACK: f64 = 1e-9;
-
-/// So many optical depths, or scale heights, from its densest place fog no longer shows: `exp(-40)` is
-/// 4e-18, less than one rounding of what it would be added to.
-const NOTHING_LEFT: f64 = 40.0;
+pub(super) const EDGE_SLACK: f64 = 1e-9;
 
 /// Rays through fog without bounds end here, in metres: as far out as coordinates go.
 const FARTHEST_M: f64 = 1e15;
 
-/// Fog in a parallelepiped, or everywhere; as dense throughout, or thinner with height. Frozen at one time.
-#[derive(Clone, Copy, Debug)]
+/// How dense fog is, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
+#[derive(Clone, Debug)]
+enum Density {
+    /// The same everywhere.
+    Even,
+    /// Less with height.
+    Thinning(Falloff),
+}
+
+/// Fog in a parallelepiped, or everywhere. Frozen at one time.
+#[derive(Clone, Debug)]
 pub struct FogBank {
     /// Without bounds: maps everything to the middle of the cube, so that no line ever leaves it.
     cube_from_relative: DAffine3,
-    falloff: Option<Falloff>,
+    density: Density,
     /// Extinction where it is densest, 1/m.
     pub sigma_t: Rgb,
     /// Scattering where it is densest, 1/m.
@@ -36,39 +43,66 @@ impl FogBank {
         let cube_from_relative = relative_from_cube.inverse();
         let useful = cube_from_relative.is_finite() && sigma_t.max_element() > 0.0;
         let sigma_s = sigma_t * albedo;
-        useful.then_some(Self { cube_from_relative, falloff: None, sigma_t, sigma_s, g })
+        useful.then_some(Self { cube_from_relative, density: Density::Even, sigma_t, sigma_s, g })
     }
 
     /// Fog without bounds; `None` if it does nothing.
     pub fn everywhere(falloff: Falloff, sigma_t: Rgb, albedo: Rgb, g: f64) -> Option<Self> {
         let cube_from_relative = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
         let sigma_s = sigma_t * albedo;
-        let falloff = Some(falloff);
-        (sigma_t.max_element() > 0.0).then_some(Self { cube_from_relative, falloff, sigma_t, sigma_s, g })
+        let density = Density::Thinning(falloff);
+        (sigma_t.max_element() > 0.0).then_some(Self { cube_from_relative, density, sigma_t, sigma_s, g })
     }
 
     /// The same, thinner with height; the falloff's base is a plane `y` of the box's cube.
     pub fn thinning(self, falloff: Falloff) -> Self {
-        Self { falloff: Some(falloff), ..self }
+        Self { density: Density::Thinning(falloff), ..self }
     }
 
     /// Whether it ends somewhere.
-    pub fn is_bounded(&self) -> bool {
+    pub(super) fn is_bounded(&self) -> bool {
         self.cube_from_relative.matrix3 != DMat3::ZERO
     }
 
     /// Whether it is as dense everywhere.
-    pub fn is_even(&self) -> bool {
-        self.falloff.is_none()
+    pub(super) fn is_even(&self) -> bool {
+        matches!(self.density, Density::Even)
     }
 
-    /// Heights along a ray, if they matter.
-    pub fn climb(&self, ray: &Ray) -> Option<Climb> {
-        self.falloff.map(|falloff| falloff.along(ray))
+    /// Heights along a ray, if it thins out with them.
+    pub(super) fn climb(&self, ray: &Ray) -> Option<Climb> {
+        match &self.density {
+            Density::Even => None,
+            Density::Thinning(falloff) => Some(falloff.along(ray)),
+        }
+    }
+
+    /// Whether its density changes about a place on a ray.
+    pub(super) fn changes_at(&self, ray: &Ray, t: f64) -> bool {
+        match &self.density {
+            Density::Even => false,
+            Density::Thinning(falloff) => falloff.along(ray).height(t) > 0.0,
+        }
+    }
+
+    /// Metres, as dense as where it is densest, between two places on a ray that are inside.
+    pub(super) fn metres(&self, ray: &Ray, start: f64, end: f64) -> f64 {
+        match &self.density {
+            Density::Even => (end - start).max(0.0),
+            Density::Thinning(falloff) => falloff.along(ray).metres_at_base_density(start, end),
+        }
+    }
+
+    /// The density, as a share of the densest, at a place on a ray that is inside.
+    pub(super) fn density_along(&self, ray: &Ray, t: f64) -> f64 {
+        match &self.density {
+            Density::Even => 1.0,
+            Density::Thinning(falloff) => falloff.along(ray).density(t),
+        }
     }
 
     /// The part of the line that lies inside, as a range of `t` that may be negative; `None` if it misses.
-    pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
+    fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
@@ -88,7 +122,7 @@ impl FogBank {
 
     /// The part of the ray within `[0, t_max]` where there is fog to be seen: finite, as distances and
     /// heights from which nothing shows are left out.
-    pub fn visible_span(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
+    pub(super) fn visible_span(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
         let (enter, leave) = self.span(ray)?;
         let (mut enter, mut leave) = (enter.max(0.0), leave.min(t_max).min(FARTHEST_M));
         if let Some(climb) = self.climb(ray) {
@@ -108,18 +142,14 @@ impl FogBank {
 
     /// Metres of fog, as dense as where it is densest, on `origin + t * direction`, `0 < t < t_max`, for a
     /// unit direction.
-    pub fn length(&self, origin: DVec3, direction: DVec3, t_max: f64) -> f64 {
+    pub(super) fn length(&self, origin: DVec3, direction: DVec3, t_max: f64) -> f64 {
         let ray = Ray { origin, direction };
         let Some((enter, leave)) = self.span(&ray) else { return 0.0 };
-        let (enter, leave) = (enter.max(0.0), leave.min(t_max));
-        match self.climb(&ray) {
-            None => (leave - enter).max(0.0),
-            Some(climb) => climb.metres_at_base_density(enter, leave),
-        }
+        self.metres(&ray, enter.max(0.0), leave.min(t_max))
     }
 
     /// The same from one point to another.
-    pub fn length_between(&self, from: DVec3, to: DVec3) -> f64 {
+    pub(super) fn length_between(&self, from: DVec3, to: DVec3) -> f64 {
         let way = to - from;
         let distance = way.length();
         if !self.is_even() {
@@ -145,11 +175,11 @@ impl FogBank {
     }
 
     /// The density at a point, as a share of the densest; 0 outside.
-    pub fn density(&self, point: DVec3) -> f64 {
+    pub(super) fn density(&self, point: DVec3) -> f64 {
         if self.cube_from_relative.transform_point3(point).abs().max_element() > 1.0 {
             return 0.0;
         }
-        self.climb(&Ray { origin: point, direction: DVec3::ZERO }).map_or(1.0, |climb| climb.density(0.0))
+        self.density_along(&Ray { origin: point, direction: DVec3::ZERO }, 0.0)
     }
 
     /// Every `t` at which the way from `ray.at(t)` to the light may change the faces it crosses, or the
@@ -159,7 +189,7 @@ impl FogBank {
     /// `w` leads to the light; two faces swap where two such fractions are equal, and that
     /// equation is linear in `t` for distant and for near lights alike. It counts only where the
     /// way really crosses the edge between the two faces.
-    pub fn for_each_kink(&self, ray: &Ray, light: LightPlace, mut kink: impl FnMut(f64)) {
+    pub(super) fn for_each_kink(&self, ray: &Ray, light: LightPlace, mut kink: impl FnMut(f64)) {
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         // w(t) = w0 + t * w1.
         let (w0, w1) = match light {
@@ -170,9 +200,10 @@ impl FogBank {
                 (self.cube_from_relative.transform_point3(position) - origin, -direction)
             }
         };
-        let base = self.falloff.map(|falloff| falloff.base_y);
-        if let Some(climb) = self.climb(ray) {
-            kink(climb.at_base());
+        let mut base = None;
+        if let Density::Thinning(falloff) = &self.density {
+            base = Some(falloff.base_y);
+            kink(falloff.along(ray).at_base());
         }
         let faces = |axis: usize| [-1.0, 1.0].into_iter().chain(base.filter(|_| axis == 1));
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
@@ -195,19 +226,10 @@ impl FogBank {
     }
 
     /// A point and a direction in the space in which the box is `[-1, 1]^3`.
-    pub fn in_cube(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+    pub(super) fn in_cube(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
         (
             self.cube_from_relative.transform_point3(origin),
             self.cube_from_relative.transform_vector3(direction),
         )
     }
-}
-
-/// Where light comes from, in relative space.
-#[derive(Clone, Copy, Debug)]
-pub enum LightPlace {
-    /// From infinitely far away; unit vector towards the light.
-    Towards(DVec3),
-    /// From a point.
-    At(DVec3),
 }

@@ -6,65 +6,45 @@
 //! product with the density follow by the rules for power series (Knuth, "The Art of Computer Programming" 2,
 //! section 4.7).
 
-use super::lit_cells::{FACTORIALS, LitCells, Moments, ORDER, Piece};
+use super::depth_line::DepthLine;
+use super::lit_cells::{FACTORIALS, Lit, MOST_PIECES, Moments, ORDER, Piece};
 use super::thinning_fog::{Series, ThinningFog};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, fast_exp};
+use crate::math::fast_exp;
 
-/// How much density and transmittance may change, as the sum of their exponents, from one end of a piece to the other.
-/// What is left out is below 1e-8 of what an unshadowed piece scatters (see the tests).
-const LARGEST_CHANGE: f64 = 1.0;
-
-/// Rays that take more pieces than this on one stretch are left to the per-ray method.
-const MOST_PIECES: f64 = 512.0;
-
-/// Fog on a stretch of a ray, from reach `start` on.
-#[derive(Debug, Default)]
-pub(super) struct DepthSeries {
-    pub(super) start: f64,
+/// Fog on a stretch of a ray.
+pub(super) struct DepthSeries<'a> {
+    /// The optical depth, but for what thinning fog adds from the start on and towards the light.
+    pub(super) even: DepthLine<3>,
     /// Of the even fog: light scattered per metre and irradiance, 1/(m sr).
     pub(super) scattering: Rgb,
-    /// The optical depth at the start, but for what thinning fog adds from there on and towards the light; its growth by even fog.
-    pub(super) tau_at_start: Rgb,
-    pub(super) tau_per_reach: Rgb,
-    pub(super) thinning: Vec<ThinningFog>,
+    pub(super) thinning: &'a [ThinningFog],
 }
 
-impl DepthSeries {
-    /// Starts over without any fog.
-    pub(super) fn clear(&mut self, start: f64) {
-        self.start = start;
-        (self.scattering, self.tau_at_start, self.tau_per_reach) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
-        self.thinning.clear();
-    }
-
+impl DepthSeries<'_> {
     /// Light scattered on what is lit of a range, per unit of irradiance and, as its integral goes over reaches, per metre
-    /// of reach: see [`LitCells::for_each_piece`]. `None` if the fog changes too fast along it.
-    pub(super) fn lit_integral(
-        &self,
-        end: f64,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
-        let range = self.start..end;
+    /// of reach: see [`Lit::for_each_piece`], by the sum of the exponents of density and transmittance. `None` if the fog changes too fast along it.
+    /// What is left out is below 1e-8 of what an unshadowed piece scatters (see the tests).
+    pub(super) fn lit_integral(&self, end: f64, lit: &Lit) -> Option<Rgb> {
+        let start = self.even.start;
+        let range = start..end;
         let width = range.end - range.start;
         let fastest = |most: f64, fog: &ThinningFog| most.max(fog.exponents_change());
-        let even = self.tau_per_reach.abs().max_element() + self.thinning.iter().fold(0.0, fastest);
+        let even = self.even.steepest() + self.thinning.iter().fold(0.0, fastest);
         let log_bound = |reach: f64| {
-            let sum: f64 = self.thinning.iter().map(|fog| fog.depth_change(self.start, reach, &range)).sum();
+            let sum: f64 = self.thinning.iter().map(|fog| fog.depth_change(start, reach, &range)).sum();
             sum.max(f64::MIN_POSITIVE).ln()
         };
         // A function with a convex logarithm lies below the exponential through its ends.
         let (first, last) = (log_bound(range.start), log_bound(range.end));
         let growth = (last - first) / width;
-        let change = |reach: f64| (even + fast_exp(first + growth * (reach - self.start))) / LARGEST_CHANGE;
+        let change = |reach: f64| even + fast_exp(first + growth * (reach - start));
         let pieces = width * (change(range.start) + change(range.end));
         if pieces > MOST_PIECES {
             return None;
         }
         let mut sum = Rgb::ZERO;
-        lit.for_each_piece(range, shadows, more_shadows, change, |piece, moments| {
+        lit.for_each_piece(range, change, |piece, moments| {
             sum += self.integral(piece, moments);
         });
         Some(sum)
@@ -72,19 +52,20 @@ impl DepthSeries {
 
     /// The same of a piece.
     fn integral(&self, piece: &Piece, moments: &Moments) -> Rgb {
-        let offset = piece.middle - self.start;
+        let DepthLine { start, at_start, per_reach } = self.even;
+        let offset = piece.middle - start;
         let mut tau = [Rgb::ZERO; ORDER];
-        tau[0] = self.tau_at_start + self.tau_per_reach * offset;
-        tau[1] = self.tau_per_reach * piece.half_width;
-        for fog in &self.thinning {
-            for (tau, metres) in tau.iter_mut().zip(fog.metres(self.start, piece)) {
+        tau[0] = Rgb::from(at_start) + Rgb::from(per_reach) * offset;
+        tau[1] = Rgb::from(per_reach) * piece.half_width;
+        for fog in self.thinning {
+            for (tau, metres) in tau.iter_mut().zip(fog.metres(start, piece)) {
                 *tau += fog.sigma_t * metres;
             }
         }
         let through = exp_of_minus(&tau);
         let powers = std::array::from_fn(|j| FACTORIALS[j] * moments[j]);
         let mut sum = self.scattering * dot(&through, &powers);
-        for fog in &self.thinning {
+        for fog in self.thinning {
             if let Some(ascent) = fog.along_ray {
                 let density = ascent.density(offset, piece.half_width);
                 sum += fog.scattering * dot(&through, &weighted(&density, &powers));
@@ -119,11 +100,11 @@ fn weighted(density: &Series, powers: &[f64; ORDER]) -> [f64; ORDER] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fog_section::{LightWay, Line, Linear};
-    use super::super::sweep::PlanarRay;
+    use super::super::lit_cells::LitCells;
+    use super::super::section::{LightWay, Line, Linear};
     use super::super::thinning_fog::{Ascent, Column};
     use super::*;
-    use crate::math::gauss_legendre;
+    use crate::math::{IntervalSet, PlanarRay, gauss_legendre};
     use glam::DVec2;
     use proptest::prelude::*;
 
@@ -171,11 +152,9 @@ mod tests {
         let base = Line { at_axis: 3.0 / 0.8, growth: -0.3 / 0.8 };
         let way = LightWay { upper: Line { at_axis: f64::INFINITY, growth: 0.0 }, lower: base };
         let series = DepthSeries {
-            start: 10.0,
+            even: DepthLine { start: 10.0, at_start: [0.0; 3], per_reach: [1e-6; 3] },
             scattering: Rgb::splat(1e-6),
-            tau_at_start: Rgb::ZERO,
-            tau_per_reach: Rgb::splat(1e-6),
-            thinning: vec![ThinningFog {
+            thinning: &[ThinningFog {
                 sigma_t: Rgb::splat(1e-6),
                 scattering: Rgb::ZERO,
                 along_ray: None,
@@ -183,7 +162,8 @@ mod tests {
             }],
         };
         let (cells, none) = <(LitCells, IntervalSet)>::default();
-        let found = series.lit_integral(1e7, &cells, &none, &none).expect("few pieces");
+        let lit = Lit { cells: &cells, shadows: &none, more_shadows: &none };
+        let found = series.lit_integral(1e7, &lit).expect("few pieces");
         let expected = -(-1e-6 * (1e7 - 10.0_f64)).exp_m1() * (-1e-6_f64 / 0.8).exp();
         assert!((found / expected - 1.0).abs().max_element() < 1e-8, "{found} {expected}");
     }
@@ -211,11 +191,9 @@ mod tests {
             let way = LightWay { upper, lower: Line { at_axis: 0.0, growth: slope } };
             let sigma_t = density * Rgb::new(0.5, 1.0, 1.5);
             let series = DepthSeries {
-                start,
+                even: DepthLine { start, at_start: [0.1; 3], per_reach: [0.03; 3] },
                 scattering: Rgb::splat(0.02),
-                tau_at_start: Rgb::splat(0.1),
-                tau_per_reach: Rgb::splat(0.03),
-                thinning: vec![ThinningFog {
+                thinning: &[ThinningFog {
                     sigma_t,
                     scattering: Rgb::new(0.1, 0.2, 0.3),
                     along_ray: Some(Ascent::new(&heights, &ray, start)),
@@ -230,7 +208,8 @@ mod tests {
                 shadows.for_each_gap(from, from + width, |a, b| cells.darken(a, b));
                 shadows.insert(from, from + width);
             }
-            let found = series.lit_integral(end, &cells, &shadows, &IntervalSet::default());
+            let lit = Lit { cells: &cells, shadows: &shadows, more_shadows: &IntervalSet::default() };
+            let found = series.lit_integral(end, &lit);
             // Left to the per-ray method if it would take too many pieces, as it rarely does.
             prop_assume!(found.is_some());
             let found = found.unwrap_or_default();

@@ -5,20 +5,20 @@ use crate::color::Rgb;
 
 /// The factors are the leaves of a binary tree, each of whose nodes is the product of the two below it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RunningProduct {
+pub struct RunningProduct {
     /// The root is at 1, the nodes below `i` at `2 i` and `2 i + 1`.
     nodes: Vec<Rgb>,
 }
 
 impl RunningProduct {
     /// Starts over with so many places, each of a factor of 1.
-    pub(super) fn start(&mut self, places: usize) {
+    pub fn start(&mut self, places: usize) {
         self.nodes.clear();
         self.nodes.resize(2 * places.next_power_of_two(), Rgb::ONE);
     }
 
     /// Puts a factor in its place.
-    pub(super) fn set(&mut self, place: usize, factor: Rgb) {
+    pub fn set(&mut self, place: usize, factor: Rgb) {
         let nodes = &mut self.nodes;
         let mut node = nodes.len() / 2 + place;
         nodes[node] = factor;
@@ -29,7 +29,7 @@ impl RunningProduct {
     }
 
     /// Of all factors.
-    pub(super) fn get(&self) -> Rgb {
+    pub fn get(&self) -> Rgb {
         self.nodes[1]
     }
 }

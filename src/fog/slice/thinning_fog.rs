@@ -2,11 +2,10 @@
 //! out come its metres on both ways and its density, as series about the middle of a piece. Invariant: where the density
 //! changes little on a way nothing is divided by its change, so that nothing cancels on level ways.
 
-use super::fog_section::{LightWay, Line, Linear};
 use super::lit_cells::{ORDER, Piece};
-use super::sweep::PlanarRay;
+use super::section::{LightWay, Line, Linear};
 use crate::color::Rgb;
-use crate::math::fast_exp;
+use crate::math::{PlanarRay, fast_exp};
 use std::ops::Range;
 
 /// A number and its derivatives in the middle of a piece, in halves of its width.

@@ -4,16 +4,13 @@
 
 use super::depth_line::DepthLine;
 use super::depth_series::DepthSeries;
-use super::fog_section::{FogSection, LightWay, Line};
-use super::lit_cells::LitCells;
-use super::sweep::PlanarRay;
+use super::lit_cells::Lit;
+use super::section::{FogSection, LightWay, Line};
 use super::thinning_fog::{Ascent, Column, ThinningFog};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, Ray};
-use crate::scattering::{FogBank, henyey_greenstein};
-
-/// Stands for the length of a way through fog that does not end: times 0 it is 0.
-pub(super) const ENDLESS_M: f64 = 1e200;
+use crate::fog::falloff::ENDLESS_M;
+use crate::fog::{FogBank, henyey_greenstein};
+use crate::math::{PlanarRay, Ray};
 
 /// A bank, or its part below its base or above it.
 #[derive(Debug)]
@@ -36,7 +33,7 @@ pub(super) fn above(way: LightWay, ray: &PlanarRay, reach: f64) -> Option<LightW
 }
 
 /// A part of a ray on which nothing but distances changes.
-pub(super) struct Stretch<'a> {
+pub(super) struct SliceStretch<'a> {
     pub(super) banks: &'a [BankProfile],
     /// The light's way through each bank.
     pub(super) ways: &'a [Option<LightWay>],
@@ -45,80 +42,73 @@ pub(super) struct Stretch<'a> {
     pub(super) end: f64,
 }
 
-impl Stretch<'_> {
+impl SliceStretch<'_> {
     /// Light scattered on what is lit of it, where all fog is even.
     #[inline(always)]
-    pub(super) fn even<const LANES: usize>(
-        &self,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
-        let mut scattering = Rgb::ZERO;
-        let mut line = DepthLine { start: self.start, at_start: [0.0; LANES], per_reach: [0.0; LANES] };
+    pub(super) fn even<const LANES: usize>(&self, lit: &Lit) -> Option<Rgb> {
+        let (mut line, mut scattering) = (DepthLine::<LANES>::new(self.start), Rgb::ZERO);
         for (profile, way) in self.banks.iter().zip(self.ways) {
-            let metres = self.metres(profile, way);
-            for lane in 0..LANES {
-                line.at_start[lane] += profile.bank.sigma_t[lane] * metres.at_start;
-                line.per_reach[lane] += profile.bank.sigma_t[lane] * metres.per_reach;
-            }
-            if metres.is_inside {
-                scattering += profile.scattering;
-            }
+            self.add_even(profile, way, &mut line, &mut scattering);
         }
         if scattering == Rgb::ZERO {
             return Some(Rgb::ZERO);
         }
-        Some(scattering * line.lit_integral(self.start..self.end, lit, shadows, more_shadows)?)
+        Some(scattering * line.lit_integral(self.start..self.end, lit)?)
     }
 
     /// The same where some fog thins out.
-    pub(super) fn thinning(
-        &self,
-        series: &mut DepthSeries,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
-        let mut scatters = false;
-        series.clear(self.start);
+    pub(super) fn thinning(&self, thinning: &mut Vec<ThinningFog>, lit: &Lit) -> Option<Rgb> {
+        let (mut even, mut scattering) = (DepthLine::<3>::new(self.start), Rgb::ZERO);
+        thinning.clear();
+        let mut thinning_scatters = false;
         for (profile, way) in self.banks.iter().zip(self.ways) {
-            let sigma_t = profile.bank.sigma_t;
             let Some(heights) = profile.section.scale_heights else {
-                let metres = self.metres(profile, way);
-                series.tau_at_start += sigma_t * metres.at_start;
-                series.tau_per_reach += sigma_t * metres.per_reach;
-                if metres.is_inside {
-                    series.scattering += profile.scattering;
-                    scatters |= profile.scattering != Rgb::ZERO;
-                }
+                self.add_even(profile, way, &mut even, &mut scattering);
                 continue;
             };
+            let BankProfile { bank: FogBank { sigma_t, .. }, scattering, .. } = *profile;
             let (is_inside, metres_before) = self.along_ray(profile);
-            scatters |= is_inside && profile.scattering != Rgb::ZERO;
-            series.tau_at_start += sigma_t * metres_before;
+            thinning_scatters |= is_inside && scattering != Rgb::ZERO;
+            even.add(sigma_t, metres_before, 0.0);
             let way = way.and_then(|way| above(way, self.ray, self.middle()));
             let to_light = way.and_then(|way| Column::new(way, heights));
             if way.is_some() && to_light.is_none() {
-                series.tau_at_start += sigma_t * ENDLESS_M;
+                even.add(sigma_t, ENDLESS_M, 0.0);
             }
             let along_ray = is_inside.then(|| Ascent::new(&heights, self.ray, self.start));
             if to_light.is_some() || along_ray.is_some() {
-                let scattering = profile.scattering;
-                series.thinning.push(ThinningFog { sigma_t, scattering, along_ray, to_light });
+                thinning.push(ThinningFog { sigma_t, scattering, along_ray, to_light });
             }
         }
-        if !scatters {
+        if !thinning_scatters && scattering == Rgb::ZERO {
             return Some(Rgb::ZERO);
         }
-        if series.thinning.is_empty() {
-            let (at_start, per_reach) = (series.tau_at_start.to_array(), series.tau_per_reach.to_array());
-            let line = DepthLine::<3> { start: self.start, at_start, per_reach };
-            return Some(
-                series.scattering * line.lit_integral(self.start..self.end, lit, shadows, more_shadows)?,
-            );
+        if thinning.is_empty() {
+            return Some(scattering * even.lit_integral(self.start..self.end, lit)?);
         }
-        series.lit_integral(self.end, lit, shadows, more_shadows)
+        DepthSeries { even, scattering, thinning }.lit_integral(self.end, lit)
+    }
+
+    /// Adds the optical depth of an even bank, to the eye and to the light together, and what it scatters per metre.
+    #[inline(always)]
+    fn add_even<const LANES: usize>(
+        &self,
+        profile: &BankProfile,
+        way: &Option<LightWay>,
+        line: &mut DepthLine<LANES>,
+        scattering: &mut Rgb,
+    ) {
+        let (is_inside, mut at_start) = self.along_ray(profile);
+        let mut per_reach = 0.0;
+        if is_inside {
+            per_reach = 1.0 / self.ray.direction.x;
+            *scattering += profile.scattering;
+        }
+        if let Some(LightWay { upper, lower }) = way.and_then(|way| above(way, self.ray, self.middle())) {
+            at_start += (upper.at(self.start) - lower.at(self.start)).min(ENDLESS_M);
+            per_reach += upper.growth - lower.growth;
+        }
+        line.add(profile.bank.sigma_t, at_start, per_reach);
     }
 
     fn middle(&self) -> f64 {
@@ -138,33 +128,11 @@ impl Stretch<'_> {
             (false, 0.0)
         }
     }
-
-    /// Metres of an even bank, to the eye and to the light together.
-    #[inline(always)]
-    fn metres(&self, profile: &BankProfile, way: &Option<LightWay>) -> Metres {
-        let (is_inside, metres_before) = self.along_ray(profile);
-        let mut metres = Metres { is_inside, at_start: metres_before, per_reach: 0.0 };
-        if is_inside {
-            metres.per_reach = 1.0 / self.ray.direction.x;
-        }
-        if let Some(LightWay { upper, lower }) = way.and_then(|way| above(way, self.ray, self.middle())) {
-            metres.at_start += (upper.at(self.start) - lower.at(self.start)).min(ENDLESS_M);
-            metres.per_reach += upper.growth - lower.growth;
-        }
-        metres
-    }
-}
-
-/// Metres of a bank on the way of eye and light, `at_start + per_reach * (reach - start)`.
-struct Metres {
-    is_inside: bool,
-    at_start: f64,
-    per_reach: f64,
 }
 
 impl BankProfile {
     pub(super) fn new(bank: &FogBank, section: FogSection) -> Self {
-        Self { bank: *bank, section, span: (0.0, 0.0), metres: 0.0, scattering: Rgb::ZERO }
+        Self { bank: bank.clone(), section, span: (0.0, 0.0), metres: 0.0, scattering: Rgb::ZERO }
     }
 
     /// Finds where a ray that ends at a reach is inside.

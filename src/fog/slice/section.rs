@@ -7,12 +7,10 @@
 //! below its base it is as dense everywhere, above it its density is `exp(-u)`, with `u` linear in reach and height.
 
 use crate::accel::HalfPlane;
+use crate::fog::FogBank;
+use crate::fog::bank::EDGE_SLACK;
 use crate::math::Ray;
-use crate::scattering::FogBank;
 use glam::DVec3;
-
-/// A break too many costs one exponential, a break too few an error: rounding must not lose one.
-const EDGE_SLACK: f64 = 1e-9;
 
 /// A border as near to the light's direction, in radians, runs along it: as a line over the reach it would be so
 /// steep that rounding puts it metres from where it is.
@@ -85,8 +83,8 @@ impl Linear {
 }
 
 impl FogSection {
-    /// Calls back with the sections of a bank.
-    pub(super) fn for_each(fog: &FogBank, half_plane: &HalfPlane, mut each: impl FnMut(Self)) {
+    /// Calls back with the sections of a bank; `None` if its density knows none.
+    pub(super) fn for_each(fog: &FogBank, half_plane: &HalfPlane, mut each: impl FnMut(Self)) -> Option<()> {
         let mut section = Self { borders: Default::default(), count: 0, scale_heights: None };
         if fog.is_bounded() {
             let (at_eye, per_reach) = fog.in_cube(half_plane.eye, half_plane.outward);
@@ -97,19 +95,21 @@ impl FogSection {
                 section.add(Linear { at_eye: 1.0 + at_eye, per_reach, per_height });
             }
         }
-        let heights = |direction: DVec3| fog.climb(&Ray { origin: half_plane.eye, direction });
-        let Some((outward, upward)) = heights(half_plane.outward).zip(heights(half_plane.axis)) else {
+        if fog.is_even() {
             each(section);
-            return;
-        };
+            return Some(());
+        }
+        let heights = |direction: DVec3| fog.climb(&Ray { origin: half_plane.eye, direction });
+        let (outward, upward) = (heights(half_plane.outward)?, heights(half_plane.axis)?);
         let scale_heights =
-            Linear { at_eye: outward.height(0.0), per_reach: outward.per_m(), per_height: upward.per_m() };
+            Linear { at_eye: outward.height(0.0), per_reach: outward.per_m, per_height: upward.per_m };
         let mut below = section;
         below.add(scale_heights.negative());
         each(below);
         section.add(scale_heights);
         section.scale_heights = Some(scale_heights);
         each(section);
+        Some(())
     }
 
     fn add(&mut self, border: Linear) {

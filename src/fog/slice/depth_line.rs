@@ -2,20 +2,11 @@
 //! there, out comes the integral of what gets through. Invariant: nothing cancels, neither in thin fog nor as
 //! the ray turns towards the sun.
 
-use super::lit_cells::{LitCells, Piece};
+use super::lit_cells::{Lit, MOST_PIECES, Piece};
 use crate::color::Rgb;
-use crate::math::{IntervalSet, fast_exp};
+use crate::fog::beer_lambert::NOTHING_LEFT;
+use crate::math::fast_exp;
 use std::ops::Range;
-
-/// The largest change of the optical depth over a piece. What is left out is the eighth power of half of it over `8!` of
-/// the integral at most: 1e-7.
-const LARGEST_CHANGE: f64 = 1.0;
-
-/// What lies behind so much more fog does not show: `exp(-40)` is 4e-18.
-const NOTHING_LEFT: f64 = 40.0;
-
-/// Rays that take more pieces than this on one stretch are left to the per-ray method.
-const MOST_PIECES: f64 = 512.0;
 
 /// The optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Fog that
 /// treats all colours alike has one lane, other fog three.
@@ -27,23 +18,32 @@ pub(super) struct DepthLine<const LANES: usize> {
 }
 
 impl<const LANES: usize> DepthLine<LANES> {
-    /// `integral of exp(-tau)` over what is lit of a range: see [`LitCells::for_each_piece`]. `None` if the fog
-    /// changes too fast along it.
+    /// No depth.
     #[inline(always)]
-    pub(super) fn lit_integral(
-        &self,
-        range: Range<f64>,
-        lit: &LitCells,
-        shadows: &IntervalSet,
-        more_shadows: &IntervalSet,
-    ) -> Option<Rgb> {
-        let steepest = self.per_reach.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+    pub(super) fn new(start: f64) -> Self {
+        Self { start, at_start: [0.0; LANES], per_reach: [0.0; LANES] }
+    }
+
+    /// Adds metres of a bank.
+    #[inline(always)]
+    pub(super) fn add(&mut self, sigma_t: Rgb, metres_at_start: f64, metres_per_reach: f64) {
+        for lane in 0..LANES {
+            self.at_start[lane] += sigma_t[lane] * metres_at_start;
+            self.per_reach[lane] += sigma_t[lane] * metres_per_reach;
+        }
+    }
+
+    /// `integral of exp(-tau)` over what is lit of a range: see [`Lit::for_each_piece`]. `None` if the fog
+    /// changes too fast along it. What is left out is the eighth power of half a piece's change over `8!` of
+    /// the integral at most: 1e-7.
+    #[inline(always)]
+    pub(super) fn lit_integral(&self, range: Range<f64>, lit: &Lit) -> Option<Rgb> {
+        let steepest = self.steepest();
         let is_thick = steepest * (range.end - range.start) > NOTHING_LEFT;
         let range = if is_thick { self.visible(range) } else { range };
-        if steepest * (range.end - range.start) > MOST_PIECES * LARGEST_CHANGE {
+        if steepest * (range.end - range.start) > MOST_PIECES {
             return None;
         }
-        let changes = steepest / LARGEST_CHANGE;
         let mut sum = [0.0; LANES];
         let add = |piece: &Piece, moments: &[f64; 8]| {
             let offset = piece.middle - self.start;
@@ -51,8 +51,14 @@ impl<const LANES: usize> DepthLine<LANES> {
                 *sum += self.integral(lane, offset, piece.half_width, moments);
             }
         };
-        lit.for_each_piece(range, shadows, more_shadows, |_| changes, add);
+        lit.for_each_piece(range, |_| steepest, add);
         Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
+    }
+
+    /// How fast the depth changes per reach, of the colour of which it does most.
+    #[inline(always)]
+    pub(super) fn steepest(&self) -> f64 {
+        self.per_reach.iter().fold(0.0, |most, k| most.max(k.abs()))
     }
 
     /// The part of a range where, of some colour, something is left beside what gets through at its brighter end.
@@ -80,7 +86,9 @@ impl<const LANES: usize> DepthLine<LANES> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::lit_cells::LitCells;
     use super::*;
+    use crate::math::IntervalSet;
     use proptest::prelude::*;
 
     proptest! {
@@ -105,7 +113,8 @@ mod tests {
             let per_reach = per_reach.map(|k| if steep { 10.0 * k } else { k });
             let at_start = per_reach.map(|k| 0.3 + (-k * (end - start)).max(0.0));
             let line = DepthLine { start, at_start, per_reach };
-            let found = line.lit_integral(start..end, &cells, &shadows, &more_shadows).expect("few pieces");
+            let lit = Lit { cells: &cells, shadows: &shadows, more_shadows: &more_shadows };
+            let found = line.lit_integral(start..end, &lit).expect("few pieces");
 
             let mut all = shadows.clone();
             all.insert(more.0, more.0 + more.1);
@@ -128,7 +137,8 @@ mod tests {
         let (mut cells, none) = <(LitCells, IntervalSet)>::default();
         cells.start(&[1.0], 0.0, 1e4);
         let integral = |at_start: [f64; 3], per_reach: [f64; 3]| {
-            DepthLine { start: 0.0, at_start, per_reach }.lit_integral(0.0..1.0, &cells, &none, &none)
+            let lit = Lit { cells: &cells, shadows: &none, more_shadows: &none };
+            DepthLine { start: 0.0, at_start, per_reach }.lit_integral(0.0..1.0, &lit)
         };
         let found = integral([0.0; 3], [1e4, 2e4, 3e4]).expect("few pieces");
         let expected = Rgb::new(1e-4, 0.5e-4, 1e-4 / 3.0);

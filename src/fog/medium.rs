@@ -1,0 +1,151 @@
+//! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is at all. Invariant: where
+//! banks overlap their coefficients add up, and so do their optical depths.
+
+use super::FogBank;
+use super::beer_lambert::exp_minus;
+use super::phase::henyey_greenstein;
+use crate::color::Rgb;
+use crate::light::LightPlace;
+use crate::math::Ray;
+use crate::scene::MOST_FOGS;
+use glam::DVec3;
+
+/// All fog of a scene at one time.
+#[derive(Clone, Debug, Default)]
+pub struct Medium {
+    banks: Vec<FogBank>,
+}
+
+impl Medium {
+    /// Fog of several banks.
+    pub fn new(banks: Vec<FogBank>) -> Self {
+        debug_assert!(banks.len() <= MOST_FOGS, "a scene that exists has no more");
+        Self { banks }
+    }
+
+    /// The banks.
+    pub fn banks(&self) -> &[FogBank] {
+        &self.banks
+    }
+
+    /// True if there is no fog at all.
+    pub fn is_empty(&self) -> bool {
+        self.banks.is_empty()
+    }
+
+    /// True if no fog changes its density.
+    pub(super) fn is_even(&self) -> bool {
+        self.banks.iter().all(FogBank::is_even)
+    }
+
+    /// Extinction where all fog is densest, of the colour of which it takes most, 1/m.
+    pub(super) fn most_extinction_per_m(&self) -> f64 {
+        self.banks.iter().map(|fog| fog.sigma_t.max_element()).sum()
+    }
+
+    /// Optical depth of `origin + t * direction`, `0 < t < t_max`, for a unit direction.
+    pub fn optical_depth(&self, origin: DVec3, direction: DVec3, t_max: f64) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_t * fog.length(origin, direction, t_max)).sum()
+    }
+
+    /// The share of light that gets through (Beer-Lambert).
+    pub fn transmittance(&self, origin: DVec3, direction: DVec3, t_max: f64) -> Rgb {
+        if self.is_empty() {
+            return Rgb::ONE;
+        }
+        exp_minus(self.optical_depth(origin, direction, t_max))
+    }
+
+    /// Optical depth from a point to the light.
+    pub fn optical_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
+        match light {
+            LightPlace::Towards(to_light) => self.optical_depth(point, to_light, f64::INFINITY),
+            LightPlace::At(position) => {
+                self.banks.iter().map(|fog| fog.sigma_t * fog.length_between(point, position)).sum()
+            }
+        }
+    }
+
+    /// First and last fog to be seen on the ray within `[0, t_max]`; `None` if there is none. Finite, also
+    /// where ray and fog are not.
+    pub fn range(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
+        let spans = self.banks.iter().filter_map(|fog| fog.visible_span(ray, t_max));
+        spans.reduce(|(a, b), (enter, leave)| (a.min(enter), b.max(leave)))
+    }
+
+    /// Light scattered per metre at a point, per unit of irradiance and steradian: `sum(sigma_s * phase)`, 1/(m sr).
+    pub fn scattering_at(&self, point: DVec3, cos_deflection: f64) -> Rgb {
+        self.banks
+            .iter()
+            .map(|fog| (fog, fog.density(point)))
+            .filter(|(_, density)| *density > 0.0)
+            .map(|(fog, density)| fog.sigma_s * (density * henyey_greenstein(cos_deflection, fog.g)))
+            .sum()
+    }
+
+    /// Extinction at a point, 1/m.
+    pub fn extinction_at(&self, point: DVec3) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_t * fog.density(point)).sum()
+    }
+
+    /// Henyey-Greenstein g of the fog at a point, as the mean of its banks by how much they scatter.
+    pub fn anisotropy_at(&self, point: DVec3) -> f64 {
+        let (mut weighted, mut all) = (0.0, 0.0);
+        for fog in &self.banks {
+            let scatters = fog.sigma_s.element_sum() * fog.density(point);
+            weighted += scatters * fog.g;
+            all += scatters;
+        }
+        if all > 0.0 { weighted / all } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DAffine3;
+
+    fn fog_between(low: DVec3, high: DVec3, sigma_t: f64) -> FogBank {
+        let relative_from_cube =
+            DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));
+        FogBank::in_box(relative_from_cube, Rgb::splat(sigma_t), Rgb::splat(0.5), 0.3).expect("a real box")
+    }
+
+    #[test]
+    fn beer_lambert_through_two_overlapping_boxes() {
+        let medium = Medium::new(vec![
+            fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
+            fog_between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.0, 1.0), 0.2),
+        ]);
+        let through = medium.transmittance(DVec3::new(-5.0, 0.0, 0.0), DVec3::X, f64::INFINITY);
+        assert!((through.x - (-(2.0 * 0.5 + 3.0 * 0.2_f64)).exp()).abs() < 1e-15);
+        let part = medium.transmittance(DVec3::ZERO, DVec3::X, 0.5);
+        assert!((part.x - (-(0.5 * 0.7_f64)).exp()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_ray_in_a_face_counts_as_inside() {
+        let fog = fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 1.0);
+        assert_eq!(fog.length(DVec3::new(-2.0, 1.0, 0.0), DVec3::X, f64::INFINITY), 2.0);
+        assert_eq!(fog.length(DVec3::new(-2.0, 1.0 + 1e-12, 0.0), DVec3::X, f64::INFINITY), 0.0);
+    }
+
+    /// Inside and outside, across faces, corners and edges.
+    #[test]
+    fn between_two_points_lies_as_much_as_along_the_ray() {
+        let fog = fog_between(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(3.0, 1.5, 1.0), 0.2);
+        let numbers = [-4.0, -1.0, -0.3, 0.0, 0.4, 1.0, 1.5, 3.0, 5.0];
+        let point = |index: usize| {
+            DVec3::new(numbers[index % 9], numbers[index / 9 % 9] - 0.1, numbers[index / 81] + 0.05)
+        };
+        let mut crossings = 0;
+        for index in 0..729 {
+            let (from, to) = (point(index), point((index * 311 + 17) % 729));
+            let (way, found) = (to - from, fog.length_between(from, to));
+            let expected = fog.length(from, way.normalize_or_zero(), way.length());
+            assert!((found - expected).abs() < 1e-12, "{from} to {to}: {found} {expected}");
+            crossings += usize::from(found > 0.0 && found < way.length());
+        }
+        assert!(crossings > 100, "{crossings}");
+    }
+}

@@ -1,0 +1,118 @@
+//! A stretch of a ray under a distant light. In go the fog on it, out comes the light scattered on any
+//! part of it that is lit. Invariant: in closed form wherever there is one; elsewhere from one fit,
+//! which a hundred lit parts share.
+
+use super::beer_lambert::{exp_minus, mean_transmittance};
+use super::falloff::Climb;
+use super::stretch::Stretch;
+use crate::color::Rgb;
+use crate::math::{Antiderivative, Ray};
+use glam::DVec3;
+
+/// What a fit may be wrong by, as a share of what the whole stretch would scatter without any shadow.
+const TOLERANCE: f64 = 1e-11;
+
+/// Light scattered on a stretch, per unit of irradiance.
+pub(super) enum SunStretch {
+    Closed(ClosedForm),
+    /// An integral that has no closed form.
+    Fitted(Antiderivative),
+}
+
+impl SunStretch {
+    pub(super) fn new(stretch: &Stretch, to_light: DVec3) -> Self {
+        if let Some(closed) = ClosedForm::of(stretch, to_light) {
+            return Self::Closed(closed);
+        }
+        let cos = to_light.dot(stretch.ray.direction);
+        let mut fitted = Antiderivative::default();
+        let integrand = |t: f64| stretch.scattering(t, cos) * exp_minus(stretch.tau(t));
+        fitted.fit(integrand, stretch.start, stretch.end, TOLERANCE);
+        Self::Fitted(fitted)
+    }
+
+    /// Over a lit part, 1/sr.
+    pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
+        match self {
+            Self::Closed(closed) => closed.integral(start, end),
+            Self::Fitted(fitted) => fitted.between(start, end),
+        }
+    }
+}
+
+/// Where the optical depth from the eye to `t` and on to a distant light is linear in the metres of fog on the
+/// way, counted at the density of the fog's base.
+pub(super) struct ClosedForm {
+    /// `sigma_s * phase`, per metre at base density and sr.
+    scattering: Rgb,
+    start: f64,
+    /// Heights along the ray, where the fog thins out.
+    climb: Option<Climb>,
+    tau_at_start: Rgb,
+    tau_per_m: Rgb,
+}
+
+impl ClosedForm {
+    /// `None` if the optical depth is not linear.
+    fn of(stretch: &Stretch, to_light: DVec3) -> Option<Self> {
+        let Stretch { ray, start, end, .. } = *stretch;
+        let middle = stretch.middle();
+        let (mut thinning, mut count) = (None, 0);
+        for (index, fog) in stretch.medium.banks().iter().enumerate() {
+            let is_inside = stretch.is_inside(index);
+            if !is_inside && fog.length(ray.at(middle), to_light, f64::INFINITY) == 0.0 {
+                continue;
+            }
+            count += 1;
+            if fog.is_even() {
+                continue;
+            }
+            let climb = fog.climb(ray).filter(|_| !fog.is_bounded())?;
+            // Below the base it is as dense everywhere, and the column above weighs the same.
+            if climb.height(middle) <= 0.0 {
+                continue;
+            }
+            // At height u the way to a light at the elevation k' weighs exp(-u) / k', and per metre
+            // at base density u grows by k exp(u): the two exponentials cancel.
+            let towards_light = fog.climb(&Ray { origin: DVec3::ZERO, direction: to_light })?;
+            if !is_inside || towards_light.per_m <= 0.0 {
+                return None;
+            }
+            thinning = Some((climb, fog.sigma_t * (1.0 - climb.per_m / towards_light.per_m)));
+        }
+        let scattering = stretch.densest_scattering(to_light.dot(ray.direction));
+        if let Some((climb, tau_per_m)) = thinning {
+            let tau_at_start = stretch.tau(start);
+            let line = Self { scattering, start, climb: Some(climb), tau_at_start, tau_per_m };
+            return (count == 1).then_some(line);
+        }
+        // Just inside, so that a way that starts in a face is measured on this stretch's side.
+        let (a, b) = (start + 1e-3 * (end - start), end - 1e-3 * (end - start));
+        let (tau_a, tau_b) = (stretch.tau(a), stretch.tau(b));
+        let tau_per_m = (tau_b - tau_a) / (b - a);
+        let tau_at_start = tau_a - tau_per_m * (a - start);
+        Some(Self { scattering, start, climb: None, tau_at_start, tau_per_m })
+    }
+
+    fn metres(&self, start: f64, end: f64) -> f64 {
+        self.climb.map_or(end - start, |climb| climb.metres_at_base_density(start, end))
+    }
+
+    /// `integral of density * exp(-tau) dt` over `[start, end]`, times the scattering.
+    ///
+    /// The integral is written as `metres * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the ends'
+    /// depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
+    fn integral(&self, start: f64, end: f64) -> Rgb {
+        let (before, metres) = (self.metres(self.start, start), self.metres(start, end));
+        let one = |at_start: f64, per_m: f64| {
+            let (tau_start, change) = (at_start + per_m * before, per_m * metres);
+            let nearest = tau_start + change.min(0.0);
+            metres * (-nearest).exp() * mean_transmittance(change.abs())
+        };
+        let (tau, k) = (self.tau_at_start, self.tau_per_m);
+        if tau.x == tau.y && tau.y == tau.z && k.x == k.y && k.y == k.z {
+            return self.scattering * Rgb::splat(one(tau.x, k.x));
+        }
+        self.scattering * Rgb::new(one(tau.x, k.x), one(tau.y, k.y), one(tau.z, k.z))
+    }
+}

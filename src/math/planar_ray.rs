@@ -1,0 +1,20 @@
+//! A ray within a half plane that it starts on the edge of. In go reach, which is the distance from the edge, and height, which
+//! is that along it, both per metre; out comes a slope. Invariant: the ray leads away from the edge.
+
+use glam::DVec2;
+
+/// A ray out of the origin of a half plane.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanarRay {
+    /// Unit vector: reach and height per metre.
+    pub direction: DVec2,
+    /// Height per reach.
+    pub slope: f64,
+}
+
+impl PlanarRay {
+    /// In the direction of a unit vector.
+    pub fn new(direction: DVec2) -> Self {
+        Self { direction, slope: direction.y / direction.x }
+    }
+}
