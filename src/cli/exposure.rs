@@ -7,7 +7,7 @@ use super::parse::ExposureArgument;
 use super::plan::Plan;
 use super::tell;
 use crate::color::Display;
-use crate::render::{self, Job, Placement, Watch};
+use crate::render::{self, Job, Watch};
 use crate::scene::{Sampling, Size, Window};
 use crate::snapshot::{Exposure, MeshTrees, Shutter};
 use std::ops::RangeInclusive;
@@ -59,7 +59,7 @@ impl Plan {
             window: Window::whole(size),
             passes: Vec::new(),
             sampling: Sampling::Exactly(SAMPLES),
-            placement: Placement::Pixels,
+            method: self.job.method.by_rays(),
             ..self.job.clone()
         };
         render::render(&exposure, &job, &Watch::NOBODY).frame.auto_exposure_stops()

@@ -8,12 +8,11 @@ use super::{CliError, loading};
 use crate::description;
 use crate::diagnostic::shown;
 use crate::frame_file;
-use crate::passes::{Needs, any_needs};
-use crate::render::{Job, Placement};
+use crate::render::{Job, Method};
 use crate::scene::{RenderSettings, Sampling, Scene, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::snapshot::{Exposure, Shutter, View};
-use crate::transport::{MarchSteps, Transport, VolumeMethod};
+use crate::transport::MarchSteps;
 use sha2::{Digest, Sha256};
 use std::fmt;
 use std::path::Path;
@@ -73,7 +72,7 @@ impl Plan {
         let camera = find_camera(&scene, settings.camera.as_deref())?;
         let frames = find_frames(arguments.frames.as_deref(), &settings)?;
         let window = find_window(arguments.crop, settings.size)?;
-        let volume = volume(arguments, &settings)?;
+        let method = method(arguments, &settings)?;
         let job = Job {
             size: settings.size,
             window,
@@ -81,16 +80,8 @@ impl Plan {
             sampling: settings.sampling,
             filter: settings.filter,
             seed: settings.seed,
-            transport: Transport {
-                volume,
-                mirror_depth: settings.mirror_depth,
-                features: any_needs(&settings.passes, |needs| needs != Needs::Light),
-            },
-            placement: match arguments.volume {
-                Volume::Auto => Placement::Auto,
-                Volume::Slices => Placement::Slices,
-                Volume::Segments | Volume::March | Volume::Equiangular => Placement::Pixels,
-            },
+            mirror_depth: settings.mirror_depth,
+            method,
         };
         let output = find_output(arguments.out.as_deref(), &settings.name, &frames)?;
         // Named where it counts, so that the others' hash stays what it was.
@@ -105,8 +96,11 @@ impl Plan {
             Some(animation) => format!(" animation {animation:?}"),
         };
         let settings_hash = hash(&format!(
-            "{job:?} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{animation}",
-            settings.frame_rate, settings.shutter, arguments.scene.light_units
+            "{} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{animation}",
+            job.hashed(),
+            settings.frame_rate,
+            settings.shutter,
+            arguments.scene.light_units
         ));
         Ok(Self { scene, settings, camera, frames, output, job, scene_hash, settings_hash })
     }
@@ -137,7 +131,7 @@ impl fmt::Display for Plan {
             if frames.len() == 1 { "" } else { "s" },
             self.job.sampling,
             self.job.filter.name(),
-            volume_word(&self.job),
+            self.job.method.name(),
             super::pass_names(&self.job.passes)
         )?;
         writeln!(f, "camera `{}`, seed {}", self.scene.cameras[self.camera].name, self.job.seed)?;
@@ -224,30 +218,21 @@ fn cropped(crop: Option<Crop>, size: Size) -> Result<Window, CliError> {
     Ok(Window { x: x0, y: y0, width: x1 - x0, height: y1 - y0 })
 }
 
-fn volume(arguments: &RenderArguments, settings: &RenderSettings) -> Result<VolumeMethod, CliError> {
+fn method(arguments: &RenderArguments, settings: &RenderSettings) -> Result<Method, CliError> {
     let stepped = matches!(arguments.volume, Volume::March | Volume::Equiangular);
     if arguments.volume_steps.is_some() && !stepped {
         let found = String::from("the exact methods take no steps");
         return Err(usage("--volume-steps", found, "--volume march or --volume equiangular beside it"));
     }
     Ok(match (arguments.volume, arguments.volume_steps) {
-        (Volume::Auto | Volume::Slices | Volume::Segments, _) => VolumeMethod::Segments,
-        (Volume::March, Some(steps)) => VolumeMethod::March(MarchSteps::Count(steps)),
-        (Volume::March, None) => VolumeMethod::March(MarchSteps::Planes {
+        (Volume::Auto, _) => Method::Auto,
+        (Volume::Slices, _) => Method::Slices,
+        (Volume::Segments, _) => Method::Segments,
+        (Volume::March, Some(steps)) => Method::March(MarchSteps::Count(steps)),
+        (Volume::March, None) => Method::March(MarchSteps::Planes {
             depth_m: settings.march_depth_m,
             step_m: settings.march_step_m,
         }),
-        (Volume::Equiangular, points) => VolumeMethod::Equiangular { points: points.unwrap_or(1) },
+        (Volume::Equiangular, points) => Method::Equiangular { points: points.unwrap_or(1) },
     })
-}
-
-/// What `--volume` would have to be for a job.
-fn volume_word(job: &Job) -> &'static str {
-    match (job.placement, job.transport.volume) {
-        (Placement::Auto, _) => "auto",
-        (Placement::Slices, _) => "slices",
-        (Placement::Pixels, VolumeMethod::Segments) => "segments",
-        (Placement::Pixels, VolumeMethod::March(_)) => "march",
-        (Placement::Pixels, VolumeMethod::Equiangular { .. }) => "equiangular",
-    }
 }
