@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "color",
     "diagnostic",
     "math",
@@ -21,6 +21,7 @@ const ORDER: [&str; 18] = [
     "scanline",
     "render",
     "frame_file",
+    "api",
     "sequence",
     "bench",
     "cli",
