@@ -200,6 +200,26 @@ fn unsafe_lives_in_the_simd_kernels_alone() {
 }
 
 #[test]
+fn examples_show_the_face_alone() {
+    let mut files = Vec::new();
+    source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples"), &mut files);
+    // The face's own test is one more program that uses it.
+    files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/face.rs"));
+    assert!(files.len() > 3, "examples are found");
+    for file in files {
+        let text = code(&fs::read_to_string(&file).expect("readable"));
+        let mut named = Vec::new();
+        text.match_indices("sunfleck::")
+            .for_each(|(at, path)| expand(&[], &text[at + path.len()..], &mut named));
+        assert!(!named.is_empty(), "{}: uses are found", file.display());
+        for path in named {
+            let is_module = path.first().is_some_and(|name| name.starts_with(char::is_lowercase));
+            assert!(!is_module, "{}: `{}` is inside the library", file.display(), path.join("::"));
+        }
+    }
+}
+
+#[test]
 fn input_files_are_read_in_one_place() {
     let readers = ["std::fs::read", "fs::read(", "File::open", "read_to_string("];
     for (file, module, text) in sources() {
