@@ -73,7 +73,7 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
         .material(
             "gold",
             Material {
-                base_color: Some([0.8, 0.5, 0.05]),
+                base_color: Some([0.6, 0.4, 0.05]),
                 transmission: [0.3, 0.2, 0.0],
                 ..Material::default()
             },

@@ -3,9 +3,9 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use sunfleck::{Renderer, Scene};
+use sunfleck::{NodePlace, Renderer, Scene};
 
-const LEAVES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/leaves500/leaves500.glb");
+const LEAVES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/blender/a_leaves40_scene.glb");
 
 /// Frames that are looked at.
 const STEPS: i64 = 5;
@@ -17,10 +17,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         Scene::options().default_light(true).load(arguments.next().unwrap_or_else(|| LEAVES.into()))?;
     let (first, last) = scene.frames().into_inner();
     let place = |node: &str, frame: i64| scene.place(node, frame as f64);
-    let moves = |node: &&str| place(node, first) != place(node, last);
-    let node = scene.nodes().find(moves).or_else(|| scene.nodes().next()).ok_or("a scene of nothing")?;
+    let way_m = |node: &&str| {
+        place(node, first).zip(place(node, last)).map_or(0.0, |(from, to)| distance(&from, &to))
+    };
+    let farthest = scene.nodes().max_by(|a, b| way_m(a).total_cmp(&way_m(b)));
+    let node = farthest.ok_or("a scene of nothing")?;
 
-    println!("`{node}` in frames {first} to {last}");
+    println!("`{node}` goes farthest in frames {first} to {last}: {:.2} m", way_m(&node));
     for step in 0..STEPS {
         let number = first + (last - first) * step / (STEPS - 1);
         let here = place(node, number).ok_or("a node of that name")?;
@@ -34,4 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+fn distance(a: &NodePlace, b: &NodePlace) -> f64 {
+    (0..3).map(|axis| (a.position_m[axis] - b.position_m[axis]).powi(2)).sum::<f64>().sqrt()
 }
