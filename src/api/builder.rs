@@ -17,6 +17,13 @@ pub struct SceneBuilder {
     parts: BuiltScene,
 }
 
+impl Scene {
+    /// An empty scene to be filled.
+    pub fn builder() -> SceneBuilder {
+        SceneBuilder::default()
+    }
+}
+
 impl SceneBuilder {
     /// Adds a shape.
     pub fn shape(mut self, name: &str, shape: Shape) -> Self {

@@ -1,7 +1,7 @@
 //! What whoever loads a scene may ask for. In go choices, out comes the scene. Invariant: a choice that is not made leaves what
 //! the input says.
 
-use super::Scene;
+use super::scene::Scene;
 use crate::description::{self, LoadError};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scene::{Baking, FrameRate, LightUnits, ResolveOptions, Size};
@@ -11,6 +11,21 @@ use std::path::Path;
 #[derive(Clone, Debug, Default)]
 pub struct SceneOptions {
     wanted: ResolveOptions,
+}
+
+impl Scene {
+    /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`. Works on the current rayon pool.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or with all that is wrong with what was found in it.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, LoadError> {
+        Self::options().load(path)
+    }
+
+    /// Choices to load with.
+    pub fn options() -> SceneOptions {
+        SceneOptions::default()
+    }
 }
 
 impl SceneOptions {

@@ -1,14 +1,11 @@
 //! A scene as a program holds it. In goes an input, out come frames, names and places. Invariant: a scene that exists is valid,
 //! and its files are not read again.
 
-use super::builder::SceneBuilder;
-use super::options::SceneOptions;
-use crate::description::{Description, LoadError};
+use crate::description::Description;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::scene::{self, Baking, FrameRate, RenderSettings, ResolveOptions, Size};
 use crate::snapshot::MeshTrees;
 use std::ops::RangeInclusive;
-use std::path::Path;
 use std::sync::OnceLock;
 
 /// A scene in all its frames, and how it wants to be rendered.
@@ -35,24 +32,6 @@ pub struct NodePlace {
 }
 
 impl Scene {
-    /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`. Works on the current rayon pool.
-    ///
-    /// # Errors
-    /// If a file cannot be read, or with all that is wrong with what was found in it.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, LoadError> {
-        Self::options().load(path)
-    }
-
-    /// Choices to load with.
-    pub fn options() -> SceneOptions {
-        SceneOptions::default()
-    }
-
-    /// An empty scene to be filled.
-    pub fn builder() -> SceneBuilder {
-        SceneBuilder::default()
-    }
-
     pub(crate) fn resolve(
         description: Description,
         options: &ResolveOptions,
