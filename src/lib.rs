@@ -1,83 +1,181 @@
 //! Sunfleck turns a keyframed description of falling leaves into EXR frames whose volumetric
 //! shadows are integrated exactly along each ray.
 //!
-//! # The story in ten lines
+//! # A frame
 //!
-//! 1. [`description`] reads what the author wrote: RON, glTF, OBJ. It alone opens input files.
-//! 2. [`scene`] resolves it once: SI units, keyframed tracks, no dangling names. A [`scene::Scene`] that exists is valid.
-//! 3. [`snapshot`] freezes one shutter interval: everything is placed relative to the camera.
-//! 4. [`accel`] answers about its triangles: nearest hit, any hit, and which parts of a ray lie in shadow.
-//! 5. [`scattering`] knows what matter does to light: phase functions, optical depth, surfaces.
-//! 6. [`transport`] turns a ray into a colour: surface light times transmittance, plus the shafts.
-//! 7. [`film`] turns samples into pixels and passes.
-//! 8. [`render`] is the one loop that joins transport and film; [`scanline`] draws a frame without rays or shadows, in moments.
-//! 9. [`frame_file`] writes a film as EXR, whole or not at all.
-//! 10. [`export`] writes a scene as glTF. [`sequence`] decides which frames, [`mod@bench`] measures error against time; [`cli`] is what a user types.
-//!
-//! Imports point only upward in this list; `tests/architecture.rs` holds that.
-//!
-//! # One ray, from file to colour
+//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds arrays with names, shapes and
+//! units. All three are whole: what a file asks for and is not honoured is in [`Scene::warnings`], what cannot be rendered is
+//! an error with a remedy, and a pass that was asked for has its values.
 //!
 //! ```
-//! use sunfleck::description;
-//! use sunfleck::math::Sampler;
-//! use sunfleck::scene;
-//! use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
-//! use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
+//! use sunfleck::{Pass, Renderer, Scene};
 //!
-//! let description = description::load("scenes/first_leaf/scene.ron".as_ref())?;
-//! let (scene, settings) = scene::resolve(description, None)?;
+//! let scene = Scene::load("scenes/first_leaf/scene.ron")?;
+//! scene.warnings().for_each(|warning| eprintln!("{warning}"));
 //!
-//! // Everything as the first camera sees it when the animation begins.
-//! let trees = MeshTrees::new(&scene);
-//! let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
-//! let aspect = settings.size.width as f64 / settings.size.height as f64;
-//! let snapshot = Snapshot::new(&scene, &trees, 0, aspect, shutter);
+//! let frame = Renderer::new(&scene)
+//!     .frame(24)
+//!     .size(48, 27)
+//!     .passes([Pass::Depth, Pass::Normal])
+//!     .samples(2)
+//!     .render()?;
 //!
-//! // The ray a little above the middle of the picture meets the leaf.
-//! let transport =
-//!     Transport { volume: VolumeMethod::Segments, mirror_depth: settings.mirror_depth, features: true };
-//! let ray = snapshot.view.ray(0.5, 0.41);
-//! let mut sampler = Sampler::new(settings.seed, 0, 0, 0);
-//! let sample = radiance(&snapshot, &transport, &ray, &mut sampler, &mut Scratch::default());
+//! let depth = frame.pass(Pass::Depth).expect("it was asked for");
+//! assert_eq!((depth.width, depth.height, depth.unit), (48, 27, "m"));
+//! // The leaf hangs 4.5 m away.
+//! let middle = depth.at(24, 11).expect("a pixel of the picture");
+//! assert!((4.0..5.0).contains(&middle[0]), "{middle:?}");
 //!
-//! println!("radiance {} W/(m2 sr), of it {} from the fog", sample.radiance, sample.shafts);
-//! assert!(sample.shafts.min_element() > 0.0);
-//! assert!(sample.radiance.cmpge(sample.shafts).all());
-//! assert_eq!(sample.alpha, 1.0);
+//! let folder = tempfile::tempdir()?;
+//! frame.write(folder.path().join("leaf.exr"))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Nothing below [`scene`] can fail: what a file may get wrong is found by [`description::load`] and [`scene::resolve`].
+//! [`Scene::builder`] makes a scene in code; `examples/` has one, a walk through a glTF file's time, and a turntable. Rendering
+//! takes the threads of the rayon pool that it is called on; no picture depends on their number.
+//!
+//! # The story in ten lines
+//!
+//! Of the modules within; docs/architecture.md follows one picture through them.
+//!
+//! 1. `description` reads what the author wrote: RON, glTF, OBJ. It alone opens input files.
+//! 2. `scene` resolves it once: SI units, keyframed tracks, no dangling names. A scene that exists is valid.
+//! 3. `snapshot` freezes one shutter interval: everything is placed relative to the camera.
+//! 4. `accel` answers about its triangles: nearest hit, any hit, and which parts of a ray lie in shadow.
+//! 5. `scattering` knows what matter does to light: phase functions, optical depth, surfaces.
+//! 6. `transport` turns a ray into a colour: surface light times transmittance, plus the shafts.
+//! 7. `film` turns samples into pixels and passes.
+//! 8. `render` is the one loop that joins transport and film; `scanline` draws a frame without rays or shadows, in moments.
+//! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this face, and plans what a frame needs.
+//! 10. `export` writes a scene as glTF. `sequence` decides which frames, `bench` measures error against time; `cli` is what a user types.
+//!
+//! Imports point only upward in this list; `tests/architecture.rs` holds that.
 //!
 //! # Wording
 //!
 //! Transforms are named target first: `world_from_leaf` takes a leaf's points to the world. *Mesh*, *node*, *world* and
 //! *camera* are the spaces of a file; *relative* has the world's axes and the camera at its origin, and is the only one
-//! below [`snapshot`]. Units are metres, seconds and radians unless the name ends in another (`_deg`, `_per_m`).
+//! below `snapshot`. Units are metres, seconds and radians unless the name ends in another (`_deg`, `_per_m`).
 //! *Radiance* is W/(m² sr) in linear Rec. 709, *irradiance* W/m², *intensity* W/sr. A *medium* is all the fog there is;
 //! its `sigma_t` is what it takes from light in a metre, `tau` the optical depth of a stretch, `beta` the light that
 //! reaches a point in spite of both. *Shafts* are light scattered in the fog towards the eye. A *pass* is a picture
 //! beside the *beauty*; a *channel* is what EXR stores of it. A *sampler* gives low-discrepancy points, nothing else.
 //! *Exact* means that visibility is found from the geometry in closed form (docs/decisions/exactness.md).
 
-pub mod accel;
-pub mod bench;
+// What tests alone look at is no face, and stands where it belongs.
+#![cfg_attr(not(feature = "internals"), allow(dead_code, unreachable_pub, unused_imports))]
+
+mod api;
+#[doc(hidden)]
 pub mod cli;
+
+// Tests and benches look inside; nobody else does.
+#[cfg(not(feature = "internals"))]
+mod accel;
+#[cfg(not(feature = "internals"))]
+mod bench;
+#[cfg(not(feature = "internals"))]
+mod color;
+#[cfg(not(feature = "internals"))]
+mod description;
+#[cfg(not(feature = "internals"))]
+mod diagnostic;
+#[cfg(not(feature = "internals"))]
+mod export;
+#[cfg(not(feature = "internals"))]
+mod film;
+#[cfg(not(feature = "internals"))]
+mod fog;
+#[cfg(not(feature = "internals"))]
+mod frame_file;
+#[cfg(not(feature = "internals"))]
+mod light;
+#[cfg(not(feature = "internals"))]
+mod math;
+#[cfg(not(feature = "internals"))]
+mod passes;
+#[cfg(not(feature = "internals"))]
+mod render;
+#[cfg(not(feature = "internals"))]
+mod scanline;
+#[cfg(not(feature = "internals"))]
+mod scattering;
+#[cfg(not(feature = "internals"))]
+mod scene;
+#[cfg(not(feature = "internals"))]
+mod sequence;
+#[cfg(not(feature = "internals"))]
+mod snapshot;
+#[cfg(not(feature = "internals"))]
+mod transport;
+
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod accel;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod bench;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod color;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod description;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod diagnostic;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod export;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod film;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod fog;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod frame_file;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod light;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod math;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod passes;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod render;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod scanline;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod scattering;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod scene;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod sequence;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod snapshot;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
 pub mod transport;
+
+pub use api::{
+    Animated, Aperture, Array, Camera, Extend, Fog, Frame, Key, LeafMotion, Leaves, Light, Material,
+    NodePlace, Object, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Setting, Shape,
+};
+pub use description::LoadError;
+pub use description::obj::Triangles;
+pub use diagnostic::{Diagnostic, Diagnostics, Loss, Place, Severity};
+pub use frame_file::FrameFileError;
+pub use passes::Pass;
+pub use render::{Method, Progress, Statistics};
+pub use scene::{FrameRate, LightUnits, PixelFilter, Size, Window};
+pub use transport::MarchSteps;

@@ -57,6 +57,8 @@ pub struct PassRow {
     pub rule: PixelRule,
     /// What has to be known.
     pub needs: Needs,
+    /// What values are measured in, `1` if in nothing.
+    pub unit: &'static str,
     /// The value where no surface is seen.
     pub background: f32,
 }
@@ -68,7 +70,7 @@ pub const MATTE_LAYER: &str = "CryptoObject";
 const BACKGROUND_DEPTH_M: f32 = 1e10;
 
 macro_rules! passes {
-    ($($variant:ident $name:literal $shows:literal [$($channel:literal),*] $precision:ident $rule:ident $needs:ident $background:expr;)*) => {
+    ($($variant:ident $name:literal $shows:literal [$($channel:literal),*] $precision:ident $rule:ident $needs:ident $unit:literal $background:expr;)*) => {
         /// What a frame can hold beside its beauty. In RON a pass is called as its variant here.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
         pub enum Pass {
@@ -89,6 +91,7 @@ macro_rules! passes {
                         precision: Precision::$precision,
                         rule: PixelRule::$rule,
                         needs: Needs::$needs,
+                        unit: $unit,
                         background: $background,
                     },)*
                 }
@@ -99,16 +102,16 @@ macro_rules! passes {
 
 // In the order of their channels in a frame. Float holds ids exactly up to 2^24.
 passes! {
-    Shafts "shafts" "Light scattered in the fog" ["shafts.R", "shafts.G", "shafts.B"] Half Mean Light 0.0;
-    Transmittance "transmittance" "What the fog lets through from the surface" ["transmittance.R", "transmittance.G", "transmittance.B"] Half Mean Light 0.0;
-    Depth "depth" "Distance along the view axis, metres" ["Z"] Float Nearest Surface BACKGROUND_DEPTH_M;
-    Normal "normal" "Shading normal in world space" ["Normal.X", "Normal.Y", "Normal.Z"] Float Mean Surface 0.0;
-    Position "position" "World position, metres" ["Position.X", "Position.Y", "Position.Z"] Float Nearest Surface 0.0;
-    Albedo "albedo" "Lambert reflectance" ["albedo.R", "albedo.G", "albedo.B"] Half Mean Surface 0.0;
-    LeafId "leaf-id" "Which instance" ["leaf_id.X"] Float Nearest Surface 0.0;
-    Error "error" "The estimated relative error of the block of pixels around" ["error.Y"] Half Estimate Light 0.0;
-    Motion "motion" "Where things move, in pixels" ["Vector.X", "Vector.Y", "Vector.Z", "Vector.W"] Float Nearest Motion 0.0;
-    Cryptomatte "cryptomatte" "Which objects cover how much of a pixel" [] Float Ranked Names 0.0;
+    Shafts "shafts" "Light scattered in the fog" ["shafts.R", "shafts.G", "shafts.B"] Half Mean Light "W m^-2 sr^-1" 0.0;
+    Transmittance "transmittance" "What the fog lets through from the surface" ["transmittance.R", "transmittance.G", "transmittance.B"] Half Mean Light "1" 0.0;
+    Depth "depth" "Distance along the view axis, metres" ["Z"] Float Nearest Surface "m" BACKGROUND_DEPTH_M;
+    Normal "normal" "Shading normal in world space" ["Normal.X", "Normal.Y", "Normal.Z"] Float Mean Surface "1" 0.0;
+    Position "position" "World position, metres" ["Position.X", "Position.Y", "Position.Z"] Float Nearest Surface "m" 0.0;
+    Albedo "albedo" "Lambert reflectance" ["albedo.R", "albedo.G", "albedo.B"] Half Mean Surface "1" 0.0;
+    LeafId "leaf-id" "Which instance" ["leaf_id.X"] Float Nearest Surface "id" 0.0;
+    Error "error" "The estimated relative error of the block of pixels around" ["error.Y"] Half Estimate Light "1" 0.0;
+    Motion "motion" "Where things move, in pixels" ["Vector.X", "Vector.Y", "Vector.Z", "Vector.W"] Float Nearest Motion "px" 0.0;
+    Cryptomatte "cryptomatte" "Which objects cover how much of a pixel" [] Float Ranked Names "id" 0.0;
 }
 
 impl Pass {

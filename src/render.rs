@@ -19,10 +19,10 @@ mod tiles;
 
 use crate::film::{Film, Frame};
 use crate::math::{Ray, Sampler};
-use crate::passes::Pass;
+use crate::passes::{Needs, Pass, any_needs};
 use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
-use crate::transport::{Component, Transport};
+use crate::transport::{Component, MarchSteps, Transport, VolumeMethod};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use refine::{Budget, Goal, Refined};
@@ -44,21 +44,68 @@ pub struct Job {
     pub filter: PixelFilter,
     /// Seed of the sample points.
     pub seed: u32,
-    /// How rays are followed.
-    pub transport: Transport,
-    /// Where the samples lie.
-    pub placement: Placement,
+    /// How often light may be reflected by mirrors.
+    pub mirror_depth: u32,
+    /// Where the samples lie, and how light in fog is found.
+    pub method: Method,
 }
 
-/// Where the samples of a picture lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Placement {
-    /// In each pixel, each a ray of its own; a single one at the pixel's centre.
-    Pixels,
-    /// Whichever of the two is cheaper for the frame: see [`choose`].
+/// Where the samples of a picture lie, and how the light that fog scatters is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Slices or segments, whichever is cheaper for the frame.
     Auto,
-    /// On epipolar slices, as far as they can serve, each slice solved as a whole; a picture for each light, added up.
+    /// On epipolar slices, each solved as a whole, exactly; a picture for each light, added up. Segments where the camera has
+    /// no slices.
     Slices,
+    /// Rays in each pixel, a single one at its centre; light in fog is exact along each.
+    Segments,
+    /// Such rays, with shadow rays at steps along each.
+    March(MarchSteps),
+    /// Such rays, with shadow rays at points spread evenly over the angle seen from the light.
+    Equiangular {
+        /// Points a ray and light, at least 1.
+        points: u32,
+    },
+}
+
+impl Method {
+    /// How light in fog is found along one ray.
+    fn volume(self) -> VolumeMethod {
+        match self {
+            Self::Auto | Self::Slices | Self::Segments => VolumeMethod::Segments,
+            Self::March(steps) => VolumeMethod::March(steps),
+            Self::Equiangular { points } => VolumeMethod::Equiangular { points },
+        }
+    }
+
+    /// The same with a ray for each sample.
+    pub fn by_rays(self) -> Self {
+        match self {
+            Self::Auto | Self::Slices => Self::Segments,
+            other => other,
+        }
+    }
+
+    /// What it is called on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Slices => "slices",
+            Self::Segments => "segments",
+            Self::March(_) => "march",
+            Self::Equiangular { .. } => "equiangular",
+        }
+    }
+
+    /// Whether the frame comes from slices.
+    fn takes_slices(self, exposure: &Exposure) -> bool {
+        match self {
+            Self::Auto => choose(exposure).method == Self::Slices,
+            Self::Slices => choice::obstacle(exposure).is_none(),
+            Self::Segments | Self::March(_) | Self::Equiangular { .. } => false,
+        }
+    }
 }
 
 /// Who looks on while a frame is rendered. Neither of the two reaches a finished frame.
@@ -128,6 +175,30 @@ impl Job {
         self.window.width * self.window.height * (of_pixel + FRAMES * of_pixel / 2)
     }
 
+    /// How rays are followed.
+    fn transport(&self) -> Transport {
+        Transport {
+            volume: self.method.volume(),
+            mirror_depth: self.mirror_depth,
+            features: any_needs(&self.passes, |needs| needs != Needs::Light),
+        }
+    }
+
+    /// All of it, as the hash in frames has it: written out, so that a name in the source can change and frames are still known.
+    pub fn hashed(&self) -> String {
+        let Self { size, window, passes, sampling, filter, seed, method, .. } = self;
+        let transport = self.transport();
+        let placement = match method {
+            Method::Auto => "Auto",
+            Method::Slices => "Slices",
+            Method::Segments | Method::March(_) | Method::Equiangular { .. } => "Pixels",
+        };
+        format!(
+            "Job {{ size: {size:?}, window: {window:?}, passes: {passes:?}, sampling: {sampling:?}, filter: {filter:?}, \
+             seed: {seed}, transport: {transport:?}, placement: {placement} }}"
+        )
+    }
+
     /// Whether errors are estimated.
     fn is_judged(&self) -> bool {
         matches!(self.sampling, Sampling::Until { .. }) || self.passes.contains(&Pass::Error)
@@ -141,11 +212,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let survey =
         if job.is_judged() { Survey::new(middle, job, components) } else { Survey::omitted(components) };
     let mut sum = Sum::default();
-    let from_slices = match job.placement {
-        Placement::Auto => choose(exposure).placement == Placement::Slices,
-        Placement::Slices => choice::obstacle(exposure).is_none(),
-        Placement::Pixels => false,
-    };
+    let from_slices = job.method.takes_slices(exposure);
     sum.statistics.from_slices = from_slices;
     if from_slices {
         let tally = slices::Tally::default();
@@ -163,7 +230,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
                 component => {
-                    let picture = tiles::RayPicture { exposure, job, component };
+                    let picture = tiles::RayPicture::new(exposure, job, component);
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
             });
@@ -171,7 +238,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
-        let picture = tiles::RayPicture { exposure, job, component: Component::All };
+        let picture = tiles::RayPicture::new(exposure, job, Component::All);
         let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "color",
     "diagnostic",
     "math",
@@ -23,6 +23,7 @@ const ORDER: [&str; 20] = [
     "scanline",
     "render",
     "frame_file",
+    "api",
     "sequence",
     "bench",
     "cli",
@@ -196,6 +197,26 @@ fn unsafe_lives_in_the_simd_kernels_alone() {
             code.filter(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "unsafe"));
         if uses.count() > 0 {
             assert_eq!(module, "accel", "{file} has `unsafe`");
+        }
+    }
+}
+
+#[test]
+fn examples_show_the_face_alone() {
+    let mut files = Vec::new();
+    source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples"), &mut files);
+    // The face's own test is one more program that uses it.
+    files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/face.rs"));
+    assert!(files.len() > 3, "examples are found");
+    for file in files {
+        let text = code(&fs::read_to_string(&file).expect("readable"));
+        let mut named = Vec::new();
+        text.match_indices("sunfleck::")
+            .for_each(|(at, path)| expand(&[], &text[at + path.len()..], &mut named));
+        assert!(!named.is_empty(), "{}: uses are found", file.display());
+        for path in named {
+            let is_module = path.first().is_some_and(|name| name.starts_with(char::is_lowercase));
+            assert!(!is_module, "{}: `{}` is inside the library", file.display(), path.join("::"));
         }
     }
 }

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Extend, Instance, Key, LightKind, Material, Mesh, Motion, PixelFilter, Rotation, Sampling, Scene,
     Segment, Size, Track, Triangle, Window,
@@ -51,7 +51,7 @@ fn stage() -> Scene {
     scene
 }
 
-fn picture(scene: &Scene, placement: Placement, seed: u32) -> Frame {
+fn picture(scene: &Scene, method: Method, seed: u32) -> Frame {
     let shutter = Shutter { open_s: 0.0, close_s: 1.0 };
     let aspect = SIZE.width as f64 / SIZE.height as f64;
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, shutter);
@@ -62,8 +62,8 @@ fn picture(scene: &Scene, placement: Placement, seed: u32) -> Frame {
         sampling: Sampling::Exactly(16),
         filter: PixelFilter::Box,
         seed,
-        transport: EXACT,
-        placement,
+        mirror_depth: EXACT.mirror_depth,
+        method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame
 }
@@ -86,15 +86,15 @@ fn a_card_that_comes_nearer_is_where_it_was_at_some_moment_and_at_all_of_them_al
     let mut scene = stage();
     let depth_m = |time: f64| 6.0 - 4.0 * time;
     add_card(&mut scene, 90.0, DVec3::new(0.0, 0.0, -6.0), DVec3::new(0.0, 0.0, -2.0));
-    for placement in [Placement::Pixels, Placement::Slices] {
+    for method in [Method::Segments, Method::Slices] {
         let (mut seen, mut sum) = ([0.0; MOMENTS], 0.0);
         for seed in 0..SEEDS {
-            let frame = picture(&scene, placement, seed);
+            let frame = picture(&scene, method, seed);
             for (depth, z) in channel(&frame, "Z").zip(channel(&frame, "Position.Z")) {
                 let moment = (6.0 - depth) / 4.0 * MOMENTS as f64 - 0.5;
                 assert!(
                     (moment - moment.round()).abs() < 1e-4,
-                    "{placement:?}: {depth} m is between two moments"
+                    "{method:?}: {depth} m is between two moments"
                 );
                 assert!((depth + z).abs() < 1e-5, "both are of one sample: {depth} {z}");
                 seen[moment.round() as usize] += 1.0;
@@ -103,15 +103,12 @@ fn a_card_that_comes_nearer_is_where_it_was_at_some_moment_and_at_all_of_them_al
         }
         let pixels = f64::from(SEEDS) * (SIZE.width * SIZE.height) as f64;
         let (mean, truth) = (sum / pixels, over_time(depth_m));
-        println!("{placement:?}: {mean:.3} m on the average, {truth:.3} over all moments");
+        println!("{method:?}: {mean:.3} m on the average, {truth:.3} over all moments");
         // Four standard errors of what slices, whose samples share moments, have.
-        assert!((mean - truth).abs() < 0.06, "{placement:?}: {mean} {truth}");
+        assert!((mean - truth).abs() < 0.06, "{method:?}: {mean} {truth}");
         for (moment, seen) in seen.into_iter().enumerate() {
             let share = seen / pixels * MOMENTS as f64;
-            assert!(
-                (share - 1.0).abs() < 0.25,
-                "{placement:?}: moment {moment} is seen {share} times as often"
-            );
+            assert!((share - 1.0).abs() < 0.25, "{method:?}: moment {moment} is seen {share} times as often");
         }
     }
 }
@@ -122,13 +119,13 @@ fn a_card_that_slides_past_is_seen_for_as_long_as_it_is_there() {
     // Its right edge goes from the middle of the picture four pixels to the right.
     add_card(&mut scene, 20.0, DVec3::new(-20.0, 0.0, -4.0), DVec3::new(-19.75, 0.0, -4.0));
     add_card(&mut scene, 90.0, -WALL_M * DVec3::Z, -WALL_M * DVec3::Z);
-    for placement in [Placement::Pixels, Placement::Slices] {
+    for method in [Method::Segments, Method::Slices] {
         let mut sums = [0.0; SIZE.width];
         for seed in 0..SEEDS {
-            let frame = picture(&scene, placement, seed);
+            let frame = picture(&scene, method, seed);
             for (pixel, (depth, id)) in channel(&frame, "Z").zip(channel(&frame, "leaf_id.X")).enumerate() {
                 let expected = if id == 1.0 { 4.0 } else { WALL_M };
-                assert!((depth - expected).abs() < 1e-5, "{placement:?}: {depth} m is no surface's");
+                assert!((depth - expected).abs() < 1e-5, "{method:?}: {depth} m is no surface's");
                 sums[pixel % SIZE.width] += depth;
             }
         }
@@ -136,12 +133,10 @@ fn a_card_that_slides_past_is_seen_for_as_long_as_it_is_there() {
             let mean = sum / f64::from(SEEDS) / SIZE.height as f64;
             let x_px = column as f64 + 0.5 - 0.5 * SIZE.width as f64;
             let truth = over_time(|time| if x_px < 4.0 * time { 4.0 } else { WALL_M });
-            println!(
-                "{placement:?}, column {column}: {mean:.3} m on the average, {truth:.3} over all moments"
-            );
+            println!("{method:?}, column {column}: {mean:.3} m on the average, {truth:.3} over all moments");
             // Columns that the edge does not reach are exact; in the others 4 % of the time are 0.2 m.
             let tolerance = if (8..12).contains(&column) { 0.2 } else { 1e-5 };
-            assert!((mean - truth).abs() < tolerance, "{placement:?}, column {column}: {mean} {truth}");
+            assert!((mean - truth).abs() < tolerance, "{method:?}, column {column}: {mean} {truth}");
         }
     }
 }

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Aperture, Extend, Key, LightKind, Motion, PixelFilter, Rotation, Sampling, Scene, Segment, Size, SunDisc,
     Track, Window,
@@ -78,7 +78,7 @@ fn many_leaves_have_fewer_moments() {
     assert!(Exposure::remark(&still, 0.5).is_none());
 }
 
-fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, placement: Placement) -> Frame {
+fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, method: Method) -> Frame {
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, shutter);
     let job = Job {
@@ -88,8 +88,8 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, placement: 
         sampling: Sampling::Exactly(samples),
         filter: PixelFilter::Box,
         seed,
-        transport: common::EXACT,
-        placement,
+        mirror_depth: common::EXACT.mirror_depth,
+        method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame
 }
@@ -106,11 +106,11 @@ fn mean_square(a: &[f64], b: &[f64]) -> f64 {
 /// Both ways see the same picture, with less error the more samples there are.
 fn assert_same_picture(scene: &Scene, shutter: Shutter) {
     // Two halves of the truth tell its own noise, which is taken off.
-    let halves = [1, 2].map(|seed| colours(&picture(scene, shutter, 96, seed, Placement::Pixels)));
+    let halves = [1, 2].map(|seed| colours(&picture(scene, shutter, 96, seed, Method::Segments)));
     let truth: Vec<f64> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
     let noise = 0.25 * mean_square(&halves[0], &halves[1]);
     let errors = [4, 16, 64].map(|samples| {
-        let slices = colours(&picture(scene, shutter, samples, 0, Placement::Slices));
+        let slices = colours(&picture(scene, shutter, samples, 0, Method::Slices));
         let error = (mean_square(&slices, &truth) - noise).max(0.0).sqrt();
         let ratio = slices.iter().sum::<f64>() / truth.iter().sum::<f64>();
         // The mean of so small a picture is noisy too.
@@ -140,9 +140,8 @@ fn leaves_that_fly_past_blur_as_well_as_by_rays() {
     let scene = with_flying_leaves(leaves500());
     assert_same_picture(&scene, HALF_A_SECOND);
     let [truth, slices, rays] =
-        [(128, 1, Placement::Pixels), (16, 0, Placement::Slices), (16, 0, Placement::Pixels)].map(
-            |(samples, seed, placement)| colours(&picture(&scene, HALF_A_SECOND, samples, seed, placement)),
-        );
+        [(128, 1, Method::Segments), (16, 0, Method::Slices), (16, 0, Method::Segments)]
+            .map(|(samples, seed, method)| colours(&picture(&scene, HALF_A_SECOND, samples, seed, method)));
     let (slices, rays) = (mean_square(&slices, &truth), mean_square(&rays, &truth));
     assert!(slices < 1.5 * rays, "{slices:e} {rays:e}");
 }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     AlphaMode, Extend, Instance, Key, LightKind, Material, Mesh, Motion, PixelFilter, Rotation, Sampling,
     Scene, Segment, Size, Track, Triangle, Window, matte_id,
@@ -44,7 +44,7 @@ fn at(place: DVec3) -> Motion {
     Motion::Still(DAffine3::from_translation(place))
 }
 
-fn picture(scene: &Scene, shutter: Shutter, samples: u32, placement: Placement) -> Frame {
+fn picture(scene: &Scene, shutter: Shutter, samples: u32, method: Method) -> Frame {
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 1.0, shutter).with_mattes(scene);
     let job = Job {
         size: SIZE,
@@ -53,8 +53,8 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, placement: Placement) 
         sampling: Sampling::Exactly(samples),
         filter: PixelFilter::Box,
         seed: 0,
-        transport: EXACT,
-        placement,
+        mirror_depth: EXACT.mirror_depth,
+        method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame
 }
@@ -87,12 +87,12 @@ fn edges_cover_as_much_as_their_area() {
     // From x = 0.125 m, so 8.25 pixels, to 2.125 m, so 12.25 pixels.
     add_square(&mut scene, "leaf", at(DVec3::new(1.125, 0.0, -4.0)), 1.0);
     add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.2, -1.0, -0.4), Rgb::ONE);
-    for placement in [Placement::Pixels, Placement::Slices] {
-        let frame = picture(&scene, INSTANT, 256, placement);
+    for method in [Method::Segments, Method::Slices] {
+        let frame = picture(&scene, INSTANT, 256, method);
         for (x, expected) in [(7, 0.0), (8, 0.75), (9, 1.0), (11, 1.0), (12, 0.25), (13, 0.0)] {
             let found = coverages(&frame, x, 8);
             let share = found.get(&matte_id("leaf")).copied().unwrap_or(0.0);
-            assert!((share - expected).abs() < 0.04, "{placement:?} {x}: {share} {expected}");
+            assert!((share - expected).abs() < 0.04, "{method:?} {x}: {share} {expected}");
             assert!(found.keys().all(|id| *id == matte_id("leaf")));
         }
     }
@@ -115,7 +115,7 @@ fn motion_blur_covers_as_long_as_it_lasts() {
     let large =
         DAffine3::from_scale_rotation_translation(DVec3::splat(9.0), glam::DQuat::IDENTITY, -5.0 * DVec3::Z);
     add_square(&mut scene, "wall", Motion::Still(large), 1.0);
-    let frame = picture(&scene, Shutter { open_s: 0.0, close_s: 1.0 }, 512, Placement::Pixels);
+    let frame = picture(&scene, Shutter { open_s: 0.0, close_s: 1.0 }, 512, Method::Segments);
     for column in 0..4 {
         // The edge passes a pixel's middle after so much of the time.
         let expected = 1.0 - (f64::from(column) + 0.5) / 4.0;
@@ -135,7 +135,7 @@ fn blended_surfaces_share_a_pixel_by_their_alpha() {
     add_square(&mut scene, "glass", at(-3.0 * DVec3::Z), 0.5);
     add_square(&mut scene, "leaf", at(-4.0 * DVec3::Z), 1.0);
     add_square(&mut scene, "hidden", at(-5.0 * DVec3::Z), 1.0);
-    let found = coverages(&picture(&scene, INSTANT, 4, Placement::Pixels), 8, 8);
+    let found = coverages(&picture(&scene, INSTANT, 4, Method::Segments), 8, 8);
     let expected = [("veil", 0.3), ("glass", 0.35), ("leaf", 0.35)];
     assert_eq!(found.len(), 3, "{found:?}");
     for (name, share) in expected {
@@ -149,7 +149,7 @@ fn equal_names_are_one_object() {
     let mut scene = camera_at(DVec3::ZERO);
     add_square(&mut scene, "leaf", at(DVec3::new(-1.0, 0.0, -4.0)), 1.0);
     add_square(&mut scene, "leaf", at(DVec3::new(1.0, 0.0, -4.0)), 1.0);
-    let frame = picture(&scene, INSTANT, 16, Placement::Pixels);
+    let frame = picture(&scene, INSTANT, 16, Method::Segments);
     // The border of the two runs between these pixels.
     for x in [7, 8] {
         assert_eq!(coverages(&frame, x, 8).len(), 1);

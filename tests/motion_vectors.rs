@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 use sunfleck::math::Ray;
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Extend, Instance, Key, Lens, Mesh, Motion, PixelFilter, Rotation, Sampling, Scene, Segment, Size, Track,
     Triangle, Window,
@@ -63,8 +63,8 @@ fn pictures(scene: &Scene, open_s: f64) -> Vec<([f64; 4], f64)> {
         sampling: Sampling::Exactly(if open_s > 0.0 { 16 } else { 1 }),
         filter: PixelFilter::Box,
         seed: 0,
-        transport: EXACT,
-        placement: Placement::Pixels,
+        mirror_depth: EXACT.mirror_depth,
+        method: Method::Segments,
     };
     let frame = render(&exposure, &job, &Watch::NOBODY).frame;
     let channel = |name: &str| &frame.channel(name).expect("a channel").pixels;

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{RenderSettings, Sampling, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
-use sunfleck::transport::{MarchSteps, Transport, VolumeMethod};
+use sunfleck::transport::MarchSteps;
 use sunfleck::{description, scene};
 use tempfile::TempDir;
 
@@ -118,12 +118,12 @@ fn shown(input: &Path) -> Result<(), String> {
     let trees = MeshTrees::new(&scene);
     let shutter = Shutter::of(&settings, *settings.frames.start() as f64);
     let RenderSettings { march_depth_m: depth_m, march_step_m: step_m, .. } = settings;
-    let mut methods = vec![(VolumeMethod::Segments, Placement::Auto)];
+    let mut methods = vec![Method::Auto];
     if step_m != RenderSettings::default().march_step_m {
-        methods.push((VolumeMethod::March(MarchSteps::Planes { depth_m, step_m }), Placement::Pixels));
+        methods.push(Method::March(MarchSteps::Planes { depth_m, step_m }));
     }
     let cameras = 0..scene.cameras.len();
-    for ((volume, placement), camera) in
+    for (method, camera) in
         methods.into_iter().flat_map(|method| cameras.clone().map(move |camera| (method, camera)))
     {
         let job = Job {
@@ -133,8 +133,8 @@ fn shown(input: &Path) -> Result<(), String> {
             sampling: Sampling::Exactly(1),
             filter: settings.filter,
             seed: settings.seed,
-            transport: Transport { volume, mirror_depth: settings.mirror_depth, features: true },
-            placement,
+            mirror_depth: settings.mirror_depth,
+            method,
         };
         let exposure = Exposure::new(&scene, &trees, camera, 2.0, shutter);
         let frame = render(&exposure, &job, &Watch::NOBODY).frame;

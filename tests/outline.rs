@@ -7,7 +7,7 @@ use common::{EXACT, INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Triangle, Window,
 };
@@ -87,7 +87,7 @@ fn picture(scene: &Scene, samples: u32) -> Vec<f64> {
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::instant(Snapshot::new(scene, &trees, 0, 2.0, INSTANT));
     let (window, sampling) = (Window::whole(SIZE), Sampling::Exactly(samples));
-    let (filter, placement) = (PixelFilter::Box, Placement::Slices);
+    let (filter, method) = (PixelFilter::Box, Method::Slices);
     let job = Job {
         size: SIZE,
         window,
@@ -95,8 +95,8 @@ fn picture(scene: &Scene, samples: u32) -> Vec<f64> {
         sampling,
         filter,
         seed: 3,
-        transport: EXACT,
-        placement,
+        mirror_depth: EXACT.mirror_depth,
+        method,
     };
     let frame: Frame = render(&exposure, &job, &Watch::NOBODY).frame;
     frame.channel("R").expect("a colour").pixels.iter().map(|&value| f64::from(value)).collect()

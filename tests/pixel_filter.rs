@@ -10,7 +10,7 @@ use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::film::{Frame, filter};
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Triangle, Window,
 };
@@ -18,7 +18,7 @@ use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::{description, scene};
 
 const SIZE: Size = Size { width: 32, height: 16 };
-const PLACEMENTS: [Placement; 2] = [Placement::Slices, Placement::Pixels];
+const METHODS: [Method; 2] = [Method::Slices, Method::Segments];
 
 fn leaves500() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
@@ -94,9 +94,9 @@ const EDGES: [Edge; 4] = [
     Edge { through_px: DVec2::new(16.5, 7.6), leans_rad: 1.55 },
 ];
 
-fn job(placement: Placement, filter: PixelFilter, sampling: Sampling) -> Job {
+fn job(method: Method, filter: PixelFilter, sampling: Sampling) -> Job {
     let (size, window, passes) = (SIZE, Window::whole(SIZE), vec![Pass::Cryptomatte]);
-    Job { size, window, passes, sampling, filter, seed: 0, transport: EXACT, placement }
+    Job { size, window, passes, sampling, filter, seed: 0, mirror_depth: EXACT.mirror_depth, method }
 }
 
 fn picture(scene: &Scene, job: &Job) -> Frame {
@@ -111,21 +111,21 @@ fn red(frame: &Frame) -> Vec<f64> {
 }
 
 /// What 256 samples of a pixel with an edge may be off by: less by lines than by points.
-fn most_error(placement: Placement) -> f64 {
-    if placement == Placement::Slices { 0.006 } else { 0.025 }
+fn most_error(method: Method) -> f64 {
+    if method == Method::Slices { 0.006 } else { 0.025 }
 }
 
 #[test]
 fn an_edge_is_as_soft_as_the_filter() {
-    for placement in PLACEMENTS {
+    for method in METHODS {
         for edge in EDGES {
-            let job = job(placement, PixelFilter::BlackmanHarris, Sampling::Exactly(256));
+            let job = job(method, PixelFilter::BlackmanHarris, Sampling::Exactly(256));
             let (error, of_box) = (
                 edge.error_of(&picture(&edge.scene(), &job)),
                 edge.error_of(&picture(&edge.scene(), &Job { filter: PixelFilter::Box, ..job })),
             );
-            println!("{placement:?}, {edge:?}: off by {error:.4} at most, a box by {of_box:.4}");
-            assert!(error < most_error(placement), "{placement:?}, {edge:?}: {error}");
+            println!("{method:?}, {edge:?}: off by {error:.4} at most, a box by {of_box:.4}");
+            assert!(error < most_error(method), "{method:?}, {edge:?}: {error}");
         }
     }
 }
@@ -136,20 +136,18 @@ fn an_edge_is_as_soft_as_the_filter() {
 fn passes_to_a_tolerance_keep_the_filter() {
     for edge in EDGES {
         let sampling = Sampling::Until { tolerance: 1e-3, most: 256 };
-        let job = job(Placement::Slices, PixelFilter::BlackmanHarris, sampling);
+        let job = job(Method::Slices, PixelFilter::BlackmanHarris, sampling);
         let error = edge.error_of(&picture(&edge.scene(), &job));
         println!("{edge:?}: off by {error:.4} at most");
-        assert!(error < most_error(Placement::Slices), "{edge:?}: {error}");
+        assert!(error < most_error(Method::Slices), "{edge:?}: {error}");
     }
 }
 
 /// What covers a pixel is weighed as its colour is.
 #[test]
 fn coverage_is_filtered_too() {
-    let frame = picture(
-        &EDGES[1].scene(),
-        &job(Placement::Slices, PixelFilter::BlackmanHarris, Sampling::Exactly(64)),
-    );
+    let frame =
+        picture(&EDGES[1].scene(), &job(Method::Slices, PixelFilter::BlackmanHarris, Sampling::Exactly(64)));
     let covered = frame.channel("CryptoObject00.G").expect("a coverage");
     for (covered, red) in covered.pixels.iter().zip(red(&frame)) {
         assert!((f64::from(*covered) - red).abs() < 1e-3, "{covered} {red}");
@@ -160,12 +158,12 @@ fn coverage_is_filtered_too() {
 fn a_part_has_the_pixels_of_the_whole() {
     let scene = leaves500();
     let part = Window { x: 9, y: 3, width: 14, height: 9 };
-    for placement in PLACEMENTS {
+    for method in METHODS {
         for sampling in [Sampling::Exactly(5), Sampling::Until { tolerance: 0.05, most: 64 }] {
-            let job = job(placement, PixelFilter::BlackmanHarris, sampling);
+            let job = job(method, PixelFilter::BlackmanHarris, sampling);
             let whole = picture(&scene, &job);
             let part = picture(&scene, &Job { window: part, ..job });
-            assert_eq!(part, whole.part(part.window), "{placement:?}, {sampling}");
+            assert_eq!(part, whole.part(part.window), "{method:?}, {sampling}");
         }
     }
 }

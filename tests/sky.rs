@@ -13,7 +13,7 @@ use sunfleck::film::Frame;
 use sunfleck::fog::henyey_greenstein;
 use sunfleck::math::{Ray, Sampler, gauss_legendre};
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Coat, Instance, Lens, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Sky, SkyLight,
     SkyPicture, Texture, Triangle, Window, Wrap,
@@ -264,7 +264,7 @@ fn the_switch_says_what_is_lit() {
 
 const SIZE: Size = Size { width: 32, height: 18 };
 
-fn picture(scene: &Scene, samples: u32, placement: Placement) -> Frame {
+fn picture(scene: &Scene, samples: u32, method: Method) -> Frame {
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 16.0 / 9.0, INSTANT);
     let (window, sampling) = (Window::whole(SIZE), Sampling::Exactly(samples));
     let passes = vec![Pass::Shafts, Pass::Transmittance];
@@ -275,8 +275,8 @@ fn picture(scene: &Scene, samples: u32, placement: Placement) -> Frame {
         sampling,
         filter: PixelFilter::Box,
         seed: 3,
-        transport: EXACT,
-        placement,
+        mirror_depth: EXACT.mirror_depth,
+        method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame
 }
@@ -299,8 +299,7 @@ fn slices_and_rays_see_the_same_picture() {
     let sun = DVec3::new(-0.3, -1.0, 0.4);
     add_light(&mut scene, LightKind::Sun, DVec3::ZERO, sun, Rgb::splat(6.0));
     add_light(&mut scene, LightKind::Point, DVec3::new(-1.0, 2.0, -3.0), sun, Rgb::splat(5.0));
-    let [slices, rays] =
-        [Placement::Slices, Placement::Pixels].map(|placement| picture(&scene, 256, placement));
+    let [slices, rays] = [Method::Slices, Method::Segments].map(|method| picture(&scene, 256, method));
     for name in ["R", "G", "B", "A", "shafts.G", "transmittance.G"] {
         let [slices, rays] = [&slices, &rays].map(|frame| &frame.channel(name).expect("a channel").pixels);
         let sum = |pixels: &[f32]| pixels.iter().map(|&value| f64::from(value)).sum::<f64>();
@@ -405,8 +404,8 @@ fn pixels_equal_those_of_mitsuba() {
                 sampling: Sampling::Exactly(1024),
                 filter: PixelFilter::Box,
                 seed,
-                transport: EXACT,
-                placement: Placement::Pixels,
+                mirror_depth: EXACT.mirror_depth,
+                method: Method::Segments,
             };
             render(&exposure, &job, &Watch::NOBODY).frame
         });

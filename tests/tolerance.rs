@@ -10,12 +10,11 @@ use std::sync::Arc;
 use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Rendered, Watch, render};
+use sunfleck::render::{Job, Method, Rendered, Watch, render};
 use sunfleck::scene::{
     LightKind, PixelFilter, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
-use sunfleck::transport::{Transport, VolumeMethod};
 use sunfleck::{description, scene};
 
 const SIZE: Size = Size { width: 128, height: 72 };
@@ -39,8 +38,8 @@ fn until(tolerance: f64) -> Job {
         sampling: Sampling::Until { tolerance, most: 1024 },
         filter: PixelFilter::Box,
         seed: 0,
-        transport: Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false },
-        placement: Placement::Slices,
+        mirror_depth: 0,
+        method: Method::Slices,
     }
 }
 
@@ -143,7 +142,7 @@ fn leaves_have_the_error_that_is_estimated() {
 #[test]
 fn rays_have_the_error_that_is_estimated() {
     let window = Window { x: 40, y: 16, width: 48, height: 32 };
-    let job = Job { placement: Placement::Pixels, window, ..until(0.05) };
+    let job = Job { method: Method::Segments, window, ..until(0.05) };
     assert_honest(&judge(&leaves500(), &job, 256, 3), 0.05);
 }
 
@@ -192,7 +191,7 @@ fn few_samples_have_the_hue_of_the_whole_sun() {
     // Right of the sun, which is a thousand times as bright as what it lights.
     let window = Window { x: 56, y: 0, width: 40, height: 54 };
     let job = Job { size: TWO_HUES, window, passes: vec![Pass::Shafts], ..until(0.05) };
-    let rays = Job { placement: Placement::Pixels, sampling: Sampling::Exactly(2048), ..job.clone() };
+    let rays = Job { method: Method::Segments, sampling: Sampling::Exactly(2048), ..job.clone() };
     let truth = picture(&scene, &rays).frame;
     let few = |seed: u32| picture(&scene, &Job { sampling: Sampling::Exactly(8), seed, ..job.clone() }).frame;
     let pictures: Vec<Frame> = (0..32).map(few).collect();
@@ -333,13 +332,13 @@ fn no_pixel_has_more_samples_than_it_may() {
 fn a_part_has_the_pixels_of_the_whole() {
     let mut scene = leaves500();
     for lights in [1, 2] {
-        for placement in [Placement::Slices, Placement::Pixels] {
-            let job = Job { placement, ..until(0.03) };
+        for method in [Method::Slices, Method::Segments] {
+            let job = Job { method, ..until(0.03) };
             let whole = picture(&scene, &job).frame;
             for (x, y) in [(13, 31), (21, 9), (45, 42), (69, 31)] {
                 let window = Window { x, y, width: 19, height: 14 };
                 let part = picture(&scene, &Job { window, ..job.clone() }).frame;
-                assert!(part == whole.part(window), "{placement:?}, {lights} lights, from ({x}, {y})");
+                assert!(part == whole.part(window), "{method:?}, {lights} lights, from ({x}, {y})");
             }
         }
         add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, 0.4), Rgb::splat(10.0));

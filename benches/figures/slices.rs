@@ -7,10 +7,9 @@ use std::time::Instant;
 use sunfleck::description;
 use sunfleck::film::Frame;
 use sunfleck::frame_file::{self, Errors, compare, net_rmse};
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{self, PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
-use sunfleck::transport::{Transport, VolumeMethod};
 
 const SIZE: Size = Size { width: 480, height: 270 };
 
@@ -31,10 +30,10 @@ pub fn run(rounds: usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/box.exr");
     let reference = frame_file::read(&path).expect("a good file").frame;
     println!("leaves500, {} x {}, one thread", SIZE.width, SIZE.height);
-    table(&exposure, &reference, REFERENCE_NOISE, &[1, 2, 4, 8, 16, 32, 64], Placement::Slices, rounds);
+    table(&exposure, &reference, REFERENCE_NOISE, &[1, 2, 4, 8, 16, 32, 64], Method::Slices, rounds);
     threads(&exposure, rounds);
     println!("\nthe same by the per-ray method");
-    table(&exposure, &reference, REFERENCE_NOISE, &[4, 8, 16], Placement::Pixels, 1);
+    table(&exposure, &reference, REFERENCE_NOISE, &[4, 8, 16], Method::Segments, 1);
 }
 
 /// canopy20k, against itself.
@@ -69,11 +68,11 @@ fn against_itself(scene: &Scene, rounds: usize) {
     let trees = MeshTrees::new(scene);
     let exposure = Exposure::new(scene, &trees, 0, aspect(), INSTANT);
     let [one, two] =
-        [1, 2].map(|seed| render(&exposure, &job(SAMPLES, seed, Placement::Slices), &Watch::NOBODY).frame);
+        [1, 2].map(|seed| render(&exposure, &job(SAMPLES, seed, Method::Slices), &Watch::NOBODY).frame);
     let noise = 0.5 * difference(&one, &two).rmse;
     let reference = mean(one, &two);
     println!("the reference is the mean of two pictures of {SAMPLES} samples; its noise is {noise:.5}");
-    table(&exposure, &reference, noise, &[1, 2, 4, 8, 16, 32], Placement::Slices, rounds);
+    table(&exposure, &reference, noise, &[1, 2, 4, 8, 16, 32], Method::Slices, rounds);
 }
 
 /// Prints CPU time and error for each number of samples, the time to the targets in between, and by slices the same for
@@ -83,7 +82,7 @@ fn table(
     reference: &Frame,
     reference_noise: f64,
     samples: &[u32],
-    placement: Placement,
+    method: Method,
     rounds: usize,
 ) {
     println!("{:>16} {:>10} {:>12} {:>12}", "samples", "CPU s", "net RMSE", "mean ratio");
@@ -97,10 +96,10 @@ fn table(
         (seconds, error)
     };
     let rows: Vec<(f64, f64)> =
-        samples.iter().map(|&samples| row(&samples.to_string(), &job(samples, 0, placement))).collect();
-    for tolerance in if placement == Placement::Slices { TOLERANCES.as_slice() } else { &[] } {
+        samples.iter().map(|&samples| row(&samples.to_string(), &job(samples, 0, method))).collect();
+    for tolerance in if method == Method::Slices { TOLERANCES.as_slice() } else { &[] } {
         let sampling = Sampling::Until { tolerance: *tolerance, most: 1024 };
-        row(&format!("tolerance {tolerance}"), &Job { sampling, ..job(1, 0, placement) });
+        row(&format!("tolerance {tolerance}"), &Job { sampling, ..job(1, 0, method) });
     }
     for target in TARGETS {
         let crossed = rows.windows(2).find(|pair| pair[0].1 >= target && target > pair[1].1);
@@ -113,7 +112,7 @@ fn table(
 
 /// Wall clock of one thread and of two, in turns.
 fn threads(exposure: &Exposure, rounds: usize) {
-    let job = job(16, 0, Placement::Slices);
+    let job = job(16, 0, Method::Slices);
     let pools = [pool(1), pool(2)];
     let mut fastest = [f64::INFINITY; 2];
     for _ in 0..rounds {
@@ -136,8 +135,7 @@ fn pool(threads: usize) -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
 }
 
-fn job(samples: u32, seed: u32, placement: Placement) -> Job {
-    let transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false };
+fn job(samples: u32, seed: u32, method: Method) -> Job {
     Job {
         size: SIZE,
         window: Window::whole(SIZE),
@@ -145,8 +143,8 @@ fn job(samples: u32, seed: u32, placement: Placement) -> Job {
         sampling: Sampling::Exactly(samples),
         filter: PixelFilter::Box,
         seed,
-        transport,
-        placement,
+        mirror_depth: 0,
+        method,
     }
 }
 

@@ -5,14 +5,13 @@ use glam::DVec2;
 use sunfleck::color::luminance;
 use sunfleck::film::Frame;
 use sunfleck::math::Sampler;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, FrozenLight, MeshTrees, Shutter};
-use sunfleck::transport::{Transport, VolumeMethod};
 
 const SIZE: Size = Size { width: 240, height: 135 };
 
-fn luminances(exposure: &Exposure, samples: u32, seed: u32, placement: Placement) -> Vec<f64> {
+fn luminances(exposure: &Exposure, samples: u32, seed: u32, method: Method) -> Vec<f64> {
     let job = Job {
         size: SIZE,
         window: Window::whole(SIZE),
@@ -20,8 +19,8 @@ fn luminances(exposure: &Exposure, samples: u32, seed: u32, placement: Placement
         sampling: Sampling::Exactly(samples),
         filter: PixelFilter::Box,
         seed,
-        transport: Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: false },
-        placement,
+        mirror_depth: 0,
+        method,
     };
     let frame: Frame = render(exposure, &job, &Watch::NOBODY).frame;
     let channel = |name: &str| frame.channel(name).expect("a colour").pixels.iter().map(|&v| f64::from(v));
@@ -64,10 +63,10 @@ fn report(name: &str, scene: &Scene, open_for_s: f64) {
     let shutter = Shutter { open_s: -0.5 * open_for_s, close_s: 0.5 * open_for_s };
     let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, shutter);
     let epipole = epipole(&exposure);
-    let truth = luminances(&exposure, 512, 1000, Placement::Slices);
+    let truth = luminances(&exposure, 512, 1000, Method::Slices);
     let mean = truth.iter().sum::<f64>() / truth.len() as f64;
     for samples in [2, 4, 8, 16, 32] {
-        let picture = luminances(&exposure, samples, 0, Placement::Slices);
+        let picture = luminances(&exposure, samples, 0, Method::Slices);
         let errors: Vec<f64> = picture.iter().zip(&truth).map(|(a, b)| a - b).collect();
         let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
         let row = |across| [2.0, 4.0, 8.0].map(|d| correlation(&errors, epipole, d, across));
@@ -116,12 +115,12 @@ pub fn run_bias(seeds: u32) {
     ] {
         let trees = MeshTrees::new(&scene);
         let exposure = Exposure::new(&scene, &trees, 0, 16.0 / 9.0, Shutter { open_s: 0.0, close_s: 0.0 });
-        let statistics = |samples: u32, seeds: u32, placement: Placement| {
+        let statistics = |samples: u32, seeds: u32, method: Method| {
             let means: Vec<f64> = (0..seeds)
                 .map(|seed| {
                     // Hashed: neighbouring seeds are as good as independent.
                     let seed = (Sampler::new(seed, 7, 7, 0).next_1d() * f64::from(u32::MAX)) as u32;
-                    let values = luminances(&exposure, samples, seed, placement);
+                    let values = luminances(&exposure, samples, seed, method);
                     values.iter().sum::<f64>() / values.len() as f64
                 })
                 .collect();
@@ -129,10 +128,10 @@ pub fn run_bias(seeds: u32) {
             let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / f64::from(seeds - 1);
             (mean, variance / f64::from(seeds))
         };
-        let (truth, truth_variance) = statistics(64, 8, Placement::Pixels);
+        let (truth, truth_variance) = statistics(64, 8, Method::Segments);
         for samples in [1, 4, MOST_SAMPLES] {
             let seeds = seeds * MOST_SAMPLES / samples;
-            let (mean, variance) = statistics(samples, seeds, Placement::Slices);
+            let (mean, variance) = statistics(samples, seeds, Method::Slices);
             let error = (variance + truth_variance).sqrt();
             println!(
                 "{name:<16} {samples:>7} {seeds:>7} {:>14.6} {:>12.6} {:>8.2}",

@@ -3,9 +3,9 @@
 /// A triangle of a placed mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PrimitiveId {
-    /// Index into the meshes an [`InstanceTree`] was made of.
+    /// Index into the meshes an [`InstanceTree`](super::InstanceTree) was made of.
     pub instance: u32,
-    /// Index into the triangles its [`MeshTree`] was made of.
+    /// Index into the triangles its [`MeshTree`](super::MeshTree) was made of.
     pub triangle: u32,
 }
 

@@ -2,10 +2,10 @@
 //! out comes a picture. Invariant: all methods make the picture of the same scene, to the same film.
 
 use crate::film::Frame;
-use crate::render::{Job, Placement, Watch, render};
+use crate::render::{self, Job, Watch, render};
 use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
-use crate::transport::{MarchSteps, Transport, VolumeMethod};
+use crate::transport::MarchSteps;
 use cpu_time::ProcessTime;
 
 /// A way to make the picture.
@@ -128,17 +128,18 @@ impl Method {
         }
     }
 
-    fn volume(self, effort: Effort, stage: &Stage) -> VolumeMethod {
+    fn of_render(self, effort: Effort, stage: &Stage) -> render::Method {
         let steps = effort.steps.unwrap_or(1);
         match self {
             Self::Literal => {
                 let (depth_m, step_m) = stage.planes;
-                VolumeMethod::March(MarchSteps::Planes { depth_m, step_m })
+                render::Method::March(MarchSteps::Planes { depth_m, step_m })
             }
-            Self::March => VolumeMethod::March(MarchSteps::Count(steps)),
-            Self::JitteredMarch => VolumeMethod::March(MarchSteps::Jittered(steps)),
-            Self::Equiangular => VolumeMethod::Equiangular { points: steps },
-            Self::Segments | Self::Slices | Self::SlicesUntil => VolumeMethod::Segments,
+            Self::March => render::Method::March(MarchSteps::Count(steps)),
+            Self::JitteredMarch => render::Method::March(MarchSteps::Jittered(steps)),
+            Self::Equiangular => render::Method::Equiangular { points: steps },
+            Self::Segments => render::Method::Segments,
+            Self::Slices | Self::SlicesUntil => render::Method::Slices,
         }
     }
 
@@ -154,15 +155,8 @@ impl Method {
             },
             filter: PixelFilter::Box,
             seed,
-            transport: Transport {
-                volume: self.volume(effort, stage),
-                mirror_depth: stage.mirror_depth,
-                features: false,
-            },
-            placement: match self {
-                Self::Slices | Self::SlicesUntil => Placement::Slices,
-                _ => Placement::Pixels,
-            },
+            mirror_depth: stage.mirror_depth,
+            method: self.of_render(effort, stage),
         };
         render(stage.exposure, &job, &Watch::NOBODY).frame
     }

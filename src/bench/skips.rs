@@ -11,8 +11,8 @@ use super::report::seconds;
 use crate::accel::MeshTree;
 use crate::color::Rgb;
 use crate::film::Frame;
-use crate::passes::{Needs, Pass, any_needs};
-use crate::render::{Job, Placement, Watch, render};
+use crate::passes::Pass;
+use crate::render::{Job, Method, Watch, render};
 use crate::scene::{
     self, AlphaMode, Clearcoat, Coat, LightKind, Material, Sampling, Scene, Sheen, Sky, SkyLight, SkyPicture,
     SunDisc, Track,
@@ -118,7 +118,7 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
     };
     let (dark, dim) = (with_light(0.0), with_light(NEXT_TO_NOTHING));
     // Slices serve no light with an extent: both sides go ray by ray.
-    let by_rays = SkipsPlan { job: Job { placement: Placement::Pixels, ..plan.job.clone() }, ..*plan };
+    let by_rays = SkipsPlan { job: Job { method: Method::Segments, ..plan.job.clone() }, ..*plan };
     let extended = changed(&|scene| {
         for light in &mut scene.lights {
             light.kind = with_extent(&light.kind);
@@ -243,8 +243,7 @@ fn exposure<'a>(plan: &SkipsPlan, scene: &'a Scene, trees: &MeshTrees) -> Exposu
 }
 
 fn rendered(plan: &SkipsPlan, exposure: &Exposure, passes: &[Pass]) -> Frame {
-    let mut job = Job { passes: passes.to_vec(), ..plan.job.clone() };
-    job.transport.features = any_needs(passes, |needs| needs != Needs::Light);
+    let job = Job { passes: passes.to_vec(), ..plan.job.clone() };
     render(exposure, &job, &Watch::NOBODY).frame
 }
 

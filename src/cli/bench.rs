@@ -45,7 +45,7 @@ impl Subject {
             }
         }
         let (scene, mut settings) =
-            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
         arguments.scene.check(&scene.remarks)?;
         let load_s = started.elapsed().as_secs_f64();
         settings.camera = arguments.camera.clone().or(settings.camera);

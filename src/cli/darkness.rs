@@ -58,6 +58,7 @@ impl DarkFrames {
 
     /// The same of what a plan has rendered.
     pub(super) fn tell_of(&self, plan: &Plan) {
-        self.tell(&plan.scene, plan.camera, |frame| plan.shutter(frame).middle_s());
+        let picture = &plan.picture;
+        self.tell(picture.scene.resolved(), picture.camera, |frame| picture.shutter(frame).middle_s());
     }
 }

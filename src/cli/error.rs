@@ -1,6 +1,7 @@
 //! What can go wrong for a user, and the exit code that says so. Invariant: the code tells scripts
 //! the kind, the text tells people the rest.
 
+use crate::api::{RenderError, Setting};
 use crate::description::LoadError;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 
@@ -55,6 +56,31 @@ impl From<LoadError> for CliError {
 impl From<Diagnostics> for CliError {
     fn from(diagnostics: Diagnostics) -> Self {
         Self::Scene(diagnostics.worst())
+    }
+}
+
+impl From<RenderError> for CliError {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Setting { setting, found, expected } => usage(flag(setting), found, &expected),
+            RenderError::Defective(_) => Self::Frame(error.to_string()),
+            RenderError::Write(error) => Self::InputOutput(error.diagnostic().to_string()),
+            RenderError::Memory(_) | RenderError::Cancelled => Self::InputOutput(error.to_string()),
+        }
+    }
+}
+
+/// What says a setting on the command line.
+fn flag(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Camera => "--camera",
+        Setting::Frame => "--frames",
+        Setting::Size => "--size",
+        Setting::Crop => "--crop",
+        Setting::Samples => "--samples",
+        Setting::Tolerance => "--tolerance",
+        Setting::Shutter => "--shutter",
+        Setting::Method => "--volume-steps",
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     loading::check_not_read("OUT.glb", output, &description.files)?;
     let (scene, mut settings) =
-        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
     settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
     if let Some(list) = &arguments.frames {
         let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;

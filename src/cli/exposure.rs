@@ -7,9 +7,7 @@ use super::parse::ExposureArgument;
 use super::plan::Plan;
 use super::tell;
 use crate::color::Display;
-use crate::render::{self, Job, Placement, Watch};
-use crate::scene::{Sampling, Size, Window};
-use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use crate::scene::Size;
 use std::ops::RangeInclusive;
 
 /// Rows of the picture by which an exposure is chosen, and samples a pixel.
@@ -47,22 +45,11 @@ pub(super) fn reference_frame(frames: &RangeInclusive<i64>) -> i64 {
     (frames.start() + frames.end()).div_euclid(2)
 }
 
-impl Plan {
+impl Plan<'_> {
     /// The exposure of a small picture of the frame in the middle of the input's range. Works on the current rayon pool.
-    pub(super) fn auto_exposure_stops(&self, trees: &MeshTrees) -> f64 {
-        let size = small(self.job.size);
-        let aspect = self.job.size.width as f64 / self.job.size.height as f64;
-        let time_s = self.shutter(reference_frame(&self.settings.frames)).middle_s();
-        let exposure = Exposure::middle_of(&self.scene, trees, self.camera, aspect, Shutter::instant(time_s));
-        let job = Job {
-            size,
-            window: Window::whole(size),
-            passes: Vec::new(),
-            sampling: Sampling::Exactly(SAMPLES),
-            placement: Placement::Pixels,
-            ..self.job.clone()
-        };
-        render::render(&exposure, &job, &Watch::NOBODY).frame.auto_exposure_stops()
+    pub(super) fn auto_exposure_stops(&self) -> f64 {
+        let middle = reference_frame(&self.picture.settings.frames);
+        self.picture.auto_exposure_stops(middle, small(self.picture.job.size), SAMPLES)
     }
 }
 

@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
     let scene_hash = description.content_hash.clone();
     let (mut scene, mut settings) =
-        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
     if let Some(size) = arguments.size {
         settings.size = resized(settings.size, size)?;
     }

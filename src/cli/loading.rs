@@ -6,10 +6,11 @@ use super::CliError;
 use super::arguments::BakeArguments;
 use super::error::usage;
 use super::saving::clear_folder;
-use crate::description::{Description, SceneSource, read_regular};
+use crate::api::Scene;
+use crate::description::{Description, read_regular};
 use crate::diagnostic::{readable, shown};
 use crate::frame_file;
-use crate::scene::{self, Baking, RenderSettings, ResolveOptions, Scene};
+use crate::scene::{Baking, ResolveOptions};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::env;
 use std::fs::{self, DirEntry};
@@ -30,8 +31,11 @@ pub(super) fn resolve(
     options: &ResolveOptions,
     bakes: &BakeArguments,
     told: bool,
-) -> Result<(Scene, RenderSettings), CliError> {
-    check_animation(&description, options.animation.as_deref())?;
+) -> Result<Scene, CliError> {
+    let animation = options.animation.as_deref();
+    description.check_animation(animation).map_err(|names| {
+        usage("--animation", format!("there is no animation `{}`", animation.unwrap_or_default()), &names)
+    })?;
     let folder = match bakes.bake_cache.as_deref() {
         None => user_folder(),
         Some(folder) if folder == Path::new("off") => None,
@@ -63,8 +67,7 @@ pub(super) fn resolve(
         make_room(folder, bytes.len() as u64);
         let _ = frame_file::write_whole(&path, &[bytes]);
     };
-    let scene =
-        scene::resolve_telling(description, options, &Baking { tell: &tell, recall: &recall, keep: &keep });
+    let scene = Scene::resolve(description, options, &Baking { tell: &tell, recall: &recall, keep: &keep });
     if let Some(bar) = bar.get() {
         bar.finish_and_clear();
     }
@@ -82,18 +85,6 @@ pub(super) fn check_not_read(flag: &str, output: &Path, inputs: &[PathBuf]) -> R
             "a file of another name",
         )),
     }
-}
-
-/// Refuses the name of an animation that the input does not have.
-fn check_animation(description: &Description, wanted: Option<&str>) -> Result<(), CliError> {
-    let Some(wanted) = wanted else { return Ok(()) };
-    let names = match &description.scene {
-        _ if wanted == "all" => return Ok(()),
-        SceneSource::Gltf(scene) if !scene.animations_called(wanted).is_empty() => return Ok(()),
-        SceneSource::Gltf(scene) => scene.animation_names(),
-        SceneSource::Ron(_) => String::from("a glTF file: in RON everything that moves is one"),
-    };
-    Err(usage("--animation", format!("there is no animation `{wanted}`"), &names))
 }
 
 fn new_bar() -> ProgressBar {

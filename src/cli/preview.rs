@@ -112,7 +112,7 @@ impl Source {
         }
         let description = description::load(&arguments.input)?;
         let (scene, mut settings) =
-            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
         arguments.scene.check(&scene.remarks)?;
         scene.remarks.told().for_each(|remark| tell(&remark.to_string()));
         settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);

@@ -43,10 +43,15 @@ impl Files {
             referrer: referrer.map(str::to_owned),
             source,
         })?;
-        self.hash.update((bytes.len() as u64).to_le_bytes());
-        self.hash.update(&bytes);
+        self.count(&bytes);
         self.read.push(path.to_owned());
         Ok(bytes)
+    }
+
+    /// Hashes bytes that are in no file.
+    pub(super) fn count(&mut self, bytes: &[u8]) {
+        self.hash.update((bytes.len() as u64).to_le_bytes());
+        self.hash.update(bytes);
     }
 
     /// The files that were read, in the order of reading.

@@ -61,6 +61,35 @@ impl SceneSource {
     }
 }
 
+impl Description {
+    /// A scene that a program wrote. Its hash is one of all that it holds.
+    ///
+    /// # Errors
+    /// [`LoadError`] with everything that is wrong.
+    pub fn built(built: ron::BuiltScene) -> Result<Self, LoadError> {
+        let mut files = Files::default();
+        files.count(format!("{built:?}").as_bytes());
+        let scene = SceneSource::Ron(ron::load_built(built, &mut files)?);
+        let content_hash = files.content_hash();
+        let path = PathBuf::from(ron::BUILT);
+        Ok(Self { path, scene, sequence: None, content_hash, files: files.into_paths() })
+    }
+
+    /// Whether an animation can be played.
+    ///
+    /// # Errors
+    /// With the names of those that there are.
+    pub fn check_animation(&self, wanted: Option<&str>) -> Result<(), String> {
+        let Some(wanted) = wanted else { return Ok(()) };
+        match &self.scene {
+            _ if wanted == "all" => Ok(()),
+            SceneSource::Gltf(scene) if !scene.animations_called(wanted).is_empty() => Ok(()),
+            SceneSource::Gltf(scene) => Err(scene.animation_names()),
+            SceneSource::Ron(_) => Err(String::from("a glTF file: in RON everything that moves is one")),
+        }
+    }
+}
+
 /// Why an input could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
@@ -86,6 +115,12 @@ impl LoadError {
             referrer.get_or_insert_with(|| asker.to_owned());
         }
         self
+    }
+}
+
+impl From<Diagnostics> for LoadError {
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Invalid(diagnostics.worst())
     }
 }
 

@@ -2,7 +2,7 @@
 //! cheaper of the ways that can serve. Invariant: the choice depends on the scene at that frame alone,
 //! never on a crop, a clock or a number of threads, so that a part of a picture is a part of the whole.
 
-use super::Placement;
+use super::Method;
 use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
 use std::fmt;
 
@@ -20,8 +20,8 @@ mod cost {
 /// The way that a frame takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// [`Placement::Slices`] or [`Placement::Pixels`].
-    pub placement: Placement,
+    /// [`Method::Slices`] or [`Method::Segments`].
+    pub method: Method,
     /// Why.
     pub reason: Reason,
 }
@@ -60,11 +60,11 @@ pub fn choose(exposure: &Exposure) -> Choice {
             rays: 1.0 + lights * (cost::DIRECT + shafts),
         }
     });
-    let placement = match reason {
-        Reason::Cost { slices, rays } if slices <= rays => Placement::Slices,
-        _ => Placement::Pixels,
+    let method = match reason {
+        Reason::Cost { slices, rays } if slices <= rays => Method::Slices,
+        _ => Method::Segments,
     };
-    Choice { placement, reason }
+    Choice { method, reason }
 }
 
 /// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture,
@@ -88,7 +88,7 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
 
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let way = if self.placement == Placement::Slices { "slices" } else { "rays" };
+        let way = if self.method == Method::Slices { "slices" } else { "rays" };
         match self.reason {
             Reason::NoLight => write!(f, "{way}: there is no light"),
             Reason::LightAtCamera => write!(f, "{way}: a light is at the camera"),
@@ -155,21 +155,21 @@ mod tests {
     #[test]
     fn fog_wants_slices_however_many_lights() {
         for suns in [1, 8, 64] {
-            assert_eq!(chosen(suns, None, true).placement, Placement::Slices);
+            assert_eq!(chosen(suns, None, true).method, Method::Slices);
         }
     }
 
     #[test]
     fn many_lights_without_fog_want_rays() {
-        assert_eq!(chosen(1, None, false).placement, Placement::Slices);
-        assert_eq!(chosen(8, None, false).placement, Placement::Pixels);
+        assert_eq!(chosen(1, None, false).method, Method::Slices);
+        assert_eq!(chosen(8, None, false).method, Method::Segments);
     }
 
     #[test]
     fn obstacles_are_named() {
         assert_eq!(chosen(0, None, true).reason, Reason::NoLight);
         assert_eq!(chosen(1, Some(DVec3::ZERO), true).reason, Reason::LightAtCamera);
-        assert_eq!(chosen(0, Some(DVec3::X), true).placement, Placement::Slices);
+        assert_eq!(chosen(0, Some(DVec3::X), true).method, Method::Slices);
         let said = chosen(1, Some(DVec3::ZERO), true).to_string();
         assert_eq!(said, "rays: a light is at the camera");
     }

@@ -15,7 +15,7 @@ use crate::math::Sampler;
 use crate::scene::{PixelFilter, Window};
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, Outline, Piece, SliceJob, SliceScratch, count_segments, solve};
-use crate::transport::{Component, Sample, Scratch, radiance_of_component};
+use crate::transport::{Component, Sample, Scratch, Transport, radiance_of_component};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,6 +31,7 @@ const FEWEST_DRAWN_SAMPLES: u32 = 16;
 pub(super) struct LightPicture<'a> {
     exposure: &'a Exposure<'a>,
     job: &'a Job,
+    transport: Transport,
     /// The light, as its index in the snapshot.
     light: usize,
     tally: &'a Tally,
@@ -71,7 +72,7 @@ impl<'a> LightPicture<'a> {
     pub(super) fn new(exposure: &'a Exposure<'a>, job: &'a Job, light: usize, tally: &'a Tally) -> Self {
         let draws = Draws::new(exposure, light, job.seed);
         let lattice = lattice(exposure, job, light, &draws);
-        Self { exposure, job, light, tally, draws, lattice }
+        Self { exposure, job, transport: job.transport(), light, tally, draws, lattice }
     }
 
     /// Solves a slice and keeps its samples.
@@ -88,7 +89,7 @@ impl<'a> LightPicture<'a> {
         let SlicesScratch { slices, outline, pieces } = scratch;
         let slice_job = SliceJob {
             snapshot: draw.snapshot,
-            transport: &job.transport,
+            transport: &self.transport,
             light: &draw.light,
             hue: draw.hue,
             self_luminous: light == 0,
@@ -212,7 +213,7 @@ impl Picture for LightPicture<'_> {
             let value = radiance_of_component(
                 Component::Light(light),
                 snapshot,
-                &job.transport,
+                &self.transport,
                 &ray,
                 &mut sampler,
                 &mut scratch,

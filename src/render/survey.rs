@@ -51,6 +51,7 @@ impl Survey {
 /// Mean over the picture of a component. Rays into a sun are left out, if there are others: it is a thousand times as bright as all the rest, and were it
 /// among these few rays the whole picture would count as dark.
 fn mean_luminance(snapshot: &Snapshot, job: &Job, component: Component) -> f64 {
+    let transport = job.transport();
     let (columns, rows) = RAYS;
     let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
     let rays = (0..columns * rows).map(|number| {
@@ -67,8 +68,7 @@ fn mean_luminance(snapshot: &Snapshot, job: &Job, component: Component) -> f64 {
         .map_init(Scratch::default, |scratch, (number, ray)| {
             let mut sampler = Sampler::new(job.seed, *number, 0, 0);
             luminance(
-                radiance_of_component(component, snapshot, &job.transport, ray, &mut sampler, scratch)
-                    .radiance,
+                radiance_of_component(component, snapshot, &transport, ray, &mut sampler, scratch).radiance,
             )
         })
         .collect();

@@ -7,7 +7,7 @@ use crate::film::{Film, filter};
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Sampling, Window};
 use crate::snapshot::Exposure;
-use crate::transport::{Component, Scratch, radiance_of_component};
+use crate::transport::{Component, Scratch, Transport, radiance_of_component};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,9 +17,10 @@ const TILE: usize = 32;
 
 /// A picture of a component of the light, each sample a ray of its own.
 pub(super) struct RayPicture<'a> {
-    pub(super) exposure: &'a Exposure<'a>,
-    pub(super) job: &'a Job,
-    pub(super) component: Component,
+    exposure: &'a Exposure<'a>,
+    job: &'a Job,
+    transport: Transport,
+    component: Component,
 }
 
 impl Picture for RayPicture<'_> {
@@ -62,7 +63,11 @@ impl Picture for RayPicture<'_> {
     fn fill_holes(&self, _: &mut Film, _: &Watch) {}
 }
 
-impl RayPicture<'_> {
+impl<'a> RayPicture<'a> {
+    pub(super) fn new(exposure: &'a Exposure<'a>, job: &'a Job, component: Component) -> Self {
+        Self { exposure, job, transport: job.transport(), component }
+    }
+
     fn render_tile(
         &self,
         round: &Round,
@@ -71,7 +76,7 @@ impl RayPicture<'_> {
         film: &mut Film,
         watch: &Watch,
     ) {
-        let Self { exposure, job, component } = *self;
+        let Self { exposure, job, ref transport, component } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| round.wanted.contains(x, y)) {
             if (watch.cancelled)() {
                 return;
@@ -85,7 +90,6 @@ impl RayPicture<'_> {
                 };
                 let film_px = DVec2::new(x as f64, y as f64) + 0.5 + from_centre;
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
-                let transport = &job.transport;
                 let value =
                     radiance_of_component(component, snapshot, transport, &ray, &mut sampler, scratch);
                 let from_centre = from_centre.length();

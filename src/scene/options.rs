@@ -33,7 +33,7 @@ pub struct ResolveOptions {
 
 impl ResolveOptions {
     /// The input's settings as far as a made-up camera and light depend on them, as they are rendered.
-    pub(super) fn overrule(&self, settings: &RenderSettings) -> RenderSettings {
+    pub(crate) fn overrule(&self, settings: &RenderSettings) -> RenderSettings {
         RenderSettings {
             size: self.size.unwrap_or(settings.size),
             frame_rate: self.frame_rate.unwrap_or(settings.frame_rate),

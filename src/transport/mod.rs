@@ -1,5 +1,5 @@
 //! A ray becomes a colour. In goes a [`Snapshot`](crate::snapshot::Snapshot) and a ray, out comes
-//! a [`Sample`]. Start reading at [`radiance`]. Invariant: nothing here can fail; a snapshot that
+//! a [`Sample`]. Start reading at [`radiance()`]. Invariant: nothing here can fail; a snapshot that
 //! exists is valid.
 
 mod direct;

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sunfleck::passes::Pass;
-use sunfleck::render::{Job, Placement, Watch, render};
+use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{PixelFilter, Sampling, Scene, Size, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees};
 
@@ -98,7 +98,7 @@ proptest! {
     fn pictures_are_sane(
         scene in scene(),
         (width, height) in (1..9_usize, 1..9_usize),
-        placement in prop::sample::select(vec![Placement::Slices, Placement::Pixels]),
+        method in prop::sample::select(vec![Method::Slices, Method::Segments]),
         samples in prop::sample::select(vec![1_u32, 3, 16]),
     ) {
         let size = Size { width, height };
@@ -109,8 +109,8 @@ proptest! {
             sampling: Sampling::Exactly(samples),
             filter: PixelFilter::Box,
             seed: 3,
-            transport: EXACT,
-            placement,
+            mirror_depth: EXACT.mirror_depth,
+            method,
         };
         let trees = MeshTrees::new(&scene);
         let exposure = Exposure::new(&scene, &trees, 0, width as f64 / height as f64, INSTANT);

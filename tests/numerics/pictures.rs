@@ -7,7 +7,7 @@ use crate::compare::{SlicePlan, by_slices, per_ray};
 use crate::scenes::{Frame, HIGH_SUN, LAMP, Lamp, fog, grove, spread};
 use glam::DVec3;
 use sunfleck::film::Frame as Picture;
-use sunfleck::render::{Choice, Job, Placement, Reason, Watch, choose, render};
+use sunfleck::render::{Choice, Job, Method, Reason, Watch, choose, render};
 use sunfleck::scene::{Lens, PixelFilter, Sampling, Scene, Size, Track, Window};
 use sunfleck::snapshot::{Exposure, MeshTrees};
 
@@ -21,7 +21,7 @@ fn with_view(lamp: Lamp, fov_y_deg: f64) -> Scene {
 }
 
 /// A whole picture; all of it must be a number and not negative.
-pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, placement: Placement) -> (Picture, Choice) {
+pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, method: Method) -> (Picture, Choice) {
     let job = Job {
         size,
         window: Window::whole(size),
@@ -29,8 +29,8 @@ pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, placement: Placem
         sampling: Sampling::Exactly(samples),
         filter: PixelFilter::Box,
         seed: 1,
-        transport: EXACT,
-        placement,
+        mirror_depth: EXACT.mirror_depth,
+        method,
     };
     let aspect = size.width as f64 / size.height as f64;
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
@@ -38,7 +38,7 @@ pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, placement: Placem
     for name in ["R", "G", "B", "A"] {
         let channel = frame.channel(name).expect("a colour");
         let is_sane = channel.pixels.iter().all(|value| value.is_finite() && *value >= 0.0);
-        assert!(is_sane, "{name} of {size:?} by {placement:?}");
+        assert!(is_sane, "{name} of {size:?} by {method:?}");
     }
     (frame, choose(&exposure))
 }
@@ -71,8 +71,8 @@ fn rows_and_columns() {
             by_slices(&scene, &SlicePlan::even(size, 13, 13)).hold(&format!("{name}, slices"), 1e-6);
             // The same light in whole pictures, whatever way they are made.
             let samples = if width * height == 1 { 1024 } else { 16 };
-            let [slices, rays] = [Placement::Slices, Placement::Pixels]
-                .map(|placement| mean(&picture(&scene, size, samples, placement).0));
+            let [slices, rays] = [Method::Slices, Method::Segments]
+                .map(|method| mean(&picture(&scene, size, samples, method).0));
             println!("{name}: means differ by {:.1e}", (slices / rays - 1.0).abs());
             // Around a lamp in the picture light grows without bound, and means converge slowly.
             let bound = if matches!(lamp, Lamp::Point { .. }) { 0.1 } else { 0.02 };
@@ -95,15 +95,15 @@ fn lamp_at_the_camera() {
     };
     // Outside the fog.
     let there = lit_from(0.0, -0.5);
-    let (at_camera, choice) = picture(&there, size, 64, Placement::Auto);
-    assert_eq!((choice.placement, choice.reason), (Placement::Pixels, Reason::LightAtCamera));
-    assert_eq!(at_camera, picture(&there, size, 64, Placement::Slices).0, "slices step aside");
+    let (at_camera, choice) = picture(&there, size, 64, Method::Auto);
+    assert_eq!((choice.method, choice.reason), (Method::Segments, Reason::LightAtCamera));
+    assert_eq!(at_camera, picture(&there, size, 64, Method::Slices).0, "slices step aside");
     per_ray(&there, 1.0, spread(100)).hold("lamp at the camera, fog ahead", 1e-6);
-    let (beside, choice) = picture(&lit_from(1e-9, -0.5), size, 64, Placement::Auto);
-    assert_eq!(choice.placement, Placement::Slices);
+    let (beside, choice) = picture(&lit_from(1e-9, -0.5), size, 64, Method::Auto);
+    assert_eq!(choice.method, Method::Slices);
     let change = (mean(&at_camera) / mean(&beside) - 1.0).abs();
     println!("lamp at the camera and a nanometre beside: means differ by {change:.1e}");
     assert!(change < 0.01, "{change}");
     // In the fog what is scattered just before the camera has no bound: a large number, but a number.
-    picture(&lit_from(0.0, 1.0), size, 4, Placement::Auto);
+    picture(&lit_from(0.0, 1.0), size, 4, Method::Auto);
 }

@@ -7,7 +7,7 @@ use crate::pictures::{mean, picture};
 use crate::scenes::{Frame, HIGH_SUN, Lamp, empty, fog, grove, light};
 use glam::DVec3;
 use sunfleck::math::Sampler;
-use sunfleck::render::Placement;
+use sunfleck::render::Method;
 use sunfleck::scene::{LightKind, Scene, Size, SunDisc, Track};
 use sunfleck::snapshot::{FrozenLight, MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, radiance};
@@ -72,12 +72,12 @@ fn the_whole_disc() {
                 }
             }
             expected /= f64::from(PLACES * grid * grid);
-            for placement in [Placement::Slices, Placement::Pixels] {
+            for method in [Method::Slices, Method::Segments] {
                 // Of 256 samples so few pixels under a quarter of the sky still differ by 3e-3 from seed to seed.
-                let found = mean(&picture(&scene, size, 1024, placement).0);
+                let found = mean(&picture(&scene, size, 1024, method).0);
                 let error = (found / expected - 1.0).abs();
-                println!("whole disc of {diameter_deg} degrees, {to_sun}, {placement:?}: {error:.1e}");
-                assert!(error < 5e-3, "{diameter_deg} degrees, {to_sun}, {placement:?}: {found} {expected}");
+                println!("whole disc of {diameter_deg} degrees, {to_sun}, {method:?}: {error:.1e}");
+                assert!(error < 5e-3, "{diameter_deg} degrees, {to_sun}, {method:?}: {found} {expected}");
             }
         }
     }

@@ -3,9 +3,8 @@
 
 use super::{BenchArguments, CliError, Subject, answer, pool};
 use crate::bench::{SkipsPlan, measure_skips, skips_table};
-use crate::render::{Job, Placement};
+use crate::render::{Job, Method};
 use crate::scene::{Sampling, Window};
-use crate::transport::{Transport, VolumeMethod};
 
 pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
     let folder = tempfile::tempdir().map_err(|error| {
@@ -13,11 +12,6 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
             "error: no folder for temporary files: {error}\n  remedy: make room, or set TMPDIR to a folder that can be written to"
         ))
     })?;
-    let transport = Transport {
-        volume: VolumeMethod::Segments,
-        mirror_depth: subject.settings.mirror_depth,
-        features: false,
-    };
     let plan = SkipsPlan {
         scene: &subject.scene,
         camera: subject.camera,
@@ -29,8 +23,8 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
             sampling: Sampling::Exactly(4),
             filter: subject.settings.filter,
             seed: subject.settings.seed,
-            transport,
-            placement: Placement::Slices,
+            mirror_depth: subject.settings.mirror_depth,
+            method: Method::Slices,
         },
         rounds: arguments.rounds.unwrap_or(if arguments.quick { 2 } else { 5 }) as usize,
         folder: folder.path(),

@@ -11,6 +11,7 @@ mod pictures;
 mod tally;
 mod text;
 mod texture;
+mod triangles;
 mod triangulate;
 
 use super::{Files, LoadError};
@@ -26,6 +27,7 @@ pub use material::{ObjCoat, ObjMaterial};
 pub(super) use pictures::load as load_pictures;
 pub use pictures::{ObjPicture, ObjPictures};
 pub use texture::{ObjTexture, Placement};
+pub use triangles::Triangles;
 
 /// An OBJ file as one mesh.
 #[derive(Clone, Debug, Default)]

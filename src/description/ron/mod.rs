@@ -4,6 +4,7 @@
 //! docs/scene-format.md is the author's view of these types; a field is added here, there and in
 //! `scene::from_ron`.
 
+mod built;
 mod fall;
 mod keyed;
 mod leaves;
@@ -25,6 +26,7 @@ use parse::Document;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+pub use built::{BUILT, BuiltScene, Parts, load_built};
 pub use fall::{Emitter, Fall, FallGround, MOST_FALLING, Motion, Species, Wind};
 pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
@@ -89,7 +91,7 @@ pub enum RonFile {
 pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
     match parse::parse(path, &files.read(path, None)?)? {
         Document::Scene(file) => {
-            references::load(path, file, files).map(|scene| RonFile::Scene(Box::new(scene)))
+            references::load(path, file, BTreeMap::new(), files).map(|scene| RonFile::Scene(Box::new(scene)))
         }
         Document::Sequence(fields) => {
             let scene_path = beside(path, &fields.scene);
@@ -105,7 +107,7 @@ pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
 /// [`LoadError`] if a file cannot be read, or does not hold what it should.
 pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
     match parse::parse(path, &files.read(path, None)?)? {
-        Document::Scene(file) => references::load(path, file, files),
+        Document::Scene(file) => references::load(path, file, BTreeMap::new(), files),
         Document::Sequence(_) => {
             Err(Diagnostic::error(Place::File(path.to_owned()), "this is a sequence, not a scene")
                 .expected("a file that starts with `Scene(`")
@@ -123,12 +125,14 @@ pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, Lo
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let mesh = Mesh::Obj(path.file_name().unwrap_or_default().into());
     let scene =
-        references::load(path, SceneFile::of_mesh(&name, mesh), files).map_err(|error| match error {
-            // Nobody but the user asked for it.
-            LoadError::Io { path: missing, source, .. } if missing == path => {
-                LoadError::Io { path: missing, referrer: None, source }
+        references::load(path, SceneFile::of_mesh(&name, mesh), BTreeMap::new(), files).map_err(|error| {
+            match error {
+                // Nobody but the user asked for it.
+                LoadError::Io { path: missing, source, .. } if missing == path => {
+                    LoadError::Io { path: missing, referrer: None, source }
+                }
+                error => error,
             }
-            error => error,
         })?;
     Ok(LoadedScene { is_mesh_alone: true, ..scene })
 }

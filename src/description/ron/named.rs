@@ -19,7 +19,12 @@ impl<T> Default for Named<T> {
 impl<T> Named<T> {
     /// A single thing.
     pub(super) fn one(name: &str, thing: T) -> Self {
-        Self(vec![(name.to_owned(), thing)])
+        Self::of(vec![(name.to_owned(), thing)])
+    }
+
+    /// Things of different names.
+    pub(super) fn of(things: Vec<(String, T)>) -> Self {
+        Self(things)
     }
 
     /// Names and things, in the author's order.

@@ -7,11 +7,15 @@ use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Reads what `file`, which lies at `path`, refers to.
-pub(super) fn load(path: &Path, file: SceneFile, files: &mut Files) -> Result<LoadedScene, LoadError> {
+/// Reads what `file`, which lies at `path`, refers to; `models` are those that are there already.
+pub(super) fn load(
+    path: &Path,
+    file: SceneFile,
+    mut models: BTreeMap<PathBuf, obj::ObjModel>,
+    files: &mut Files,
+) -> Result<LoadedScene, LoadError> {
     let used = Used::by(&file);
     let mut loader = Loader { path, files, problems: Diagnostics::default() };
-    let mut models = BTreeMap::new();
     let (mut images, mut obj_pictures) = (BTreeMap::new(), obj::ObjPictures::new());
     let mut normal_maps = BTreeMap::new();
     for (name, mesh) in file.meshes.iter().filter(|(name, _)| used.meshes.contains(name)) {

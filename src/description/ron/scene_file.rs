@@ -361,7 +361,7 @@ pub struct Fog {
     pub anisotropy: Keyed<Number<Anisotropy>>,
 }
 
-fn black() -> Triple<NonNegative> {
+pub(super) fn black() -> Triple<NonNegative> {
     Triple::new(DVec3::ZERO)
 }
 

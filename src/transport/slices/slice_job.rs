@@ -15,7 +15,7 @@ pub struct SliceJob<'a> {
     pub transport: &'a Transport,
     /// The slices' light: a light of the snapshot, or a point of one.
     pub light: &'a FrozenLight,
-    /// What its light is to be multiplied by, see [`Sample::hue`].
+    /// What its light is to be multiplied by, see [`Sample::hue`](crate::transport::Sample::hue).
     pub hue: Rgb,
     /// Whether what shines by itself is counted with this light.
     pub self_luminous: bool,

@@ -1,0 +1,139 @@
+//! A finished frame as a program holds it. In goes what was rendered, out come arrays and files. Invariant: a file that it writes
+//! is the file that the command line would have written of the same settings.
+
+use super::arrays::Array;
+use super::error::RenderError;
+use super::plan::Plan;
+use crate::color::Display;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::film::{self, Channel};
+use crate::frame_file::{self, Provenance};
+use crate::passes::{MATTE_LAYER, Pass};
+use crate::render::{Rendered, Statistics};
+use crate::scene::{Size, Window};
+use std::path::Path;
+
+/// What beauty is measured in.
+const RADIANCE: &str = "W m^-2 sr^-1";
+
+/// A rendered frame: the beauty and the passes that were asked for.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    number: i64,
+    picture: film::Frame,
+    statistics: Statistics,
+    provenance: Provenance,
+    /// What the scene says.
+    exposure_stops: Option<f64>,
+    remarks: Diagnostics,
+}
+
+impl Frame {
+    pub(super) fn new(plan: &Plan, number: i64, rendered: Rendered) -> Self {
+        Self {
+            number,
+            picture: rendered.frame,
+            statistics: rendered.statistics,
+            provenance: plan.provenance(number),
+            exposure_stops: plan.settings.exposure_stops,
+            remarks: plan.remarks.clone(),
+        }
+    }
+
+    /// Its number.
+    pub fn number(&self) -> i64 {
+        self.number
+    }
+
+    /// Size of the whole picture.
+    pub fn full_size(&self) -> Size {
+        self.picture.full
+    }
+
+    /// The part of it that there are pixels of; arrays are of its size.
+    pub fn window(&self) -> Window {
+        self.picture.window
+    }
+
+    /// Names of all channels, as in a file.
+    pub fn channel_names(&self) -> impl Iterator<Item = &str> {
+        self.picture.channels.iter().map(|channel| channel.name.as_str())
+    }
+
+    /// A channel by its name, such as `R`, `A` or `Normal.X`.
+    pub fn channel(&self, name: &str) -> Option<Array> {
+        let channel = self.picture.channel(name)?;
+        let unit = Pass::ALL.iter().find(|&&pass| belongs(channel, pass)).map(|&pass| pass.row().unit);
+        let unit = unit.unwrap_or(if name == "A" { "1" } else { RADIANCE });
+        Some(self.array(&[channel], unit))
+    }
+
+    /// The picture itself: R, G and B in linear Rec. 709, and the share of the pixel that surfaces cover, A.
+    pub fn beauty(&self) -> Array {
+        let channels = ["R", "G", "B", "A"].map(|name| self.picture.channel(name));
+        let channels: Vec<&Channel> = channels.into_iter().flatten().collect();
+        self.array(&channels, RADIANCE)
+    }
+
+    /// All channels of a pass; none if it was not asked for.
+    pub fn pass(&self, pass: Pass) -> Option<Array> {
+        let channels = self.picture.channels.iter().filter(|channel| belongs(channel, pass));
+        let mut channels: Vec<&Channel> = channels.collect();
+        let place = |channel: &&Channel| pass.row().channels.iter().position(|name| *name == channel.name);
+        channels.sort_by_key(place);
+        if channels.is_empty() { None } else { Some(self.array(&channels, pass.row().unit)) }
+    }
+
+    /// What it took, and how good it is.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// What the scene asks for and is not honoured in this frame.
+    pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.remarks.told()
+    }
+
+    /// By how many powers of two a camera would brighten it.
+    pub fn auto_exposure_stops(&self) -> f64 {
+        self.picture.auto_exposure_stops()
+    }
+
+    /// Writes an EXR file with all channels, whole or not at all; folders are created.
+    ///
+    /// # Errors
+    /// If the disk says no.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), RenderError> {
+        Ok(frame_file::write(path.as_ref(), &self.picture, &self.provenance)?)
+    }
+
+    /// Writes a PNG for eyes, as bright as the scene says, or else as a camera would expose this frame.
+    ///
+    /// # Errors
+    /// If the picture is too large for a PNG or the disk says no.
+    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), RenderError> {
+        self.write_png_at(path, self.exposure_stops.unwrap_or_else(|| self.auto_exposure_stops()))
+    }
+
+    /// The same, brightened by so many powers of two, finite: one number for a sequence, so that it does not flicker.
+    ///
+    /// # Errors
+    /// If the picture is too large for a PNG or the disk says no.
+    pub fn write_png_at(&self, path: impl AsRef<Path>, exposure_stops: f64) -> Result<(), RenderError> {
+        let display = Display { exposure_stops, ..Display::default() };
+        Ok(frame_file::write_preview(path.as_ref(), &self.picture, &display)?)
+    }
+
+    fn array(&self, channels: &[&Channel], unit: &'static str) -> Array {
+        let Window { width, height, .. } = self.picture.window;
+        Array::of(channels, width, height, unit)
+    }
+}
+
+/// Whether a channel is one of a pass.
+fn belongs(channel: &Channel, pass: Pass) -> bool {
+    match pass {
+        Pass::Cryptomatte => channel.name.starts_with(MATTE_LAYER),
+        pass => pass.row().channels.contains(&channel.name.as_str()),
+    }
+}

@@ -1,0 +1,24 @@
+//! The library's face: a scene, a renderer, a frame. In go a file or parts that a program made, out come arrays and files.
+//! Invariant: everything else is prepared here, so no picture lacks what its passes need, and what cannot be rendered is an error.
+
+mod arrays;
+mod builder;
+mod error;
+mod frame;
+mod options;
+mod parts;
+mod plan;
+mod renderer;
+mod scene;
+
+pub use arrays::Array;
+pub use builder::SceneBuilder;
+pub use error::{RenderError, Setting};
+pub use frame::Frame;
+pub use options::SceneOptions;
+pub use parts::{
+    Animated, Aperture, Camera, Extend, Fog, Key, LeafMotion, Leaves, Light, Material, Object, Shape,
+};
+pub(crate) use plan::{Plan, find_camera};
+pub use renderer::Renderer;
+pub use scene::{NodePlace, Scene};

@@ -1,0 +1,273 @@
+//! A picture that can be carried out. In go a scene, settings and what is asked, out comes all that a frame needs. Invariant: a
+//! plan that exists is valid, and what its passes have to know beyond light is prepared by it alone.
+
+use super::error::{RenderError, Setting};
+use super::scene::Scene;
+use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::frame_file::Provenance;
+use crate::passes::{Needs, any_needs};
+use crate::render::{self, Job, Method, Rendered, Watch};
+use crate::scene::{self, RenderSettings, Sampling, Size, Window, matte_id};
+use crate::snapshot::{Exposure, MotionField, Shutter, View};
+use crate::transport::MarchSteps;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+
+/// 16384 x 8192.
+const MOST_PIXELS: usize = 1 << 27;
+
+/// Everything that frames of a picture have in common.
+pub(crate) struct Plan<'scene> {
+    pub(crate) scene: &'scene Scene,
+    pub(crate) settings: RenderSettings,
+    /// Index into the scene's cameras.
+    pub(crate) camera: usize,
+    pub(crate) job: Job,
+    /// What the scene asks for and is not honoured, as far as it is rendered.
+    pub(crate) remarks: Diagnostics,
+}
+
+impl<'scene> Plan<'scene> {
+    /// Of `settings`, the part inside `crop`.
+    pub(super) fn new(
+        scene: &'scene Scene,
+        settings: RenderSettings,
+        crop: Option<Window>,
+        method: Method,
+    ) -> Result<Self, RenderError> {
+        check_size(settings.size)?;
+        let camera = find_camera(&scene.resolved, settings.camera.as_deref())?;
+        let window = find_window(crop, settings.size)?;
+        check_sampling(settings.sampling)?;
+        check_shutter(&settings)?;
+        check_method(method)?;
+        let mut remarks = scene.resolved.remarks.clone();
+        remarks.0.extend(Exposure::remark(&scene.resolved, settings.shutter));
+        let job = Job {
+            size: settings.size,
+            window,
+            passes: settings.passes.clone(),
+            sampling: settings.sampling,
+            filter: settings.filter,
+            seed: settings.seed,
+            mirror_depth: settings.mirror_depth,
+            method,
+        };
+        Ok(Self { scene, settings, camera, job, remarks })
+    }
+
+    /// When the shutter is open for a frame.
+    pub(crate) fn shutter(&self, frame: i64) -> Shutter {
+        Shutter::of(&self.settings, frame as f64)
+    }
+
+    /// What the camera sees at a frame, with all that the passes need.
+    pub(crate) fn exposure(&self, frame: i64) -> Exposure<'scene> {
+        let (scene, size) = (&self.scene.resolved, self.job.size);
+        let shutter = self.shutter(frame);
+        let mut exposure = Exposure::new(scene, self.scene.trees(), self.camera, aspect(size), shutter);
+        if self.needs(Needs::Motion) {
+            let rate = self.settings.frame_rate;
+            let times_s = [-1.0, 0.0, 1.0].map(|offset| rate.seconds(frame as f64 + offset));
+            exposure = exposure.with_motion(MotionField::new(scene, self.camera, size, times_s));
+        }
+        if self.needs(Needs::Names) {
+            exposure = exposure.with_mattes(scene);
+        }
+        exposure
+    }
+
+    /// Renders an exposure of this plan on the current rayon pool.
+    pub(crate) fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
+        render::render(exposure, &self.job, watch)
+    }
+
+    /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a frame asks for,
+    /// of `size` pixels and `samples` a pixel.
+    pub(crate) fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
+        let shutter = Shutter::instant(self.shutter(frame).middle_s());
+        let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
+        let exposure = Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter);
+        let job = Job {
+            size,
+            window: Window::whole(size),
+            passes: Vec::new(),
+            sampling: Sampling::Exactly(samples),
+            method: self.job.method.by_rays(),
+            ..self.job.clone()
+        };
+        render::render(&exposure, &job, &Watch::NOBODY).frame.auto_exposure_stops()
+    }
+
+    /// Where a frame comes from.
+    pub(crate) fn provenance(&self, frame: i64) -> Provenance {
+        let shutter = self.shutter(frame);
+        Provenance {
+            frame,
+            frame_rate: self.settings.frame_rate,
+            exposure_s: shutter.close_s - shutter.open_s,
+            camera_from_world: self.view(frame).camera_from_world(),
+            scene_hash: self.scene.content_hash.clone(),
+            settings_hash: self.settings_hash(),
+            seed: self.job.seed,
+            sampling: self.job.sampling,
+            owner: None,
+            comments: None,
+            object_names: self.object_names(),
+        }
+    }
+
+    /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it would end the process.
+    pub(crate) fn check_memory(&self) -> Result<(), RenderError> {
+        let bytes = self.job.memory_bytes();
+        let mut all: Vec<u8> = Vec::new();
+        all.try_reserve_exact(bytes).map_err(|_| {
+            let Window { width, height, .. } = self.job.window;
+            let gigabytes = bytes as f64 / 1e9;
+            let found =
+                format!("{width} x {height} pixels take {gigabytes:.1} GB, more memory than can be had");
+            let diagnostic = Diagnostic::error(Place::Nowhere, found)
+                .expected("a picture that fits")
+                .remedy("ask for fewer pixels or passes, or render parts of the picture (crop)");
+            RenderError::Memory(Box::new(diagnostic))
+        })
+    }
+
+    /// Refuses a frame that a sequence does not have.
+    pub(super) fn check_frame(&self, frame: i64) -> Result<(), RenderError> {
+        let RenderSettings { frames, only_these_frames, .. } = &self.settings;
+        if *only_these_frames && !frames.contains(&frame) {
+            let expected = format!("{} to {}", frames.start(), frames.end());
+            return Err(RenderError::setting(Setting::Frame, format!("there is no frame {frame}"), expected));
+        }
+        Ok(())
+    }
+
+    fn needs(&self, what: Needs) -> bool {
+        any_needs(&self.job.passes, |needs| needs == what)
+    }
+
+    /// The camera at a frame.
+    fn view(&self, frame: i64) -> View {
+        let time_s = self.shutter(frame).middle_s();
+        let camera = &self.scene.resolved.cameras[self.camera];
+        let world_from_camera = self.scene.resolved.placements(time_s)[camera.node].world_from_node;
+        View::new(camera, world_from_camera, aspect(self.job.size), time_s)
+    }
+
+    /// What mattes are called, if the frames have any.
+    fn object_names(&self) -> BTreeMap<u32, String> {
+        let scene = &self.scene.resolved;
+        let instances = 0..if self.needs(Needs::Names) { scene.instances.len() } else { 0 };
+        let names = instances.map(|instance| scene.matte_name(instance));
+        names.map(|name| (matte_id(name), name.to_owned())).collect()
+    }
+
+    /// SHA-256 over everything but the input's files that reaches the pixels, the frame's number aside.
+    fn settings_hash(&self) -> String {
+        let Self { settings, camera, job, .. } = self;
+        let options = &self.scene.options;
+        // Named where it counts, so that the others' hash stays what it was.
+        let shutter_position = match settings.shutter * settings.shutter_position {
+            0.0 => String::new(),
+            _ => format!(" {:?}", settings.shutter_position),
+        };
+        let default_light = if options.no_default_light { " Off" } else { "" };
+        let animation =
+            options.animation.as_ref().map_or(String::new(), |name| format!(" animation {name:?}"));
+        let text = format!(
+            "{} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{animation}",
+            job.hashed(),
+            settings.frame_rate,
+            settings.shutter,
+            options.light_units
+        );
+        Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+fn aspect(size: Size) -> f64 {
+    size.width as f64 / size.height as f64
+}
+
+/// Refuses a picture without pixels.
+fn check_size(size: Size) -> Result<(), RenderError> {
+    let Size { width, height } = size;
+    if width == 0 || height == 0 {
+        let found = format!("{width} x {height} is no picture");
+        return Err(RenderError::setting(Setting::Size, found, "at least one pixel"));
+    }
+    Ok(())
+}
+
+/// The camera of a name, the first without.
+pub(crate) fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<usize, RenderError> {
+    let Some(name) = name else { return Ok(0) };
+    scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
+        let names: Vec<_> = scene.cameras.iter().map(|camera| format!("`{}`", camera.name)).collect();
+        let found = format!("there is no camera `{name}`");
+        RenderError::setting(Setting::Camera, found, format!("one of {}", names.join(", ")))
+    })
+}
+
+/// The window, unless its film would not fit into the memory of common machines.
+fn find_window(crop: Option<Window>, size: Size) -> Result<Window, RenderError> {
+    let window = crop.unwrap_or(Window::whole(size));
+    let Window { x, y, width, height } = window;
+    let (right, bottom) = (x.saturating_add(width), y.saturating_add(height));
+    if width == 0 || height == 0 {
+        let found = format!("{width} x {height} is no part of a picture");
+        return Err(RenderError::setting(Setting::Crop, found, "at least one pixel"));
+    }
+    if right > size.width || bottom > size.height {
+        let found = format!("{x},{y},{right},{bottom} reaches beyond the picture");
+        let expected = format!("x1 up to {} and y1 up to {}", size.width, size.height);
+        return Err(RenderError::setting(Setting::Crop, found, expected));
+    }
+    if width.saturating_mul(height) > MOST_PIXELS {
+        let found = format!("{width} x {height} pixels are too many at once");
+        let expected = format!("at most {MOST_PIXELS} pixels, or a part of them (crop)");
+        return Err(RenderError::setting(Setting::Size, found, expected));
+    }
+    Ok(window)
+}
+
+fn check_sampling(sampling: Sampling) -> Result<(), RenderError> {
+    let (Sampling::Exactly(samples) | Sampling::Until { most: samples, .. }) = sampling;
+    if samples == 0 {
+        let found = String::from("no sample shows nothing");
+        return Err(RenderError::setting(Setting::Samples, found, "at least 1"));
+    }
+    match sampling {
+        Sampling::Until { tolerance, .. } if !(tolerance > 0.0 && tolerance <= 1.0) => {
+            let found = format!("{tolerance} is no relative error");
+            Err(RenderError::setting(Setting::Tolerance, found, "more than 0, at most 1"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_shutter(settings: &RenderSettings) -> Result<(), RenderError> {
+    let RenderSettings { shutter, shutter_position, .. } = *settings;
+    if shutter.is_finite() && shutter >= 0.0 && shutter_position.is_finite() {
+        return Ok(());
+    }
+    let found = format!("open for {shutter} frames, at {shutter_position}");
+    Err(RenderError::setting(Setting::Shutter, found, "finite numbers, the first of them not negative"))
+}
+
+fn check_method(method: Method) -> Result<(), RenderError> {
+    let is_good = match method {
+        Method::Auto | Method::Slices | Method::Segments => true,
+        Method::March(MarchSteps::Planes { depth_m, step_m }) => {
+            depth_m.is_finite() && step_m.is_finite() && depth_m >= 0.0 && step_m > 0.0
+        }
+        Method::March(MarchSteps::Count(steps) | MarchSteps::Jittered(steps)) => steps > 0,
+        Method::Equiangular { points } => points > 0,
+    };
+    if is_good {
+        return Ok(());
+    }
+    let found = format!("{method:?} takes no step");
+    Err(RenderError::setting(Setting::Method, found, "at least one step of a length"))
+}

@@ -1,0 +1,161 @@
+//! What is to be rendered of a scene, said step by step. In go a scene and wishes, out comes a frame. Invariant: a wish that is
+//! not said leaves what the scene says; wishes are checked together, when the frame is rendered.
+
+use super::error::RenderError;
+use super::frame::Frame;
+use super::plan::Plan;
+use super::scene::Scene;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::passes::Pass;
+use crate::render::{Method, Progress, Watch};
+use crate::scene::{PixelFilter, RenderSettings, Sampling, Size, Window};
+
+/// Renders frames of a scene, on the rayon pool that it is called on.
+#[derive(Clone)]
+#[must_use = "nothing is rendered before `render`"]
+pub struct Renderer<'a> {
+    scene: &'a Scene,
+    settings: RenderSettings,
+    frame: i64,
+    crop: Option<Window>,
+    method: Method,
+    samples: Option<u32>,
+    tolerance: Option<f64>,
+    progress: &'a (dyn Fn(Progress) + Sync),
+    cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl<'a> Renderer<'a> {
+    /// The scene's first frame as the scene wants to be rendered.
+    pub fn new(scene: &'a Scene) -> Self {
+        let settings = scene.settings.clone();
+        Self {
+            scene,
+            frame: *settings.frames.start(),
+            settings,
+            crop: None,
+            method: Method::Auto,
+            samples: None,
+            tolerance: None,
+            progress: Watch::NOBODY.progress,
+            cancelled: Watch::NOBODY.cancelled,
+        }
+    }
+
+    /// Which frame.
+    pub fn frame(mut self, frame: i64) -> Self {
+        self.frame = frame;
+        self
+    }
+
+    /// Pixels of the whole picture.
+    pub fn size(mut self, width: usize, height: usize) -> Self {
+        self.settings.size = Size { width, height };
+        self
+    }
+
+    /// The part of the picture that is wanted, its pixels the same as in the whole.
+    pub fn crop(mut self, window: Window) -> Self {
+        self.crop = Some(window);
+        self
+    }
+
+    /// Pictures beside the beauty, in place of those that the scene asks for.
+    pub fn passes(mut self, passes: impl IntoIterator<Item = Pass>) -> Self {
+        let mut passes: Vec<Pass> = passes.into_iter().collect();
+        passes.sort_unstable();
+        passes.dedup();
+        self.settings.passes = passes;
+        self
+    }
+
+    /// So many samples a pixel; with a tolerance no more than so many.
+    pub fn samples(mut self, samples: u32) -> Self {
+        self.samples = Some(samples);
+        self
+    }
+
+    /// As many samples as it takes until the estimated relative error around every pixel is at most this, `0..=1`.
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = Some(tolerance);
+        self
+    }
+
+    /// Name of the camera.
+    pub fn camera(mut self, name: &str) -> Self {
+        self.settings.camera = Some(name.to_owned());
+        self
+    }
+
+    /// Another seed, other noise.
+    pub fn seed(mut self, seed: u32) -> Self {
+        self.settings.seed = seed;
+        self
+    }
+
+    /// By what weights a pixel is the mean of the picture around it.
+    pub fn filter(mut self, filter: PixelFilter) -> Self {
+        self.settings.filter = filter;
+        self
+    }
+
+    /// How long the shutter is open, in frames; 0 is an instant, without motion blur.
+    pub fn shutter(mut self, frames: f64) -> Self {
+        self.settings.shutter = frames;
+        self
+    }
+
+    /// From the frame to the middle of the time that the shutter is open, in parts of it: 0.5 opens at the frame.
+    pub fn shutter_position(mut self, position: f64) -> Self {
+        self.settings.shutter_position = position;
+        self
+    }
+
+    /// Where samples lie and how light in fog is found.
+    pub fn method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Is told now and then how far the frame is, from any thread.
+    pub fn progress(mut self, progress: &'a (dyn Fn(Progress) + Sync)) -> Self {
+        self.progress = progress;
+        self
+    }
+
+    /// Once it says true, rendering ends with [`RenderError::Cancelled`].
+    pub fn cancelled(mut self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.cancelled = cancelled;
+        self
+    }
+
+    /// Renders.
+    ///
+    /// # Errors
+    /// If a wish cannot be met, there is too little memory, or the frame has pixels that are no light.
+    pub fn render(&self) -> Result<Frame, RenderError> {
+        let plan = self.plan()?;
+        plan.check_frame(self.frame)?;
+        plan.check_memory()?;
+        let watch = Watch { progress: self.progress, cancelled: self.cancelled, look: None };
+        let rendered = plan.render(&plan.exposure(self.frame), &watch);
+        if (self.cancelled)() {
+            return Err(RenderError::Cancelled);
+        }
+        let defects = rendered.frame.check();
+        if defects.are_fatal() {
+            let diagnostic = Diagnostic::error(Place::Nowhere, format!("frame {}: {defects}", self.frame))
+                .expected("finite light everywhere")
+                .remedy("report this scene; a crop around the pixel shows it");
+            return Err(RenderError::Defective(Box::new(diagnostic)));
+        }
+        Ok(Frame::new(&plan, self.frame, rendered))
+    }
+
+    /// The plan of all frames.
+    pub(crate) fn plan(&self) -> Result<Plan<'a>, RenderError> {
+        let mut settings = self.settings.clone();
+        settings.sampling = Sampling::said(self.samples, self.tolerance).unwrap_or(settings.sampling);
+        Plan::new(self.scene, settings, self.crop, self.method)
+    }
+}

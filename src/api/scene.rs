@@ -1,0 +1,104 @@
+//! A scene as a program holds it. In goes an input, out come frames, names and places. Invariant: a scene that exists is valid,
+//! and its files are not read again.
+
+use crate::description::Description;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::scene::{self, Baking, FrameRate, RenderSettings, ResolveOptions, Size};
+use crate::snapshot::MeshTrees;
+use std::ops::RangeInclusive;
+use std::sync::OnceLock;
+
+/// A scene in all its frames, and how it wants to be rendered.
+pub struct Scene {
+    pub(super) resolved: scene::Scene,
+    pub(super) settings: RenderSettings,
+    /// What it was asked to be.
+    pub(super) options: ResolveOptions,
+    /// SHA-256 over all input files.
+    pub(super) content_hash: String,
+    /// Built as frames need them.
+    trees: OnceLock<MeshTrees>,
+}
+
+/// Where a node is at a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodePlace {
+    /// Its origin in the world, metres, Y up.
+    pub position_m: [f64; 3],
+    /// Where its own x, y and z axes go in the world, lengths included.
+    pub axes: [[f64; 3]; 3],
+    /// Whether it and all that it follows take part in the picture.
+    pub visible: bool,
+}
+
+impl Scene {
+    pub(crate) fn resolve(
+        description: Description,
+        options: &ResolveOptions,
+        baking: &Baking,
+    ) -> Result<Self, Diagnostics> {
+        let content_hash = description.content_hash.clone();
+        let (resolved, settings) = scene::resolve_telling(description, options, baking)?;
+        let settings = options.overrule(&settings);
+        Ok(Self { resolved, settings, options: options.clone(), content_hash, trees: OnceLock::new() })
+    }
+
+    /// What is asked for and not honoured, or only nearly, and what was put in where the input says nothing.
+    pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.resolved.remarks.told()
+    }
+
+    /// First and last frame of what the input calls its own.
+    pub fn frames(&self) -> RangeInclusive<i64> {
+        self.settings.frames.clone()
+    }
+
+    /// Frames a second.
+    pub fn frame_rate(&self) -> FrameRate {
+        self.settings.frame_rate
+    }
+
+    /// Size of its pictures unless somebody wants another.
+    pub fn size(&self) -> Size {
+        self.settings.size
+    }
+
+    /// Names of the cameras, at least one; the first looks unless somebody wants another.
+    pub fn cameras(&self) -> impl Iterator<Item = &str> {
+        self.resolved.cameras.iter().map(|camera| camera.name.as_str())
+    }
+
+    /// Names of all nodes, parents before children: objects, leaves, cameras, lights.
+    pub fn nodes(&self) -> impl Iterator<Item = &str> {
+        self.resolved.nodes.iter().map(|node| node.name.as_str())
+    }
+
+    /// Where the first node of that name is at a frame, or between two; none if there is no such node.
+    pub fn place(&self, node: &str, frame: f64) -> Option<NodePlace> {
+        let index = self.nodes().position(|name| name == node)?;
+        let placement = self.resolved.placements(self.settings.frame_rate.seconds(frame))[index];
+        let world = placement.world_from_node;
+        Some(NodePlace {
+            position_m: world.translation.to_array(),
+            axes: world.matrix3.to_cols_array_2d(),
+            visible: placement.visible,
+        })
+    }
+
+    /// Built when a frame first needs them, kept for all.
+    pub(super) fn trees(&self) -> &MeshTrees {
+        self.trees.get_or_init(|| MeshTrees::new(&self.resolved))
+    }
+
+    pub(crate) fn into_parts(self) -> (scene::Scene, RenderSettings) {
+        (self.resolved, self.settings)
+    }
+
+    pub(crate) fn resolved(&self) -> &scene::Scene {
+        &self.resolved
+    }
+
+    pub(crate) fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+}

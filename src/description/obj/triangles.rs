@@ -1,0 +1,68 @@
+//! Triangles that a program made, as a model. In go positions and indices, out comes what an OBJ file would give.
+//! Invariant: the same as of a file's model, every index in range, every number finite, no triangle without area.
+
+use super::{ObjModel, ObjTriangle};
+use glam::{Vec2, Vec3};
+
+/// A mesh as a program has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Triangles {
+    /// Where the vertices are, metres.
+    pub positions: Vec<[f32; 3]>,
+    /// One normal a vertex, of any length but 0; empty for flat triangles.
+    pub normals: Vec<[f32; 3]>,
+    /// One texture coordinate a vertex, `v` downwards; empty if no texture is shown.
+    pub uvs: Vec<[f32; 2]>,
+    /// Indices of three vertices each, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Triangles {
+    /// The model, or what is wrong: its field, what was found and what was expected.
+    pub(in crate::description) fn model(&self) -> Result<ObjModel, [String; 3]> {
+        let count = self.positions.len();
+        let flaw =
+            |field: &str, found: String, expected: &str| [field.to_owned(), found, expected.to_owned()];
+        let of_vertices = |field: &str, length: usize| match length {
+            0 => Ok(()),
+            length if length == count => Ok(()),
+            _ => Err(flaw(field, format!("there are {length} of {count} vertices"), "one a vertex, or none")),
+        };
+        of_vertices("normals", self.normals.len())?;
+        of_vertices("uvs", self.uvs.len())?;
+        let numbers =
+            [("positions", self.positions.as_flattened()), ("normals", self.normals.as_flattened())];
+        for (field, numbers) in numbers.into_iter().chain([("uvs", self.uvs.as_flattened())]) {
+            if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+                return Err(flaw(field, format!("a number is {number}"), "finite numbers"));
+            }
+        }
+        let normal = |&normal: &[f32; 3]| Vec3::from(normal).as_dvec3().try_normalize().map(|n| n.as_vec3());
+        let normals: Option<Vec<Vec3>> = self.normals.iter().map(normal).collect();
+        let normals = normals
+            .ok_or_else(|| flaw("normals", String::from("a normal has no length"), "normals of a length"))?;
+        if self.triangles.is_empty() {
+            return Err(flaw("triangles", String::from("there are none"), "at least one triangle"));
+        }
+        for (number, triangle) in self.triangles.iter().enumerate() {
+            let field = format!("triangles[{number}]");
+            if triangle.iter().any(|&index| index as usize >= count) {
+                let found = format!("the vertices {triangle:?} are not all there");
+                return Err(flaw(&field, found, &format!("indices below {count}")));
+            }
+            let [a, b, c] = triangle.map(|index| Vec3::from(self.positions[index as usize]).as_dvec3());
+            if (b - a).cross(c - a).try_normalize().is_none() {
+                let found = format!("the triangle {triangle:?} has no area");
+                return Err(flaw(&field, found, "three corners that are not in a line"));
+            }
+        }
+        let triangle = |&vertices: &[u32; 3]| ObjTriangle { vertices, material: None };
+        Ok(ObjModel {
+            positions: self.positions.iter().copied().map(Vec3::from).collect(),
+            normals,
+            uvs: self.uvs.iter().copied().map(Vec2::from).collect(),
+            triangles: self.triangles.iter().map(triangle).collect(),
+            ..ObjModel::default()
+        })
+    }
+}

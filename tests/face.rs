@@ -1,0 +1,225 @@
+//! The public face: what a program can load, build, ask for and get. Invariant: only names at the crate's root are used here.
+
+use std::collections::BTreeSet;
+use sunfleck::{
+    Animated, Camera, Fog, Key, Light, Material, Method, Object, Pass, RenderError, Renderer, Scene,
+    SceneBuilder, Setting, Shape, Triangles, Window,
+};
+
+/// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
+fn tile() -> SceneBuilder {
+    let moving = Object {
+        mesh: Some("tile".into()),
+        material: Some("grey".into()),
+        translation_m: Animated::keys([(0.0, [0.0, 0.0, 0.0]), (1.0, [2.4, 0.0, 0.0])]),
+        ..Object::default()
+    };
+    let lamp = Light::Point {
+        parent: None,
+        position_m: [0.0, 1.0, 3.0].into(),
+        intensity_w_per_sr: [5.0; 3].into(),
+        radius_m: 0.0.into(),
+    };
+    Scene::builder()
+        .mesh("tile", square())
+        .material("grey", Material { base_color: Some([0.5; 3]), ..Material::default() })
+        .object("moving", moving)
+        .camera("main", Camera { position_m: Some([0.0, 0.0, 4.0].into()), ..Camera::default() })
+        .light("lamp", lamp)
+        .fog("haze", Fog::in_box([-3.0; 3], [3.0; 3], 0.1))
+}
+
+/// Two metres wide, in the x-y plane, facing +z.
+fn square() -> Triangles {
+    Triangles {
+        positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Triangles::default()
+    }
+}
+
+fn built(builder: SceneBuilder) -> Scene {
+    builder.build().unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What is said of a scene that cannot be built.
+fn refused(builder: SceneBuilder) -> String {
+    builder.build().err().expect("it cannot be built").to_string()
+}
+
+fn small(scene: &Scene) -> Renderer<'_> {
+    Renderer::new(scene).size(16, 9).samples(4)
+}
+
+#[test]
+fn every_pass_that_is_asked_for_has_its_values() {
+    let scene = built(tile());
+    let frame = small(&scene).frame(2).passes(Pass::ALL.iter().copied()).render().expect("a frame");
+    for &pass in Pass::ALL {
+        let array = frame.pass(pass).unwrap_or_else(|| panic!("{pass:?} is there"));
+        assert_eq!((array.width, array.height), (16, 9));
+        assert_eq!(array.values.len(), 16 * 9 * array.channels.len(), "{pass:?}");
+        assert!(array.at(8, 4).expect("a pixel").iter().any(|&value| value != 0.0), "{pass:?} is zero");
+        assert_eq!(frame.channel(&array.channels[0]).expect("the first").unit, array.unit, "{pass:?}");
+    }
+    let value = |pass: Pass, channel: usize| {
+        f64::from(frame.pass(pass).expect("there").at(8, 4).expect("a pixel")[channel])
+    };
+    assert!((value(Pass::Depth, 0) - 4.0).abs() < 1e-5);
+    assert!((value(Pass::Normal, 2) - 1.0).abs() < 1e-5);
+    // A picture 9 pixels high shows 2 * 4 * tan(22.5 degrees) metres at that depth; vectors point to where things were.
+    let pixels_per_m = 9.0 / (8.0 * 22.5_f64.to_radians().tan());
+    assert!((value(Pass::Motion, 0) + 0.1 * pixels_per_m).abs() < 1e-4, "{}", value(Pass::Motion, 0));
+    assert_eq!(frame.pass(Pass::Normal).expect("there").channels, ["Normal.X", "Normal.Y", "Normal.Z"]);
+}
+
+#[test]
+fn passes_that_nobody_asked_for_are_not_there() {
+    let scene = built(tile());
+    let frame = small(&scene).passes([Pass::Depth]).render().expect("a frame");
+    assert!(frame.pass(Pass::Normal).is_none());
+    let names: BTreeSet<&str> = frame.channel_names().collect();
+    assert_eq!(names, ["A", "B", "G", "R", "Z"].into());
+    let beauty = frame.beauty();
+    assert_eq!(beauty.channels, ["R", "G", "B", "A"]);
+    assert_eq!(
+        beauty.at(8, 4).expect("a pixel")[0],
+        frame.channel("R").expect("red").at(8, 4).expect("a pixel")[0]
+    );
+    assert_eq!((beauty.at(16, 0), beauty.at(0, 9), beauty.at(usize::MAX, usize::MAX)), (None, None, None));
+}
+
+#[test]
+fn every_method_is_the_one_that_was_asked_for() {
+    let scene = built(tile());
+    let frame = |method: Method| small(&scene).method(method).render().expect("a frame");
+    assert!(frame(Method::Slices).statistics().from_slices);
+    let exact = frame(Method::Segments);
+    assert!(!exact.statistics().from_slices);
+    let march = |steps: u32| frame(Method::March(sunfleck::MarchSteps::Count(steps)));
+    let difference =
+        |other: &sunfleck::Frame| (other.beauty().mean()[0] / exact.beauty().mean()[0] - 1.0).abs();
+    let (coarse, fine) = (march(1), march(256));
+    assert!(difference(&coarse) > 20.0 * difference(&fine), "{} {}", difference(&coarse), difference(&fine));
+    assert!(difference(&fine) < 1e-3, "{}", difference(&fine));
+}
+
+#[test]
+fn a_crop_has_the_pixels_of_the_whole() {
+    let scene = built(tile());
+    let whole = small(&scene).render().expect("a frame").beauty();
+    let crop = Window { x: 5, y: 2, width: 6, height: 3 };
+    let part = small(&scene).crop(crop).render().expect("a part").beauty();
+    assert_eq!((part.width, part.height), (6, 3));
+    assert_eq!(part.at(1, 2), whole.at(6, 4));
+}
+
+#[test]
+fn wishes_that_cannot_be_met_are_named() {
+    let scene = built(tile());
+    let frames = [
+        (small(&scene).camera("other"), Setting::Camera),
+        (small(&scene).size(0, 9), Setting::Size),
+        (small(&scene).size(1 << 40, 1 << 40), Setting::Size),
+        (small(&scene).crop(Window { x: 10, y: 0, width: 7, height: 9 }), Setting::Crop),
+        (small(&scene).crop(Window { x: usize::MAX, y: 0, width: 7, height: 9 }), Setting::Crop),
+        (small(&scene).crop(Window { x: 0, y: 0, width: 0, height: 9 }), Setting::Crop),
+        (small(&scene).samples(0), Setting::Samples),
+        (small(&scene).tolerance(0.0), Setting::Tolerance),
+        (small(&scene).tolerance(f64::NAN), Setting::Tolerance),
+        (small(&scene).shutter(-1.0), Setting::Shutter),
+        (small(&scene).method(Method::Equiangular { points: 0 }), Setting::Method),
+    ];
+    for (renderer, expected) in frames {
+        match renderer.render() {
+            Err(error @ RenderError::Setting { setting, .. }) => {
+                assert_eq!(setting, expected);
+                assert!(error.to_string().contains("expected: "), "{error}");
+            }
+            other => panic!("{expected:?}: {:?}", other.map(|frame| frame.number())),
+        }
+    }
+    assert!(matches!(small(&scene).cancelled(&|| true).render(), Err(RenderError::Cancelled)));
+}
+
+#[test]
+fn nothing_invalid_can_be_built() {
+    let nan = Fog::in_box([-1.0; 3], [1.0; 3], f64::NAN);
+    assert!(refused(tile().fog("bad", nan)).contains("SceneBuilder: fog.bad.density_per_m"));
+    let said =
+        refused(tile().material("bad", Material { base_color: Some([2.0; 3]), ..Material::default() }));
+    assert!(said.contains("materials.bad.base_color") && said.contains("expected: "), "{said}");
+    let twice = refused(tile().camera("main", Camera::default()));
+    assert!(twice.contains("cameras.main: error: the name occurs a second time"), "{twice}");
+    let stray = Object { mesh: Some("tail".into()), ..Object::default() };
+    assert!(refused(tile().object("stray", stray)).contains("there is no mesh named `tail`"));
+    let backwards = vec![Key { at_s: 1.0, value: [0.0; 3] }, Key { at_s: 0.0, value: [1.0; 3] }];
+    let backwards = Animated::Keyed { keys: backwards, extend: Default::default() };
+    let said = refused(tile().object("late", Object { translation_m: backwards, ..Object::default() }));
+    assert!(said.contains("objects.late.translation_m"), "{said}");
+    for (field, mesh) in [
+        ("positions", Triangles { positions: vec![[f32::INFINITY; 3]; 4], ..square() }),
+        ("normals", Triangles { normals: vec![[0.0, 0.0, 1.0]], ..square() }),
+        ("normals", Triangles { normals: vec![[0.0; 3]; 4], ..square() }),
+        ("uvs", Triangles { uvs: vec![[0.0; 2]; 3], ..square() }),
+        ("triangles[1]", Triangles { triangles: vec![[0, 1, 2], [0, 1, 4]], ..square() }),
+        ("triangles[0]", Triangles { triangles: vec![[0, 1, 1]], ..square() }),
+        ("triangles", Triangles { triangles: vec![], ..square() }),
+    ] {
+        let said = refused(tile().mesh("bad", mesh));
+        assert!(said.contains(&format!("SceneBuilder: meshes.bad.{field}: error: ")), "{said}");
+    }
+}
+
+#[test]
+fn what_is_on_and_off_jumps() {
+    let blinking = Object { visible: Animated::keys([(0.0, true), (0.5, false)]), ..Object::default() };
+    let scene = built(tile().object("blinking", blinking));
+    let seen = [0.0, 11.9, 12.1].map(|frame| scene.place("blinking", frame).expect("a node").visible);
+    assert_eq!(seen, [true, true, false]);
+    assert_eq!(scene.place("nobody", 0.0), None);
+    let place = scene.place("moving", 6.0).expect("a node");
+    assert!((place.position_m[0] - 0.6).abs() < 1e-12, "{place:?}");
+}
+
+#[test]
+fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
+    // The same scene, from a file and from code.
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("scene.ron");
+    let text = "Scene(version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5) }, materials: { \"grey\": (base_color: 0.5) },
+        objects: { \"ball\": (mesh: \"ball\", material: \"grey\") }, cameras: { \"main\": (position_m: (0.0, 0.0, 4.0)) },
+        lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) })";
+    std::fs::write(&file, text).expect("written");
+    let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let sun = Light::Sun {
+        to_sun: [0.4, 1.0, 0.6].into(),
+        irradiance_w_per_m2: [3.0; 3].into(),
+        angular_diameter_deg: 0.0.into(),
+    };
+    let made = Scene::builder()
+        .shape("ball", Shape::Sphere { radius_m: 0.5 })
+        .material("grey", Material { base_color: Some([0.5; 3]), ..Material::default() })
+        .object(
+            "ball",
+            Object { mesh: Some("ball".into()), material: Some("grey".into()), ..Object::default() },
+        )
+        .camera("main", Camera { position_m: Some([0.0, 0.0, 4.0].into()), ..Camera::default() })
+        .light("sun", sun);
+    let picture = |scene: &Scene| small(scene).render().expect("a frame").beauty();
+    let beauty = picture(&read);
+    assert_eq!(beauty, picture(&built(made)));
+    assert!(beauty.mean()[0] > 0.0);
+}
+
+#[test]
+fn inputs_that_cannot_be_read_say_why() {
+    let error = |path: &str| Scene::load(path).err().expect("no scene").to_string();
+    assert!(error("nowhere.ron").contains("nowhere.ron: error: cannot be read"));
+    assert!(error("Cargo.toml").contains("expected: a .ron, .glb, .gltf or .obj file"));
+    let leaf = "scenes/first_leaf/scene.ron";
+    let no_animation = Scene::options().animation("down").load(leaf).err().expect("no scene").to_string();
+    assert!(no_animation.contains("there is no animation `down`"), "{no_animation}");
+    let no_rate = Scene::options().frame_rate(24, 0).load(leaf).err().expect("no scene").to_string();
+    assert!(no_rate.contains("24/0 frames a second"), "{no_rate}");
+}
