@@ -109,7 +109,7 @@ impl Bench {
         for number in &field.numbers {
             match self.answer(field, number) {
                 Ok(_) if field.is_count => {}
-                Ok(expected) => ends.extend(ends_named_in(&expected, field.is_whole)),
+                Ok(expected) => ends.extend(ends_named_in(&expected, field)),
                 Err(complaint) => complaints.push(complaint),
             }
         }
@@ -156,16 +156,19 @@ fn is_helpful(error: &Diagnostic, input: &Path) -> bool {
     error.severity == Severity::Error && is_placed && error.expected.is_some() && error.remedy.is_some()
 }
 
-/// The numbers in what a refusal expects, such as `a number from 0 to 1`, and their neighbours on either side.
-fn ends_named_in(expected: &str, is_whole: bool) -> Vec<String> {
+/// The numbers in what a refusal expects, such as `a number from 0 to 1`, and their neighbours on either side; but not those that
+/// are tried in any case.
+fn ends_named_in(expected: &str, field: &Field) -> Vec<String> {
     let words = expected.split(|c: char| !c.is_ascii_alphanumeric() && !"+-.".contains(c));
     let ends = words.filter(|word| word.starts_with(|c: char| c == '-' || c.is_ascii_digit()));
     let ends = ends.filter_map(|word| word.trim_end_matches('.').parse::<f64>().ok());
-    ends.flat_map(|end| match is_whole {
-        true => vec![format!("{end}")],
-        false => [end.next_down(), end, end.next_up()].map(|end| format!("{end:e}")).to_vec(),
-    })
-    .collect()
+    let is_new = |end: &f64| !field.numbers.iter().any(|number| number.parse() == Ok(*end));
+    ends.filter(is_new)
+        .flat_map(|end| match field.is_whole {
+            true => vec![format!("{end}")],
+            false => [end.next_down(), end, end.next_up()].map(|end| format!("{end:e}")).to_vec(),
+        })
+        .collect()
 }
 
 /// Renders the first frame of a file in all its cameras, by slices or rays as is best, and by marching.
@@ -228,7 +231,7 @@ fn resident_kib() -> u64 {
 
 #[test]
 fn every_number_of_ron_is_answered() {
-    let files = ["valid/ron/everything.ron", "numbers/everything_else.ron"];
+    let files = ["valid/ron/everything.ron", "numbers/everything_else.ron", "numbers/sun.ron"];
     let shots = ["numbers/everything_else_shots.ron", "numbers/march.ron"];
     let fields: Vec<Field> = files.into_iter().chain(shots).flat_map(of_ron).collect();
     let cases = Bench::new().assert_all_answered(&fields);
