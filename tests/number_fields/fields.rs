@@ -19,6 +19,9 @@ const WHOLE_NUMBERS: [&str; 2] = ["4294967295", "18446744073709551615"];
 const FLOATS: [&str; 10] =
     ["-1", "1e-30", "1e-45", "1e15", "-1e15", "1e30", "3.4028235e38", "-3.4028235e38", "nan", "inf"];
 
+/// Makes a file of the number that is to stand in it.
+type FileWith = Box<dyn Fn(&str) -> Vec<u8> + Send + Sync>;
+
 /// A number of a file.
 pub(crate) struct Field {
     /// The file, below tests/data.
@@ -32,7 +35,7 @@ pub(crate) struct Field {
     /// What takes its place.
     pub(crate) numbers: Vec<&'static str>,
     /// The file with another number in its place.
-    pub(crate) file_with: Box<dyn Fn(&str) -> Vec<u8> + Send + Sync>,
+    pub(crate) file_with: FileWith,
 }
 
 pub(crate) fn data(name: &str) -> PathBuf {
