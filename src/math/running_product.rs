@@ -3,6 +3,12 @@
 
 use crate::color::Rgb;
 
+#[cfg(test)]
+thread_local! {
+    /// How many this thread has made.
+    pub(super) static MULTIPLICATIONS: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
 /// The factors are the leaves of a binary tree, each of whose nodes is the product of the two below it.
 #[derive(Clone, Debug, Default)]
 pub struct RunningProduct {
@@ -25,6 +31,8 @@ impl RunningProduct {
         while node > 1 {
             node /= 2;
             nodes[node] = nodes[2 * node] * nodes[2 * node + 1];
+            #[cfg(test)]
+            MULTIPLICATIONS.set(MULTIPLICATIONS.get() + 1);
         }
     }
 

@@ -3,7 +3,10 @@
 //! never on a crop, a clock or a number of threads, so that a part of a picture is a part of the whole.
 
 use super::Method;
+use super::draws::{Draw, Draws};
+use crate::scene::Size;
 use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
+use crate::transport::slices::Fan;
 use std::fmt;
 
 /// What a sample costs, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on
@@ -35,6 +38,8 @@ pub enum Reason {
     LightAtCamera,
     /// Parallel rays have no eye for slices to pass through.
     Orthographic,
+    /// Lens or light is so large for so narrow a picture that nearly all slices would miss it.
+    NarrowPicture,
     /// Both can serve, at this cost a sample, in primary rays.
     Cost {
         /// From slices.
@@ -47,7 +52,7 @@ pub enum Reason {
 /// The way that `--volume auto` takes.
 pub fn choose(exposure: &Exposure) -> Choice {
     let snapshot = exposure.middle();
-    let reason = obstacle(exposure).unwrap_or_else(|| {
+    let reason = obstacle(exposure).or_else(|| narrowness(exposure)).unwrap_or_else(|| {
         let lights = snapshot.lights.len() as f64;
         let shafts = if snapshot.medium.is_empty() { 0.0 } else { cost::SHAFTS };
         // Rays that blended surfaces touch are followed by themselves: without fog, maybe all of them.
@@ -86,6 +91,24 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     }
 }
 
+/// How far fans may deviate over a picture, in widths of it: so many times as many slices are laid as meet it.
+const FARTHEST_DEVIATION: f64 = 100.0;
+
+/// Whether the fans of a light deviate too far over the picture.
+fn narrowness(exposure: &Exposure) -> Option<Reason> {
+    let size = Size { width: 1, height: 1 };
+    let width_rad = 2.0 * exposure.middle().view.half_extents().max_element().atan();
+    let deviates = |light: usize| {
+        let draws = Draws::new(exposure, light, 0);
+        let fan = |draw: &Draw| Fan::new(&draw.snapshot.view, size, draw.lens_point, draw.light.place());
+        let base = fan(&draws.middle())?;
+        let deviations = draws.probes().filter_map(|draw| fan(&draw)).map(|fan| base.deviation(&fan));
+        Some(deviations.fold(0.0, f64::max) > FARTHEST_DEVIATION * width_rad)
+    };
+    let lights = 0..exposure.middle().lights.len();
+    lights.into_iter().any(|light| deviates(light) == Some(true)).then_some(Reason::NarrowPicture)
+}
+
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let way = if self.method == Method::Slices { "slices" } else { "rays" };
@@ -93,6 +116,7 @@ impl fmt::Display for Choice {
             Reason::NoLight => write!(f, "{way}: there is no light"),
             Reason::LightAtCamera => write!(f, "{way}: a light is at the camera"),
             Reason::Orthographic => write!(f, "{way}: the camera is orthographic"),
+            Reason::NarrowPicture => write!(f, "{way}: lens or light is wide, and the picture narrow"),
             Reason::Cost { slices, rays } => {
                 write!(
                     f,

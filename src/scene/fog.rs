@@ -1,4 +1,4 @@
-//! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| < 1`, scale heights
+//! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights
 //! above 0; fog without bounds thins out with height, or no sunlight would come through it.
 
 use super::{NodeIndex, Track};
@@ -20,7 +20,7 @@ pub struct Fog {
     pub density_per_m: Track<Rgb>,
     /// Single-scattering albedo sigma_s / sigma_t per channel, `0..=1`.
     pub albedo: Track<Rgb>,
-    /// Henyey-Greenstein g, `-1 < g < 1`; forward for `g > 0`.
+    /// Henyey-Greenstein g, at most 0.9999 in magnitude; forward for `g > 0`.
     pub anisotropy: Track<f64>,
 }
 

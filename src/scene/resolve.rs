@@ -29,9 +29,9 @@ pub fn resolve_telling(
     options: &ResolveOptions,
     baking: &Baking,
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
-    let (path, file) = (description.path.clone(), Place::File(description.path));
-    let (is_bare, scene_file) =
-        (description.scene.is_bare(), Place::File(description.scene.path().to_owned()));
+    let file = Place::File(description.path);
+    let (is_bare, scene_path) = (description.scene.is_bare(), description.scene.path().to_owned());
+    let scene_file = Place::File(scene_path.clone());
     let of_sequence = || description.sequence.as_ref()?.fields.animation.clone();
     let animation = options.animation.clone().or_else(of_sequence);
     let holds_cameras = matches!(description.scene, SceneSource::Gltf(_));
@@ -63,7 +63,7 @@ pub fn resolve_telling(
             .remedy("make one larger bank of several, or render the scene in parts");
         return Err(Diagnostics(vec![error]));
     }
-    limits::check(&scene, &path)?;
+    limits::check(&scene, &scene_path)?;
     Ok((scene, settings))
 }
 

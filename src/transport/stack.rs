@@ -210,6 +210,8 @@ mod tests {
         Triangle, Wrap,
     };
     use crate::snapshot::{Emission, MeshTrees, Shutter};
+    use crate::transport::running_product::MULTIPLICATIONS;
+    use crate::transport::veils::Veils;
     use crate::transport::visibility::blended_hits;
     use glam::{DAffine3, DVec2, DVec3, Vec2};
     use proptest::prelude::*;
@@ -279,6 +281,53 @@ mod tests {
 
     fn sun(to_light: DVec3) -> FrozenLight {
         FrozenLight::Sun { to_light: to_light.normalize(), irradiance: Rgb::ONE }
+    }
+
+    /// So many layers, one behind the other, each a little tilted.
+    fn layers(count: usize) -> Vec<Layer> {
+        let layer = |index: usize| {
+            let place = index as f64 / count as f64;
+            (
+                [0.3 * (40.0 * place).sin(), 0.3 * (57.0 * place).cos(), 2.0 * place - 1.0],
+                [0.2, 0.3 - 0.6 * place],
+                0.1,
+            )
+        };
+        (0..count).map(layer).collect()
+    }
+
+    /// How many factors the sweeps of surfaces and of fog multiply on a ray through so many layers: of both, under a lamp.
+    fn multiplications(count: usize) -> [usize; 2] {
+        let scene = scene(&layers(count), false);
+        let trees = MeshTrees::new(&scene);
+        let snapshot = Snapshot::new(&scene, &trees, 0, 1.0, Shutter { open_s: 0.0, close_s: 0.0 });
+        let ray = Ray { origin: DVec3::ZERO, direction: DVec3::NEG_Z };
+        let blended = blended_hits(&snapshot, &ray, &(0.0..f64::INFINITY), None);
+        assert_eq!(blended.len(), count);
+        let position = DVec3::new(1.0, 2.0, -4.0);
+        let light = lamp(position);
+        let counted = |work: &dyn Fn()| {
+            MULTIPLICATIONS.set(0);
+            work();
+            MULTIPLICATIONS.get()
+        };
+        let range = (0.0, 20.0);
+        let plane = LightPlane::towards_point(&ray, position, range);
+        [
+            counted(&|| drop(let_through(&snapshot, &ray, &light, &blended))),
+            counted(&|| Veils::default().find(&snapshot, &ray, &light, plane.as_ref(), range, &blended)),
+        ]
+    }
+
+    /// Eight times as many layers take less than twelve times as many steps, where products that are formed anew at
+    /// each surface take 64 times as many.
+    #[test]
+    fn steps_grow_as_n_log_n() {
+        let [few, many] = [64, 512].map(multiplications);
+        for (few, many) in few.into_iter().zip(many) {
+            assert!(few >= 64, "{few}");
+            assert!(many <= 12 * few, "{few} {many}");
+        }
     }
 
     proptest! {

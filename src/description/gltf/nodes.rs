@@ -8,6 +8,7 @@ use crate::diagnostic::Loss;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::RangeInclusive;
 
 /// How far from 1 the length of a rotation may be; Blender's are good to 1e-7.
 const UNIT_TOLERANCE: f64 = 1e-2;
@@ -16,6 +17,9 @@ const LEAST_LENGTH: f64 = 1e-6;
 
 /// Exporters round angles, radians, to single precision: half of 180 degrees comes out a little above pi/2.
 const ROUNDING: f64 = 1e-6;
+
+/// Radians that are from 0.0001 to 179.9 degrees: what lenses can be.
+const FIELDS_OF_VIEW: RangeInclusive<f64> = 1e-4_f64.to_radians()..=179.9_f64.to_radians();
 
 /// All nodes; each stands below the first node that names it.
 pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {
@@ -180,8 +184,9 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Option<Lens> 
     match (&camera.perspective, &camera.orthographic) {
         (Some(json::Perspective { yfov, aspect_ratio, .. }), None) => {
             let path = format!("{path}.perspective");
-            if !(*yfov > 0.0 && *yfov < PI) {
-                let found = format!("the vertical field of view is {yfov}, not between 0 and pi");
+            if !FIELDS_OF_VIEW.contains(yfov) {
+                let found =
+                    format!("the vertical field of view is {yfov} radians, not from 0.0001 to 179.9 degrees");
                 unusable(&format!("{path}.yfov"), found);
                 return None;
             }

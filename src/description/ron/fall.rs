@@ -2,8 +2,8 @@
 //! lengths, masses and speeds are those of leaves, so that a fall can be followed in steps.
 
 use super::number::{
-    ArealMass, Degrees, Finite, LeafLength, NonNegative, Number, Point, Positive, Span, SpeedGain, Vector,
-    Whole,
+    AirSpeed, AirVelocity, ArealMass, Degrees, Finite, GustScale, LeafLength, NonNegative, Number, Point,
+    Positive, Span, SpeedGain, Vector, Whole,
 };
 use glam::DVec3;
 use serde::Deserialize;
@@ -100,15 +100,15 @@ pub enum Emitter {
 #[serde(deny_unknown_fields, default)]
 pub struct Wind {
     /// Along the ground.
-    pub mean_m_per_s: Point,
+    pub mean_m_per_s: Vector<AirVelocity>,
     /// What the strongest gust adds.
-    pub gust_m_per_s: Point,
+    pub gust_m_per_s: Vector<AirVelocity>,
     /// From gust to gust.
-    pub gust_s: Number<Positive>,
+    pub gust_s: Number<GustScale>,
     /// Speed of the air in eddies.
-    pub eddy_m_per_s: Number<NonNegative>,
+    pub eddy_m_per_s: Number<AirSpeed>,
     /// Their size.
-    pub eddy_m: Number<Positive>,
+    pub eddy_m: Number<GustScale>,
     /// Another seed, other gusts and eddies.
     pub seed: u32,
 }
@@ -144,8 +144,8 @@ pub struct FallGround {
 impl Default for Wind {
     fn default() -> Self {
         Self {
-            mean_m_per_s: Point::new(DVec3::ZERO),
-            gust_m_per_s: Point::new(DVec3::ZERO),
+            mean_m_per_s: Vector::new(DVec3::ZERO),
+            gust_m_per_s: Vector::new(DVec3::ZERO),
             gust_s: Number::new(4.0),
             eddy_m_per_s: Number::new(0.0),
             eddy_m: Number::new(2.0),

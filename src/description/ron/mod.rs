@@ -32,9 +32,9 @@ pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
 pub use named::Named;
 pub use number::{
-    Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart,
-    LeafLength, NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain,
-    Stops, Triple, UnitInterval, Vector, Whole,
+    AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite,
+    FocusDistance, GustScale, HalfAngle, JuliaPart, LeafLength, NonNegative, Number, Point, Positive,
+    Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
 pub use sequence_file::{FrameRate, Frames, March, PixelFilter, SequenceFields};

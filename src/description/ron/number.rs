@@ -37,15 +37,21 @@ pub enum RelativeError {}
 /// Powers of two by which light is multiplied: within 100 of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stops {}
-/// Between -1 and 1, both excluded.
+/// At most 0.9999 in magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anisotropy {}
 /// Any angle, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Degrees {}
-/// A whole field of view in degrees: between 0 and 180, both excluded.
+/// A whole field of view in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FieldOfView {}
+/// Focal length over the diameter of a lens' opening.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FStop {}
+/// How far away a lens is in focus, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FocusDistance {}
 /// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DiscAngle {}
@@ -62,6 +68,15 @@ pub enum LeafLength {}
 /// Mass over area of such a thing, in kilograms per square metre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArealMass {}
+/// Speed of the air along an axis, m/s: no storm is faster.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AirVelocity {}
+/// The same whatever its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AirSpeed {}
+/// From gust to gust in seconds, or across an eddy in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GustScale {}
 /// A factor on speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpeedGain {}
@@ -109,9 +124,9 @@ impl Range for Stops {
 }
 
 impl Range for Anisotropy {
-    const EXPECTED: &'static str = "a number greater than -1 and less than 1";
+    const EXPECTED: &'static str = "a number from -0.9999 to 0.9999";
     fn contains(value: f64) -> bool {
-        -1.0 < value && value < 1.0
+        value.abs() <= 0.9999
     }
 }
 
@@ -124,10 +139,24 @@ impl Range for Degrees {
 }
 
 impl Range for FieldOfView {
-    const EXPECTED: &'static str = "an angle greater than 0 and less than 180 degrees";
+    const EXPECTED: &'static str = "an angle from 0.0001 to 179.9 degrees";
     const UNIT: f64 = Degrees::UNIT;
     fn contains(value: f64) -> bool {
-        0.0 < value && value < 180.0
+        (1e-4..=179.9).contains(&value)
+    }
+}
+
+impl Range for FStop {
+    const EXPECTED: &'static str = "an f-stop of at least 0.001, such as 2.8";
+    fn contains(value: f64) -> bool {
+        value >= 1e-3
+    }
+}
+
+impl Range for FocusDistance {
+    const EXPECTED: &'static str = "a distance of at least 0.000001 m";
+    fn contains(value: f64) -> bool {
+        value >= 1e-6
     }
 }
 
@@ -165,6 +194,27 @@ impl Range for ArealMass {
     const EXPECTED: &'static str = "from 0.01 to 2 kg/m2; paper and leaves have about 0.08";
     fn contains(value: f64) -> bool {
         (0.01..=2.0).contains(&value)
+    }
+}
+
+impl Range for AirVelocity {
+    const EXPECTED: &'static str = "from -200 to 200 m/s along each axis; a hurricane has 70";
+    fn contains(value: f64) -> bool {
+        value.abs() <= 200.0
+    }
+}
+
+impl Range for AirSpeed {
+    const EXPECTED: &'static str = "from 0 to 200 m/s; a hurricane has 70";
+    fn contains(value: f64) -> bool {
+        (0.0..=200.0).contains(&value)
+    }
+}
+
+impl Range for GustScale {
+    const EXPECTED: &'static str = "a number of at least 0.01";
+    fn contains(value: f64) -> bool {
+        value >= 0.01
     }
 }
 
@@ -207,7 +257,9 @@ impl<'de, R: Range> Deserialize<'de> for Number<R> {
 }
 
 fn check<R: Range, E: Error>(value: f64) -> Result<f64, E> {
-    if value.is_finite() && value.abs() <= MAX_MAGNITUDE && R::contains(value) {
+    if value.is_finite() && value.abs() > MAX_MAGNITUDE && R::contains(value) {
+        Err(E::invalid_value(Unexpected::Float(value), &Finite::EXPECTED))
+    } else if value.is_finite() && R::contains(value) {
         Ok(value)
     } else {
         Err(E::invalid_value(Unexpected::Float(value), &R::EXPECTED))

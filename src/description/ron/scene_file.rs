@@ -6,8 +6,8 @@ use super::keyed::Keyed;
 use super::leaves::Leaves;
 use super::named::Named;
 use super::number::{
-    Anisotropy, Degrees, Direction, DiscAngle, FieldOfView, Finite, HalfAngle, JuliaPart, NonNegative,
-    Number, Point, Positive, Quaternion, Triple, UnitInterval, Vector, Whole,
+    Anisotropy, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite, FocusDistance, HalfAngle,
+    JuliaPart, NonNegative, Number, Point, Positive, Quaternion, Triple, UnitInterval, Vector, Whole,
 };
 use super::sky::Sky;
 use super::version::Version;
@@ -219,9 +219,9 @@ pub struct Camera {
 #[serde(deny_unknown_fields)]
 pub struct Aperture {
     /// Focal length over the opening's diameter.
-    pub f_stop: Keyed<Number<Positive>>,
+    pub f_stop: Keyed<Number<FStop>>,
     /// Distance of the plane in focus, along the view.
-    pub focus_distance_m: Keyed<Number<Positive>>,
+    pub focus_distance_m: Keyed<Number<FocusDistance>>,
     /// With the angle of view it gives the focal length.
     #[serde(default = "full_frame")]
     pub sensor_width_mm: Number<Positive>,

@@ -45,11 +45,13 @@ const NOT_NEGATIVE: Range =
 const POSITIVE: Range = Range { admits: |value| value > 0.0 && value < 1e15, expected: "numbers above 0" };
 const SHARE: Range = Range { admits: |value| (0.0..=1.0).contains(&value), expected: "numbers from 0 to 1" };
 const ANISOTROPY: Range =
-    Range { admits: |value| value.abs() < 1.0, expected: "numbers above -1 and below 1" };
+    Range { admits: |value| value.abs() <= 0.9999, expected: "numbers from -0.9999 to 0.9999" };
 const ANGLE: Range =
     Range { admits: |value| (0.0..PI).contains(&value), expected: "radians, at least 0 and less than pi" };
-const FIELD_OF_VIEW: Range =
-    Range { admits: |value| value > 0.0 && value < PI, expected: "radians between 0 and pi" };
+const FIELD_OF_VIEW: Range = Range {
+    admits: |value| (1e-4..=179.9).contains(&value.to_degrees()),
+    expected: "radians that are from 0.0001 to 179.9 degrees",
+};
 const CONE: Range = Range {
     admits: |value| value > 0.0 && value <= FRAC_PI_2,
     expected: "radians, above 0 and at most pi / 2",
@@ -296,7 +298,7 @@ impl Builder<'_> {
         let keys = track.keys();
         let found = keys.iter().enumerate().find_map(|(index, key)| {
             let next = keys.get(index + 1);
-            let inner = next.map(|next| inner_control_points(key, next)).unwrap_or_default();
+            let inner = next.map(|next| key.inner_control_points(next)).unwrap_or_default();
             let value = std::iter::once(key.value).chain(inner).find_map(|value| wrong(&value))?;
             Some((key.time_s, value))
         });
@@ -317,20 +319,6 @@ fn changed_fractal(picture: &SunPicture, field: &str, number: Track<f64>) -> Opt
         julia.imaginary = number
     }
     SunPicture::new(SunShows::Julia(julia), picture.limb_darkening())
-}
-
-/// A cubic stays within the hull of its ends and of these.
-fn inner_control_points<T: Animate>(from: &Key<T>, to: &Key<T>) -> Vec<T> {
-    let third_s = (to.time_s - from.time_s) / 3.0;
-    let along =
-        |value: T, rate: T, time_s: f64| T::blend([value, rate, value, value], [1.0, time_s, 0.0, 0.0]);
-    match from.to_next {
-        Segment::Step | Segment::Linear => Vec::new(),
-        Segment::Hermite { leave, arrive } => {
-            vec![along(from.value, leave, third_s), along(to.value, arrive, -third_s)]
-        }
-        Segment::Bezier { leave, arrive } => vec![leave.value, arrive.value],
-    }
 }
 
 /// Shown where the number is at least a half, from key to key.

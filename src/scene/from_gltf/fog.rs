@@ -107,9 +107,9 @@ impl Builder<'_> {
         if albedo.min_element() < 0.0 || albedo.max_element() > 1.0 {
             self.report.error(format!("{path}.albedo"), "the albedo is out of range", "numbers from 0 to 1");
         }
-        if fog.anisotropy.abs() >= 1.0 {
+        if fog.anisotropy.abs() > 0.9999 {
             let found = format!("the anisotropy is {}", fog.anisotropy);
-            self.report.error(format!("{path}.anisotropy"), found, "a number above -1 and below 1");
+            self.report.error(format!("{path}.anisotropy"), found, "a number from -0.9999 to 0.9999");
         }
         self.scene.fogs.push(Fog {
             name: name.to_owned(),

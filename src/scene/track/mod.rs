@@ -127,6 +127,13 @@ impl<T: Animate> Track<T> {
         Some(Self { times_s, values, to_next, extend })
     }
 
+    /// Values between which all lie that it ever takes.
+    pub(in crate::scene) fn hull(&self) -> Vec<T> {
+        let keys = self.keys();
+        let inner = keys.windows(2).flat_map(|pair| pair[0].inner_control_points(&pair[1]));
+        keys.iter().map(|key| key.value).chain(inner).collect()
+    }
+
     /// The keys, put together anew.
     pub fn keys(&self) -> Vec<Key<T>> {
         (0..self.times_s.len()).map(|index| self.key(index)).collect()

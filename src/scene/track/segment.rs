@@ -36,6 +36,22 @@ pub struct Handle<T> {
     pub value: T,
 }
 
+impl<T: Animate> Key<T> {
+    /// A cubic stays within the hull of its ends and of these.
+    pub(in crate::scene) fn inner_control_points(&self, next: &Self) -> Vec<T> {
+        let third_s = (next.time_s - self.time_s) / 3.0;
+        let along =
+            |value: T, rate: T, time_s: f64| T::blend([value, rate, value, value], [1.0, time_s, 0.0, 0.0]);
+        match self.to_next {
+            Segment::Step | Segment::Linear => Vec::new(),
+            Segment::Hermite { leave, arrive } => {
+                vec![along(self.value, leave, third_s), along(next.value, arrive, -third_s)]
+            }
+            Segment::Bezier { leave, arrive } => vec![leave.value, arrive.value],
+        }
+    }
+}
+
 /// The value on the way from one key to the next.
 pub(super) fn between<T: Animate>(from: &Key<T>, to: &Key<T>, time_s: f64) -> T {
     let duration_s = to.time_s - from.time_s;
