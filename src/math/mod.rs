@@ -26,5 +26,7 @@ pub use placed_points::PlacedPoints;
 pub use planar_ray::PlanarRay;
 pub use quadrature::gauss_legendre;
 pub use ray::Ray;
+#[cfg(test)]
+pub(crate) use running_product::MULTIPLICATIONS;
 pub use running_product::RunningProduct;
 pub use sampler::Sampler;

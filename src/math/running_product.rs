@@ -6,7 +6,7 @@ use crate::color::Rgb;
 #[cfg(test)]
 thread_local! {
     /// How many this thread has made.
-    pub(super) static MULTIPLICATIONS: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+    pub(crate) static MULTIPLICATIONS: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
 }
 
 /// The factors are the leaves of a binary tree, each of whose nodes is the product of the two below it.

@@ -205,14 +205,15 @@ fn shares(blended: &[BlendedHit], u: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fog::LitSegments;
+    use crate::math::MULTIPLICATIONS;
     use crate::scene::{
         AlphaMode, Camera, Clip, Instance, Lens, Material, Mesh, Motion, Node, Scene, Texture, Track,
         Triangle, Wrap,
     };
     use crate::snapshot::{Emission, MeshTrees, Shutter};
-    use crate::transport::running_product::MULTIPLICATIONS;
-    use crate::transport::veils::Veils;
-    use crate::transport::visibility::blended_hits;
+    use crate::transport::lit_segments::shade;
+    use crate::transport::visibility::{Way, blended_hits};
     use glam::{DAffine3, DVec2, DVec3, Vec2};
     use proptest::prelude::*;
 
@@ -306,16 +307,17 @@ mod tests {
         assert_eq!(blended.len(), count);
         let position = DVec3::new(1.0, 2.0, -4.0);
         let light = lamp(position);
-        let counted = |work: &dyn Fn()| {
+        let counted = |work: &mut dyn FnMut()| {
             MULTIPLICATIONS.set(0);
             work();
             MULTIPLICATIONS.get()
         };
-        let range = (0.0, 20.0);
-        let plane = LightPlane::towards_point(&ray, position, range);
+        let way = Way { distance: f64::INFINITY, blended, passes_hidden: false };
+        let mut lit = LitSegments::default();
+        lit.start(&ray, &light, (0.0, 20.0));
         [
-            counted(&|| drop(let_through(&snapshot, &ray, &light, &blended))),
-            counted(&|| Veils::default().find(&snapshot, &ray, &light, plane.as_ref(), range, &blended)),
+            counted(&mut || drop(let_through(&snapshot, &ray, &light, &way.blended))),
+            counted(&mut || shade(&mut lit, &snapshot, &ray, &light, &way)),
         ]
     }
 
