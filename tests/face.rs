@@ -1,6 +1,8 @@
 //! The public face: what a program can load, build, ask for and get. Invariant: only names at the crate's root are used here.
 
 use std::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
 use sunfleck::{
     Animated, Camera, Fog, Key, Light, Material, Method, Object, Pass, RenderError, Renderer, Scene,
     SceneBuilder, Setting, Shape, Triangles, Window,
@@ -190,7 +192,7 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
     let text = "Scene(version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5) }, materials: { \"grey\": (base_color: 0.5) },
         objects: { \"ball\": (mesh: \"ball\", material: \"grey\") }, cameras: { \"main\": (position_m: (0.0, 0.0, 4.0)) },
         lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) })";
-    std::fs::write(&file, text).expect("written");
+    fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let sun = Light::Sun {
         to_sun: [0.4, 1.0, 0.6].into(),
@@ -222,4 +224,29 @@ fn inputs_that_cannot_be_read_say_why() {
     assert!(no_animation.contains("there is no animation `down`"), "{no_animation}");
     let no_rate = Scene::options().frame_rate(24, 0).load(leaf).err().expect("no scene").to_string();
     assert!(no_rate.contains("24/0 frames a second"), "{no_rate}");
+}
+
+#[test]
+fn a_frame_is_written_as_the_command_line_writes_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [by_program, by_library] = ["program.exr", "library.exr"].map(|name| folder.path().join(name));
+    let leaf = "scenes/first_leaf/scene.ron";
+    let flags =
+        ["--size", "32x18", "--samples", "2", "--passes", "all", "--frames", "24", "--shutter", "0.5"];
+    let status = Command::new(env!("CARGO_BIN_EXE_sunfleck"))
+        .args(["render", leaf, "--progress", "none", "--crop", "4,2,20,12", "--out"])
+        .arg(&by_program)
+        .args(flags)
+        .status();
+    assert!(status.expect("it runs").success());
+    let scene = Scene::load(leaf).unwrap_or_else(|error| panic!("{error}"));
+    let crop = Window { x: 4, y: 2, width: 16, height: 10 };
+    let renderer = Renderer::new(&scene).frame(24).size(32, 18).samples(2).shutter(0.5).crop(crop);
+    let frame = renderer.passes(Pass::ALL.iter().copied()).render().expect("a frame");
+    frame.write(&by_library).expect("written");
+    assert_eq!(fs::read(&by_program).expect("there"), fs::read(&by_library).expect("there"));
+
+    let error = frame.write_png(by_library.join("inside.png")).expect_err("a file is no folder");
+    assert!(matches!(error, RenderError::Write(_)));
+    assert!(error.to_string().contains("remedy: choose a folder"), "{error}");
 }

@@ -5,6 +5,7 @@ use crate::description::Description;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::scene::{self, Baking, FrameRate, RenderSettings, ResolveOptions, Size};
 use crate::snapshot::MeshTrees;
+use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 
@@ -18,6 +19,12 @@ pub struct Scene {
     pub(super) content_hash: String,
     /// Built as frames need them.
     trees: OnceLock<MeshTrees>,
+}
+
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Scene").field("name", &self.settings.name).finish_non_exhaustive()
+    }
 }
 
 /// Where a node is at a frame.
