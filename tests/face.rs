@@ -46,7 +46,7 @@ fn built(builder: SceneBuilder) -> Scene {
 
 /// What is said of a scene that cannot be built.
 fn refused(builder: SceneBuilder) -> String {
-    builder.build().err().expect("it cannot be built").to_string()
+    builder.build().expect_err("it cannot be built").to_string()
 }
 
 fn small(scene: &Scene) -> Renderer<'_> {
@@ -216,13 +216,13 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
 
 #[test]
 fn inputs_that_cannot_be_read_say_why() {
-    let error = |path: &str| Scene::load(path).err().expect("no scene").to_string();
+    let error = |path: &str| Scene::load(path).expect_err("no scene").to_string();
     assert!(error("nowhere.ron").contains("nowhere.ron: error: cannot be read"));
     assert!(error("Cargo.toml").contains("expected: a .ron, .glb, .gltf or .obj file"));
     let leaf = "scenes/first_leaf/scene.ron";
-    let no_animation = Scene::options().animation("down").load(leaf).err().expect("no scene").to_string();
+    let no_animation = Scene::options().animation("down").load(leaf).expect_err("no scene").to_string();
     assert!(no_animation.contains("there is no animation `down`"), "{no_animation}");
-    let no_rate = Scene::options().frame_rate(24, 0).load(leaf).err().expect("no scene").to_string();
+    let no_rate = Scene::options().frame_rate(24, 0).load(leaf).expect_err("no scene").to_string();
     assert!(no_rate.contains("24/0 frames a second"), "{no_rate}");
 }
 
