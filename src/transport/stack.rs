@@ -284,14 +284,14 @@ mod tests {
         FrozenLight::Sun { to_light: to_light.normalize(), irradiance: Rgb::ONE }
     }
 
-    /// So many layers, one behind the other, each a little tilted.
+    /// So many layers, one behind the other, each a little tilted, and so thin that a ray sees through all of them.
     fn layers(count: usize) -> Vec<Layer> {
         let layer = |index: usize| {
             let place = index as f64 / count as f64;
             (
                 [0.3 * (40.0 * place).sin(), 0.3 * (57.0 * place).cos(), 2.0 * place - 1.0],
                 [0.2, 0.3 - 0.6 * place],
-                0.1,
+                0.005,
             )
         };
         (0..count).map(layer).collect()

@@ -134,7 +134,9 @@ impl Bench {
         std::fs::remove_file(&input).unwrap();
         let wrong = match answer {
             Ok(Answer::Picture) => return Ok(String::new()),
-            Ok(Answer::Refusal(errors)) if errors.0.iter().all(|error| is_helpful(error, &input)) => {
+            Ok(Answer::Refusal(errors))
+                if errors.has_errors() && errors.0.iter().all(|error| is_helpful(error, &input)) =>
+            {
                 return Ok(errors.0.iter().filter_map(|error| error.expected.as_deref()).collect());
             }
             Ok(Answer::Refusal(errors)) => errors.to_string(),
@@ -147,13 +149,13 @@ impl Bench {
     }
 }
 
-/// Whether an error tells where in the file the number is, what belongs there and how to get there.
+/// Whether an error, if it is one, tells where in the file the number is, what belongs there and how to get there.
 fn is_helpful(error: &Diagnostic, input: &Path) -> bool {
     let is_placed = match &error.place {
         Place::Text { file, .. } | Place::Field { file, .. } => file.file_name() == input.file_name(),
         Place::Nowhere | Place::File(_) => false,
     };
-    error.severity == Severity::Error && is_placed && error.expected.is_some() && error.remedy.is_some()
+    error.severity != Severity::Error || is_placed && error.expected.is_some() && error.remedy.is_some()
 }
 
 /// The numbers in what a refusal expects, such as `a number from 0 to 1`, and their neighbours on either side; but not those that
