@@ -226,7 +226,7 @@ fn find_window(crop: Option<Window>, size: Size) -> Result<Window, RenderError> 
     }
     if width.saturating_mul(height) > MOST_PIXELS {
         let found = format!("{width} x {height} pixels are too many at once");
-        let expected = format!("at most {MOST_PIXELS} pixels, or a part of them (crop)");
+        let expected = format!("at most {MOST_PIXELS} pixels, or a part of them (crop, by --crop)");
         return Err(RenderError::setting(Setting::Size, found, expected));
     }
     Ok(window)
