@@ -233,3 +233,13 @@ impl FogBank {
         )
     }
 }
+
+#[cfg(test)]
+impl FogBank {
+    /// Even fog between two corners, of albedo 0.5.
+    pub(super) fn between(low: DVec3, high: DVec3, sigma_t: f64) -> Self {
+        let relative_from_cube =
+            DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));
+        Self::in_box(relative_from_cube, Rgb::splat(sigma_t), Rgb::splat(0.5), 0.3).expect("a real box")
+    }
+}

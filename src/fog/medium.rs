@@ -103,19 +103,12 @@ impl Medium {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DAffine3;
-
-    fn fog_between(low: DVec3, high: DVec3, sigma_t: f64) -> FogBank {
-        let relative_from_cube =
-            DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));
-        FogBank::in_box(relative_from_cube, Rgb::splat(sigma_t), Rgb::splat(0.5), 0.3).expect("a real box")
-    }
 
     #[test]
     fn beer_lambert_through_two_overlapping_boxes() {
         let medium = Medium::new(vec![
-            fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
-            fog_between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.0, 1.0), 0.2),
+            FogBank::between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
+            FogBank::between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.0, 1.0), 0.2),
         ]);
         let through = medium.transmittance(DVec3::new(-5.0, 0.0, 0.0), DVec3::X, f64::INFINITY);
         assert!((through.x - (-(2.0 * 0.5 + 3.0 * 0.2_f64)).exp()).abs() < 1e-15);
@@ -125,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_ray_in_a_face_counts_as_inside() {
-        let fog = fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 1.0);
+        let fog = FogBank::between(DVec3::splat(-1.0), DVec3::splat(1.0), 1.0);
         assert_eq!(fog.length(DVec3::new(-2.0, 1.0, 0.0), DVec3::X, f64::INFINITY), 2.0);
         assert_eq!(fog.length(DVec3::new(-2.0, 1.0 + 1e-12, 0.0), DVec3::X, f64::INFINITY), 0.0);
     }
@@ -133,7 +126,7 @@ mod tests {
     /// Inside and outside, across faces, corners and edges.
     #[test]
     fn between_two_points_lies_as_much_as_along_the_ray() {
-        let fog = fog_between(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(3.0, 1.5, 1.0), 0.2);
+        let fog = FogBank::between(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(3.0, 1.5, 1.0), 0.2);
         let numbers = [-4.0, -1.0, -0.3, 0.0, 0.4, 1.0, 1.5, 3.0, 5.0];
         let point = |index: usize| {
             DVec3::new(numbers[index % 9], numbers[index / 9 % 9] - 0.1, numbers[index / 81] + 0.05)

@@ -137,20 +137,14 @@ fn cuts(medium: &Medium, ray: &Ray, t_max: f64, light: LightPlace) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DAffine3, DVec3};
-
-    fn fog_between(low: DVec3, high: DVec3, sigma_t: f64) -> FogBank {
-        let relative_from_cube =
-            DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));
-        FogBank::in_box(relative_from_cube, Rgb::splat(sigma_t), Rgb::splat(0.5), 0.3).expect("a real box")
-    }
+    use glam::DVec3;
 
     /// Within a stretch the optical depth to the sun is linear: the middle is the mean of the ends.
     #[test]
     fn depth_to_a_distant_light_is_linear_on_each_stretch() {
         let medium = Medium::new(vec![
-            fog_between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
-            fog_between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.5, 1.0), 0.2),
+            FogBank::between(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5),
+            FogBank::between(DVec3::new(0.0, -1.0, -1.0), DVec3::new(3.0, 1.5, 1.0), 0.2),
         ]);
         let light = LightPlace::Towards(DVec3::new(0.3, 0.8, -0.4).normalize());
         let ray =

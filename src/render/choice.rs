@@ -3,10 +3,9 @@
 //! never on a crop, a clock or a number of threads, so that a part of a picture is a part of the whole.
 
 use super::Method;
-use super::draws::{Draw, Draws};
+use super::draws::Draws;
 use crate::scene::Size;
 use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
-use crate::transport::slices::Fan;
 use std::fmt;
 
 /// What a sample costs, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on
@@ -52,7 +51,7 @@ pub enum Reason {
 /// The way that `--volume auto` takes.
 pub fn choose(exposure: &Exposure) -> Choice {
     let snapshot = exposure.middle();
-    let reason = obstacle(exposure).or_else(|| narrowness(exposure)).unwrap_or_else(|| {
+    let reason = obstacle(exposure).unwrap_or_else(|| {
         let lights = snapshot.lights.len() as f64;
         let shafts = if snapshot.medium.is_empty() { 0.0 } else { cost::SHAFTS };
         // Rays that blended surfaces touch are followed by themselves: without fog, maybe all of them.
@@ -87,7 +86,7 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     } else if lights.iter().any(at_camera) {
         Some(Reason::LightAtCamera)
     } else {
-        None
+        narrowness(exposure)
     }
 }
 
@@ -99,14 +98,11 @@ fn narrowness(exposure: &Exposure) -> Option<Reason> {
     let size = Size { width: 1, height: 1 };
     let width_rad = 2.0 * exposure.middle().view.half_extents().max_element().atan();
     let deviates = |light: usize| {
-        let draws = Draws::new(exposure, light, 0);
-        let fan = |draw: &Draw| Fan::new(&draw.snapshot.view, size, draw.lens_point, draw.light.place());
-        let base = fan(&draws.middle())?;
-        let deviations = draws.probes().filter_map(|draw| fan(&draw)).map(|fan| base.deviation(&fan));
-        Some(deviations.fold(0.0, f64::max) > FARTHEST_DEVIATION * width_rad)
+        let deviation_rad = Draws::new(exposure, light, 0).deviation_rad(size);
+        deviation_rad.is_some_and(|deviation_rad| deviation_rad > FARTHEST_DEVIATION * width_rad)
     };
     let lights = 0..exposure.middle().lights.len();
-    lights.into_iter().any(|light| deviates(light) == Some(true)).then_some(Reason::NarrowPicture)
+    lights.into_iter().any(deviates).then_some(Reason::NarrowPicture)
 }
 
 impl fmt::Display for Choice {

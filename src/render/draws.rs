@@ -8,7 +8,9 @@
 
 use crate::color::Rgb;
 use crate::math::PlacedPoints;
+use crate::scene::Size;
 use crate::snapshot::{Exposure, FrozenLight, Snapshot};
+use crate::transport::slices::Fan;
 use glam::DVec2;
 
 /// How many draws show how far the fans wander.
@@ -30,6 +32,13 @@ pub(super) struct Draw<'a, 'scene> {
     pub(super) light: FrozenLight,
     /// What its light is to be multiplied by.
     pub(super) hue: Rgb,
+}
+
+impl Draw<'_, '_> {
+    /// The slices that it sees; `None` if the light is where the camera is.
+    pub(super) fn fan(&self, size: Size) -> Option<Fan> {
+        Fan::new(&self.snapshot.view, size, self.lens_point, self.light.place())
+    }
 }
 
 impl<'a, 'scene> Draws<'a, 'scene> {
@@ -68,8 +77,12 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Draw { snapshot, lens_point, light, hue }
     }
 
-    /// Some draws, to see how far they are spread; none if there is nothing to draw.
-    pub(super) fn probes(&self) -> impl Iterator<Item = Draw<'a, 'scene>> {
-        (0..if self.is_single() { 0 } else { PROBES }).map(|place| self.get(place))
+    /// How far the fans of the draws deviate from the middle one's, at most, radians; 0 if there is nothing to draw, `None` if the light
+    /// is where the camera is.
+    pub(super) fn deviation_rad(&self, size: Size) -> Option<f64> {
+        let base = self.middle().fan(size)?;
+        let probes =
+            (0..if self.is_single() { 0 } else { PROBES }).filter_map(|place| self.get(place).fan(size));
+        Some(probes.map(|fan| base.deviation(&fan)).fold(0.0, f64::max))
     }
 }

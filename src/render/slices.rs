@@ -126,16 +126,12 @@ struct Placed<'a> {
     slice: PlacedSlice,
 }
 
-fn fan_of(job: &Job, draw: &Draw) -> Option<Fan> {
-    Fan::new(&draw.snapshot.view, job.size, draw.lens_point, draw.light.place())
-}
-
 fn lattice(exposure: &Exposure, job: &Job, light: usize, draws: &Draws) -> Option<Lattice> {
     let middle = draws.middle();
-    let base = fan_of(job, &middle)?;
-    let deviations = draws.probes().filter_map(|draw| fan_of(job, &draw)).map(|fan| base.deviation(&fan));
+    let base = middle.fan(job.size)?;
+    let deviation_rad = draws.deviation_rad(job.size)?;
     let differing = (!draws.is_single()).then(|| Differing {
-        deviation_rad: deviations.fold(0.0, f64::max),
+        deviation_rad,
         in_time: !exposure.is_instant(),
         in_brightness: matches!(middle.light.place(), LightPlace::At(_)),
     });
@@ -170,7 +166,7 @@ impl Picture for LightPicture<'_> {
         let lattice = lattice.of_round(round, &seen);
         let placed = |number: usize| {
             let draw = draws.get(lattice.draw(number));
-            let fan = fan_of(job, &draw)?;
+            let fan = draw.fan(job.size)?;
             let slice = lattice.slice(&fan, number)?;
             Some(Placed { draw, fan, slice })
         };
