@@ -140,13 +140,13 @@ fn check_scene(
         let time_s = settings.frame_rate.seconds(frame as f64);
         let (before, after) = (scene.placements(time_s), again.placements(time_s));
         let mut named: BTreeMap<&str, Vec<_>> = BTreeMap::new();
-        for (node, method) in again.nodes.iter().zip(&after) {
-            named.entry(&node.name).or_default().push(method);
+        for (node, placement) in again.nodes.iter().zip(&after) {
+            named.entry(&node.name).or_default().push(placement);
         }
-        for (node, method) in scene.nodes.iter().zip(&before) {
+        for (node, placement) in scene.nodes.iter().zip(&before) {
             let near = named.get(node.name.as_str()).into_iter().flatten().any(|other| {
-                let size = method.world_from_node.translation.abs().max_element().max(1.0);
-                other.world_from_node.abs_diff_eq(method.world_from_node, 1e-6 * size)
+                let size = placement.world_from_node.translation.abs().max_element().max(1.0);
+                other.world_from_node.abs_diff_eq(placement.world_from_node, 1e-6 * size)
             });
             assert!(near, "{input}: `{}` at frame {frame}", node.name);
         }
@@ -338,10 +338,10 @@ fn sheared_mirrored_and_flat_places_stay() {
     std::fs::write(&path, bytes).unwrap();
     let (again, _) = load(&path);
     let (before, after) = (scene.placements(0.0), again.placements(0.0));
-    for (node, method) in scene.nodes.iter().zip(before) {
+    for (node, placement) in scene.nodes.iter().zip(before) {
         let found = again.nodes.iter().position(|other| other.name == node.name).unwrap();
-        let difference = after[found].world_from_node.abs_diff_eq(method.world_from_node, 1e-12);
-        assert!(difference, "{}: {} {}", node.name, method.world_from_node, after[found].world_from_node);
+        let difference = after[found].world_from_node.abs_diff_eq(placement.world_from_node, 1e-12);
+        assert!(difference, "{}: {} {}", node.name, placement.world_from_node, after[found].world_from_node);
     }
 }
 

@@ -127,11 +127,17 @@ impl fmt::Display for Choice {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::scene::{Camera, Clip, Fog, FogShape, Lens, Light, LightKind, Motion, Node, Scene, Track};
+    use crate::scene::{
+        Camera, Clip, Fog, FogShape, Lens, Light, LightKind, Motion, Node, Scene, SunDisc, Track,
+    };
     use crate::snapshot::{MeshTrees, Shutter};
     use glam::{DAffine3, DVec2, DVec3};
 
     fn chosen(suns: usize, lamp: Option<DVec3>, fog: bool) -> Choice {
+        seen_by(1.0, LightKind::Sun, suns, lamp, fog)
+    }
+
+    fn seen_by(fov_y: f64, sun: LightKind, suns: usize, lamp: Option<DVec3>, fog: bool) -> Choice {
         let mut scene = Scene::default();
         let node = |scene: &mut Scene, place: DVec3| {
             let motion = Motion::Still(DAffine3::from_translation(place));
@@ -139,7 +145,7 @@ mod tests {
             scene.nodes.len() - 1
         };
         let eye = node(&mut scene, DVec3::ZERO);
-        let lens = Lens::Perspective { fov_y: Track::from(1.0) };
+        let lens = Lens::Perspective { fov_y: Track::from(fov_y) };
         scene.cameras.push(Camera {
             name: String::new(),
             node: eye,
@@ -153,7 +159,7 @@ mod tests {
             scene.lights.push(Light { name: String::new(), node, power: Track::from(Rgb::ONE), kind });
         };
         for _ in 0..suns {
-            light(&mut scene, DVec3::ZERO, LightKind::Sun);
+            light(&mut scene, DVec3::ZERO, sun.clone());
         }
         if let Some(place) = lamp {
             light(&mut scene, place, LightKind::Point);
@@ -177,6 +183,15 @@ mod tests {
         for suns in [1, 8, 64] {
             assert_eq!(chosen(suns, None, true).method, Method::Slices);
         }
+    }
+
+    /// Slices are laid over all that fans deviate by, and a picture of a ten-thousandth of that is met by few.
+    #[test]
+    fn narrow_pictures_of_wide_suns_want_rays_whoever_asks() {
+        let sun = || LightKind::SunDisc(SunDisc::even(Track::from(0.2)));
+        assert_eq!(seen_by(1e-5, sun(), 1, None, true).reason, Reason::NarrowPicture);
+        assert_eq!(seen_by(0.1, sun(), 1, None, true).method, Method::Slices);
+        assert_eq!(seen_by(1e-5, LightKind::Sun, 1, None, true).method, Method::Slices);
     }
 
     #[test]
