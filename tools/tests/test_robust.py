@@ -156,7 +156,16 @@ class Signals(WithFolder):
             channels = {name: np.tile(values, (16, 16)) for name, values in scene(number).items()}
             write_frame(self.folder / f"x.{number:04d}.exr", channels)
         command = [*COMMAND, "validate", str(self.folder), "--processes", "2"]
-        process = subprocess.Popen(command, cwd=TOOLS, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+        process = subprocess.Popen(
+            command,
+            cwd=TOOLS,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+            # A shell's background jobs inherit that SIGINT is ignored.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )
         self.addCleanup(process.kill)
         deadline = time.monotonic() + 60
         while len(children := self.children(process.pid)) < 2 and time.monotonic() < deadline:
