@@ -59,7 +59,7 @@ def in_processes(
                 yield future.result()
             except BrokenProcessPool:
                 # Any of those under way may be the cause: each of them again, alone.
-                pool.shutdown(wait=False)
+                pool.shutdown()
                 for suspect in [argument, *(argument for argument, _ in waiting)]:
                     yield _alone(function, suspect, context, if_it_dies)
                 waiting = []
@@ -70,7 +70,8 @@ def in_processes(
             process.kill()
         raise
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        # Waited for: the interpreter's end and the pool's own thread would race for the pipe between them (Python 3.11).
+        pool.shutdown(cancel_futures=True)
 
 
 def begin_work() -> None:
