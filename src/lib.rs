@@ -89,6 +89,8 @@ mod fog;
 #[cfg(not(feature = "internals"))]
 mod frame_file;
 #[cfg(not(feature = "internals"))]
+mod indirect;
+#[cfg(not(feature = "internals"))]
 mod light;
 #[cfg(not(feature = "internals"))]
 mod math;
@@ -136,6 +138,9 @@ pub mod fog;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod frame_file;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod indirect;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod light;

@@ -18,9 +18,10 @@ mod survey;
 mod tiles;
 
 use crate::film::{Film, Frame};
+use crate::indirect::Indirect;
 use crate::math::{Ray, Sampler};
 use crate::passes::{Needs, Pass, any_needs};
-use crate::scene::{PixelFilter, Sampling, Size, Window};
+use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{Component, MarchSteps, Transport, VolumeMethod};
 pub use choice::{Choice, Reason, choose};
@@ -46,6 +47,8 @@ pub struct Job {
     pub seed: u32,
     /// How often light may be reflected by mirrors.
     pub mirror_depth: u32,
+    /// How often it may be scattered beyond single scattering.
+    pub bounces: Bounces,
     /// Where the samples lie, and how light in fog is found.
     pub method: Method,
 }
@@ -176,18 +179,20 @@ impl Job {
     }
 
     /// How rays are followed.
-    fn transport(&self) -> Transport {
+    fn transport<'a>(&self, indirect: Option<&'a Indirect>) -> Transport<'a> {
         Transport {
             volume: self.method.volume(),
             mirror_depth: self.mirror_depth,
+            indirect,
             features: any_needs(&self.passes, |needs| needs != Needs::Light),
         }
     }
 
     /// All of it, as the hash in frames has it: written out, so that a name in the source can change and frames are still known.
     pub fn hashed(&self) -> String {
-        let Self { size, window, passes, sampling, filter, seed, method, .. } = self;
-        let transport = self.transport();
+        let Self { size, window, passes, sampling, filter, seed, mirror_depth, bounces, method } = self;
+        let Transport { volume, features, .. } = self.transport(None);
+        let bounces = if *bounces == Bounces::NONE { String::new() } else { format!(", bounces: {bounces}") };
         let placement = match method {
             Method::Auto => "Auto",
             Method::Slices => "Slices",
@@ -195,7 +200,8 @@ impl Job {
         };
         format!(
             "Job {{ size: {size:?}, window: {window:?}, passes: {passes:?}, sampling: {sampling:?}, filter: {filter:?}, \
-             seed: {seed}, transport: {transport:?}, placement: {placement} }}"
+             seed: {seed}, transport: Transport {{ volume: {volume:?}, mirror_depth: {mirror_depth}, features: {features} }}, \
+             placement: {placement}{bounces} }}"
         )
     }
 
@@ -208,9 +214,16 @@ impl Job {
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
-    let components = components(exposure);
-    let survey =
-        if job.is_judged() { Survey::new(middle, job, components) } else { Survey::omitted(components) };
+    let aspect = job.size.width as f64 / job.size.height as f64;
+    let indirect =
+        (job.bounces != Bounces::NONE).then(|| Indirect::new(middle, job.bounces, aspect)).flatten();
+    let indirect = indirect.as_ref();
+    let components = components(exposure, indirect);
+    let survey = if job.is_judged() {
+        Survey::new(middle, job, indirect, components)
+    } else {
+        Survey::omitted(components)
+    };
     let mut sum = Sum::default();
     let from_slices = job.method.takes_slices(exposure);
     sum.statistics.from_slices = from_slices;
@@ -226,11 +239,11 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
             let before = sum.frame();
             let developed = watch.part(range, None, |watch| match component {
                 Component::Light(light) => {
-                    let picture = slices::LightPicture::new(exposure, job, light, &tally);
+                    let picture = slices::LightPicture::new(exposure, job, indirect, light, &tally);
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
                 component => {
-                    let picture = tiles::RayPicture::new(exposure, job, component);
+                    let picture = tiles::RayPicture::new(exposure, job, indirect, component);
                     develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
                 }
             });
@@ -238,17 +251,18 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
-        let picture = tiles::RayPicture::new(exposure, job, Component::All);
+        let picture = tiles::RayPicture::new(exposure, job, indirect, Component::All);
         let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }
     sum.finish(job, &survey)
 }
 
-/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights anything.
-fn components(exposure: &Exposure) -> Vec<Component> {
+/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights anything and indirect light
+/// does not have it already.
+fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
     let lights = (0..exposure.middle().lights.len()).map(Component::Light);
-    lights.chain(exposure.has_sky_light().then_some(Component::Sky)).collect()
+    lights.chain((exposure.has_sky_light() && indirect.is_none()).then_some(Component::Sky)).collect()
 }
 
 /// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "color",
     "diagnostic",
     "math",
@@ -18,6 +18,7 @@ const ORDER: [&str; 21] = [
     "light",
     "fog",
     "snapshot",
+    "indirect",
     "transport",
     "film",
     "scanline",

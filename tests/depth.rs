@@ -63,6 +63,7 @@ fn picture(scene: &Scene, method: Method, seed: u32) -> Frame {
         filter: PixelFilter::Box,
         seed,
         mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame

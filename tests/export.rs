@@ -60,6 +60,7 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
         filter: settings.filter,
         seed: settings.seed,
         mirror_depth: settings.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method: Method::Auto,
     };
     let camera =

@@ -89,6 +89,7 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, seed: u32, method: Met
         filter: PixelFilter::Box,
         seed,
         mirror_depth: common::EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame

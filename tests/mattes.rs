@@ -54,6 +54,7 @@ fn picture(scene: &Scene, shutter: Shutter, samples: u32, method: Method) -> Fra
         filter: PixelFilter::Box,
         seed: 0,
         mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame

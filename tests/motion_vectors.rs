@@ -64,6 +64,7 @@ fn pictures(scene: &Scene, open_s: f64) -> Vec<([f64; 4], f64)> {
         filter: PixelFilter::Box,
         seed: 0,
         mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method: Method::Segments,
     };
     let frame = render(&exposure, &job, &Watch::NOBODY).frame;

@@ -96,6 +96,7 @@ fn picture(scene: &Scene, samples: u32) -> Vec<f64> {
         filter,
         seed: 3,
         mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     let frame: Frame = render(&exposure, &job, &Watch::NOBODY).frame;

@@ -96,7 +96,17 @@ const EDGES: [Edge; 4] = [
 
 fn job(method: Method, filter: PixelFilter, sampling: Sampling) -> Job {
     let (size, window, passes) = (SIZE, Window::whole(SIZE), vec![Pass::Cryptomatte]);
-    Job { size, window, passes, sampling, filter, seed: 0, mirror_depth: EXACT.mirror_depth, method }
+    Job {
+        size,
+        window,
+        passes,
+        sampling,
+        filter,
+        seed: 0,
+        mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
+        method,
+    }
 }
 
 fn picture(scene: &Scene, job: &Job) -> Frame {

@@ -276,6 +276,7 @@ fn picture(scene: &Scene, samples: u32, method: Method) -> Frame {
         filter: PixelFilter::Box,
         seed: 3,
         mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     render(&exposure, &job, &Watch::NOBODY).frame
@@ -405,6 +406,7 @@ fn pixels_equal_those_of_mitsuba() {
                 filter: PixelFilter::Box,
                 seed,
                 mirror_depth: EXACT.mirror_depth,
+                bounces: sunfleck::scene::Bounces::NONE,
                 method: Method::Segments,
             };
             render(&exposure, &job, &Watch::NOBODY).frame

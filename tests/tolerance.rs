@@ -39,6 +39,7 @@ fn until(tolerance: f64) -> Job {
         filter: PixelFilter::Box,
         seed: 0,
         mirror_depth: 0,
+        bounces: sunfleck::scene::Bounces::NONE,
         method: Method::Slices,
     }
 }

@@ -71,7 +71,7 @@ fn table(name: &str, scene: &Scene, rounds: usize) {
 }
 
 fn render(snapshot: &Snapshot, volume: VolumeMethod, stride: usize, shafts: &mut Vec<f64>) -> f64 {
-    let transport = Transport { volume, mirror_depth: 0, features: false };
+    let transport = Transport { volume, mirror_depth: 0, indirect: None, features: false };
     let mut scratch = Scratch::default();
     seconds(stride, |x, y| {
         let mut sampler = Sampler::new(0, (x * 1e4) as u32, (y * 1e4) as u32, 0);

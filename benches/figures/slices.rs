@@ -144,6 +144,7 @@ fn job(samples: u32, seed: u32, method: Method) -> Job {
         filter: PixelFilter::Box,
         seed,
         mirror_depth: 0,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     }
 }

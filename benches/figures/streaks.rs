@@ -20,6 +20,7 @@ fn luminances(exposure: &Exposure, samples: u32, seed: u32, method: Method) -> V
         filter: PixelFilter::Box,
         seed,
         mirror_depth: 0,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     let frame: Frame = render(exposure, &job, &Watch::NOBODY).frame;

@@ -51,6 +51,7 @@ impl<'scene> Plan<'scene> {
             filter: settings.filter,
             seed: settings.seed,
             mirror_depth: settings.mirror_depth,
+            bounces: settings.bounces,
             method,
         };
         Ok(Self { scene, settings, camera, job, remarks })

@@ -8,7 +8,7 @@ use super::scene::Scene;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::passes::Pass;
 use crate::render::{Method, Progress, Watch};
-use crate::scene::{PixelFilter, RenderSettings, Sampling, Size, Window};
+use crate::scene::{Bounces, PixelFilter, RenderSettings, Sampling, Size, Window};
 
 /// Renders frames of a scene, on the rayon pool that it is called on.
 #[derive(Clone)]
@@ -21,6 +21,7 @@ pub struct Renderer<'a> {
     method: Method,
     samples: Option<u32>,
     tolerance: Option<f64>,
+    bounces: Option<Bounces>,
     progress: &'a (dyn Fn(Progress) + Sync),
     cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -37,6 +38,7 @@ impl<'a> Renderer<'a> {
             method: Method::Auto,
             samples: None,
             tolerance: None,
+            bounces: None,
             progress: Watch::NOBODY.progress,
             cancelled: Watch::NOBODY.cancelled,
         }
@@ -72,6 +74,12 @@ impl<'a> Renderer<'a> {
     /// So many samples a pixel; with a tolerance no more than so many.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = Some(samples);
+        self
+    }
+
+    /// How often light may be scattered beyond direct light and single scattering.
+    pub fn bounces(mut self, bounces: Bounces) -> Self {
+        self.bounces = Some(bounces);
         self
     }
 
@@ -155,6 +163,7 @@ impl<'a> Renderer<'a> {
     /// The plan of all frames.
     pub(crate) fn plan(&self) -> Result<Plan<'a>, RenderError> {
         let mut settings = self.settings.clone();
+        settings.bounces = self.bounces.unwrap_or(settings.bounces);
         settings.sampling = Sampling::said(self.samples, self.tolerance).unwrap_or(settings.sampling);
         Plan::new(self.scene, settings, self.crop, self.method)
     }

@@ -38,6 +38,7 @@ impl Literal {
         let transport = Transport {
             volume: VolumeMethod::March(MarchSteps::Planes { depth_m, step_m }),
             mirror_depth: 0,
+            indirect: None,
             features: false,
         };
         let mut scratch = Scratch::default();

@@ -3,7 +3,7 @@
 
 use crate::film::Frame;
 use crate::render::{self, Job, Watch, render};
-use crate::scene::{PixelFilter, Sampling, Size, Window};
+use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::MarchSteps;
 use cpu_time::ProcessTime;
@@ -156,6 +156,7 @@ impl Method {
             filter: PixelFilter::Box,
             seed,
             mirror_depth: stage.mirror_depth,
+            bounces: Bounces::NONE,
             method: self.of_render(effort, stage),
         };
         render(stage.exposure, &job, &Watch::NOBODY).frame

@@ -2,14 +2,14 @@
 
 use super::CliError;
 use super::parse::{
-    ChannelsLimit, Crop, ExposureArgument, SizeArgument, parse_bloom, parse_crop, parse_exposure,
-    parse_frame, parse_frame_rate, parse_limit, parse_noise, parse_seconds, parse_share_limit, parse_shutter,
-    parse_shutter_position, parse_size, parse_tolerance,
+    ChannelsLimit, Crop, ExposureArgument, SizeArgument, parse_bloom, parse_bounces, parse_crop,
+    parse_exposure, parse_frame, parse_frame_rate, parse_limit, parse_noise, parse_seconds,
+    parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
 };
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
 use crate::passes::Pass;
-use crate::scene::{LightUnits, PixelFilter, ResolveOptions};
+use crate::scene::{Bounces, LightUnits, PixelFilter, ResolveOptions};
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -60,6 +60,9 @@ pub(super) struct RenderArguments {
     /// The estimated relative error of every block of 8x8 pixels at which to stop [default: the sequence's, else 0.02].
     #[arg(long, value_parser = parse_tolerance, value_name = "X", allow_negative_numbers = true)]
     pub(super) tolerance: Option<f64>,
+    /// How often light is scattered beyond direct light and single scattering: a number, or `all` [default: the sequence's].
+    #[arg(long, value_parser = parse_bounces, value_name = "N|all")]
+    pub(super) bounces: Option<Bounces>,
     /// Exactly so many samples a pixel; beside --tolerance, at most [default: the sequence's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536), allow_negative_numbers = true)]
     pub(super) samples: Option<u32>,

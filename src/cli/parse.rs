@@ -1,6 +1,6 @@
 //! Values of flags from their text. Invariant: whatever is refused is refused with what was expected, and an example.
 
-use crate::scene::Size;
+use crate::scene::{Bounces, Size};
 use glob::Pattern;
 
 /// The names of channels, or `None` for all, and the most that these may differ by.
@@ -46,6 +46,18 @@ pub(super) fn parse_size(text: &str) -> Result<SizeArgument, String> {
         _ => Err(expected()),
     };
     Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
+}
+
+pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
+    /// More cannot be told from all.
+    const MOST: u32 = 64;
+    match text.trim() {
+        "all" => Ok(Bounces::All),
+        text => match text.parse::<u32>() {
+            Ok(count) if count <= MOST => Ok(Bounces::UpTo(count)),
+            _ => Err("expected a whole number from 0 to 64, or all".into()),
+        },
+    }
 }
 
 pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {

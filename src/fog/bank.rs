@@ -64,6 +64,17 @@ impl FogBank {
         self.cube_from_relative.matrix3 != DMat3::ZERO
     }
 
+    /// The box about it, in relative space; `None` if it has no bounds.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.is_bounded().then(|| {
+            let relative_from_cube = self.cube_from_relative.inverse();
+            let reach =
+                |axis: usize| (0..3).map(|side| relative_from_cube.matrix3.col(side)[axis].abs()).sum();
+            let reach = DVec3::new(reach(0), reach(1), reach(2));
+            (relative_from_cube.translation - reach, relative_from_cube.translation + reach)
+        })
+    }
+
     /// Whether it is as dense everywhere.
     pub(super) fn is_even(&self) -> bool {
         matches!(self.density, Density::Even)

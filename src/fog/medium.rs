@@ -83,6 +83,11 @@ impl Medium {
             .sum()
     }
 
+    /// What of the harmonics of one degree of radiance at a point fog sends on, 1/m: `sum(sigma_s g^degree)`.
+    pub fn scattering_by_degree_at(&self, point: DVec3, degree: i32) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.g.powi(degree))).sum()
+    }
+
     /// Extinction at a point, 1/m.
     pub fn extinction_at(&self, point: DVec3) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.density(point)).sum()

@@ -10,6 +10,7 @@ use super::rounds::{Picture, Round, Schedule};
 use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, Mask, Splats};
+use crate::indirect::Indirect;
 use crate::light::LightPlace;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Window};
@@ -31,7 +32,7 @@ const FEWEST_DRAWN_SAMPLES: u32 = 16;
 pub(super) struct LightPicture<'a> {
     exposure: &'a Exposure<'a>,
     job: &'a Job,
-    transport: Transport,
+    transport: Transport<'a>,
     /// The light, as its index in the snapshot.
     light: usize,
     tally: &'a Tally,
@@ -69,10 +70,16 @@ struct SlicesScratch {
 
 impl<'a> LightPicture<'a> {
     /// Lays out the slices.
-    pub(super) fn new(exposure: &'a Exposure<'a>, job: &'a Job, light: usize, tally: &'a Tally) -> Self {
+    pub(super) fn new(
+        exposure: &'a Exposure<'a>,
+        job: &'a Job,
+        indirect: Option<&'a Indirect>,
+        light: usize,
+        tally: &'a Tally,
+    ) -> Self {
         let draws = Draws::new(exposure, light, job.seed);
         let lattice = lattice(exposure, job, light, &draws);
-        Self { exposure, job, transport: job.transport(), light, tally, draws, lattice }
+        Self { exposure, job, transport: job.transport(indirect), light, tally, draws, lattice }
     }
 
     /// Solves a slice and keeps its samples.

@@ -4,6 +4,7 @@
 
 use super::Job;
 use crate::color::{Rgb, luminance};
+use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
 use crate::transport::{Component, Scratch, radiance_of_component};
@@ -26,8 +27,13 @@ pub(super) struct Survey {
 const EVEN_SHARE: f64 = 0.1;
 
 impl Survey {
-    pub(super) fn new(snapshot: &Snapshot, job: &Job, components: Vec<Component>) -> Self {
-        let with_luminance = |component| (component, mean_luminance(snapshot, job, component));
+    pub(super) fn new(
+        snapshot: &Snapshot,
+        job: &Job,
+        indirect: Option<&Indirect>,
+        components: Vec<Component>,
+    ) -> Self {
+        let with_luminance = |component| (component, mean_luminance(snapshot, job, indirect, component));
         let mut by_brightness: Vec<(Component, f64)> = components.into_iter().map(with_luminance).collect();
         by_brightness.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mean: f64 = by_brightness.iter().map(|(_, luminance)| luminance).sum();
@@ -50,8 +56,8 @@ impl Survey {
 
 /// Mean over the picture of a component. Rays into a sun are left out, if there are others: it is a thousand times as bright as all the rest, and were it
 /// among these few rays the whole picture would count as dark.
-fn mean_luminance(snapshot: &Snapshot, job: &Job, component: Component) -> f64 {
-    let transport = job.transport();
+fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, component: Component) -> f64 {
+    let transport = job.transport(indirect);
     let (columns, rows) = RAYS;
     let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
     let rays = (0..columns * rows).map(|number| {

@@ -4,6 +4,7 @@ use super::refine::ORDERED;
 use super::rounds::{Picture, Round};
 use super::{Job, Watch, camera_ray};
 use crate::film::{Film, filter};
+use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Sampling, Window};
 use crate::snapshot::Exposure;
@@ -19,7 +20,7 @@ const TILE: usize = 32;
 pub(super) struct RayPicture<'a> {
     exposure: &'a Exposure<'a>,
     job: &'a Job,
-    transport: Transport,
+    transport: Transport<'a>,
     component: Component,
 }
 
@@ -64,8 +65,13 @@ impl Picture for RayPicture<'_> {
 }
 
 impl<'a> RayPicture<'a> {
-    pub(super) fn new(exposure: &'a Exposure<'a>, job: &'a Job, component: Component) -> Self {
-        Self { exposure, job, transport: job.transport(), component }
+    pub(super) fn new(
+        exposure: &'a Exposure<'a>,
+        job: &'a Job,
+        indirect: Option<&'a Indirect>,
+        component: Component,
+    ) -> Self {
+        Self { exposure, job, transport: job.transport(indirect), component }
     }
 
     fn render_tile(

@@ -52,7 +52,7 @@ pub use motion::{FallingPath, Motion, Rotation};
 pub use options::{LightUnits, ResolveOptions};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
 pub use resolve::{resolve, resolve_telling};
-pub use settings::{FrameRate, PixelFilter, RenderSettings, Sampling, Size, Window};
+pub use settings::{Bounces, FrameRate, PixelFilter, RenderSettings, Sampling, Size, Window};
 pub use sky::{Sky, SkyLight, SkyPicture};
 pub use sun_picture::{MOST_SUN_PICTURES, SunPicture, SunShows};
 pub use texture::{Texture, Wrap};

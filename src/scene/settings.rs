@@ -155,6 +155,29 @@ impl PixelFilter {
     }
 }
 
+/// How often light may be scattered beyond direct light and single scattering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bounces {
+    /// So many times.
+    UpTo(u32),
+    /// Until nothing is left of it.
+    All,
+}
+
+impl Bounces {
+    /// Direct light and single scattering alone.
+    pub const NONE: Self = Self::UpTo(0);
+}
+
+impl fmt::Display for Bounces {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::UpTo(count) => write!(f, "{count}"),
+            Self::All => f.write_str("all"),
+        }
+    }
+}
+
 /// What the input asks for; the command line overrides it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -186,6 +209,8 @@ pub struct RenderSettings {
     pub exposure_stops: Option<f64>,
     /// How often light may be reflected by mirrors, `0..`.
     pub mirror_depth: u32,
+    /// How often it may be scattered beyond single scattering.
+    pub bounces: Bounces,
     /// The stepped method's two knobs, metres: how deep the image plane is moved, and by how much a step.
     pub march_depth_m: f64,
     /// See `march_depth_m`.
@@ -216,6 +241,7 @@ impl Default for RenderSettings {
             shutter_position: 0.0,
             exposure_stops: None,
             mirror_depth: 4,
+            bounces: Bounces::NONE,
             march_depth_m: 10.0,
             march_step_m: 0.1,
         }

@@ -2,6 +2,7 @@
 //! built at most once; meshes that no frame shows cost nothing.
 
 use super::bent_mesh::{BentMesh, BentMeshes};
+use super::mesh_parts::MeshParts;
 use crate::accel::MeshTree;
 use crate::color::Rgb;
 use crate::scene::{AlphaMode, Deformation, Instance, Material, Mesh, Pose, Scene, Triangle};
@@ -16,6 +17,8 @@ pub struct MeshTrees {
     pub(super) is_blended: Arc<[bool]>,
     /// Those of meshes that change their shape.
     bent: BentMeshes,
+    /// What the meshes are made of.
+    pub(super) parts: Arc<MeshParts>,
 }
 
 /// Trees of a mesh, as far as they were needed; triangles keep their numbers in all of them.
@@ -33,6 +36,7 @@ impl MeshTrees {
             trees: scene.meshes.iter().map(|_| PartTrees::default()).collect(),
             is_blended: blended(scene),
             bent: BentMeshes::default(),
+            parts: Arc::new(MeshParts::new(scene)),
         }
     }
 

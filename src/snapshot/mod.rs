@@ -7,6 +7,7 @@ mod bent_mesh;
 mod exposure;
 mod lens;
 mod luminaire;
+mod mesh_parts;
 mod mesh_trees;
 mod motion_field;
 mod placed_mesh;
@@ -26,6 +27,7 @@ pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
 pub use exposure::Exposure;
 pub use lens::View;
 pub use luminaire::Luminaire;
+pub use mesh_parts::{MeshPart, PartPlace};
 pub use mesh_trees::MeshTrees;
 pub use motion_field::MotionField;
 pub use placed_mesh::DrawnMesh;
@@ -73,6 +75,8 @@ pub struct Snapshot<'scene> {
     materials: Cow<'scene, [Material]>,
     /// Of each of them, whether anything shows through it.
     is_blended: Arc<[bool]>,
+    /// What the scene's meshes are made of.
+    parts: Arc<mesh_parts::MeshParts>,
     /// What the instances of both trees are, under their numbers.
     placed: Vec<Placed>,
     /// From here on they are those of `blended`.
@@ -203,6 +207,7 @@ impl<'scene> Snapshot<'scene> {
             scene,
             materials,
             is_blended: Arc::clone(&trees.is_blended),
+            parts: Arc::clone(&trees.parts),
             view,
             tree,
             blended,

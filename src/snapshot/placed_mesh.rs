@@ -1,9 +1,9 @@
 //! Placed meshes as they stand, for who draws them one after another instead of following rays. In goes a snapshot, out
 //! come triangles in relative space. Invariant: the triangles are those of the trees, taken from the same vertices.
 
-use super::Snapshot;
+use super::{MeshPart, Snapshot};
 use crate::accel::PrimitiveId;
-use crate::scene::Triangle;
+use crate::scene::{Mesh, Triangle};
 use glam::{DAffine3, Vec3};
 
 /// One mesh where it is placed; its opaque triangles, or its blended ones.
@@ -40,6 +40,27 @@ impl Snapshot<'_> {
 }
 
 impl<'a> DrawnMesh<'a> {
+    /// What it is made of, by its shape before it is bent.
+    pub fn parts(self) -> &'a [MeshPart] {
+        self.snapshot.parts.of(self.mesh())
+    }
+
+    /// The mesh as it is in the scene, and its number there.
+    fn mesh(self) -> (usize, &'a Mesh) {
+        let scene = self.snapshot.scene;
+        let number = scene.instances[self.snapshot.placed[self.number].instance].mesh;
+        (number, &scene.meshes[number])
+    }
+
+    /// What the snapshot knows a triangle of the mesh by; `None` if it is not among these.
+    pub fn primitive(self, triangle: u32) -> Option<PrimitiveId> {
+        let (instance, mesh) =
+            (&self.snapshot.scene.instances[self.snapshot.placed[self.number].instance], self.mesh().1);
+        let material = instance.material.unwrap_or(mesh.triangles[triangle as usize].material);
+        let is_in = self.snapshot.is_blended[material] == self.is_blended;
+        is_in.then_some(PrimitiveId { instance: self.number as u32, triangle })
+    }
+
     /// Its triangles: what the snapshot knows them by, and their vertices.
     pub fn triangles(self) -> impl Iterator<Item = (PrimitiveId, [usize; 3])> + 'a {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];

@@ -4,6 +4,7 @@
 
 mod direct;
 mod equiangular;
+mod indirect;
 mod lit_segments;
 mod march;
 mod path;

@@ -3,6 +3,7 @@
 
 use crate::color::Rgb;
 use crate::fog::LitSegments;
+use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
@@ -39,12 +40,14 @@ pub enum VolumeMethod {
 }
 
 /// How rays are to be followed.
-#[derive(Clone, Copy, Debug)]
-pub struct Transport {
+#[derive(Clone, Copy)]
+pub struct Transport<'a> {
     /// How light scattered in fog is found.
     pub volume: VolumeMethod,
     /// How often a ray may be reflected by mirrors.
     pub mirror_depth: u32,
+    /// Light that was scattered before, which surfaces and fog scatter again; it has that of the sky.
+    pub indirect: Option<&'a Indirect>,
     /// Whether [`Sample::surface`](super::Sample::surface) is wanted.
     pub features: bool,
 }
@@ -60,7 +63,7 @@ pub struct Scratch {
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub(super) lights: &'a [FrozenLight],
-    /// Whether surfaces that shine by themselves, and the background, belong to it.
+    /// Whether surfaces that shine by themselves, the background and indirect light belong to it.
     pub(super) self_luminous: bool,
     /// Whether the light of the sky belongs to it.
     pub(super) sky: bool,
@@ -81,8 +84,20 @@ impl Illumination<'_> {
 /// A path that is being followed.
 pub(super) struct Path<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
-    pub(super) transport: &'a Transport,
+    pub(super) transport: &'a Transport<'a>,
     pub(super) light: Illumination<'a>,
     pub(super) sampler: &'a mut Sampler,
     pub(super) scratch: &'a mut Scratch,
+}
+
+impl<'a> Path<'a> {
+    /// Indirect light, if it is wanted here.
+    pub(super) fn indirect(&self) -> Option<&'a Indirect> {
+        self.transport.indirect.filter(|_| self.light.self_luminous)
+    }
+
+    /// Whether light of the sky is found by a ray in a random direction: not if indirect light has it.
+    pub(super) fn samples_sky(&self) -> bool {
+        self.light.sky && self.transport.indirect.is_none()
+    }
 }

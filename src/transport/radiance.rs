@@ -5,7 +5,7 @@ use super::path::{Illumination, Path, Scratch, Transport};
 use super::shafts;
 use super::stack::Stack;
 use super::visibility::{BlendedHit, RayEnd, Way, blended_hits, ray_end};
-use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, sky_light};
+use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, indirect, sky_light};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
@@ -196,7 +196,9 @@ impl Path<'_> {
         let (shafts, fog) = if snapshot.medium.is_empty() {
             (Rgb::ZERO, Rgb::ONE)
         } else {
-            let scattered = shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way);
+            let scattered = shafts::in_scattered(self, ray, &way)
+                + sky_light::in_scattered(self, ray, &way)
+                + indirect::in_scattered(self, ray, &way, from);
             (scattered, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
         };
         let (mut shown, seen_through) = self.blended(shafts, ray, &way.blended, mirrors_left);
@@ -230,7 +232,7 @@ impl Path<'_> {
             };
             let mut shown = Shown::emitted(light.emitted(point));
             if share > 0.0 {
-                scattered += share * sky_light::scattered(self, point);
+                scattered += share * (sky_light::scattered(self, point) + indirect::scattered(self, point));
                 shown += self.mirrored(ray, point, mirrors_left).weakened(Rgb::splat(share));
             }
             shown.radiance = scattered + shown.radiance;
@@ -243,7 +245,9 @@ impl Path<'_> {
 
     /// What a surface scatters towards the eye.
     fn scattered(&mut self, point: &SurfacePoint) -> Rgb {
-        direct::scattered(self.snapshot, self.light.lights, point) + sky_light::scattered(self, point)
+        direct::scattered(self.snapshot, self.light.lights, point)
+            + sky_light::scattered(self, point)
+            + indirect::scattered(self, point)
     }
 
     /// Light that a surface emits, and what is seen in it if it is a mirror.

@@ -26,7 +26,7 @@ const MOST_STEPS: usize = 40;
 /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
-    let sky = snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_surfaces());
+    let sky = snapshot.sky.as_ref().filter(|sky| path.samples_sky() && sky.lights_surfaces());
     let Some(sky) = sky else { return Rgb::ZERO };
     let Some(lobes) = Lobes::of(point) else { return Rgb::ZERO };
     let u = DVec2::from(path.sampler.next_2d());
@@ -48,7 +48,7 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
 /// Radiance that fog scatters into the ray on its way, W m^-2 sr^-1.
 pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
     let (snapshot, medium) = (path.snapshot, &path.snapshot.medium);
-    let sky = snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_fog());
+    let sky = snapshot.sky.as_ref().filter(|sky| path.samples_sky() && sky.lights_fog());
     let Some(sky) = sky else { return Rgb::ZERO };
     let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
     let [along, u, v] = path.sampler.next_3d();

@@ -71,7 +71,8 @@ fn tangents_are_blenders() {
 /// What rays see of the file, which asks for tangents to be made, and of the same with Blender's own.
 #[test]
 fn made_and_given_tangents_show_the_same() {
-    let transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 0, features: true };
+    let transport =
+        Transport { volume: VolumeMethod::Segments, mirror_depth: 0, indirect: None, features: true };
     let picture = |scene: &Scene| {
         let trees = MeshTrees::new(scene);
         let snapshot = Snapshot::new(scene, &trees, 0, 1.5, Shutter { open_s: 0.0, close_s: 0.0 });

@@ -15,8 +15,8 @@ use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
 pub(crate) const INSTANT: Shutter = Shutter { open_s: 0.0, close_s: 0.0 };
 
 /// The exact method with everything on.
-pub(crate) const EXACT: Transport =
-    Transport { volume: VolumeMethod::Segments, mirror_depth: 4, features: true };
+pub(crate) const EXACT: Transport<'static> =
+    Transport { volume: VolumeMethod::Segments, mirror_depth: 4, indirect: None, features: true };
 
 /// A scene with nothing but a camera at `eye` that looks along -Z with a right angle of view.
 pub(crate) fn camera_at(eye: DVec3) -> Scene {

@@ -17,7 +17,8 @@ pub(crate) struct File {
 
 pub(crate) const SQUARE: usize = 0;
 pub(crate) const CAMERA: usize = 1;
-const EXACT: Transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 2, features: true };
+const EXACT: Transport<'static> =
+    Transport { volume: VolumeMethod::Segments, mirror_depth: 2, indirect: None, features: true };
 
 impl File {
     pub(crate) fn new() -> Self {

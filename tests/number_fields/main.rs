@@ -204,6 +204,7 @@ fn shown(input: &Path) -> Answer {
             filter: settings.filter,
             seed: settings.seed,
             mirror_depth: settings.mirror_depth,
+            bounces: sunfleck::scene::Bounces::NONE,
             method,
         };
         let exposure = Exposure::new(&scene, &trees, camera, 2.0, shutter);

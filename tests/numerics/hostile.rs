@@ -109,7 +109,7 @@ proptest! {
             sampling: Sampling::Exactly(samples),
             filter: PixelFilter::Box,
             seed: 3,
-            mirror_depth: EXACT.mirror_depth,
+            mirror_depth: EXACT.mirror_depth, bounces: sunfleck::scene::Bounces::NONE,
             method,
         };
         let trees = MeshTrees::new(&scene);

@@ -30,6 +30,7 @@ pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, method: Method) -
         filter: PixelFilter::Box,
         seed: 1,
         mirror_depth: EXACT.mirror_depth,
+        bounces: sunfleck::scene::Bounces::NONE,
         method,
     };
     let aspect = size.width as f64 / size.height as f64;

@@ -4,7 +4,7 @@
 use super::{BenchArguments, CliError, Subject, answer, pool};
 use crate::bench::{SkipsPlan, measure_skips, skips_table};
 use crate::render::{Job, Method};
-use crate::scene::{Sampling, Window};
+use crate::scene::{Bounces, Sampling, Window};
 
 pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
     let folder = tempfile::tempdir().map_err(|error| {
@@ -24,6 +24,7 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
             filter: subject.settings.filter,
             seed: subject.settings.seed,
             mirror_depth: subject.settings.mirror_depth,
+            bounces: Bounces::NONE,
             method: Method::Slices,
         },
         rounds: arguments.rounds.unwrap_or(if arguments.quick { 2 } else { 5 }) as usize,

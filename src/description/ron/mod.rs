@@ -37,7 +37,7 @@ pub use number::{
     Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Triple, UnitInterval, Vector, Whole,
 };
 pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
-pub use sequence_file::{FrameRate, Frames, March, PixelFilter, SequenceFields};
+pub use sequence_file::{Bounces, FrameRate, Frames, March, PixelFilter, SequenceFields};
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
 

@@ -44,6 +44,8 @@ pub struct SequenceFields {
     pub exposure: Option<Number<Stops>>,
     /// How often mirrors may reflect.
     pub mirror_depth: Option<Whole<0, 64>>,
+    /// How often light may be scattered beyond single scattering: a number, or `"all"`.
+    pub bounces: Option<Bounces>,
     /// The stepped method's image plane.
     pub march: Option<March>,
 }
@@ -56,6 +58,39 @@ pub struct March {
     pub depth_m: Number<Positive>,
     /// By how much a step.
     pub step_m: Number<Positive>,
+}
+
+/// How often light may be scattered beyond single scattering.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bounces {
+    /// So many times, `bounces: 3`.
+    UpTo(u32),
+    /// Until nothing is left of it, `bounces: "all"`.
+    All,
+}
+
+impl<'de> Deserialize<'de> for Bounces {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberOrAll;
+        impl Visitor<'_> for NumberOrAll {
+            type Value = Bounces;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a whole number from 0 to 64, or \"all\"")
+            }
+            fn visit_u64<E: Error>(self, count: u64) -> Result<Bounces, E> {
+                let is_few = count <= 64;
+                is_few
+                    .then_some(Bounces::UpTo(count as u32))
+                    .ok_or_else(|| E::invalid_value(Unexpected::Unsigned(count), &self))
+            }
+            fn visit_str<E: Error>(self, text: &str) -> Result<Bounces, E> {
+                (text == "all")
+                    .then_some(Bounces::All)
+                    .ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
+            }
+        }
+        deserializer.deserialize_any(NumberOrAll)
+    }
 }
 
 /// By what weights a pixel is the mean of the picture around it.

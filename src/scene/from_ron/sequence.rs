@@ -3,7 +3,7 @@
 use super::problems::Problems;
 use crate::description::ron::{self, Frames, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Animate, Extend, FrameRate, Motion, RenderSettings, Rotation, Sampling, Scene};
+use crate::scene::{Animate, Bounces, Extend, FrameRate, Motion, RenderSettings, Rotation, Sampling, Scene};
 use crate::scene::{PixelFilter, Size, Track};
 use std::collections::BTreeMap;
 
@@ -73,6 +73,12 @@ pub(in crate::scene) fn apply_sequence(
     settings.shutter_position = fields.shutter_position.map_or(settings.shutter_position, |at| at.si());
     settings.exposure_stops = fields.exposure.map(|stops| stops.si()).or(settings.exposure_stops);
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
+    if let Some(bounces) = fields.bounces {
+        settings.bounces = match bounces {
+            ron::Bounces::UpTo(count) => Bounces::UpTo(count),
+            ron::Bounces::All => Bounces::All,
+        };
+    }
     problems.unless_any(settings)
 }
 

@@ -12,7 +12,7 @@ pub struct SliceJob<'a> {
     /// The frame.
     pub snapshot: &'a Snapshot<'a>,
     /// How rays that leave the slices are followed.
-    pub transport: &'a Transport,
+    pub transport: &'a Transport<'a>,
     /// The slices' light: a light of the snapshot, or a point of one.
     pub light: &'a FrozenLight,
     /// What its light is to be multiplied by, see [`Sample::hue`](crate::transport::Sample::hue).

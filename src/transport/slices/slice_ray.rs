@@ -9,6 +9,7 @@ use crate::math::{PlanarRay, Ray, Sampler};
 use crate::snapshot::{Facet, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
+use crate::transport::indirect;
 use crate::transport::path::{Illumination, Path, Scratch};
 use crate::transport::radiance::{Leg, Shown, Start, mattes};
 use crate::transport::shafts::by_segments;
@@ -72,7 +73,7 @@ impl SliceRay<'_> {
                 Passage { transmittance, scattered }
             });
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
-            meeting.is_lit || facet.shines_or_mirrors() || transport.features
+            meeting.is_lit || facet.shines_or_mirrors() || transport.features || path.indirect().is_some()
         };
         let seen = self.meeting.filter(shows);
         let is_lit = seen.is_some_and(|(meeting, _)| meeting.is_lit);
@@ -85,6 +86,9 @@ impl SliceRay<'_> {
                 self.reflected(&mut path, point, is_lit, to_light)
             }
         };
+        let indirect = path.indirect();
+        let shafts =
+            shafts + indirect.map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance));
         let radiance = behind_fog.radiance * transmittance + shafts;
         let emitted = behind_fog.emitted * transmittance;
         let covered = self.meeting.is_some();
@@ -101,7 +105,7 @@ impl SliceRay<'_> {
             radiance
                 * to_light.unwrap_or_else(|| snapshot.medium.transmittance(point.position, way, distance))
         });
-        let scattered = Shown { radiance: of_light, emitted: Rgb::ZERO };
+        let scattered = Shown { radiance: of_light + indirect::scattered(path, point), emitted: Rgb::ZERO };
         scattered + path.emitted_and_mirrored(&self.ray, point, transport.mirror_depth)
     }
 }

@@ -1,0 +1,282 @@
+//! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a [`Field`] that tells irradiance on surfaces and
+//! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
+
+use super::first_light::{FirstLight, radiance};
+use super::grid::Grid;
+use super::harmonics::{COUNT, DEGREE, basis, irradiance_lobe};
+use super::matter::Matter;
+use super::moments::Moments;
+use super::ordinates::Ordinates;
+use super::surroundings::Surroundings;
+use super::sweep::{Sources, Sweeper};
+use super::walls::Walls;
+use crate::color::Rgb;
+use crate::math::kronecker;
+use crate::scene::Bounces;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Nodes of a grid, about.
+const NODES: f64 = 30_000.0;
+/// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
+const LEAVES_PER_CELL: f64 = 2.0;
+/// Things at least so many cells wide are walls.
+const WALL_CELLS: f64 = 2.0;
+/// Rounds when all of them are wanted.
+const MOST_ROUNDS: u32 = 24;
+const FEWEST_ROUNDS: u32 = 3;
+/// What is left after the last round, as a share of all light: a geometric series tells the rest well when it is small.
+const REST: f64 = 0.02;
+/// Of light that goes on and on: a closed scene that absorbs nothing has no end.
+const MOST_RATIO: f64 = 0.98;
+
+/// Light of all orders at the nodes of a world grid.
+pub struct Field {
+    grid: Grid,
+    walls: Walls,
+    /// All that surfaces get.
+    light: Moments,
+    /// Of that, light of the sky that nothing has scattered, if fog is not to see it.
+    unseen_by_fog: Option<Moments>,
+}
+
+impl Field {
+    /// `None` where there is nothing that could scatter light, or no light.
+    pub fn new(snapshot: &Snapshot, bounces: Bounces) -> Option<Self> {
+        let surroundings = Surroundings::of(snapshot);
+        let grid = grid(snapshot, &surroundings)?;
+        let width = WALL_CELLS * grid.cell_m;
+        let surfels = surroundings.surfels(width);
+        let matter = Matter::new(&grid, &snapshot.medium, snapshot.view.eye, &surfels);
+        let wall_triangles = surroundings.walls(width);
+        let first = FirstLight {
+            snapshot,
+            grid: &grid,
+            matter: &matter,
+            walls: wall_triangles.iter().map(|triangle| triangle.primitive).collect(),
+        };
+        let walls = Walls::new(&grid, snapshot, wall_triangles).introduce();
+        let ordinates = Ordinates::new();
+        let sweeper = Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates };
+        let (light, unseen_by_fog) = Rounds { sweeper, first, snapshot }.run(bounces);
+        Some(Self { grid, walls, light, unseen_by_fog })
+    }
+
+    /// The irradiance on a surface at a place of world space on the side that `normal` faces, W/m^2.
+    pub fn irradiance(&self, world: DVec3, normal: DVec3) -> Rgb {
+        /// Away from the surface, so that what it sends out itself does not light it.
+        const AWAY: f64 = 0.25;
+        let place = world + AWAY * self.grid.cell_m * normal;
+        let moments = self.about(place, world + 1e-3 * self.grid.cell_m * normal, &self.light);
+        let lobe = irradiance_lobe(normal);
+        let of_channel = |channel: usize| -> f64 {
+            (0..COUNT).map(|index| lobe[index] * f64::from(moments[channel][index])).sum()
+        };
+        Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+    }
+
+    /// What fog at a place of world space scatters into a direction of travel, W m^-3 sr^-1; `scattering` is its coefficient by degree of harmonics.
+    pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
+        let mut moments = self.about(world, world, &self.light);
+        if let Some(unseen) = &self.unseen_by_fog {
+            let unseen = self.about(world, world, unseen);
+            for channel in 0..3 {
+                for index in 0..COUNT {
+                    moments[channel][index] -= unseen[channel][index];
+                }
+            }
+        }
+        let basis = basis(travel);
+        let of_channel = |channel: usize| -> f64 {
+            let harmonic = |index: usize| {
+                scattering[DEGREE[index]][channel] * basis[index] * f64::from(moments[channel][index])
+            };
+            (0..COUNT).map(harmonic).sum()
+        };
+        Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+    }
+
+    /// The distance of nodes, metres.
+    pub(super) fn cell_m(&self) -> f64 {
+        self.grid.cell_m
+    }
+
+    /// Where it ends, in world space.
+    pub(super) fn volume(&self) -> (DVec3, DVec3) {
+        self.grid.volume()
+    }
+
+    /// Moments about a place, of the nodes that no wall hides from `seen_from`.
+    fn about(&self, place: DVec3, seen_from: DVec3, moments: &Moments) -> [[f32; COUNT]; 3] {
+        let mut corners = self.grid.corners(place);
+        let lowest = corners.nodes[0];
+        if !self.walls.about(lowest).is_empty() {
+            let hidden =
+                corners.nodes.map(|node| self.walls.hide(lowest, seen_from, self.grid.position(node)));
+            let mut seen = 0.0;
+            for corner in 0..8 {
+                if hidden[corner] {
+                    corners.weights[corner] = 0.0;
+                }
+                seen += corners.weights[corner];
+            }
+            if seen < 1e-3 {
+                // Between walls closer than a cell: whatever is seen at all.
+                let open = hidden.iter().filter(|hidden| !**hidden).count();
+                if open == 0 {
+                    return [[0.0; COUNT]; 3];
+                }
+                for corner in 0..8 {
+                    corners.weights[corner] = if hidden[corner] { 0.0 } else { 1.0 / open as f64 };
+                }
+            } else {
+                corners.weights = corners.weights.map(|weight| weight / seen);
+            }
+        }
+        [0, 1, 2].map(|channel| {
+            let mut sum = [0.0; COUNT];
+            for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
+                if weight > 0.0 {
+                    for (sum, value) in sum.iter_mut().zip(moments.at(channel, node)) {
+                        *sum += weight as f32 * value;
+                    }
+                }
+            }
+            sum
+        })
+    }
+}
+
+/// The nodes: about all fog that has bounds and all leaves; without either, about everything.
+fn grid(snapshot: &Snapshot, surroundings: &Surroundings) -> Option<Grid> {
+    let world =
+        |(low, high): (DVec3, DVec3)| (snapshot.world_from_relative(low), snapshot.world_from_relative(high));
+    let union = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+    let all = surroundings.bounds(0.0..f64::INFINITY);
+    let fog = snapshot.medium.banks().iter().filter_map(|bank| bank.bounds()).map(world).reduce(union);
+    let diagonal = |(low, high): (DVec3, DVec3)| (high - low).length();
+    let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
+    let leaves = surroundings.bounds(0.0..widest);
+    let (low, high) = [fog, leaves].into_iter().flatten().reduce(union).or(all)?;
+    let side = (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()));
+    let fine = (side.element_product() / NODES).cbrt();
+    let cell_m = rung(fine.max(LEAVES_PER_CELL * surroundings.leaf_width_m(widest)));
+    (cell_m > 0.0 && cell_m.is_finite()).then(|| Grid::covering(low, high, cell_m))
+}
+
+/// The next of the sizes that cells may have: they change rarely where bounds move.
+fn rung(cell_m: f64) -> f64 {
+    2.0_f64.powf((2.0 * cell_m.log2()).ceil() / 2.0)
+}
+
+/// What is done from round to round.
+struct Rounds<'a> {
+    sweeper: Sweeper<'a>,
+    first: FirstLight<'a>,
+    snapshot: &'a Snapshot<'a>,
+}
+
+impl Rounds<'_> {
+    /// All light, and that part of it that fog is not to see.
+    fn run(&self, bounces: Bounces) -> (Moments, Option<Moments>) {
+        let Sweeper { grid, matter, walls, ordinates } = self.sweeper;
+        let dark = vec![Rgb::ZERO; ordinates.as_slice().len()];
+        let patches = walls.patches.len();
+        let mut sources = Moments::zero(grid.count());
+        let mut of_walls = vec![Rgb::ZERO; patches];
+        let mut light = Moments::zero(grid.count());
+        let mut unseen_by_fog = None;
+        if let Some(inflow) = self.inflow() {
+            let no_walls = by_channel(&of_walls);
+            let sky =
+                self.sweeper.sweep(&Sources { of_matter: &sources, of_walls: &no_walls, inflow: &inflow });
+            sources = matter.scatter(&sky);
+            of_walls = self.reflected(&sky);
+            light.add(&sky, [1.0; 3]);
+            unseen_by_fog = self.snapshot.sky.filter(|sky| !sky.lights_fog()).map(|_| sky);
+        }
+        sources.add(&self.first.sources(), [1.0; 3]);
+        matter.emit(&mut sources);
+        for ((sum, patch), irradiance) in
+            of_walls.iter_mut().zip(&walls.patches).zip(self.first.irradiances(walls))
+        {
+            *sum += radiance(patch.scatters.reflectance * irradiance) + patch.scatters.emission;
+        }
+        let rounds = match bounces {
+            Bounces::UpTo(count) => count,
+            Bounces::All => MOST_ROUNDS,
+        };
+        let mut before: Option<[f64; 3]> = None;
+        for round in 0..rounds {
+            let patches = by_channel(&of_walls);
+            let next =
+                self.sweeper.sweep(&Sources { of_matter: &sources, of_walls: &patches, inflow: &dark });
+            light.add(&next, [1.0; 3]);
+            let total = next.total();
+            let rest = before.filter(|_| bounces == Bounces::All).map(|before| rest(before, total));
+            before = Some(total);
+            if let Some(rest) = rest {
+                let all = light.total();
+                let left = (0..3)
+                    .map(|channel| rest[channel] * total[channel] / all[channel].max(f64::MIN_POSITIVE));
+                if round + 1 >= FEWEST_ROUNDS && (left.fold(0.0, f64::max) < REST || round + 1 == rounds) {
+                    light.add(&next, rest.map(|rest| rest as f32));
+                    break;
+                }
+            }
+            sources = matter.scatter(&next);
+            of_walls = self.reflected(&next);
+        }
+        (light, unseen_by_fog)
+    }
+
+    /// What walls send back of light, as radiance.
+    fn reflected(&self, light: &Moments) -> Vec<Rgb> {
+        let walls = self.sweeper.walls;
+        let irradiances = walls.irradiances(|node, normal| {
+            let lobe = irradiance_lobe(normal);
+            let of_channel = |channel: usize| -> f64 {
+                let moments = light.at(channel, node);
+                (0..COUNT).map(|index| lobe[index] * f64::from(moments[index])).sum()
+            };
+            Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+        });
+        let patches = walls.patches.iter().zip(irradiances);
+        patches.map(|(patch, irradiance)| radiance(patch.scatters.reflectance * irradiance)).collect()
+    }
+
+    /// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it.
+    fn inflow(&self) -> Option<Vec<Rgb>> {
+        const DIRECTIONS: usize = 6000;
+        let sky = self.snapshot.sky.filter(|sky| sky.lights_surfaces())?;
+        let ordinates = self.sweeper.ordinates;
+        let mut sums = vec![(Rgb::ZERO, 0.0); ordinates.as_slice().len()];
+        for number in 0..DIRECTIONS {
+            let y = 1.0 - 2.0 * (number as f64 + 0.5) / DIRECTIONS as f64;
+            let (sin, cos) = (TAU * kronecker(0.0, number)).sin_cos();
+            let across = (1.0 - y * y).sqrt();
+            let direction = DVec3::new(across * cos, y, across * sin);
+            let (sum, count) = &mut sums[ordinates.nearest(-direction)];
+            *sum += sky.along(direction);
+            *count += 1.0;
+        }
+        Some(sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect())
+    }
+}
+
+/// What follows a round, in units of it, if it goes on as from the round before.
+fn rest(before: [f64; 3], total: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|channel| {
+        let ratio = if before[channel] > 0.0 {
+            (total[channel] / before[channel]).clamp(0.0, MOST_RATIO)
+        } else {
+            0.0
+        };
+        ratio / (1.0 - ratio)
+    })
+}
+
+fn by_channel(colors: &[Rgb]) -> [Vec<f32>; 3] {
+    [0, 1, 2].map(|channel| colors.iter().map(|color| color[channel] as f32).collect())
+}

@@ -1,0 +1,136 @@
+//! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their weights. Invariant: cells lie at
+//! whole multiples of their side in world space, whatever moves and wherever the camera is; so a field never pulses with either.
+
+use glam::{DVec3, IVec3};
+
+/// Nodes in equal steps along the world's axes. Each is the middle of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    /// The first cell, from the world's origin.
+    first: IVec3,
+    /// Nodes along each axis.
+    pub(super) size: [usize; 3],
+    /// Distance of two nodes, metres.
+    pub(super) cell_m: f64,
+}
+
+/// Eight nodes about a place, and what each counts: trilinear interpolation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corners {
+    pub(super) nodes: [usize; 8],
+    pub(super) weights: [f64; 8],
+}
+
+impl Grid {
+    /// That covers a box of world space, with a cell to spare on each side.
+    pub(super) fn covering(low: DVec3, high: DVec3, cell_m: f64) -> Self {
+        let first = (low / cell_m).floor().as_ivec3() - 1;
+        let end = (high / cell_m).ceil().as_ivec3() + 1;
+        let size = (end - first).to_array().map(|count| count as usize);
+        Self { first, size, cell_m }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.size.iter().product()
+    }
+
+    /// How far apart two nodes are in memory that are next to one another along each axis.
+    pub(super) fn strides(&self) -> [usize; 3] {
+        [1, self.size[0], self.size[0] * self.size[1]]
+    }
+
+    /// Volume that a node stands for, m^3.
+    pub(super) fn cell_volume(&self) -> f64 {
+        self.cell_m.powi(3)
+    }
+
+    /// A node by its number, in cells along each axis.
+    pub(super) fn cell_of(&self, node: usize) -> [usize; 3] {
+        let [_, row, layer] = self.strides();
+        [node % row, node / row % self.size[1], node / layer]
+    }
+
+    /// Where a node is, in world space.
+    pub(super) fn position(&self, node: usize) -> DVec3 {
+        let cell = self.cell_of(node).map(|index| index as i32);
+        ((self.first + IVec3::from_array(cell)).as_dvec3() + 0.5) * self.cell_m
+    }
+
+    /// The least and the greatest place between nodes, in world space.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        (self.position(0), self.position(self.count() - 1))
+    }
+
+    /// The cells that a node stands for, from half a cell before the first to half a cell past the last, in world space.
+    pub(super) fn volume(&self) -> (DVec3, DVec3) {
+        let (low, high) = self.bounds();
+        (low - 0.5 * self.cell_m, high + 0.5 * self.cell_m)
+    }
+
+    /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies; outside, of the nearest place inside.
+    pub(super) fn place(&self, world: DVec3) -> ([usize; 3], DVec3) {
+        let along = world / self.cell_m - 0.5 - self.first.as_dvec3();
+        let mut lowest = [0; 3];
+        let mut beyond = DVec3::ZERO;
+        for axis in 0..3 {
+            let last = self.size[axis] - 1;
+            let inside = along[axis].clamp(0.0, last as f64);
+            lowest[axis] = (inside as usize).min(last - 1);
+            beyond[axis] = inside - lowest[axis] as f64;
+        }
+        (lowest, beyond)
+    }
+
+    /// The node whose cell a place lies in; outside, the nearest.
+    pub(super) fn nearest(&self, world: DVec3) -> usize {
+        let (lowest, beyond) = self.place(world);
+        let [x, y, z] = [0, 1, 2].map(|axis| lowest[axis] + usize::from(beyond[axis] >= 0.5));
+        let [_, row, layer] = self.strides();
+        x + row * y + layer * z
+    }
+
+    /// The nodes about a place of world space; outside, those about the nearest place inside.
+    pub(super) fn corners(&self, world: DVec3) -> Corners {
+        let (lowest, beyond) = self.place(world);
+        let [_, row, layer] = self.strides();
+        let base = lowest[0] + row * lowest[1] + layer * lowest[2];
+        let mut corners = Corners { nodes: [0; 8], weights: [0.0; 8] };
+        for corner in 0..8 {
+            let is_far = [corner & 1, corner >> 1 & 1, corner >> 2];
+            corners.nodes[corner] = base + is_far[0] + row * is_far[1] + layer * is_far[2];
+            corners.weights[corner] = (0..3)
+                .map(|axis| if is_far[axis] == 1 { beyond[axis] } else { 1.0 - beyond[axis] })
+                .product();
+        }
+        corners
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_keeps_still_while_its_bounds_grow() {
+        let small = Grid::covering(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5);
+        let large = Grid::covering(DVec3::splat(-1.3), DVec3::splat(2.0), 0.5);
+        let place = DVec3::new(0.2, -0.7, 0.93);
+        let about = |grid: &Grid| {
+            let corners = grid.corners(place);
+            (corners.nodes.map(|node| grid.position(node)), corners.weights)
+        };
+        assert_eq!(about(&small), about(&large));
+    }
+
+    #[test]
+    fn weights_interpolate() {
+        let grid = Grid::covering(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0), 0.3);
+        for place in [DVec3::new(0.11, 1.7, 0.5), DVec3::new(3.0, 0.0, 1.0)] {
+            let Corners { nodes, weights } = grid.corners(place);
+            let mean: DVec3 = (0..8).map(|corner| weights[corner] * grid.position(nodes[corner])).sum();
+            assert!((mean - place).length() < 1e-12, "{mean} {place}");
+        }
+        let outside = grid.corners(DVec3::splat(-99.0));
+        assert_eq!((outside.nodes[0], outside.weights[0]), (0, 1.0));
+    }
+}

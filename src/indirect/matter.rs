@@ -1,0 +1,285 @@
+//! Leaves and fog as one turbid medium, node by node. In go fog and surfels, out come what is lost of light and where the rest goes. Invariant: matter that absorbs
+//! nothing, in even light from all sides, sends out exactly what it takes.
+//!
+//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands", with each leaf's own normal in place of a distribution of normals: of `|cos|`
+//! the harmonics up to l = 2 are kept, `3/16 + 15/16 cos^2`, so that a node's leaves are two sums of outer products.
+
+use super::grid::Grid;
+use super::harmonics::{COUNT, DEGREE, cosine_lobe};
+use super::moments::Moments;
+use super::surroundings::Surfel;
+use crate::color::Rgb;
+use crate::fog::Medium;
+use glam::DVec3;
+use std::f64::consts::FRAC_1_PI;
+
+/// Of the harmonics those that are the same for a direction and its opposite, and those that change sign.
+const EVEN: [usize; 6] = [0, 4, 5, 6, 7, 8];
+const ODD: [usize; 3] = [1, 2, 3];
+/// Products of two of them, each pair once.
+const EVEN_PAIRS: usize = 21;
+const ODD_PAIRS: usize = 6;
+const NO_LEAVES: u32 = u32::MAX;
+
+/// What fills the cells of a grid.
+pub(super) struct Matter {
+    /// Extinction of fog, 1/m, by channel and node.
+    pub(super) fog_extinction: [Vec<f32>; 3],
+    /// Of fog what each degree of harmonics gets back: `sigma_s g^l`, 1/m, by channel, degree and node.
+    fog_scattering: [[Vec<f32>; 3]; 3],
+    /// Which of `leaves` a node has.
+    leaves_of: Vec<u32>,
+    /// Nodes that have leaves, with those.
+    pub(super) leaves: Vec<Leaves>,
+}
+
+/// The leaves of a node.
+#[derive(Clone)]
+pub(super) struct Leaves {
+    pub(super) node: usize,
+    /// Leaf area by volume, 1/m.
+    density: f32,
+    /// The same by outer products of normals: xx, yy, zz, xy, yz, zx.
+    density_by_normal: [f32; 6],
+    /// By channel and pair of harmonics.
+    even: [[f32; EVEN_PAIRS]; 3],
+    odd: [[f32; ODD_PAIRS]; 3],
+    /// What they emit, by channel.
+    emitted: [[f32; COUNT]; 3],
+}
+
+impl Leaves {
+    fn at(node: usize) -> Self {
+        Self {
+            node,
+            density: 0.0,
+            density_by_normal: [0.0; 6],
+            even: [[0.0; EVEN_PAIRS]; 3],
+            odd: [[0.0; ODD_PAIRS]; 3],
+            emitted: [[0.0; COUNT]; 3],
+        }
+    }
+
+    /// Extinction of light that travels in a direction, 1/m.
+    pub(super) fn extinction(&self, DVec3 { x, y, z }: DVec3) -> f32 {
+        let products = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * y * z, 2.0 * z * x];
+        let along: f64 = (0..6).map(|index| products[index] * f64::from(self.density_by_normal[index])).sum();
+        (3.0 / 16.0 * f64::from(self.density) + 15.0 / 16.0 * along) as f32
+    }
+
+    fn add(&mut self, surfel: &SurfelTerms, density: f32) {
+        self.density += density;
+        for (sum, product) in self.density_by_normal.iter_mut().zip(surfel.normals) {
+            *sum += density * product;
+        }
+        for channel in 0..3 {
+            let (even, odd) = (density * surfel.even[channel], density * surfel.odd[channel]);
+            for (sum, pair) in self.even[channel].iter_mut().zip(&surfel.even_pairs) {
+                *sum += even * pair;
+            }
+            for (sum, pair) in self.odd[channel].iter_mut().zip(&surfel.odd_pairs) {
+                *sum += odd * pair;
+            }
+            let emitted = density * surfel.emission[channel];
+            if emitted > 0.0 {
+                for index in EVEN {
+                    self.emitted[channel][index] += 2.0 * emitted * surfel.lobe[index];
+                }
+            }
+        }
+    }
+
+    /// What they make of the moments of light in one channel, added to `source`.
+    fn scatter(&self, channel: usize, moments: &[f32; COUNT], source: &mut [f32; COUNT]) {
+        multiply(&EVEN, &self.even[channel], moments, source);
+        multiply(&ODD, &self.odd[channel], moments, source);
+    }
+}
+
+/// `source += M moments` for a symmetric matrix of which each pair is kept once.
+fn multiply<const N: usize>(
+    which: &[usize; N],
+    pairs: &[f32],
+    moments: &[f32; COUNT],
+    source: &mut [f32; COUNT],
+) {
+    let mut pair = 0;
+    for i in 0..N {
+        for j in i..N {
+            source[which[i]] += pairs[pair] * moments[which[j]];
+            if i != j {
+                source[which[j]] += pairs[pair] * moments[which[i]];
+            }
+            pair += 1;
+        }
+    }
+}
+
+fn pairs<const N: usize, const M: usize>(which: &[usize; N], lobe: &[f32; COUNT]) -> [f32; M] {
+    let mut products = [0.0; M];
+    let mut pair = 0;
+    for i in 0..N {
+        for j in i..N {
+            products[pair] = lobe[which[i]] * lobe[which[j]];
+            pair += 1;
+        }
+    }
+    products
+}
+
+/// What a surfel adds to its nodes, per leaf area by volume.
+///
+/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what leaves is `B+ + B- = 2 (rho + tau) e` and
+/// `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
+struct SurfelTerms {
+    normals: [f32; 6],
+    lobe: [f32; COUNT],
+    even_pairs: [f32; EVEN_PAIRS],
+    odd_pairs: [f32; ODD_PAIRS],
+    even: [f32; 3],
+    odd: [f32; 3],
+    emission: [f32; 3],
+}
+
+impl SurfelTerms {
+    fn of(surfel: &Surfel) -> Self {
+        let DVec3 { x, y, z } = surfel.normal;
+        let lobe = cosine_lobe(surfel.normal).map(|value| value as f32);
+        let (reflectance, transmittance) = (surfel.scatters.reflectance, surfel.scatters.transmittance);
+        let channels = |color: Rgb| color.to_array().map(|value| value as f32);
+        Self {
+            normals: [x * x, y * y, z * z, x * y, y * z, z * x].map(|value| value as f32),
+            even_pairs: pairs(&EVEN, &lobe),
+            odd_pairs: pairs(&ODD, &lobe),
+            lobe,
+            even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
+            odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
+            emission: channels(surfel.scatters.emission),
+        }
+    }
+}
+
+impl Matter {
+    /// `eye` is where relative space begins in world space.
+    pub(super) fn new(grid: &Grid, medium: &Medium, eye: DVec3, surfels: &[Surfel]) -> Self {
+        let count = grid.count();
+        let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
+        let mut matter = Self {
+            fog_extinction: channels(),
+            fog_scattering: [channels(), channels(), channels()],
+            leaves_of: vec![NO_LEAVES; count],
+            leaves: Vec::new(),
+        };
+        if !medium.is_empty() {
+            matter.add_fog(grid, medium, eye);
+        }
+        for surfel in surfels {
+            matter.add_leaf(grid, surfel);
+        }
+        matter
+    }
+
+    /// Of fog what one degree of harmonics gets back, 1/m, by node.
+    pub(super) fn fog_scattering(&self, channel: usize, degree: usize) -> &[f32] {
+        &self.fog_scattering[channel][degree]
+    }
+
+    fn add_fog(&mut self, grid: &Grid, medium: &Medium, eye: DVec3) {
+        for node in 0..grid.count() {
+            let fog = mean_fog(medium, grid.position(node) - eye, grid.cell_m);
+            for channel in 0..3 {
+                self.fog_extinction[channel][node] = fog.extinction[channel] as f32;
+                for degree in 0..3 {
+                    self.fog_scattering[channel][degree][node] = fog.scattering[degree][channel] as f32;
+                }
+            }
+        }
+    }
+
+    fn add_leaf(&mut self, grid: &Grid, surfel: &Surfel) {
+        let terms = SurfelTerms::of(surfel);
+        let corners = grid.corners(surfel.position);
+        for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
+            if weight > 0.0 {
+                let density = (weight * surfel.area / grid.cell_volume()) as f32;
+                self.leaves_mut(node).add(&terms, density);
+            }
+        }
+    }
+
+    fn leaves_mut(&mut self, node: usize) -> &mut Leaves {
+        if self.leaves_of[node] == NO_LEAVES {
+            self.leaves_of[node] = self.leaves.len() as u32;
+            self.leaves.push(Leaves::at(node));
+        }
+        &mut self.leaves[self.leaves_of[node] as usize]
+    }
+
+    /// Where light goes next: the sources that matter makes of the moments of light, per metre and steradian.
+    pub(super) fn scatter(&self, light: &Moments) -> Moments {
+        let mut sources = Moments::zero(self.leaves_of.len());
+        for channel in 0..3 {
+            for index in 0..COUNT {
+                let share = &self.fog_scattering[channel][DEGREE[index]];
+                let into = sources.channel_mut(channel, index);
+                for ((into, light), share) in into.iter_mut().zip(light.channel(channel, index)).zip(share) {
+                    *into = share * light;
+                }
+            }
+            for leaves in &self.leaves {
+                let mut source = sources.at(channel, leaves.node);
+                leaves.scatter(channel, &light.at(channel, leaves.node), &mut source);
+                sources.set(channel, leaves.node, &source);
+            }
+        }
+        sources
+    }
+
+    /// What leaves emit by themselves, as sources.
+    pub(super) fn emit(&self, sources: &mut Moments) {
+        for leaves in &self.leaves {
+            for channel in 0..3 {
+                let sum = sources.at(channel, leaves.node);
+                let emitted = &leaves.emitted[channel];
+                sources.set(channel, leaves.node, &std::array::from_fn(|index| sum[index] + emitted[index]));
+            }
+        }
+    }
+}
+
+/// Fog of a cell, on the mean.
+struct MeanFog {
+    extinction: Rgb,
+    /// By degree of harmonics.
+    scattering: [Rgb; 3],
+}
+
+/// Exact where fog is even about all of the cell, else the mean of its middles' grid.
+fn mean_fog(medium: &Medium, middle: DVec3, cell_m: f64) -> MeanFog {
+    const SIDE: usize = 4;
+    let corner = |number: usize| {
+        let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
+        middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
+    };
+    let here = medium.extinction_at(middle);
+    if (0..8).all(|number| medium.extinction_at(corner(number)) == here) {
+        return fog_at(medium, middle);
+    }
+    let mut mean = MeanFog { extinction: Rgb::ZERO, scattering: [Rgb::ZERO; 3] };
+    let share = 1.0 / (SIDE * SIDE * SIDE) as f64;
+    for number in 0..SIDE * SIDE * SIDE {
+        let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
+        let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
+        let fog = fog_at(medium, middle + cell_m * place);
+        mean.extinction += share * fog.extinction;
+        for degree in 0..3 {
+            mean.scattering[degree] += share * fog.scattering[degree];
+        }
+    }
+    mean
+}
+
+fn fog_at(medium: &Medium, point: DVec3) -> MeanFog {
+    let scattering = [0, 1, 2].map(|degree| medium.scattering_by_degree_at(point, degree));
+    MeanFog { extinction: medium.extinction_at(point), scattering }
+}

@@ -1,0 +1,73 @@
+//! Light of all orders of scattering but the first: from leaf to leaf, from sky to ground, within fog. In goes a snapshot, out comes an [`Indirect`] that every ray
+//! may ask. Invariant: nothing in it is random, and nothing depends on where the camera stands in a cell of its grid.
+//!
+//! Direct light and single scattering stay exact, in `transport`. What comes after is solved on a world grid by discrete ordinates (Chandrasekhar 1950, "Radiative
+//! Transfer"), leaves and fog together as one turbid medium: `field.rs` is the loop over orders.
+
+mod field;
+mod first_light;
+mod grid;
+mod harmonics;
+mod matter;
+mod moments;
+mod ordinates;
+mod surroundings;
+mod sweep;
+mod view;
+mod walls;
+
+pub use field::Field;
+pub use view::ViewedFog;
+
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::scene::Bounces;
+use crate::snapshot::{Snapshot, SurfacePoint};
+use glam::DVec3;
+use std::f64::consts::FRAC_1_PI;
+
+/// Indirect light of a shutter interval.
+pub struct Indirect {
+    field: Field,
+    fog: Option<ViewedFog>,
+}
+
+impl Indirect {
+    /// `None` where there is nothing that could scatter light. `aspect` is width / height of the picture.
+    pub fn new(snapshot: &Snapshot, bounces: Bounces, aspect: f64) -> Option<Self> {
+        let field = Field::new(snapshot, bounces)?;
+        let fog = ViewedFog::new(&field, snapshot, aspect);
+        Some(Self { field, fog })
+    }
+
+    /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
+    pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
+        let world = snapshot.world_from_relative(point.position);
+        let normal = point.shading_normal;
+        let mut radiance = Rgb::ZERO;
+        let shine = point.gloss.as_ref().map(|gloss| gloss.albedo(normal.dot(point.to_eye).max(0.0)));
+        let beneath = Rgb::ONE - shine.unwrap_or(Rgb::ZERO);
+        if point.albedo != Rgb::ZERO {
+            radiance += FRAC_1_PI * beneath * point.albedo * self.field.irradiance(world, normal);
+        }
+        if point.transmission != Rgb::ZERO {
+            radiance += FRAC_1_PI * beneath * point.transmission * self.field.irradiance(world, -normal);
+        }
+        if let Some(shine) = shine {
+            // A lobe about the mirrored direction, as wide as a cosine.
+            let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
+            radiance += FRAC_1_PI * shine * self.field.irradiance(world, mirrored);
+        }
+        radiance
+    }
+
+    /// Radiance that fog scatters into a camera ray before it has gone `distance` metres.
+    pub fn seen_in_fog(&self, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
+        self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance))
+    }
+
+    /// The same of any ray.
+    pub fn in_scattered(&self, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
+        view::along(&self.field, snapshot, ray, distance)
+    }
+}

@@ -1,0 +1,65 @@
+//! Nine numbers a channel and node: radiance by direction of travel, or sources of it. Invariant: laid out by channel, then by harmonic, then by node, so that
+//! what is done to all nodes is done to neighbours in memory.
+
+use super::harmonics::COUNT;
+
+/// Moments of all nodes of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Moments {
+    nodes: usize,
+    values: Vec<f32>,
+}
+
+impl Moments {
+    pub(super) fn zero(nodes: usize) -> Self {
+        Self { nodes, values: vec![0.0; 3 * COUNT * nodes] }
+    }
+
+    fn range(&self, channel: usize, index: usize) -> std::ops::Range<usize> {
+        let start = (channel * COUNT + index) * self.nodes;
+        start..start + self.nodes
+    }
+
+    /// One harmonic of all nodes.
+    pub(super) fn channel(&self, channel: usize, index: usize) -> &[f32] {
+        &self.values[self.range(channel, index)]
+    }
+
+    pub(super) fn channel_mut(&mut self, channel: usize, index: usize) -> &mut [f32] {
+        let range = self.range(channel, index);
+        &mut self.values[range]
+    }
+
+    /// All harmonics of one channel, one after the other.
+    pub(super) fn of_channel_mut(&mut self, channel: usize) -> &mut [f32] {
+        let start = channel * COUNT * self.nodes;
+        &mut self.values[start..start + COUNT * self.nodes]
+    }
+
+    /// All harmonics of one node.
+    pub(super) fn at(&self, channel: usize, node: usize) -> [f32; COUNT] {
+        std::array::from_fn(|index| self.values[(channel * COUNT + index) * self.nodes + node])
+    }
+
+    pub(super) fn set(&mut self, channel: usize, node: usize, values: &[f32; COUNT]) {
+        for (index, value) in values.iter().enumerate() {
+            self.values[(channel * COUNT + index) * self.nodes + node] = *value;
+        }
+    }
+
+    /// `self += factor * other`, the factor by channel.
+    pub(super) fn add(&mut self, other: &Self, factor: [f32; 3]) {
+        let length = COUNT * self.nodes;
+        for (channel, factor) in factor.into_iter().enumerate() {
+            let range = channel * length..(channel + 1) * length;
+            for (sum, value) in self.values[range.clone()].iter_mut().zip(&other.values[range]) {
+                *sum += factor * value;
+            }
+        }
+    }
+
+    /// The sum over all nodes of what comes from all sides, by channel.
+    pub(super) fn total(&self) -> [f64; 3] {
+        [0, 1, 2].map(|channel| self.channel(channel, 0).iter().map(|value| f64::from(*value)).sum())
+    }
+}

@@ -1,0 +1,284 @@
+//! Walls between the nodes of a grid: ground, trunks, rooms. In go triangles, out come the links from node to node that they cut, and the patches that are seen
+//! instead. Invariant: no light goes along a link that a wall cuts, however thin it is.
+
+use super::grid::Grid;
+use super::surroundings::{Scatters, WallTriangle, scatters};
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Links of a node: its 26 neighbours and itself.
+const LINKS: usize = 27;
+const NO_PATCH: u32 = u32::MAX;
+const NO_WALL: u32 = u32::MAX;
+
+/// A step to a neighbour as the number of a link.
+pub(super) fn link_of(step: [i32; 3]) -> usize {
+    (step[0] + 1 + 3 * (step[1] + 1) + 9 * (step[2] + 1)) as usize
+}
+
+/// A node some of whose neighbours are behind walls.
+pub(super) struct WalledNode {
+    pub(super) node: usize,
+    /// What is seen first along each link.
+    seen: [Seen; LINKS],
+}
+
+#[derive(Clone, Copy)]
+struct Seen {
+    /// As a share of the link.
+    at: f32,
+    patch: u32,
+}
+
+impl WalledNode {
+    /// The patch that is seen along a link, if a wall cuts it.
+    pub(super) fn wall_at(&self, link: usize) -> Option<usize> {
+        let patch = self.seen[link].patch;
+        (patch != NO_PATCH).then_some(patch as usize)
+    }
+}
+
+/// What nodes see of a wall about one cell, on one side.
+pub(super) struct Patch {
+    /// In world space, the mean of where it is seen.
+    pub(super) position: DVec3,
+    /// Towards those who see it.
+    pub(super) normal: DVec3,
+    pub(super) scatters: Scatters,
+    /// A triangle of it.
+    pub(super) primitive: PrimitiveId,
+    /// Nodes that see it, and how much each counts.
+    pub(super) seen_by: Vec<(u32, f32)>,
+}
+
+/// Which patch a place belongs to: the cell, the direction that it faces most, the mesh.
+type PatchKey = (usize, u8, u32);
+
+/// All walls about a grid's nodes.
+#[derive(Default)]
+pub(super) struct Walls {
+    nodes: Vec<WalledNode>,
+    /// Numbers in `nodes` by axis and plane.
+    by_plane: [Vec<Vec<u32>>; 3],
+    pub(super) patches: Vec<Patch>,
+    pub(super) triangles: Vec<WallTriangle>,
+    /// The triangles about each cell of eight nodes, by its lowest node; ranges of `about`.
+    about_cell: HashMap<usize, Vec<u32>>,
+}
+
+impl Walls {
+    pub(super) fn new(grid: &Grid, snapshot: &Snapshot, triangles: Vec<WallTriangle>) -> Self {
+        let mut building = Building::new(grid, snapshot);
+        let mut about_cell: HashMap<usize, Vec<u32>> = HashMap::new();
+        for (number, triangle) in triangles.iter().enumerate() {
+            building.add(triangle, number as u32, &mut about_cell);
+        }
+        let Building { nodes, patches, .. } = building;
+        let mut by_plane = [0, 1, 2].map(|axis| vec![Vec::new(); grid.size[axis]]);
+        for (number, walled) in nodes.iter().enumerate() {
+            let cell = grid.cell_of(walled.node);
+            for axis in 0..3 {
+                by_plane[axis][cell[axis]].push(number as u32);
+            }
+        }
+        Self { nodes, by_plane, patches, triangles, about_cell }
+    }
+
+    pub(super) fn of_plane(&self, axis: usize, plane: usize) -> &[u32] {
+        self.by_plane[axis].get(plane).map_or(&[], Vec::as_slice)
+    }
+
+    pub(super) fn node(&self, number: u32) -> &WalledNode {
+        &self.nodes[number as usize]
+    }
+
+    /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest` is the first of them.
+    pub(super) fn about(&self, lowest: usize) -> &[u32] {
+        self.about_cell.get(&lowest).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a wall of a cell stands between two places.
+    pub(super) fn hide(&self, lowest: usize, from: DVec3, to: DVec3) -> bool {
+        self.about(lowest).iter().any(|&number| {
+            let crossing = crossing(&self.triangles[number as usize].corners, from, to);
+            crossing.is_some()
+        })
+    }
+}
+
+struct Building<'a> {
+    grid: &'a Grid,
+    snapshot: &'a Snapshot<'a>,
+    nodes: Vec<WalledNode>,
+    number_of: Vec<u32>,
+    patches: Vec<Patch>,
+    patch_of: HashMap<PatchKey, u32>,
+}
+
+impl<'a> Building<'a> {
+    fn new(grid: &'a Grid, snapshot: &'a Snapshot<'a>) -> Self {
+        Self {
+            grid,
+            snapshot,
+            nodes: Vec::new(),
+            number_of: vec![NO_WALL; grid.count()],
+            patches: Vec::new(),
+            patch_of: HashMap::new(),
+        }
+    }
+
+    /// Cuts the links that a triangle crosses, and notes the cells that it touches.
+    fn add(&mut self, triangle: &WallTriangle, number: u32, about_cell: &mut HashMap<usize, Vec<u32>>) {
+        let grid = self.grid;
+        let [a, b, c] = triangle.corners;
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let ((grid_low, _), (grid_high, _)) = (grid.place(low), grid.place(high));
+        let (lowest, highest) = (grid.place(grid.position(0)).0, grid.size);
+        debug_assert_eq!(lowest, [0; 3]);
+        let reach = 1.75 * grid.cell_m;
+        let range = |axis: usize| grid_low[axis].saturating_sub(1)..(grid_high[axis] + 3).min(highest[axis]);
+        for z in range(2) {
+            for y in range(1) {
+                for x in range(0) {
+                    let [_, row, layer] = grid.strides();
+                    let node = x + row * y + layer * z;
+                    let position = grid.position(node);
+                    if (position - a).dot(normal).abs() > reach {
+                        continue;
+                    }
+                    self.cut_links(triangle, normal, [x, y, z], node);
+                    let is_lowest = (0..3).all(|axis| [x, y, z][axis] + 1 < grid.size[axis]);
+                    if is_lowest && touches(&triangle.corners, position, grid.cell_m) {
+                        about_cell.entry(node).or_default().push(number);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Of links that lead from a node to neighbours that come after it.
+    fn cut_links(&mut self, triangle: &WallTriangle, normal: DVec3, cell: [usize; 3], node: usize) {
+        let grid = self.grid;
+        for link in LINKS / 2 + 1..LINKS {
+            let step = [link % 3, link / 3 % 3, link / 9].map(|digit| digit as i32 - 1);
+            let other = [0, 1, 2].map(|axis| cell[axis] as i32 + step[axis]);
+            if (0..3).any(|axis| other[axis] < 0 || other[axis] >= grid.size[axis] as i32) {
+                continue;
+            }
+            let [_, row, layer] = grid.strides().map(|stride| stride as i32);
+            let neighbour = (node as i32 + step[0] + row * step[1] + layer * step[2]) as usize;
+            let (from, to) = (grid.position(node), grid.position(neighbour));
+            let Some(at) = crossing(&triangle.corners, from, to) else { continue };
+            let facing = if (to - from).dot(normal) < 0.0 { normal } else { -normal };
+            let point = from + at * (to - from);
+            self.see(triangle, (node, link), at, point, facing);
+            self.see(triangle, (neighbour, LINKS - 1 - link), 1.0 - at, point, -facing);
+        }
+    }
+
+    fn see(
+        &mut self,
+        triangle: &WallTriangle,
+        (node, link): (usize, usize),
+        at: f64,
+        point: DVec3,
+        facing: DVec3,
+    ) {
+        let number = self.walled(node);
+        if f64::from(self.nodes[number].seen[link].at) <= at {
+            return;
+        }
+        let patch = self.patch(triangle, point, facing);
+        self.nodes[number].seen[link] = Seen { at: at as f32, patch };
+    }
+
+    fn walled(&mut self, node: usize) -> usize {
+        if self.number_of[node] == NO_WALL {
+            self.number_of[node] = self.nodes.len() as u32;
+            self.nodes.push(WalledNode { node, seen: [Seen { at: 1.0, patch: NO_PATCH }; LINKS] });
+        }
+        self.number_of[node] as usize
+    }
+
+    fn patch(&mut self, triangle: &WallTriangle, point: DVec3, facing: DVec3) -> u32 {
+        let axis = (0..3).max_by(|a, b| facing[*a].abs().total_cmp(&facing[*b].abs())).expect("three");
+        let face = 2 * axis as u8 + u8::from(facing[axis] > 0.0);
+        // Off the wall, so that rounding does not decide which cell it is.
+        let cell = self.grid.nearest(point + 0.25 * self.grid.cell_m * facing);
+        let key = (cell, face, triangle.primitive.instance);
+        let next = self.patches.len() as u32;
+        let snapshot = self.snapshot;
+        let patches = &mut self.patches;
+        *self.patch_of.entry(key).or_insert_with(|| {
+            let scatters = scatters(snapshot, triangle.primitive, point, facing);
+            patches.push(Patch {
+                position: point,
+                normal: facing,
+                scatters,
+                primitive: triangle.primitive,
+                seen_by: Vec::new(),
+            });
+            next
+        })
+    }
+}
+
+impl Walls {
+    /// Tells each patch which nodes see it.
+    pub(super) fn introduce(mut self) -> Self {
+        for walled in &self.nodes {
+            for seen in walled.seen.iter().filter(|seen| seen.patch != NO_PATCH) {
+                self.patches[seen.patch as usize].seen_by.push((walled.node as u32, 1.0 - 0.9 * seen.at));
+            }
+        }
+        self
+    }
+
+    /// The irradiance on each patch by light at the nodes that see it: `irradiance` answers for a node and a normal.
+    pub(super) fn irradiances(&self, irradiance: impl Fn(usize, DVec3) -> Rgb) -> Vec<Rgb> {
+        let of_patch = |patch: &Patch| {
+            let (mut weighted, mut all) = (Rgb::ZERO, 0.0);
+            for &(node, weight) in &patch.seen_by {
+                weighted += f64::from(weight) * irradiance(node as usize, patch.normal);
+                all += f64::from(weight);
+            }
+            if all > 0.0 { weighted / all } else { Rgb::ZERO }
+        };
+        self.patches.iter().map(of_patch).collect()
+    }
+}
+
+/// Where a way from one place to another crosses a triangle, as a share of the way (Möller & Trumbore 1997). Edges count as inside.
+fn crossing([a, b, c]: &[DVec3; 3], from: DVec3, to: DVec3) -> Option<f64> {
+    const SLACK: f64 = 1e-9;
+    let (ab, ac, way) = (*b - *a, *c - *a, to - from);
+    let across = way.cross(ac);
+    let determinant = ab.dot(across);
+    if determinant == 0.0 {
+        return None;
+    }
+    let start = from - *a;
+    let u = start.dot(across) / determinant;
+    let along = start.cross(ab);
+    let v = way.dot(along) / determinant;
+    if u < -SLACK || v < -SLACK || u + v > 1.0 + SLACK {
+        return None;
+    }
+    let t = ac.dot(along) / determinant;
+    (0.0..1.0).contains(&t).then_some(t)
+}
+
+/// Whether a triangle's box touches the cube that begins at a place, and its plane cuts it.
+fn touches(corners: &[DVec3; 3], lowest: DVec3, side: f64) -> bool {
+    let [a, b, c] = *corners;
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let slack = 1e-6 * side;
+    let overlaps = low.cmple(lowest + side + slack).all() && high.cmpge(lowest - slack).all();
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let middle = lowest + 0.5 * side;
+    overlaps && (middle - a).dot(normal).abs() <= 0.5 * side * normal.abs().element_sum() + slack
+}

@@ -1,0 +1,201 @@
+//! What a mesh is made of: leaves, bodies, walls. In goes a mesh, out come its connected parts and the places that stand for them. Invariant: all is chosen in
+//! mesh space, so that a part that moves keeps its places; chosen in world space, rounding would pick others from frame to frame.
+
+use crate::scene::{Mesh, Scene};
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+/// Triangles that hang together.
+#[derive(Clone, Debug)]
+pub struct MeshPart {
+    /// Their numbers.
+    pub triangles: Vec<u32>,
+    /// Of the box about them, in mesh space.
+    pub extent: DVec3,
+    /// Whether nothing gets inside.
+    pub is_closed: bool,
+    /// What stands for all of it.
+    pub places: Vec<PartPlace>,
+}
+
+/// A triangle that stands for a share of its part.
+#[derive(Clone, Copy, Debug)]
+pub struct PartPlace {
+    /// Its number.
+    pub triangle: u32,
+    /// How much of the part's area it stands for, by its own area in mesh space.
+    pub share: f64,
+}
+
+/// Places of a part that is as wide as it is long.
+const PLACES: f64 = 8.0;
+/// Of any part.
+const MOST_PLACES: f64 = 64.0;
+
+/// The parts of each of a scene's meshes, found when they are first asked for.
+#[derive(Debug, Default)]
+pub(super) struct MeshParts(Vec<OnceLock<Vec<MeshPart>>>);
+
+impl MeshParts {
+    pub(super) fn new(scene: &Scene) -> Self {
+        Self(scene.meshes.iter().map(|_| OnceLock::new()).collect())
+    }
+
+    pub(super) fn of(&self, (number, mesh): (usize, &Mesh)) -> &[MeshPart] {
+        self.0[number].get_or_init(|| parts(mesh))
+    }
+}
+
+/// The parts of a mesh, in the order of their first triangles.
+fn parts(mesh: &Mesh) -> Vec<MeshPart> {
+    let names = welded(&mesh.positions);
+    let mut sets = Sets::new(mesh.positions.len());
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.vertices.map(|vertex| names[vertex as usize]);
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    let mut number_of_root = HashMap::new();
+    let mut triangles: Vec<Vec<u32>> = Vec::new();
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        let root = sets.root(names[triangle.vertices[0] as usize]);
+        let part = *number_of_root.entry(root).or_insert(triangles.len());
+        if part == triangles.len() {
+            triangles.push(Vec::new());
+        }
+        triangles[part].push(number as u32);
+    }
+    triangles.into_iter().map(|triangles| part(mesh, &names, triangles)).collect()
+}
+
+fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>) -> MeshPart {
+    let corners = |triangle: u32| {
+        mesh.triangles[triangle as usize].vertices.map(|vertex| mesh.positions[vertex as usize].as_dvec3())
+    };
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut areas = Vec::with_capacity(triangles.len());
+    for &triangle in &triangles {
+        let [a, b, c] = corners(triangle);
+        low = low.min(a).min(b).min(c);
+        high = high.max(a).max(b).max(c);
+        areas.push(0.5 * (b - a).cross(c - a).length());
+    }
+    let extent = high - low;
+    let places = places(&triangles, &areas, extent);
+    let is_closed = is_closed(mesh, names, &triangles);
+    MeshPart { triangles, extent, is_closed, places }
+}
+
+/// Evenly spread over the area.
+fn places(triangles: &[u32], areas: &[f64], extent: DVec3) -> Vec<PartPlace> {
+    let whole: f64 = areas.iter().sum();
+    if !(whole > 0.0 && whole.is_finite()) {
+        return Vec::new();
+    }
+    let mut sides = extent.to_array();
+    sides.sort_by(f64::total_cmp);
+    let slenderness = (sides[2] / sides[1]).min(MOST_PLACES);
+    let count = (PLACES * slenderness).min(MOST_PLACES).min(triangles.len() as f64).ceil() as usize;
+    let step = whole / count as f64;
+    let mut places = Vec::with_capacity(count);
+    let mut so_far = 0.0;
+    for (&triangle, &area) in triangles.iter().zip(areas) {
+        let before = so_far;
+        so_far += area;
+        // As many marks as lie on it, half a step after the start and then each step.
+        let marks = (so_far / step + 0.5).floor() - (before / step + 0.5).floor();
+        if marks > 0.0 && area > 0.0 {
+            places.push(PartPlace { triangle, share: marks * step / area });
+        }
+    }
+    places
+}
+
+/// Whether every edge is shared by two triangles that agree which side is out.
+fn is_closed(mesh: &Mesh, names: &[u32], triangles: &[u32]) -> bool {
+    let mut open: HashMap<(u32, u32), i32> = HashMap::new();
+    for &triangle in triangles {
+        let [a, b, c] = mesh.triangles[triangle as usize].vertices.map(|vertex| names[vertex as usize]);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if from == to {
+                continue;
+            }
+            let (edge, way) = if from < to { ((from, to), 1) } else { ((to, from), -1) };
+            *open.entry(edge).or_default() += way;
+        }
+    }
+    triangles.len() > 3 && open.values().all(|ways| *ways == 0)
+}
+
+/// Of each vertex the first that is at the same place.
+fn welded(positions: &[Vec3]) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(positions.len());
+    positions
+        .iter()
+        .zip(0..)
+        .map(|(position, number)| {
+            *first.entry(position.to_array().map(|x| (x + 0.0).to_bits())).or_insert(number)
+        })
+        .collect()
+}
+
+/// Which vertices hang together: union and find, with path halving.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn root(&mut self, mut vertex: u32) -> u32 {
+        while self.0[vertex as usize] != vertex {
+            let grandparent = self.0[self.0[vertex as usize] as usize];
+            self.0[vertex as usize] = grandparent;
+            vertex = grandparent;
+        }
+        vertex
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Triangle;
+
+    fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
+        Mesh {
+            positions: positions.iter().map(|position| Vec3::from_array(*position)).collect(),
+            triangles: triangles.iter().map(|&vertices| Triangle { vertices, material: 0 }).collect(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn quads_that_share_no_place_are_two_parts() {
+        let quad = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 2.0, 0.0], [x, 2.0, 0.0]];
+        let positions: Vec<_> = quad(0.0).into_iter().chain(quad(5.0)).collect();
+        let found = parts(&mesh(&positions, &[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]));
+        assert_eq!(found.len(), 2);
+        for part in &found {
+            assert_eq!((part.extent, part.is_closed), (DVec3::new(1.0, 2.0, 0.0), false));
+            assert_eq!(part.places.iter().map(|place| place.share).sum::<f64>(), 2.0);
+        }
+    }
+
+    /// Its corners are there three times, as files have them whose normals differ.
+    #[test]
+    fn a_tetrahedron_is_closed_and_one_without_a_face_is_not() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let positions: Vec<_> = faces.iter().flatten().map(|&corner: &usize| corners[corner]).collect();
+        let triangles: Vec<[u32; 3]> = (0..4).map(|face| [0, 1, 2].map(|corner| 3 * face + corner)).collect();
+        assert!(parts(&mesh(&positions, &triangles))[0].is_closed);
+        assert!(!parts(&mesh(&positions, &triangles[..3]))[0].is_closed);
+    }
+}

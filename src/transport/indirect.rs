@@ -1,0 +1,31 @@
+//! Indirect light of a ray and of a point: what the field of light that was scattered before adds. In go rays and points, out come radiances. Invariant: nothing is added
+//! unless the path's light has it.
+
+use super::path::Path;
+use super::radiance::Start;
+use super::visibility::Way;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::snapshot::SurfacePoint;
+
+/// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
+pub(super) fn scattered(path: &Path, point: &SurfacePoint) -> Rgb {
+    path.indirect().map_or(Rgb::ZERO, |indirect| indirect.scattered(path.snapshot, point))
+}
+
+/// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.
+pub(super) fn in_scattered(path: &Path, ray: &Ray, way: &Way, from: Start) -> Rgb {
+    let Some(indirect) = path.indirect() else { return Rgb::ZERO };
+    let before = |distance: f64| match from {
+        Start::Camera => indirect.seen_in_fog(path.snapshot, ray, distance),
+        Start::Surface(_) => indirect.in_scattered(path.snapshot, ray, distance),
+    };
+    let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);
+    for hit in &way.blended {
+        let up_to = before(hit.t);
+        sum += seen_through * (up_to - so_far);
+        seen_through *= hit.point.see_through;
+        so_far = up_to;
+    }
+    sum + seen_through * (before(way.distance) - so_far)
+}
