@@ -113,7 +113,8 @@ fn show(description: Description) {
 fn look(scene: &Scene, time_s: f64) {
     let trees = MeshTrees::new(scene);
     let snapshot = Snapshot::new(scene, &trees, 0, 1.0, Shutter { open_s: time_s, close_s: time_s });
-    let transport = Transport { volume: VolumeMethod::Segments, mirror_depth: 1, indirect: None, features: true };
+    let transport =
+        Transport { volume: VolumeMethod::Segments, mirror_depth: 1, indirect: None, features: true };
     let mut scratch = Scratch::default();
     for number in 0..3 {
         let mut sampler = Sampler::new(number, 0, 0, 0);

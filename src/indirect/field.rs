@@ -2,10 +2,10 @@
 //! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
 use super::first_light::{FirstLight, radiance};
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::harmonics::{COUNT, DEGREE, basis, irradiance_lobe};
 use super::matter::Matter;
-use super::moments::Moments;
+use super::moments::{Moments, NodeMoments};
 use super::ordinates::Ordinates;
 use super::surroundings::Surroundings;
 use super::sweep::{Sources, Sweeper};
@@ -36,9 +36,9 @@ pub struct Field {
     grid: Grid,
     walls: Walls,
     /// All that surfaces get.
-    light: Moments,
-    /// Of that, light of the sky that nothing has scattered, if fog is not to see it.
-    unseen_by_fog: Option<Moments>,
+    light: NodeMoments,
+    /// What fog gets: the same unless the sky lights surfaces alone.
+    light_in_fog: Option<NodeMoments>,
 }
 
 impl Field {
@@ -60,7 +60,12 @@ impl Field {
         let ordinates = Ordinates::new();
         let sweeper = Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates };
         let (light, unseen_by_fog) = Rounds { sweeper, first, snapshot }.run(bounces);
-        Some(Self { grid, walls, light, unseen_by_fog })
+        let light_in_fog = unseen_by_fog.map(|unseen| {
+            let mut seen = light.clone();
+            seen.add(&unseen, [-1.0; 3]);
+            NodeMoments::of(&seen)
+        });
+        Some(Self { grid, walls, light: NodeMoments::of(&light), light_in_fog })
     }
 
     /// The irradiance on a surface at a place of world space on the side that `normal` faces, W/m^2.
@@ -69,24 +74,12 @@ impl Field {
         const AWAY: f64 = 0.25;
         let place = world + AWAY * self.grid.cell_m * normal;
         let moments = self.about(place, world + 1e-3 * self.grid.cell_m * normal, &self.light);
-        let lobe = irradiance_lobe(normal);
-        let of_channel = |channel: usize| -> f64 {
-            (0..COUNT).map(|index| lobe[index] * f64::from(moments[channel][index])).sum()
-        };
-        Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+        by_lobe(&irradiance_lobe(normal), &moments)
     }
 
     /// What fog at a place of world space scatters into a direction of travel, W m^-3 sr^-1; `scattering` is its coefficient by degree of harmonics.
     pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
-        let mut moments = self.about(world, world, &self.light);
-        if let Some(unseen) = &self.unseen_by_fog {
-            let unseen = self.about(world, world, unseen);
-            for channel in 0..3 {
-                for index in 0..COUNT {
-                    moments[channel][index] -= unseen[channel][index];
-                }
-            }
-        }
+        let moments = self.about(world, world, self.light_in_fog.as_ref().unwrap_or(&self.light));
         let basis = basis(travel);
         let of_channel = |channel: usize| -> f64 {
             let harmonic = |index: usize| {
@@ -108,44 +101,38 @@ impl Field {
     }
 
     /// Moments about a place, of the nodes that no wall hides from `seen_from`.
-    fn about(&self, place: DVec3, seen_from: DVec3, moments: &Moments) -> [[f32; COUNT]; 3] {
+    #[inline]
+    fn about(&self, place: DVec3, seen_from: DVec3, moments: &NodeMoments) -> [[f32; COUNT]; 3] {
         let mut corners = self.grid.corners(place);
-        let lowest = corners.nodes[0];
-        if !self.walls.about(lowest).is_empty() {
-            let hidden =
-                corners.nodes.map(|node| self.walls.hide(lowest, seen_from, self.grid.position(node)));
-            let mut seen = 0.0;
-            for corner in 0..8 {
-                if hidden[corner] {
-                    corners.weights[corner] = 0.0;
-                }
-                seen += corners.weights[corner];
-            }
-            if seen < 1e-3 {
-                // Between walls closer than a cell: whatever is seen at all.
-                let open = hidden.iter().filter(|hidden| !**hidden).count();
-                if open == 0 {
-                    return [[0.0; COUNT]; 3];
-                }
-                for corner in 0..8 {
-                    corners.weights[corner] = if hidden[corner] { 0.0 } else { 1.0 / open as f64 };
-                }
-            } else {
-                corners.weights = corners.weights.map(|weight| weight / seen);
-            }
+        if !self.walls.about(corners.nodes[0]).is_empty() {
+            self.look_past_walls(&mut corners, seen_from);
         }
-        [0, 1, 2].map(|channel| {
-            let mut sum = [0.0; COUNT];
-            for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
-                if weight > 0.0 {
-                    for (sum, value) in sum.iter_mut().zip(moments.at(channel, node)) {
-                        *sum += weight as f32 * value;
-                    }
-                }
-            }
-            sum
-        })
+        moments.mean(&corners)
     }
+
+    /// Leaves out nodes that walls hide.
+    fn look_past_walls(&self, corners: &mut Corners, seen_from: DVec3) {
+        let lowest = corners.nodes[0];
+        let hidden = corners.nodes.map(|node| self.walls.hide(lowest, seen_from, self.grid.position(node)));
+        let is_seen = hidden.map(|hidden| f64::from(u8::from(!hidden)));
+        let share: f64 = (0..8).map(|corner| is_seen[corner] * corners.weights[corner]).sum();
+        corners.weights = if share > 1e-3 {
+            std::array::from_fn(|corner| is_seen[corner] * corners.weights[corner] / share)
+        } else {
+            // Between walls closer than a cell: whatever is seen at all.
+            let open: f64 = is_seen.iter().sum();
+            is_seen.map(|is_seen| is_seen / open.max(1.0))
+        };
+    }
+}
+
+/// What a lobe gathers of moments, by channel; nothing where harmonics cut short would have less.
+#[inline]
+fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
+    let lobe = lobe.map(|value| value as f32);
+    let of_channel =
+        |channel: usize| -> f32 { (0..COUNT).map(|index| lobe[index] * moments[channel][index]).sum() };
+    Rgb::new(f64::from(of_channel(0)), f64::from(of_channel(1)), f64::from(of_channel(2))).max(Rgb::ZERO)
 }
 
 /// The nodes: about all fog that has bounds and all leaves; without either, about everything.
@@ -235,12 +222,7 @@ impl Rounds<'_> {
     fn reflected(&self, light: &Moments) -> Vec<Rgb> {
         let walls = self.sweeper.walls;
         let irradiances = walls.irradiances(|node, normal| {
-            let lobe = irradiance_lobe(normal);
-            let of_channel = |channel: usize| -> f64 {
-                let moments = light.at(channel, node);
-                (0..COUNT).map(|index| lobe[index] * f64::from(moments[index])).sum()
-            };
-            Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+            by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, node)))
         });
         let patches = walls.patches.iter().zip(irradiances);
         patches.map(|(patch, irradiance)| radiance(patch.scatters.reflectance * irradiance)).collect()

@@ -1,6 +1,7 @@
 //! Nine numbers a channel and node: radiance by direction of travel, or sources of it. Invariant: laid out by channel, then by harmonic, then by node, so that
 //! what is done to all nodes is done to neighbours in memory.
 
+use super::grid::Corners;
 use super::harmonics::COUNT;
 
 /// Moments of all nodes of a grid.
@@ -61,5 +62,39 @@ impl Moments {
     /// The sum over all nodes of what comes from all sides, by channel.
     pub(super) fn total(&self) -> [f64; 3] {
         [0, 1, 2].map(|channel| self.channel(channel, 0).iter().map(|value| f64::from(*value)).sum())
+    }
+}
+
+/// The same for who asks for one node after another: all numbers of a node lie side by side.
+#[derive(Clone, Debug)]
+pub(super) struct NodeMoments(Vec<[f32; PER_NODE]>);
+
+/// Nine a channel, and one to fill eight lanes.
+const PER_NODE: usize = 28;
+
+impl NodeMoments {
+    pub(super) fn of(moments: &Moments) -> Self {
+        let mut nodes = vec![[0.0; PER_NODE]; moments.nodes];
+        for channel in 0..3 {
+            for index in 0..COUNT {
+                for (node, value) in nodes.iter_mut().zip(moments.channel(channel, index)) {
+                    node[channel * COUNT + index] = *value;
+                }
+            }
+        }
+        Self(nodes)
+    }
+
+    /// The mean of eight nodes, by channel.
+    #[inline]
+    pub(super) fn mean(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
+        let mut sum = [0.0; PER_NODE];
+        for (&node, &weight) in corners.nodes.iter().zip(&corners.weights) {
+            let weight = weight as f32;
+            for (sum, value) in sum.iter_mut().zip(&self.0[node]) {
+                *sum += weight * value;
+            }
+        }
+        std::array::from_fn(|channel| std::array::from_fn(|index| sum[channel * COUNT + index]))
     }
 }

@@ -60,7 +60,7 @@ impl<'a> Surroundings<'a> {
             let axes = mesh.relative_from_mesh.matrix3;
             let scale = DVec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
             mesh.parts().iter().map(move |part| {
-                let mut sides = (part.extent * scale).to_array();
+                let mut sides = ((part.high - part.low) * scale).to_array();
                 sides.sort_by(f64::total_cmp);
                 PlacedPart { mesh, part, width_m: sides[1] }
             })
@@ -71,8 +71,7 @@ impl<'a> Surroundings<'a> {
     /// The box about all parts of at most that width, in world space; `None` if there is none.
     pub(super) fn bounds(&self, width_m: std::ops::Range<f64>) -> Option<(DVec3, DVec3)> {
         let parts = self.parts.iter().filter(|part| width_m.contains(&part.width_m));
-        let corners = parts
-            .flat_map(|part| part.part.triangles.iter().flat_map(|&triangle| self.corners(part, triangle)));
+        let corners = parts.flat_map(|part| self.corners(part));
         corners.map(|corner| (corner, corner)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
@@ -80,7 +79,7 @@ impl<'a> Surroundings<'a> {
     pub(super) fn leaf_width_m(&self, widest_m: f64) -> f64 {
         let leaves = self.parts.iter().filter(|part| part.width_m < widest_m);
         let (weighted, all) = leaves.fold((0.0, 0.0), |(weighted, all), leaf| {
-            let area = leaf.part.extent.length_squared();
+            let area = (leaf.part.high - leaf.part.low).length_squared();
             (weighted + area * leaf.width_m, all + area)
         });
         if all > 0.0 { weighted / all } else { 0.0 }
@@ -108,11 +107,17 @@ impl<'a> Surroundings<'a> {
             .collect()
     }
 
-    fn corners(&self, part: &PlacedPart, triangle: u32) -> Vec<DVec3> {
-        part.mesh
-            .primitive(triangle)
-            .map(|primitive| self.world_corners(primitive).to_vec())
-            .unwrap_or_default()
+    /// Places that a part lies between.
+    fn corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart) -> Vec<DVec3> {
+        if mesh.is_bent {
+            let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
+            return primitives.flat_map(|primitive| self.world_corners(primitive)).collect();
+        }
+        let corner = |number: usize| {
+            let side = |axis: usize| if number >> axis & 1 == 0 { part.low[axis] } else { part.high[axis] };
+            mesh.relative_from_mesh.transform_point3(DVec3::new(side(0), side(1), side(2)))
+        };
+        (0..8).map(|number| self.snapshot.world_from_relative(corner(number))).collect()
     }
 
     fn world_corners(&self, primitive: PrimitiveId) -> [DVec3; 3] {

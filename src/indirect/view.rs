@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Rays across the picture.
-const COLUMNS: usize = 96;
+const COLUMNS: usize = 64;
 /// Most steps of one.
 const MOST_STEPS: usize = 160;
 

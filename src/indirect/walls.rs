@@ -58,25 +58,30 @@ pub(super) struct Patch {
 type PatchKey = (usize, u8, u32);
 
 /// All walls about a grid's nodes.
-#[derive(Default)]
 pub(super) struct Walls {
     nodes: Vec<WalledNode>,
     /// Numbers in `nodes` by axis and plane.
     by_plane: [Vec<Vec<u32>>; 3],
     pub(super) patches: Vec<Patch>,
     pub(super) triangles: Vec<WallTriangle>,
-    /// The triangles about each cell of eight nodes, by its lowest node; ranges of `about`.
-    about_cell: HashMap<usize, Vec<u32>>,
+    /// The triangles about each cell of eight nodes; of the cell after node N they end where those of N + 1 begin.
+    about_cell: Vec<u32>,
+    starts: Vec<u32>,
 }
 
 impl Walls {
     pub(super) fn new(grid: &Grid, snapshot: &Snapshot, triangles: Vec<WallTriangle>) -> Self {
         let mut building = Building::new(grid, snapshot);
-        let mut about_cell: HashMap<usize, Vec<u32>> = HashMap::new();
         for (number, triangle) in triangles.iter().enumerate() {
-            building.add(triangle, number as u32, &mut about_cell);
+            building.add(triangle, number as u32);
         }
-        let Building { nodes, patches, .. } = building;
+        let Building { nodes, patches, mut about_cell, .. } = building;
+        // Sorted by cell, and within one still by number.
+        about_cell.sort_by_key(|(node, _)| *node);
+        let starts = (0..=grid.count() as u32)
+            .map(|node| about_cell.partition_point(|(of, _)| *of < node) as u32)
+            .collect();
+        let about_cell = about_cell.into_iter().map(|(_, triangle)| triangle).collect();
         let mut by_plane = [0, 1, 2].map(|axis| vec![Vec::new(); grid.size[axis]]);
         for (number, walled) in nodes.iter().enumerate() {
             let cell = grid.cell_of(walled.node);
@@ -84,7 +89,7 @@ impl Walls {
                 by_plane[axis][cell[axis]].push(number as u32);
             }
         }
-        Self { nodes, by_plane, patches, triangles, about_cell }
+        Self { nodes, by_plane, patches, triangles, about_cell, starts }
     }
 
     pub(super) fn of_plane(&self, axis: usize, plane: usize) -> &[u32] {
@@ -97,7 +102,7 @@ impl Walls {
 
     /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest` is the first of them.
     pub(super) fn about(&self, lowest: usize) -> &[u32] {
-        self.about_cell.get(&lowest).map_or(&[], Vec::as_slice)
+        &self.about_cell[self.starts[lowest] as usize..self.starts[lowest + 1] as usize]
     }
 
     /// Whether a wall of a cell stands between two places.
@@ -116,6 +121,8 @@ struct Building<'a> {
     number_of: Vec<u32>,
     patches: Vec<Patch>,
     patch_of: HashMap<PatchKey, u32>,
+    /// Cells, by their lowest node, and triangles about them.
+    about_cell: Vec<(u32, u32)>,
 }
 
 impl<'a> Building<'a> {
@@ -127,11 +134,12 @@ impl<'a> Building<'a> {
             number_of: vec![NO_WALL; grid.count()],
             patches: Vec::new(),
             patch_of: HashMap::new(),
+            about_cell: Vec::new(),
         }
     }
 
     /// Cuts the links that a triangle crosses, and notes the cells that it touches.
-    fn add(&mut self, triangle: &WallTriangle, number: u32, about_cell: &mut HashMap<usize, Vec<u32>>) {
+    fn add(&mut self, triangle: &WallTriangle, number: u32) {
         let grid = self.grid;
         let [a, b, c] = triangle.corners;
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
@@ -153,7 +161,7 @@ impl<'a> Building<'a> {
                     self.cut_links(triangle, normal, [x, y, z], node);
                     let is_lowest = (0..3).all(|axis| [x, y, z][axis] + 1 < grid.size[axis]);
                     if is_lowest && touches(&triangle.corners, position, grid.cell_m) {
-                        about_cell.entry(node).or_default().push(number);
+                        self.about_cell.push((node as u32, number));
                     }
                 }
             }

@@ -11,8 +11,10 @@ use std::sync::OnceLock;
 pub struct MeshPart {
     /// Their numbers.
     pub triangles: Vec<u32>,
-    /// Of the box about them, in mesh space.
-    pub extent: DVec3,
+    /// The box about them, in mesh space.
+    pub low: DVec3,
+    /// Its other corner.
+    pub high: DVec3,
     /// Whether nothing gets inside.
     pub is_closed: bool,
     /// What stands for all of it.
@@ -81,10 +83,9 @@ fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>) -> MeshPart {
         high = high.max(a).max(b).max(c);
         areas.push(0.5 * (b - a).cross(c - a).length());
     }
-    let extent = high - low;
-    let places = places(&triangles, &areas, extent);
+    let places = places(&triangles, &areas, high - low);
     let is_closed = is_closed(mesh, names, &triangles);
-    MeshPart { triangles, extent, is_closed, places }
+    MeshPart { triangles, low, high, is_closed, places }
 }
 
 /// Evenly spread over the area.
@@ -183,7 +184,7 @@ mod tests {
         let found = parts(&mesh(&positions, &[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]));
         assert_eq!(found.len(), 2);
         for part in &found {
-            assert_eq!((part.extent, part.is_closed), (DVec3::new(1.0, 2.0, 0.0), false));
+            assert_eq!((part.high - part.low, part.is_closed), (DVec3::new(1.0, 2.0, 0.0), false));
             assert_eq!(part.places.iter().map(|place| place.share).sum::<f64>(), 2.0);
         }
     }

@@ -13,6 +13,8 @@ pub struct DrawnMesh<'a> {
     pub relative_from_mesh: DAffine3,
     /// Its vertices as they are bent, in its own space.
     pub positions: &'a [Vec3],
+    /// Whether they are not where they are in the file.
+    pub is_bent: bool,
     /// Whether these are its blended triangles.
     pub is_blended: bool,
     snapshot: &'a Snapshot<'a>,
@@ -32,6 +34,7 @@ impl Snapshot<'_> {
         DrawnMesh {
             relative_from_mesh: placed.relative_from_mesh,
             positions: placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions),
+            is_bent: placed.bent.is_some(),
             is_blended: number >= self.first_blended,
             snapshot: self,
             number,
