@@ -11,7 +11,7 @@ use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Triangle, Window,
 };
-use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
+use sunfleck::snapshot::{Exposure, MeshTrees};
 
 const SIZE: Size = Size { width: 32, height: 16 };
 
@@ -85,7 +85,7 @@ fn add_quad(scene: &mut Scene, corners: [DVec3; 4], material: usize) {
 
 fn picture(scene: &Scene, samples: u32) -> Vec<f64> {
     let trees = MeshTrees::new(scene);
-    let exposure = Exposure::instant(Snapshot::new(scene, &trees, 0, 2.0, INSTANT));
+    let exposure = Exposure::new(scene, &trees, 0, 2.0, INSTANT);
     let (window, sampling) = (Window::whole(SIZE), Sampling::Exactly(samples));
     let (filter, method) = (PixelFilter::Box, Method::Slices);
     let job = Job {

@@ -14,7 +14,7 @@ use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
     Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Triangle, Window,
 };
-use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
+use sunfleck::snapshot::{Exposure, MeshTrees};
 use sunfleck::{description, scene};
 
 const SIZE: Size = Size { width: 32, height: 16 };
@@ -112,7 +112,7 @@ fn job(method: Method, filter: PixelFilter, sampling: Sampling) -> Job {
 fn picture(scene: &Scene, job: &Job) -> Frame {
     let trees = MeshTrees::new(scene);
     let aspect = job.size.width as f64 / job.size.height as f64;
-    let exposure = Exposure::instant(Snapshot::new(scene, &trees, 0, aspect, INSTANT)).with_mattes(scene);
+    let exposure = Exposure::new(scene, &trees, 0, aspect, INSTANT).with_mattes(scene);
     render(&exposure, job, &Watch::NOBODY).frame
 }
 

@@ -14,7 +14,7 @@ use sunfleck::render::{Job, Method, Rendered, Watch, render};
 use sunfleck::scene::{
     LightKind, PixelFilter, Sampling, Scene, Size, SunDisc, SunPicture, SunShows, Texture, Window, Wrap,
 };
-use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
+use sunfleck::snapshot::{Exposure, MeshTrees};
 use sunfleck::{description, scene};
 
 const SIZE: Size = Size { width: 128, height: 72 };
@@ -46,8 +46,7 @@ fn until(tolerance: f64) -> Job {
 
 fn picture(scene: &Scene, job: &Job) -> Rendered {
     let trees = MeshTrees::new(scene);
-    let snapshot = Snapshot::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
-    render(&Exposure::instant(snapshot), job, &Watch::NOBODY)
+    render(&Exposure::new(scene, &trees, 0, 16.0 / 9.0, INSTANT), job, &Watch::NOBODY)
 }
 
 fn colors(frame: &Frame) -> Vec<Rgb> {

@@ -4,10 +4,11 @@
 
 use super::{
     block::Block,
+    box_region::{LeafVisitor, visit_leaves},
     hit::PrimitiveId,
     instance::{Instance, Instances},
     light_plane::{LightPlane, PlaneFunctions},
-    shadow_query::{LeafVisitor, shadowing, visit_leaves},
+    shadow_query::shadowing,
     simd::{Kernel, Simd},
     stack::Stack,
     triangle_cut::Crossing,

@@ -34,9 +34,4 @@ impl MeshTree {
         });
         Self { tree, blocks }
     }
-
-    /// What it takes in memory.
-    pub fn memory_bytes(&self) -> usize {
-        size_of::<Self>() + self.tree.memory_bytes() + size_of_val(self.blocks.as_slice())
-    }
 }

@@ -12,6 +12,8 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod block;
+mod box_ray;
+mod box_region;
 mod each_shadow;
 mod hit;
 mod instance;
@@ -22,6 +24,7 @@ mod mesh_tree;
 mod ray_query;
 mod rounding;
 mod shadow_query;
+mod shear;
 mod simd;
 mod slice_query;
 mod stack;

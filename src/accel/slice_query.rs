@@ -4,10 +4,10 @@
 
 use super::{
     block::Block,
+    box_region::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, may_vanish, visit_leaves},
     hit::PrimitiveId,
     instance::{Instance, Instances},
     light_plane::Functional,
-    shadow_query::{BoxLimit, BoxRegion, LaneFunctional, LeafVisitor, may_vanish, visit_leaves},
     simd::{Kernel, Mask, Simd, WIDTH},
     stack::Stack,
     triangle_cut::Crossing,

@@ -126,10 +126,6 @@ impl WideTree {
         }
         tree
     }
-
-    pub(super) fn memory_bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.top_boxes.as_slice())
-    }
 }
 
 /// How far a box may seem to be moved to the builder, as a fraction of its extent.

@@ -78,7 +78,7 @@ impl BlockEstimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Blocks, Mask};
+    use crate::film::{Blocks, Mask, Splat};
     use crate::math::Sampler;
     use crate::scene::{Size, Window};
     use crate::transport::Sample;
@@ -105,9 +105,9 @@ mod tests {
     fn halves_that_agree_have_no_error_and_one_half_says_nothing() {
         let (mut film, blocks) = film();
         for (x, y) in Window::whole(SIZE).pixels() {
-            film.add(x, y, 1.0, 0.0, &grey(3.0));
+            film.add(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &grey(3.0));
             if x < 8 {
-                film.add_fresh(x, y, 2.0, 0.0, &grey(3.0));
+                film.add_fresh(&Splat { pixel: (x, y), weight: 2.0, from_centre_px: 0.0 }, &grey(3.0));
             }
         }
         let [judged, unknown] = of_blocks(&film, &blocks)[..] else { panic!("two blocks") };
@@ -121,8 +121,14 @@ mod tests {
         let (mut film, blocks) = film();
         let [red, green] = [Rgb::X, Rgb::Y].map(|color| color / luminance(color));
         for (x, y) in Window::whole(SIZE).pixels() {
-            film.add(x, y, 1.0, 0.0, &Sample { radiance: red, ..Sample::default() });
-            film.add_fresh(x, y, 1.0, 0.0, &Sample { radiance: green, ..Sample::default() });
+            film.add(
+                &Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 },
+                &Sample { radiance: red, ..Sample::default() },
+            );
+            film.add_fresh(
+                &Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 },
+                &Sample { radiance: green, ..Sample::default() },
+            );
         }
         let estimate = of_blocks(&film, &blocks)[0];
         // Each channel is off by half of what it is in one of them.
@@ -144,9 +150,15 @@ mod tests {
                         // A pixel's seed a sample: independent, unlike a pixel's own sequence.
                         let number = Sampler::new(round, pixel as u32, sample, 0).next_1d();
                         if sample < known {
-                            film.add(x, y, 1.0, 0.0, &grey(number));
+                            film.add(
+                                &Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 },
+                                &grey(number),
+                            );
                         } else {
-                            film.add_fresh(x, y, 1.0, 0.0, &grey(number));
+                            film.add_fresh(
+                                &Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 },
+                                &grey(number),
+                            );
                         }
                     }
                 }
@@ -162,9 +174,9 @@ mod tests {
     fn a_pixel_with_one_half_is_no_better_than_others() {
         let (mut film, blocks) = film();
         for (x, y) in Window::whole(SIZE).pixels() {
-            film.add(x, y, 1.0, 0.0, &grey(1.0));
+            film.add(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &grey(1.0));
             if y % 4 != 0 {
-                film.add_fresh(x, y, 1.0, 0.0, &grey(2.0));
+                film.add_fresh(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &grey(2.0));
             }
         }
         let variance = of_blocks(&film, &blocks)[0].variance;
@@ -175,13 +187,13 @@ mod tests {
     fn what_was_fresh_is_known_later() {
         let (mut film, blocks) = film();
         for (x, y) in Window::whole(SIZE).pixels() {
-            film.add(x, y, 1.0, 0.0, &grey(1.0));
-            film.add_fresh(x, y, 1.0, 0.0, &grey(2.0));
+            film.add(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &grey(1.0));
+            film.add_fresh(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &grey(2.0));
         }
         assert!((of_blocks(&film, &blocks)[0].variance - 0.25).abs() < 1e-12);
         film.let_fresh_be_known(&Mask::all(film.window()));
         for (x, y) in Window::whole(SIZE).pixels() {
-            film.add_fresh(x, y, 2.0, 0.0, &grey(1.5));
+            film.add_fresh(&Splat { pixel: (x, y), weight: 2.0, from_centre_px: 0.0 }, &grey(1.5));
         }
         assert!(of_blocks(&film, &blocks)[0].variance < 1e-24);
     }
@@ -189,8 +201,8 @@ mod tests {
     #[test]
     fn pixels_that_stay_keep_what_they_were_judged_by() {
         let (mut film, _) = film();
-        film.add(3, 3, 1.0, 0.0, &grey(1.0));
-        film.add_fresh(3, 3, 1.0, 0.0, &grey(2.0));
+        film.add(&Splat { pixel: (3, 3), weight: 1.0, from_centre_px: 0.0 }, &grey(1.0));
+        film.add_fresh(&Splat { pixel: (3, 3), weight: 1.0, from_centre_px: 0.0 }, &grey(2.0));
         film.let_fresh_be_known(&Mask::from_fn(film.window(), |x, _| x != 3));
         let at = film.window().index(3, 3).expect("a pixel");
         let estimate = film.estimates()[at].expect("has samples");

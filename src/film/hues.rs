@@ -104,7 +104,7 @@ pub(super) fn correct(
 #[cfg(test)]
 mod tests {
     use crate::color::Rgb;
-    use crate::film::{Film, Mask};
+    use crate::film::{Film, Mask, Splat};
     use crate::passes::Pass;
     use crate::scene::{Size, Window};
     use crate::transport::Sample;
@@ -139,9 +139,9 @@ mod tests {
             for &(hue, weight, shines, is_fresh) in &points {
                 let sample = sample(shafts, lit, Rgb::splat(shines), Rgb::from_array(hue));
                 if is_fresh {
-                    film.add_fresh(0, 0, weight, 0.0, &sample);
+                    film.add_fresh(&Splat { pixel: (0, 0), weight: weight, from_centre_px: 0.0 }, &sample);
                 } else {
-                    film.add(0, 0, weight, 0.0, &sample);
+                    film.add(&Splat { pixel: (0, 0), weight: weight, from_centre_px: 0.0 }, &sample);
                 }
                 (own, weights) = (own + weight * shines, weights + weight);
             }
@@ -157,12 +157,12 @@ mod tests {
         let mut film = film();
         let [red, blue] = [Rgb::new(2.0, 0.8, 0.2), Rgb::new(0.5, 1.0, 1.5)];
         let seen = |hue| sample(Rgb::splat(0.2), Rgb::ONE, Rgb::splat(3.0), hue);
-        film.add(0, 0, 1.0, 0.0, &seen(red));
-        film.add_fresh(0, 0, 2.0, 0.0, &seen(blue));
+        film.add(&Splat { pixel: (0, 0), weight: 1.0, from_centre_px: 0.0 }, &seen(red));
+        film.add_fresh(&Splat { pixel: (0, 0), weight: 2.0, from_centre_px: 0.0 }, &seen(blue));
         let variance = |film: &Film| film.estimates()[0].and_then(|estimate| estimate.variance);
         assert!(variance(&film).is_some_and(|variance| variance < 1e-12), "{:?}", film.estimates());
         film.let_fresh_be_known(&Mask::all(ONE_PIXEL));
-        film.add_fresh(0, 0, 1.0, 0.0, &seen(Rgb::ONE));
+        film.add_fresh(&Splat { pixel: (0, 0), weight: 1.0, from_centre_px: 0.0 }, &seen(Rgb::ONE));
         assert!(variance(&film).is_some_and(|variance| variance < 1e-12), "{:?}", film.estimates());
     }
 }

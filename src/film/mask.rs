@@ -48,11 +48,6 @@ impl Mask {
         })
     }
 
-    /// The rectangle that they lie in.
-    pub fn window(&self) -> Window {
-        self.window
-    }
-
     /// How many there are.
     pub fn count(&self) -> usize {
         self.wanted.iter().filter(|wanted| **wanted).count()
@@ -112,7 +107,7 @@ mod tests {
         for (x, y) in Window::whole(full).pixels() {
             assert_eq!(grown.contains(x, y), is_near(x, y), "{x}, {y}");
         }
-        assert_eq!(grown.window(), Window { x: 1, y: 0, width: 8, height: 4 });
+        assert_eq!(grown.window, Window { x: 1, y: 0, width: 8, height: 4 });
     }
 
     #[test]

@@ -13,7 +13,10 @@ mod hues;
 mod mask;
 mod mattes;
 mod pass_value;
+mod resolve;
 mod splats;
+#[cfg(test)]
+mod tests;
 
 use crate::passes::Pass;
 use crate::scene::{Size, Window};
@@ -21,7 +24,7 @@ use crate::transport::Sample;
 use hues::HueSums;
 use mattes::MatteList;
 use rayon::prelude::*;
-use splats::{BEAUTY, Band, KeptPasses, MOST_CHANNELS, SplatPlace};
+use splats::{Band, KeptPasses, MOST_CHANNELS};
 
 pub use crate::passes::{MATTE_LAYER, Precision};
 pub use blocks::{BLOCK_SIDE, Blocks};
@@ -106,38 +109,18 @@ impl Film {
         self.window
     }
 
-    /// Adds a sample to pixel (`x`, `y`) of the full picture, y downwards. Samples outside the window are none of this film's business.
-    ///
-    /// `weight` is the sample's share of the pixel in any unit, such as the area that it stands for, 0 or more;
-    /// `distance_from_centre_px` decides which sample the data passes show: the nearest, of equal ones the first.
-    pub fn add(&mut self, x: usize, y: usize, weight: f64, distance_from_centre_px: f64, sample: &Sample) {
-        self.add_to_half(false, x, y, weight, distance_from_centre_px, sample);
+    /// Adds a sample. Pixels outside the window are none of this film's business.
+    pub fn add(&mut self, splat: &Splat, sample: &Sample) {
+        self.add_to_half(false, splat, sample);
     }
 
     /// The same with a sample of the fresh half, by which [`Film::estimates`] judges what was known without it.
-    pub fn add_fresh(
-        &mut self,
-        x: usize,
-        y: usize,
-        weight: f64,
-        distance_from_centre_px: f64,
-        sample: &Sample,
-    ) {
-        self.add_to_half(true, x, y, weight, distance_from_centre_px, sample);
+    pub fn add_fresh(&mut self, splat: &Splat, sample: &Sample) {
+        self.add_to_half(true, splat, sample);
     }
 
-    fn add_to_half(
-        &mut self,
-        is_fresh: bool,
-        x: usize,
-        y: usize,
-        weight: f64,
-        distance_from_centre_px: f64,
-        sample: &Sample,
-    ) {
-        let Some(pixel) = self.window.index(x, y) else { return };
-        let from_centre_px = distance_from_centre_px as f32;
-        let place = SplatPlace { weight, pixel: pixel as u32, from_centre_px, sample: 0 };
+    fn add_to_half(&mut self, is_fresh: bool, splat: &Splat, sample: &Sample) {
+        let Some(place) = splat.place(self.window, 0) else { return };
         let (mut packed, mut count) = ([0.0; MOST_CHANNELS], 0);
         self.passes.pack(sample, |channels| {
             packed[count..][..channels.len()].copy_from_slice(channels);
@@ -237,54 +220,6 @@ impl Film {
         }
     }
 
-    /// Pixels of the full picture that have no sample yet; [`Film::resolve`] would fill them from their neighbours.
-    pub fn holes(&self) -> Vec<(usize, usize)> {
-        let pixels = self.window.pixels().zip(&self.weights);
-        pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
-    }
-
-    /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
-    pub fn resolve(&self) -> Frame {
-        let stride = self.stride();
-        let mean = |offset: usize| -> Vec<f32> {
-            self.weights
-                .iter()
-                .zip(self.sums.iter().skip(offset).step_by(stride))
-                .map(|(&weight, &sum)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 })
-                .collect()
-        };
-        let mean_layouts = self.passes.mean.iter().map(|&pass| pass.row());
-        let mean_names = BEAUTY.into_iter().map(|name| (name, Precision::Half)).chain(
-            mean_layouts.flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision))),
-        );
-        let mut channels: Vec<Channel> = mean_names
-            .enumerate()
-            .map(|(offset, (name, precision))| Channel::new(name, precision, mean(offset)))
-            .collect();
-        let shafts = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts);
-        hues::correct(
-            &mut channels,
-            shafts.map(|number| BEAUTY.len() + 3 * number),
-            &self.hues,
-            &self.weights,
-        );
-        let mean_channels = channels.len();
-        let nearest_layouts = self.passes.nearest.iter().map(|&pass| pass.row());
-        let nearest_names = nearest_layouts
-            .flat_map(|layout| layout.channels.iter().map(move |&name| (name, layout.precision)));
-        let nearest_stride = self.passes.nearest_channels();
-        channels.extend(nearest_names.enumerate().map(|(offset, (name, precision))| {
-            let pixels = self.nearest_values.iter().skip(offset).step_by(nearest_stride).copied().collect();
-            Channel::new(name, precision, pixels)
-        }));
-        if self.passes.mattes {
-            channels.extend(mattes::channels(&self.mattes, &self.weights));
-        }
-        let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
-        holes::fill(self.window, known, &mut channels, mean_channels);
-        Frame { full: self.full, window: self.window, channels }
-    }
-
     /// Samples that it holds, if each has weight 1.
     pub fn weight(&self) -> f64 {
         self.weights.iter().sum()
@@ -293,186 +228,5 @@ impl Film {
     /// Sums a pixel.
     fn stride(&self) -> usize {
         self.passes.mean_channels()
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use crate::color::Rgb;
-    use crate::transport::{Matte, SurfaceFeatures};
-    use glam::DVec3;
-    use proptest::prelude::*;
-
-    const ALL: [Pass; 9] = [
-        Pass::Shafts,
-        Pass::Transmittance,
-        Pass::Depth,
-        Pass::Normal,
-        Pass::Position,
-        Pass::Albedo,
-        Pass::LeafId,
-        Pass::Motion,
-        Pass::Cryptomatte,
-    ];
-    const SIZE: Size = Size { width: 4, height: 3 };
-
-    fn whole() -> Window {
-        Window::whole(SIZE)
-    }
-
-    fn leaf(radiance: f64, depth_m: f64, leaf_id: u32) -> Sample {
-        Sample {
-            radiance: Rgb::splat(radiance),
-            emitted: Rgb::ZERO,
-            hue: Rgb::ONE,
-            shafts: Rgb::splat(0.25 * radiance),
-            transmittance: Rgb::splat(0.5),
-            alpha: 1.0,
-            surface: Some(SurfaceFeatures {
-                depth_m,
-                normal: DVec3::Y,
-                position: DVec3::new(1.0, 2.0, depth_m),
-                albedo: Rgb::splat(0.5),
-                leaf_id,
-            }),
-            motion_px: [depth_m, 0.0, -depth_m, 1.0],
-            mattes: [Matte { id: leaf_id, share: 1.0 }, Matte::default(), Matte::default(), Matte::default()],
-        }
-    }
-
-    fn pixel(frame: &Frame, channel: &str, x: usize, y: usize) -> f32 {
-        frame.channel(channel).unwrap().pixels[frame.window.index(x, y).unwrap()]
-    }
-
-    #[test]
-    fn weights_need_not_sum_to_anything() {
-        let mut film = Film::new(SIZE, whole(), &[Pass::Shafts]);
-        film.add(1, 1, 0.03, 0.0, &leaf(1.0, 1.0, 1));
-        film.add(1, 1, 0.01, 0.0, &leaf(5.0, 1.0, 1));
-        let frame = film.resolve();
-        assert_eq!(pixel(&frame, "R", 1, 1), 2.0);
-        assert_eq!(pixel(&frame, "shafts.B", 1, 1), 0.5);
-        assert_eq!(pixel(&frame, "A", 1, 1), 1.0);
-    }
-
-    #[test]
-    fn data_passes_show_the_sample_nearest_to_the_centre_and_the_first_of_equals() {
-        let mut film = Film::new(SIZE, whole(), &ALL);
-        film.add(2, 0, 1.0, 0.4, &leaf(1.0, 7.0, 7));
-        film.add(2, 0, 1.0, 0.1, &leaf(1.0, 8.0, 8));
-        film.add(2, 0, 1.0, 0.1, &leaf(1.0, 9.0, 9));
-        film.add(2, 0, 1.0, 0.3, &Sample::default());
-        let frame = film.resolve();
-        assert_eq!(pixel(&frame, "Z", 2, 0), 8.0);
-        assert_eq!(pixel(&frame, "Position.Z", 2, 0), 8.0);
-        assert_eq!(pixel(&frame, "leaf_id.X", 2, 0), 8.0);
-        assert_eq!(
-            ["X", "Y", "Z", "W"].map(|name| pixel(&frame, &format!("Vector.{name}"), 2, 0)),
-            [8.0, 0.0, -8.0, 1.0]
-        );
-        assert_eq!(pixel(&frame, "Normal.Y", 2, 0), 0.75, "averaged, the background counts as 0");
-    }
-
-    /// Eight objects, some seen more than once: the six that cover most, ids as bits.
-    #[test]
-    fn mattes_are_ranked_by_coverage() {
-        let mut film = Film::new(SIZE, whole(), &[Pass::Cryptomatte]);
-        for (id, times) in [(1, 1), (2, 5), (3, 2), (4, 2), (5, 3), (6, 1), (7, 4), (8, 1)] {
-            for _ in 0..times {
-                film.add(1, 2, 0.5, 0.0, &leaf(1.0, 1.0, id));
-            }
-        }
-        let half = Matte { id: 2, share: 0.5 };
-        film.add(1, 2, 0.5, 0.0, &Sample { mattes: [half; 4], ..Sample::default() });
-        let frame = film.resolve();
-        let ranks = (0..3).flat_map(|layer| [("R", "G"), ("B", "A")].map(|pair| (layer, pair)));
-        let found: Vec<(u32, f32)> = ranks
-            .map(|(layer, (id, coverage))| {
-                let at = |letter: &str| pixel(&frame, &format!("CryptoObject{layer:02}.{letter}"), 1, 2);
-                (at(id).to_bits(), at(coverage))
-            })
-            .collect();
-        let coverage = |times: f64| (times / 20.0) as f32;
-        let expected = [(2, 7.0), (7, 4.0), (5, 3.0), (3, 2.0), (4, 2.0), (1, 1.0)];
-        assert_eq!(found, expected.map(|(id, times)| (id, coverage(times))));
-        assert_eq!(
-            pixel(&frame, "CryptoObject00.G", 1, 1),
-            found[0].1,
-            "a hole takes over from its neighbour"
-        );
-    }
-
-    #[test]
-    fn background_has_the_depth_that_blender_writes() {
-        let mut film = Film::new(SIZE, whole(), &ALL);
-        film.add(0, 0, 1.0, 0.0, &Sample::default());
-        let frame = film.resolve();
-        assert_eq!(pixel(&frame, "Z", 0, 0), 1e10);
-        assert_eq!(pixel(&frame, "leaf_id.X", 0, 0), 0.0);
-        assert_eq!(pixel(&frame, "A", 0, 0), 0.0);
-    }
-
-    #[test]
-    fn only_the_passes_asked_for_have_channels() {
-        let names = |passes: &[Pass]| -> Vec<String> {
-            Film::new(SIZE, whole(), passes)
-                .resolve()
-                .channels
-                .into_iter()
-                .map(|channel| channel.name)
-                .collect()
-        };
-        assert_eq!(names(&[]), ["R", "G", "B", "A"]);
-        assert_eq!(names(&[Pass::LeafId, Pass::Depth, Pass::Depth]), ["R", "G", "B", "A", "Z", "leaf_id.X"]);
-        assert!(Film::new(SIZE, whole(), &[Pass::Shafts]).nearest_distances_px.is_empty());
-    }
-
-    #[test]
-    fn a_nan_sample_stays_nan() {
-        let mut film = Film::new(SIZE, whole(), &[]);
-        for (x, y) in whole().pixels() {
-            film.add(x, y, 1.0, 0.0, &leaf(1.0, 1.0, 1));
-        }
-        film.add(3, 2, 1.0, 0.0, &leaf(f64::NAN, 1.0, 1));
-        let defects = film.resolve().check();
-        assert_eq!(defects.nan.count, 3);
-        let first = defects.nan.first.unwrap();
-        assert_eq!((first.channel.as_str(), first.x, first.y), ("R", 3, 2));
-    }
-
-    #[test]
-    fn samples_outside_a_cropped_window_are_left_to_others() {
-        let window = Window { x: 2, y: 1, width: 2, height: 2 };
-        let mut film = Film::new(SIZE, window, &[]);
-        film.add(1, 1, 1.0, 0.0, &leaf(9.0, 1.0, 1));
-        film.add(2, 1, 1.0, 0.0, &leaf(1.0, 1.0, 1));
-        assert_eq!(film.holes().len(), 3);
-        assert_eq!(pixel(&film.resolve(), "R", 2, 1), 1.0);
-    }
-
-    proptest! {
-        /// Tiles that do not overlap give the same bits in any order of pasting, and the same as no tiles.
-        #[test]
-        fn tiles_in_any_order_equal_one_film(
-            samples in prop::collection::vec((0_usize..4, 0_usize..3, 0.0..2.0_f64, 0.0..0.7_f64, 0.0..9.0_f64), 0..60),
-            split in 1_usize..4,
-        ) {
-            let left = Window { x: 0, y: 0, width: split, height: 3 };
-            let right = Window { x: split, y: 0, width: 4 - split, height: 3 };
-            let mut parts = [left, right].map(|window| Film::new(SIZE, window, &ALL));
-            let mut one = Film::new(SIZE, whole(), &ALL);
-            for (id, &(x, y, weight, distance, radiance)) in samples.iter().enumerate() {
-                let sample = leaf(radiance, radiance + 1.0, id as u32 + 1);
-                one.add(x, y, weight, distance, &sample);
-                parts.iter_mut().for_each(|part| part.add(x, y, weight, distance, &sample));
-            }
-            for order in [[0, 1], [1, 0]] {
-                let mut pasted = Film::new(SIZE, whole(), &ALL);
-                order.iter().for_each(|&part| pasted.paste(&parts[part]));
-                prop_assert_eq!(pasted.resolve(), one.resolve());
-            }
-        }
     }
 }

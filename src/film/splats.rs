@@ -99,15 +99,23 @@ pub(super) struct SplatPlace {
     pub(super) sample: u32,
 }
 
-/// What a sample counts in one pixel of the full picture; see [`Film::add`](super::Film::add).
+/// What a sample counts in one pixel of the full picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Splat {
-    /// Column and row.
+    /// Column and row, y downwards.
     pub pixel: (usize, usize),
-    /// Its share of the pixel, in any unit.
+    /// Its share of the pixel in any unit, such as the area that it stands for, 0 or more.
     pub weight: f64,
-    /// From the pixel's centre.
+    /// How far from the pixel's centre: data passes show the nearest sample, of equal ones the first.
     pub from_centre_px: f64,
+}
+
+impl Splat {
+    /// Where a sample of that number goes; `None` outside of the window.
+    pub(super) fn place(&self, window: Window, sample: u32) -> Option<SplatPlace> {
+        let pixel = window.index(self.pixel.0, self.pixel.1)? as u32;
+        Some(SplatPlace { weight: self.weight, pixel, from_centre_px: self.from_centre_px as f32, sample })
+    }
 }
 
 impl Splats {
@@ -133,10 +141,7 @@ impl Splats {
 
     /// Counts a kept sample in a pixel. Pixels outside the window are none of the film's business.
     pub fn add(&mut self, sample: u32, splat: &Splat) {
-        let &Splat { pixel: (x, y), weight, from_centre_px } = splat;
-        let Some(pixel) = self.window.index(x, y) else { return };
-        let (pixel, from_centre_px) = (pixel as u32, from_centre_px as f32);
-        self.places.push(SplatPlace { weight, pixel, from_centre_px, sample });
+        self.places.extend(splat.place(self.window, sample));
     }
 
     /// Each place and its sample's channels.

@@ -18,13 +18,13 @@ use std::collections::HashSet;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 /// Rays of a sun that go through a cell, along each side.
-const RAYS_PER_CELL: f64 = 10.0;
+const RAYS_PER_CELL: f64 = 8.0;
 /// Of a sun.
-const MOST_RAYS: f64 = 250_000.0;
+const MOST_RAYS: f64 = 100_000.0;
 /// Of a lamp.
 const LAMP_RAYS: usize = 40_000;
 /// Places along a ray where fog takes its share, per cell.
-const STEPS_PER_CELL: f64 = 2.0;
+const STEPS_PER_CELL: f64 = 1.0;
 /// Groups of rays whose sums are added up in order.
 const CHUNKS: usize = 8;
 /// Shadow rays to a patch of wall, along each side.
@@ -236,10 +236,14 @@ impl FirstLight<'_> {
         }
         let steps = ((end - start) * STEPS_PER_CELL / self.grid.cell_m).ceil();
         let step = (end - start) / steps;
+        // To the middle of each step by the fog at the middles, which is all that the grid tells of it.
+        let mut depth = depth + medium.optical_depth(ray.origin, ray.direction, start);
         for number in 0..steps as usize {
-            let t = start + (number as f64 + 0.5) * step;
-            let here = power * exp_minus(depth + medium.optical_depth(ray.origin, ray.direction, t));
-            fluence.add(self.grid, self.snapshot.world_from_relative(ray.at(t)), ray.direction, step * here);
+            let place = ray.at(start + (number as f64 + 0.5) * step);
+            let half = 0.5 * step * medium.extinction_at(place);
+            let here = power * exp_minus(depth + half);
+            fluence.add(self.grid, self.snapshot.world_from_relative(place), ray.direction, step * here);
+            depth += 2.0 * half;
         }
     }
 

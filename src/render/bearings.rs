@@ -8,7 +8,7 @@ use crate::scene::Window;
 use crate::transport::slices::{Fan, Ring};
 use std::f64::consts::TAU;
 
-/// In so many parts a turn is marked: each is about a pixel wide at the rim of a picture of a thousand.
+/// In so many parts the circle is marked: each is about a pixel wide at the rim of a picture of a thousand.
 const PARTS: usize = 4096;
 
 /// Directions about the axis of a fan.
@@ -28,7 +28,7 @@ impl Bearings {
         for block in wanted.inhabited_blocks().filter(is_in_ring) {
             let (first, width) = base.angles_across(block);
             let (low, high) = (part_at(first - margin_rad), part_at(first + width + margin_rad));
-            // One more on either side, for rounding; a whole turn at most.
+            // One more on either side, for rounding; the whole circle at most.
             let count = (high - low + 3.0).min(PARTS as f64) as usize;
             let from = (low - 1.0).rem_euclid(PARTS as f64) as usize;
             for part in from..from + count {
@@ -44,7 +44,7 @@ impl Bearings {
     }
 }
 
-/// The part that an angle lies in, before whole turns are taken off.
+/// The part that an angle lies in, before whole circles are taken off.
 fn part_at(angle: f64) -> f64 {
     (angle / TAU * PARTS as f64).floor()
 }
@@ -92,8 +92,8 @@ mod tests {
             let extent = base.extent();
             let ring = Ring(extent.0.max(0.02), extent.1.min(PI - 0.02));
             prop_assume!(ring.0 < ring.1);
-            let turn = (base.deviation(&own).sin() / ring.0.sin().min(ring.1.sin())).min(1.0).asin();
-            let bearings = Bearings::new(&base, ring, base.deviation(&own), &wanted, 1.5 * turn);
+            let rotation = (base.deviation(&own).sin() / ring.0.sin().min(ring.1.sin())).min(1.0).asin();
+            let bearings = Bearings::new(&base, ring, base.deviation(&own), &wanted, 1.5 * rotation);
             for angle in (0..500).map(angle) {
                 let (own_angle, _) = own.angle_through(&base, angle, 0.5 * (ring.0 + ring.1));
                 prop_assert!(bearings.hold(angle) || !meets(&wanted, &own, own_angle, ring), "{angle}");

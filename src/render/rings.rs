@@ -116,8 +116,8 @@ impl RingFacts<'_> {
     fn passed(&self, base: &Fan, ring: Ring) -> f64 {
         let extent = base.extent();
         let (from, to) = (ring.0.max(extent.0), ring.1.min(extent.1));
-        let turned_rad = self.deviation_rad * 0.5 * (to - from) / (0.5 * (from + to)).sin();
-        turned_rad * base.px_per_rad() * self.slices_per_px
+        let rotated_rad = self.deviation_rad * 0.5 * (to - from) / (0.5 * (from + to)).sin();
+        rotated_rad * base.px_per_rad() * self.slices_per_px
     }
 }
 

@@ -9,7 +9,7 @@ use super::refine::{DRAWN, ORDERED};
 use super::rounds::{Picture, Round, Schedule};
 use super::shares::{PlacedPiece, Shares};
 use super::{Job, Watch, camera_ray};
-use crate::film::{Film, Mask, Splats};
+use crate::film::{Film, Mask, Splat, Splats};
 use crate::indirect::Indirect;
 use crate::light::LightPlace;
 use crate::math::Sampler;
@@ -221,7 +221,7 @@ impl Picture for LightPicture<'_> {
                 &mut sampler,
                 &mut scratch,
             );
-            film.add(x, y, 1.0, 0.0, &value);
+            film.add(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &value);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::refine::ORDERED;
 use super::rounds::{Picture, Round};
 use super::{Job, Watch, camera_ray};
-use crate::film::{Film, filter};
+use crate::film::{Film, Splat, filter};
 use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Sampling, Window};
@@ -98,13 +98,10 @@ impl<'a> RayPicture<'a> {
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
                 let value =
                     radiance_of_component(component, snapshot, transport, &ray, &mut sampler, scratch);
-                let from_centre = from_centre.length();
+                let splat = Splat { pixel: (x, y), weight: 1.0, from_centre_px: from_centre.length() };
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
-                if !round.is_first() || 2 * number >= round.samples() {
-                    film.add_fresh(x, y, 1.0, from_centre, &value);
-                } else {
-                    film.add(x, y, 1.0, from_centre, &value);
-                }
+                let is_fresh = !round.is_first() || 2 * number >= round.samples();
+                if is_fresh { film.add_fresh(&splat, &value) } else { film.add(&splat, &value) }
             }
         }
     }

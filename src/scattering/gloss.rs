@@ -13,14 +13,11 @@
 //! it back as in Cycles: the BRDF is scaled up by what its albedo for the eye lacks (Turquin 2019, "Practical multiple
 //! scattering compensation for microfacet models", equation 16), tinted by further reflections.
 
+use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
+use super::ggx::{distribution, schlick, smith, visible_normal};
 use crate::color::Rgb;
-use crate::math::gauss_legendre;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{FRAC_1_PI, PI};
-use std::sync::LazyLock;
-
-/// Smoother surfaces are taken for this rough: a highlight of a light without extent has to have some.
-pub const LEAST_ROUGHNESS: f64 = 0.03;
+use std::f64::consts::PI;
 
 /// A coat.
 #[derive(Clone, Copy, Debug)]
@@ -33,11 +30,7 @@ pub struct Gloss {
     repeated: Option<Reflectance>,
     /// glTF's alpha, the square of its roughness.
     alpha: f64,
-    /// As in glTF, with its place in the table of albedos.
-    roughness: f64,
-    row: f64,
-    /// Columns of that table over the logarithms that they are even in.
-    columns: f64,
+    albedos: CoatAlbedos,
 }
 
 /// What microfacets reflect.
@@ -66,10 +59,9 @@ impl Gloss {
     /// glTF, `0..=1`.
     pub fn new(f0: Rgb, f90: Rgb, roughness: f64) -> Self {
         let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
-        let alpha = roughness * roughness;
-        let (row, columns) = (row_of(roughness), columns_over(roughness));
         let coat = Reflectance { f0, f90 };
-        Self { all: coat, coat, repeated: None, alpha, roughness, row, columns }
+        let albedos = CoatAlbedos::new(roughness);
+        Self { all: coat, coat, repeated: None, alpha: roughness * roughness, albedos }
     }
 
     /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal reflects again is not lost.
@@ -80,7 +72,7 @@ impl Gloss {
         // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90 (Schlick's term over the
         // hemisphere); of what is reflected, 1 - E_mean meets another one: a geometric series (Kulla and Conty 2017,
         // "Revisiting physically based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
-        let [mean0, mean90] = self.look_up(|row| ALBEDOS.means[row]);
+        let [mean0, mean90] = self.albedos.mean();
         let (one_bounce, mean) = (color + (Rgb::ONE - color) / 21.0, mean0 + mean90);
         let further = one_bounce * mean / (Rgb::ONE - one_bounce * (1.0 - mean));
         let repeated = Reflectance { f0: share * further * color, f90: share * further };
@@ -100,7 +92,7 @@ impl Gloss {
         let schlick = schlick(to_eye.dot(half));
         let mut fresnel = self.all.at(schlick);
         if let Some(repeated) = self.repeated {
-            fresnel += repeated.at(schlick) * lacking(self.albedo_parts(cos_eye));
+            fresnel += repeated.at(schlick) * lacking(self.albedos.towards(cos_eye));
         }
         // B.3.2: G / (4 n.v n.l).
         fresnel * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith(alpha2, cos_light))
@@ -131,8 +123,8 @@ impl Gloss {
     /// What the BRDF of the matte surface beneath is to be multiplied with, for the cosines of both directions; of what
     /// is no metal, for nothing lies beneath metal.
     pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
-        let left = Rgb::ONE - self.coat.albedo(self.look_up(|row| ALBEDOS.means[row]));
-        let lets = |cos: f64| Rgb::ONE - self.coat.albedo(self.albedo_parts(cos));
+        let left = Rgb::ONE - self.coat.albedo(self.albedos.mean());
+        let lets = |cos: f64| Rgb::ONE - self.coat.albedo(self.albedos.towards(cos));
         // A coat that reflects all leaves nothing.
         let share = lets(cos_eye) * lets(cos_light) / left;
         Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
@@ -140,156 +132,15 @@ impl Gloss {
 
     /// Share of the light from a direction that the coat reflects, all directions together.
     pub fn albedo(&self, cos: f64) -> Rgb {
-        let parts = self.albedo_parts(cos);
+        let parts = self.albedos.towards(cos);
         let once = self.all.albedo(parts);
         self.repeated.map_or(once, |repeated| once + repeated.albedo(parts) * lacking(parts))
     }
-
-    /// The factors of `f0` and of `f90` in it; together the albedo of a white coat, for light that is reflected once.
-    fn albedo_parts(&self, cos: f64) -> [f64; 2] {
-        let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
-        let (left, fraction) = split(column, LAST_COLUMN);
-        self.look_up(|row| {
-            let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
-            [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
-        })
-    }
-
-    /// Between two rows of a table.
-    fn look_up(&self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
-        let (above, fraction) = split(self.row, LAST_ROW);
-        let [a, b] = [above, above + 1].map(row);
-        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
-    }
-}
-
-/// B.3.2: `D = alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2)`, the sum written so that nothing cancels.
-fn distribution(alpha2: f64, normal: DVec3, half: DVec3) -> f64 {
-    let sin2 = normal.cross(half).length_squared();
-    let spread = sin2 + alpha2 * normal.dot(half).powi(2);
-    alpha2 * FRAC_1_PI / (spread * spread)
-}
-
-/// `cos` times the sum that Smith's shadowing divides by: `G1 = 2 cos / smith`.
-fn smith(alpha2: f64, cos: f64) -> f64 {
-    cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
-}
-
-/// A visible normal of the microfacets about +z: a point of a spherical cap, in that direction `around` its axis and
-/// so much of the way to its rim (Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3).
-fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f64) -> DVec3 {
-    let stretched = (to_eye * DVec3::new(alpha, alpha, 1.0)).normalize();
-    let z = (1.0 - to_rim) * (1.0 + stretched.z) - stretched.z;
-    let across = around * (1.0 - z * z).max(0.0).sqrt();
-    ((across.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize()
-}
-
-/// The whole part, less than `last`, and the rest.
-fn split(place: f64, last: usize) -> (usize, f64) {
-    let whole = (place as usize).min(last - 1);
-    (whole, place - whole as f64)
 }
 
 /// What a white coat lacks of all that falls on it, over what it reflects, of which these are the parts.
 fn lacking([part0, part90]: [f64; 2]) -> f64 {
     (1.0 - part0 - part90) / (part0 + part90)
-}
-
-/// `(1 - cos)^5`.
-fn schlick(cos: f64) -> f64 {
-    (1.0 - cos).clamp(0.0, 1.0).powi(5)
-}
-
-/// Numbers of the last row and column of the table.
-const LAST_ROW: usize = 111;
-const LAST_COLUMN: usize = 79;
-/// Microfacets that an entry of the table is the mean of: from the one that faces the eye to the rim, and half around.
-const RINGS: usize = 20;
-const AROUND: usize = 20;
-/// Without a divisor in common with `AROUND`.
-const STRIDE: usize = 7;
-
-/// Albedos of a coat, by roughness and by cosine: the factors of `f0` and of `f90`.
-///
-/// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the roughness,
-/// and columns in that of the cosine's root over it, plus one.
-struct Albedos {
-    directional: Vec<[[f64; 2]; LAST_COLUMN + 1]>,
-    /// Over all directions, by their cosine.
-    means: [[f64; 2]; LAST_ROW + 1],
-}
-
-fn row_of(roughness: f64) -> f64 {
-    LAST_ROW as f64 * (1.0 - roughness.ln() / LEAST_ROUGHNESS.ln())
-}
-
-fn roughness_of(row: usize) -> f64 {
-    LEAST_ROUGHNESS.powf(1.0 - row as f64 / LAST_ROW as f64)
-}
-
-fn columns_over(roughness: f64) -> f64 {
-    LAST_COLUMN as f64 / (1.0 + 1.0 / roughness).ln()
-}
-
-fn cos_of(column: f64, roughness: f64) -> f64 {
-    (roughness * ((column / columns_over(roughness)).exp() - 1.0)).powi(2).min(1.0)
-}
-
-static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
-    // Half of the circle: the other is its mirror image.
-    let around: [DVec2; AROUND] =
-        std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
-    let row = |row: usize| {
-        let roughness = roughness_of(row);
-        // At grazing angles it has a limit.
-        let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
-        std::array::from_fn(|column| directional_albedo(roughness * roughness, cos(column), &around))
-    };
-    let directional: Vec<[[f64; 2]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
-    // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
-    let mean = |row: usize| {
-        let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
-        [0, 1].map(|part| {
-            let piece = |column: usize| {
-                let [a, b] = [column, column + 1].map(|column| directional[row][column][part]);
-                let (from, to) = (square(column as f64), square((column + 1) as f64));
-                // In parts: the end's value less what the squares before the end lack.
-                let before = gauss_legendre(4).iter().map(|(x, weight)| {
-                    let way = 0.5 * (x + 1.0);
-                    0.5 * weight * (square(column as f64 + way) - from)
-                });
-                b * (to - from) - (b - a) * before.sum::<f64>()
-            };
-            (0..LAST_COLUMN).map(piece).sum()
-        })
-    };
-    Albedos { means: std::array::from_fn(mean), directional }
-});
-
-/// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
-/// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
-fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2] {
-    let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let alpha2 = alpha * alpha;
-    let mut sum = [0.0; 2];
-    for ring in 0..RINGS {
-        for (step, &around) in around.iter().enumerate() {
-            // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
-            // it (a lattice: Niederreiter 1992, chapter 5), or all would be lost there at once.
-            let within = (step * STRIDE % AROUND) as f64 + 0.5;
-            let left = 1.0 - (ring as f64 + within / AROUND as f64) / RINGS as f64;
-            let half = visible_normal(alpha, to_eye, around, 1.0 - left * left);
-            let cos_half = to_eye.dot(half);
-            let cos_light = 2.0 * cos_half * half.z - cos;
-            if cos_light > 0.0 {
-                let shown = 2.0 * left * 2.0 * cos_light / smith(alpha2, cos_light);
-                let fresnel = schlick(cos_half);
-                sum[0] += shown * (1.0 - fresnel);
-                sum[1] += shown * fresnel;
-            }
-        }
-    }
-    sum.map(|sum| sum / (RINGS * AROUND) as f64)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! Kulla 2017, "Production friendly microfacet sheen BRDF"). Below a roughness of 0.3 the fit gives up to 2.5 times
 //! what arrives at grazing angles; there it is divided by its albedo.
 
+use super::albedos::split;
 use crate::color::Rgb;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -51,12 +52,8 @@ impl Sheen {
 
     /// That of a white one, or a little more, as it is before it is brought down to 1.
     fn uncolored(&self, cos: f64) -> f64 {
-        let split = |place: f64| {
-            let whole = (place as usize).min(LAST - 1);
-            (whole, place - whole as f64)
-        };
-        let ((above, down), (left, across)) =
-            (split(self.row), split(cos.clamp(0.0, 1.0).sqrt() * LAST as f64));
+        let (above, down) = split(self.row, LAST);
+        let (left, across) = split(cos.clamp(0.0, 1.0).sqrt() * LAST as f64, LAST);
         let between =
             |row: usize| ALBEDOS[row][left] + across * (ALBEDOS[row][left + 1] - ALBEDOS[row][left]);
         SAFETY * (between(above) + down * (between(above + 1) - between(above)))

@@ -3,7 +3,8 @@
 //! still, or a shutter that opens for an instant, has one; all moments have the same lights in the
 //! same order.
 
-use super::{MeshTrees, MotionField, Shutter, Snapshot, shining};
+use super::moment::shining;
+use super::{MeshTrees, MotionField, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, matte_id};
 use std::sync::Arc;
@@ -83,11 +84,6 @@ impl<'scene> Exposure<'scene> {
                 "for smoother blur have at most {most} instances, or join still ones into meshes"
             ))
         })
-    }
-
-    /// Only an instant.
-    pub fn instant(snapshot: Snapshot<'scene>) -> Self {
-        Self { moments: vec![snapshot] }
     }
 
     /// The same with vectors of motion for those who ask.

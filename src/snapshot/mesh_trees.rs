@@ -101,14 +101,6 @@ impl MeshTrees {
         let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(corners).collect();
         Arc::new(MeshTree::new(positions, &triangles))
     }
-
-    /// How many meshes have trees, and how many there are.
-    pub fn built(&self) -> (usize, usize) {
-        let is_built = |trees: &&PartTrees| {
-            trees.whole.get().is_some() || trees.parts.iter().any(|part| part.get().is_some())
-        };
-        (self.trees.iter().filter(is_built).count(), self.trees.len())
-    }
 }
 
 /// Of each material, whether anything shows through it anywhere.

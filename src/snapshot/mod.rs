@@ -9,17 +9,18 @@ mod lens;
 mod luminaire;
 mod mesh_parts;
 mod mesh_trees;
+mod moment;
 mod motion_field;
 mod placed_mesh;
 mod sky;
 mod surface;
 
-use crate::accel::{InstanceTree, PlacedMesh, PrimitiveId};
+use crate::accel::{InstanceTree, PrimitiveId};
 use crate::color::Rgb;
-use crate::fog::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, RenderSettings, Scene};
-use bent_mesh::BentMesh;
-use glam::{DAffine3, DMat3, DVec3};
+use crate::fog::Medium;
+use crate::scene::{Material, RenderSettings, Scene};
+use glam::DVec3;
+use moment::{Moment, Placed, shining};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -95,16 +96,6 @@ pub struct Snapshot<'scene> {
     pub mattes: Option<Arc<[u32]>>,
 }
 
-/// An instance of the tree, back in the scene's terms.
-struct Placed {
-    instance: usize,
-    /// Its mesh as it is bent, if it is.
-    bent: Option<Arc<BentMesh>>,
-    relative_from_mesh: DAffine3,
-    /// Inverse transpose, for normals.
-    relative_from_mesh_normal: DMat3,
-}
-
 impl<'scene> Snapshot<'scene> {
     /// Freezes `scene` as its camera number `camera` sees it in the middle of `shutter`.
     ///
@@ -132,88 +123,24 @@ impl<'scene> Snapshot<'scene> {
         let placements = scene.placements(time_s);
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
-        let relative_from = |node: usize| {
-            let mut relative = placements[node].world_from_node;
-            relative.translation -= view.eye;
-            relative
-        };
-
-        // Opaque and blended.
-        let mut placed = [const { Vec::new() }; 2];
-        let mut placed_meshes = [const { Vec::new() }; 2];
-        for (index, instance) in scene.instances.iter().enumerate() {
-            if !placements[instance.node].visible {
-                continue;
-            }
-            let (bent, relative_from_mesh) = match &instance.deformation {
-                None => (None, relative_from(instance.node)),
-                Some(deformation) => {
-                    let (pose, mut shape) = deformation.pose(&placements, instance.node, time_s);
-                    shape.translation -= view.eye;
-                    (Some(trees.bent(scene, (index, instance), deformation, pose)), shape)
-                }
-            };
-            // A leaf scaled to nothing is a leaf that is not there.
-            if relative_from_mesh.matrix3.determinant() == 0.0 {
-                continue;
-            }
-            let own = bent.as_ref().map(|bent| bent.trees.clone());
-            let own = own.unwrap_or_else(|| trees.of(scene, instance));
-            for (class, mesh) in own.into_iter().enumerate() {
-                let Some(mesh) = mesh else { continue };
-                placed[class].push(Placed {
-                    instance: index,
-                    bent: bent.clone(),
-                    relative_from_mesh,
-                    relative_from_mesh_normal: relative_from_mesh.matrix3.inverse().transpose(),
-                });
-                placed_meshes[class].push(PlacedMesh { mesh, relative_from_mesh });
-            }
-        }
-        let ([mut placed, placed_blended], [opaque, blended]) = (placed, placed_meshes);
-        let first_blended = placed.len();
-        placed.extend(placed_blended);
-
-        let fog = scene
-            .fogs
-            .iter()
-            .filter(|fog| placements[fog.node].visible)
-            .filter_map(|fog| frozen_fog(fog, relative_from(fog.node), time_s))
-            .collect();
-        let medium = Medium::new(fog);
-        let lights = scene
-            .lights
-            .iter()
-            .zip(shining)
-            .filter(|(_, shines)| **shines)
-            .map(|(light, _)| {
-                let relative_from_light = relative_from(light.node);
-                let extinction_per_m = medium.extinction_at(relative_from_light.translation);
-                let luminaire = Luminaire::new(light, relative_from_light, time_s).in_fog(extinction_per_m);
-                if placements[light.node].visible { luminaire } else { luminaire.switched_off() }
-            })
-            .collect();
-
-        let (tree, blended) =
-            (InstanceTree::new(opaque), InstanceTree::numbered_from(first_blended as u32, blended));
-        let boxes = [tree.bounds(), blended.bounds()].into_iter().flatten();
-        let view = view.of_surfaces(boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))));
-        let materials = match scene.materials.iter().all(Material::is_constant) {
-            true => Cow::Borrowed(scene.materials.as_slice()),
-            false => scene.materials.iter().map(|material| material.at(time_s)).collect(),
-        };
-
+        let moment = Moment { scene, time_s, placements, eye: view.eye };
+        let [opaque, blended] = moment.instances(trees);
+        let first_blended = opaque.placed.len();
+        let tree = InstanceTree::new(opaque.meshes);
+        let blended_tree = InstanceTree::numbered_from(first_blended as u32, blended.meshes);
+        let boxes = [tree.bounds(), blended_tree.bounds()].into_iter().flatten();
+        let medium = moment.medium();
         Self {
             scene,
-            materials,
+            view: view.of_surfaces(boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))),
+            tree,
+            blended: blended_tree,
+            materials: moment.materials(),
             is_blended: Arc::clone(&trees.is_blended),
             parts: Arc::clone(&trees.parts),
-            view,
-            tree,
-            blended,
-            placed,
+            placed: opaque.placed.into_iter().chain(blended.placed).collect(),
             first_blended,
-            lights,
+            lights: moment.lights(shining, &medium),
             medium,
             background: scene.background,
             sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
@@ -268,27 +195,4 @@ impl<'scene> Snapshot<'scene> {
     pub fn world_from_relative(&self, point: DVec3) -> DVec3 {
         point + self.view.eye
     }
-}
-
-/// Fog at one time; `None` if it does nothing.
-fn frozen_fog(fog: &Fog, relative_from_node: DAffine3, time_s: f64) -> Option<FogBank> {
-    let (sigma_t, albedo) = (fog.density_per_m.at(time_s), fog.albedo.at(time_s));
-    let g = fog.anisotropy.at(time_s);
-    let frozen = |falloff: &HeightFalloff| {
-        Falloff::new(relative_from_node, falloff.base, falloff.scale_height_m.at(time_s))
-    };
-    match &fog.shape {
-        FogShape::EvenBox => FogBank::in_box(relative_from_node, sigma_t, albedo, g),
-        FogShape::ThinningBox(falloff) => {
-            Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
-        }
-        FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
-    }
-}
-
-/// Which of a scene's lights shine.
-fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
-    let placements = scene.placements(time_s);
-    let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;
-    scene.lights.iter().map(shines).collect()
 }

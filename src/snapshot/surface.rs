@@ -2,14 +2,16 @@
 //! normals have unit length and face the ray's origin.
 
 mod layers;
+mod texels;
 
 use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::{Gloss, Layers};
-use crate::scene::{AlphaMode, Material, Mesh, Painted, Texture, TextureMap};
-use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
+use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
+use glam::{DMat3, DVec3, Vec3, Vec4};
+use texels::FacetTexels;
 
 /// A point of a surface, ready for shading.
 #[derive(Clone, Copy, Debug)]
@@ -179,84 +181,59 @@ impl Facet<'_> {
     }
 
     fn at(&self, ray: &Ray, distance: f64, [v, w]: [f64; 2]) -> SurfacePoint {
-        let weights = [1.0 - v - w, v, w];
-        let geometric_normal = match self.normal {
+        let (material, weights) = (self.material, [1.0 - v - w, v, w]);
+        let geometric_normal = self.normal_towards(ray);
+        let unbent = self.interpolated_normal(geometric_normal, weights);
+        let layers = self.layers(weights, unbent);
+        let let_out = layers.as_ref().map_or(1.0, |layers| layers.lets_out(-ray.direction));
+        let texels = FacetTexels::new(self, weights);
+        let paint = texels.paint();
+        let painted = |what: Painted, own: Rgb| if material.painted == what { own * paint } else { own };
+        let base_color = material.base_color * paint;
+        let (gloss, matte) = texels.gloss(base_color);
+        let transmission = material.transmission * texels.of(material.transmission_texture);
+        let emission = match material.emission {
+            Rgb::ZERO => Rgb::ZERO,
+            emission => painted(Painted::Emission, emission * texels.of(material.emission_texture)),
+        };
+        let (alpha, see_through) = texels.opacity();
+        SurfacePoint {
+            position: ray.at(distance),
+            geometric_normal,
+            shading_normal: material.normal_map.map_or(unbent, |map| self.bent(unbent, map, weights)),
+            albedo: base_color * matte,
+            transmission: transmission * matte,
+            gloss,
+            layers,
+            to_eye: -ray.direction,
+            mirror: let_out * painted(Painted::Mirror, material.mirror),
+            emission: let_out * emission,
+            alpha,
+            see_through,
+            primitive: self.primitive,
+            leaf_id: self.leaf_id,
+        }
+    }
+
+    /// That of the flat triangle, on the ray's side.
+    fn normal_towards(&self, ray: &Ray) -> DVec3 {
+        match self.normal {
             DVec3::ZERO => -ray.direction,
             normal if normal.dot(ray.direction) > 0.0 => -normal,
             normal => normal,
-        };
-        let material = self.material;
-        let mut shading_normal = self.corner_normals.map_or(geometric_normal, |normals| {
+        }
+    }
+
+    /// That of the mesh, on the side of the geometric one.
+    fn interpolated_normal(&self, geometric_normal: DVec3, weights: [f64; 3]) -> DVec3 {
+        self.corner_normals.map_or(geometric_normal, |normals| {
             let normal: DVec3 = (0..3).map(|corner| weights[corner] * normals[corner]).sum();
             match normal.try_normalize() {
                 Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
                 Some(normal) => normal,
                 None => geometric_normal,
             }
-        });
-        let layers = self.layers(weights, shading_normal);
-        if let Some(map) = material.normal_map {
-            shading_normal = self.bent(shading_normal, map, weights);
-        }
-        let texture = self.texture.map(|texture| (texture, self.uv(&self.mesh.uvs, weights)));
-        let color = texture.map_or(Rgb::ONE, |(texture, uv)| texture.color(uv));
-        let looked_up = |map: Option<TextureMap>| match map {
-            None => Rgb::ONE,
-            // Mostly that of the base colour again.
-            Some(TextureMap { texture, layer: 0 }) if material.base_color_texture == Some(texture) => color,
-            Some(map) => self.texel(map, weights).unwrap_or(Rgb::ONE),
-        };
-        let tint = |color: Rgb| match self.mesh.colors.as_slice() {
-            [] => color,
-            colors => {
-                let corner = |corner: usize| weights[corner] * colors[self.corners[corner]].as_dvec3();
-                color * (0..3).map(corner).sum::<DVec3>()
-            }
-        };
-        let paint = tint(color);
-        let painted = |what: Painted, own: Rgb| if material.painted == what { own * paint } else { own };
-        let mut albedo = material.base_color * paint;
-        let mut transmission = material.transmission * looked_up(material.transmission_texture);
-        let gloss = material.coat.map(|coat| {
-            let texel = coat.texture.and_then(|map| self.texel(map, weights)).unwrap_or(Rgb::ONE);
-            let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
-            // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
-            let f0 = coat.f0 * looked_up(coat.f0_texture);
-            let gloss = Gloss::new(f0, Rgb::splat(coat.f90), roughness).with_metal(metallic, albedo);
-            albedo *= 1.0 - metallic;
-            transmission *= 1.0 - metallic;
-            gloss
-        });
-        let (alpha, see_through) = match material.alpha_mode {
-            AlphaMode::Opaque => (1.0, Rgb::ZERO),
-            AlphaMode::Blend => {
-                let of_texture = texture.map_or(1.0, |(texture, uv)| texture.alpha(uv).clamp(0.0, 1.0));
-                let alpha = material.opacity * of_texture * self.vertex_alpha(weights);
-                (alpha, Rgb::splat(1.0 - alpha) + alpha * material.filter_color)
-            }
-        };
-        let let_out = layers.as_ref().map_or(1.0, |layers| layers.lets_out(-ray.direction));
-        SurfacePoint {
-            position: ray.at(distance),
-            geometric_normal,
-            shading_normal,
-            albedo,
-            transmission,
-            gloss,
-            layers,
-            to_eye: -ray.direction,
-            mirror: let_out * painted(Painted::Mirror, material.mirror),
-            emission: match material.emission {
-                Rgb::ZERO => Rgb::ZERO,
-                emission => {
-                    let_out * painted(Painted::Emission, emission * looked_up(material.emission_texture))
-                }
-            },
-            alpha,
-            see_through,
-            primitive: self.primitive,
-            leaf_id: self.leaf_id,
-        }
+        })
     }
 
     /// A normal as a map bends it.
@@ -267,38 +244,6 @@ impl Facet<'_> {
         let is_turned = unbent.dot(normal) < 0.0;
         bent.try_normalize().map_or(normal, |bent| if is_turned { -bent } else { bent })
     }
-
-    /// The alpha of the mesh's vertices.
-    fn vertex_alpha(&self, weights: [f64; 3]) -> f64 {
-        let alphas = &self.mesh.alphas;
-        if alphas.is_empty() {
-            return 1.0;
-        }
-        let sum: f64 = (0..3).map(|corner| weights[corner] * f64::from(alphas[self.corners[corner]])).sum();
-        sum.clamp(0.0, 1.0)
-    }
-
-    fn uv(&self, uvs: &[Vec2], weights: [f64; 3]) -> Vec2 {
-        (0..3).map(|corner| weights[corner] as f32 * uvs[self.corners[corner]]).sum()
-    }
-
-    /// The colour of an image; `None` if the mesh has no coordinates for it.
-    fn texel(&self, map: TextureMap, weights: [f64; 3]) -> Option<Rgb> {
-        let uvs = layer(self.mesh, map.layer)?;
-        Some(self.textures[map.texture].color(self.uv(uvs, weights)))
-    }
-
-    /// The same of its alpha.
-    fn texel_alpha(&self, map: TextureMap, weights: [f64; 3]) -> Option<f64> {
-        let uvs = layer(self.mesh, map.layer)?;
-        Some(self.textures[map.texture].alpha(self.uv(uvs, weights)))
-    }
-}
-
-/// A mesh's texture coordinates of a layer, if it has them.
-fn layer(mesh: &Mesh, layer: usize) -> Option<&[Vec2]> {
-    let uvs = if layer == 0 { Some(&mesh.uvs) } else { mesh.more_uvs.get(layer - 1) };
-    uvs.map(Vec::as_slice).filter(|uvs| !uvs.is_empty())
 }
 
 impl Bending<'_> {

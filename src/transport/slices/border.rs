@@ -2,7 +2,8 @@
 //! comes where a slice beside does. Invariant: exact as far as the border goes.
 
 use super::edges::EdgeOrigin;
-use super::fan::{Fan, Slice};
+use super::fan::Fan;
+use super::slice::Slice;
 use super::sweep::LightRays;
 use crate::accel::PrimitiveId;
 use crate::snapshot::Snapshot;
@@ -44,7 +45,7 @@ impl<'a> Borders<'a> {
         light_rays: LightRays,
     ) -> Self {
         let outward = slice.outward;
-        // The half planes turn from `outward` to the third.
+        // The half planes rotate from `outward` to the third.
         let relative_from_slice = DMat3::from_cols(outward, fan.axis, fan.axis.cross(outward));
         Self { snapshot, fan, slice_from_relative: relative_from_slice.transpose(), light_rays }
     }
@@ -88,7 +89,7 @@ impl Border {
         if self.shaded.is_some() { f64::INFINITY } else { self.point.length() }
     }
 
-    /// The slopes of the rays that meet it in two half planes that are turned by an angle of this sine and cosine, one each way; not finite where none does.
+    /// The slopes of the rays that meet it in two half planes that are rotated by an angle of this sine and cosine, one each way; not finite where none does.
     pub(super) fn slopes_beside(&self, (sin, cos): (f64, f64)) -> [f64; 2] {
         let (low, high) = self.reaches;
         [sin, -sin].map(|sin| {
@@ -166,7 +167,7 @@ mod tests {
             corners in prop::array::uniform3(prop::array::uniform3(-2.0..2.0_f64)),
             to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),
             part in 0.0..1.0_f64,
-            turned_rad in -0.01..0.01_f64,
+            rotated_rad in -0.01..0.01_f64,
         ) {
             let scene = scene(corners);
             let trees = MeshTrees::new(&scene);
@@ -182,13 +183,13 @@ mod tests {
                 cuts
             };
             let angle = fan.angles.0 + part * fan.angles.1;
-            let (Some(slice), Some(beside)) = (slice_at(angle), slice_at(angle + turned_rad)) else { return Ok(()) };
+            let (Some(slice), Some(beside)) = (slice_at(angle), slice_at(angle + rotated_rad)) else { return Ok(()) };
             let borders = Borders::new(&snapshot, &fan, &slice, LightRays::Parallel);
             let (from, to) = (cuts(&slice), cuts(&beside));
             let (Some(from), Some(to)) = (from.first(), to.first()) else { return Ok(()) };
             prop_assume!(from.ends.iter().chain(&to.ends).all(|end| end.x > 0.1));
             let cut_slopes = to.ends.map(|end| end.y / end.x);
-            let (sin, cos) = turned_rad.sin_cos();
+            let (sin, cos) = rotated_rad.sin_cos();
             for point in from.ends {
                 let cut = CutEnd { primitive: from.primitive, point };
                 let border = borders.of(&EdgeOrigin { border: cut, shaded: None }).expect("a border of the triangle");

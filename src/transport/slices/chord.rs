@@ -1,7 +1,7 @@
 //! The part of a slice that lies in one pixel. In go a slice and the pixels that are wanted, out come its chords, one after
 //! the other. Invariant: the chords of all pixels are the whole slice, without a gap or a part twice.
 
-use super::fan::Slice;
+use super::slice::Slice;
 use crate::scene::{Size, Window};
 use std::iter;
 

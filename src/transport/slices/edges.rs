@@ -4,7 +4,7 @@
 //! through each other, or one too many does no harm to the mean, for each piece's sample lies anywhere in it alike.
 
 use super::chord::Chord;
-use super::fan::Slice;
+use super::slice::Slice;
 use super::sweep::{CutEnd, LightRays, Segment, Sweep, ordered};
 use crate::accel::PrimitiveId;
 use glam::DVec2;

@@ -4,7 +4,7 @@
 //! single ray. In go a snapshot and one of its lights, out come weighted samples. Invariant: a
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 //!
-//! To read it: `fan.rs` has the half planes and the lines that they are in the picture, `chord.rs` the pixels that such a line
+//! To read it: `fan.rs` has the half planes, `slice.rs` the line that one is in the picture, `chord.rs` the pixels that such a line
 //! crosses, `solve.rs` the one loop over them; `sweep.rs` (on `buckets.rs`) finds what a ray meets and which parts of it are lit, `slice_ray.rs`
 //! makes a colour of that. Then what serves these: `edges.rs` cuts chords, `outline.rs` (on `border.rs`) says what lies between slices, `veiled.rs` finds the rays that
 //! blended surfaces touch. What fog does on a ray's way says [`FogSlice`](crate::fog::FogSlice), or, where that has no answer, the per-ray method.
@@ -15,6 +15,8 @@ mod chord;
 mod edges;
 mod fan;
 mod outline;
+mod picture;
+mod slice;
 mod slice_job;
 mod slice_ray;
 mod solve;
@@ -22,7 +24,8 @@ mod sweep;
 mod veiled;
 
 pub use chord::{Chord, Crossing};
-pub use fan::{Fan, Place, Ring, Separation, Slice, pixel};
+pub use fan::{Fan, Separation};
 pub use outline::{FARTHEST_SHIFT_PX, Outline, Strip};
+pub use slice::{Place, Ring, Slice};
 pub use slice_job::SliceJob;
 pub use solve::{Piece, SliceScratch, count_segments, solve};

@@ -5,7 +5,7 @@
 //! and where a straight one goes on is known (`border.rs`).
 
 use super::border::Border;
-use super::fan::Slice;
+use super::slice::Slice;
 use crate::scene::{Size, Window};
 use std::ops::Range;
 
@@ -45,7 +45,7 @@ pub struct Strip {
     pub piece: usize,
     /// Column and row of the full picture.
     pub pixel: (usize, usize),
-    /// Picture area per radian of turn, pixels^2.
+    /// Picture area per radian of rotation, pixels^2.
     pub area_per_rad: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct Outline {
 struct End {
     /// How much of the slice lies before, in its length, if edges run along the slices.
     unmoved: f64,
-    /// By how much more or less it is since its edge does not, there and on the slice that is turned as much the other way.
+    /// By how much more or less it is since its edge does not, there and on the slice that is rotated as much the other way.
     shifts: [f64; 2],
     /// How much of that it moves, 0 to 1.
     moved: f64,
@@ -139,17 +139,17 @@ impl Outline {
         self.runs[run].first..end
     }
 
-    /// Calls back with the parts of a slice that is turned by so much, not farther from the ends of what the slice has in a region than an edge may move, in
+    /// Calls back with the parts of a slice that is rotated by so much, not farther from the ends of what the slice has in a region than an edge may move, in
     /// pixels of a picture that are not said to be unwanted, as [`Slice::crossings`] is told.
     pub fn parts(
         &mut self,
         beside: &Slice,
-        turned_rad: f64,
+        rotated_rad: f64,
         size: Size,
         unwanted_around: impl Fn(usize, usize) -> Option<Window>,
         mut call: impl FnMut(Strip),
     ) {
-        self.move_ends(beside, turned_rad);
+        self.move_ends(beside, rotated_rad);
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
         // Of the stretch in the region at hand: its runs that are still to come, and where it begins and ends.
         let (mut stretch, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
@@ -196,9 +196,9 @@ impl Outline {
         }
     }
 
-    /// Finds where runs end on a slice that is turned.
-    fn move_ends(&mut self, beside: &Slice, turned_rad: f64) {
-        let turn = turned_rad.sin_cos();
+    /// Finds where runs end on a slice that is rotated.
+    fn move_ends(&mut self, beside: &Slice, rotated_rad: f64) {
+        let rotation = rotated_rad.sin_cos();
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
         self.ends.clear();
         self.ends.extend(self.runs.iter().map(|run| {
@@ -207,7 +207,7 @@ impl Outline {
                 let shift = beside.length_at_slope(slope) - unmoved;
                 if slope.is_finite() { shift.clamp(-farthest, farthest) } else { 0.0 }
             };
-            let shifts = run.border.map_or([0.0; 2], |border| border.slopes_beside(turn).map(shift));
+            let shifts = run.border.map_or([0.0; 2], |border| border.slopes_beside(rotation).map(shift));
             let distance = run.border.map_or(f64::INFINITY, |border| border.distance());
             End { unmoved, shifts, moved: 1.0, distance, length: unmoved }
         }));
@@ -274,13 +274,13 @@ mod tests {
         fn parts_are_the_whole_slice_beside(
             to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),
             part in 0.05..0.95_f64,
-            turned_rad in -0.02..0.02_f64,
+            rotated_rad in -0.02..0.02_f64,
             // After each piece: nothing, an edge of nothing known, or a border that leads anywhere.
             after in prop::collection::vec((0..3_u8, prop::array::uniform3(-1.0..1.0_f64)), 60),
         ) {
             let fan = Fan::of_pinhole(1.0, SIZE, to_light);
             let angle = fan.angles.0 + part * fan.angles.1;
-            let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + turned_rad, Ring::WHOLE));
+            let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + rotated_rad, Ring::WHOLE));
             let (Some(slice), Some(beside)) = slices else { return Ok(()) };
             let mut outline = Outline::default();
             let crossings: Vec<_> = slice.crossings(SIZE, |_, _| None).collect();
@@ -296,7 +296,7 @@ mod tests {
             }
             let pieces = crossings.len().min(after.len());
             let (mut at, mut passed) = (0, 0.0);
-            outline.parts(&beside, turned_rad, SIZE, |_, _| None, |part| {
+            outline.parts(&beside, rotated_rad, SIZE, |_, _| None, |part| {
                 assert!(at <= part.piece && part.piece < pieces, "{part:?} after {at}, of {pieces}");
                 assert!(part.area_per_rad > 0.0, "{part:?}");
                 (at, passed) = (part.piece, passed + part.area_per_rad);
@@ -314,12 +314,12 @@ mod tests {
         fn parts_depend_on_nothing_beyond_their_region(
             to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),
             part in 0.05..0.95_f64,
-            turned_rad in -0.02..0.02_f64,
+            rotated_rad in -0.02..0.02_f64,
             after in prop::collection::vec(prop::option::of(prop::array::uniform3(-1.0..1.0_f64)), 60),
         ) {
             let fan = Fan::of_pinhole(1.0, SIZE, to_light);
             let angle = fan.angles.0 + part * fan.angles.1;
-            let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + turned_rad, Ring::WHOLE));
+            let slices = (fan.slice(angle, Ring::WHOLE), fan.slice(angle + rotated_rad, Ring::WHOLE));
             let (Some(slice), Some(beside)) = slices else { return Ok(()) };
             let is_kept = |(x, y): (usize, usize)| (x / 4 + y / 4) % 2 == 0;
             let parts = |only_kept: bool| {
@@ -338,7 +338,7 @@ mod tests {
                     of_piece.push(crossing.pixel);
                 }
                 let mut parts = Vec::new();
-                outline.parts(&beside, turned_rad, SIZE, |_, _| None, |part| {
+                outline.parts(&beside, rotated_rad, SIZE, |_, _| None, |part| {
                     if is_kept(part.pixel) {
                         parts.push((of_piece[part.piece], part.pixel, part.area_per_rad));
                     }
@@ -358,21 +358,21 @@ mod tests {
             along in prop::array::uniform2(prop::array::uniform2(-1.0..1.0_f64)),
             gap_per_rad in 0.05..1.0_f64,
         ) {
-            let turned_rad = 1e-3;
+            let rotated_rad = 1e-3;
             let fan = Fan::of_pinhole(1.0, SIZE, to_light);
             let angle = fan.angles.0 + part * fan.angles.1;
-            let slice_at = |turn: f64| fan.slice(angle + turn, Ring::WHOLE);
-            let (Some(own), Some(left), Some(right)) = (slice_at(0.0), slice_at(-turned_rad), slice_at(turned_rad)) else { return Ok(()) };
+            let slice_at = |rotation: f64| fan.slice(angle + rotation, Ring::WHOLE);
+            let (Some(own), Some(left), Some(right)) = (slice_at(0.0), slice_at(-rotated_rad), slice_at(rotated_rad)) else { return Ok(()) };
             let middle = own.slope_at(0.5 * own.length);
-            let slopes = [middle, middle - gap_per_rad * turned_rad];
+            let slopes = [middle, middle - gap_per_rad * rotated_rad];
             let mut outline = Outline::default();
             for (slope, [x, y]) in slopes.into_iter().zip(along) {
                 outline.add((0, 0), slope + 1.0, slope);
                 outline.end(Some(Border::through(DVec3::new(1.0, slope, 0.0), DVec3::new(x, y, 1.0))));
             }
             let gap = |ends: [f64; 2]| ends[1] - ends[0];
-            let beside = [(left, -turned_rad), (right, turned_rad)].map(|(slice, turn)| {
-                outline.move_ends(&slice, turn);
+            let beside = [(left, -rotated_rad), (right, rotated_rad)].map(|(slice, rotation)| {
+                outline.move_ends(&slice, rotation);
                 gap([0, 1].map(|end| outline.ends[end].length))
             });
             let unmoved = gap(slopes.map(|slope| own.length_at_slope(slope)));

@@ -4,11 +4,12 @@
 use super::border::Borders;
 use super::chord::Chord;
 use super::edges::Edges;
-use super::fan::{Fan, LEAST_SPREAD, Place, Slice};
+use super::fan::Fan;
 use super::outline::Outline;
+use super::slice::{LEAST_SPREAD, Place, Slice};
 use super::slice_job::SliceJob;
 use super::slice_ray::SliceRay;
-use super::sweep::{LightRays, PlanarClip, Sweep};
+use super::sweep::{LightRays, Meeting, PlanarClip, Sweep};
 use super::veiled::VeilSweep;
 use crate::accel::{Cut, HalfPlane};
 use crate::fog::FogSlice;
@@ -16,17 +17,23 @@ use crate::math::{PlanarRay, Ray, Sampler, kronecker};
 use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::Sample;
 use crate::transport::path::Scratch;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// Memory that the slices of one thread share.
 #[derive(Default)]
 pub struct SliceScratch {
     chords: Vec<Chord>,
+    edges: Edges,
+    of_rays: RayScratch,
+}
+
+/// The part of it that rays need.
+#[derive(Default)]
+struct RayScratch {
     lowest_slopes: Vec<f64>,
     cuts: Vec<Cut>,
     sweep: Sweep,
     veils: VeilSweep,
-    edges: Edges,
     fog: FogSlice,
     followed: Scratch,
 }
@@ -41,6 +48,8 @@ pub struct Piece<'a> {
     pub range: [f64; 2],
     /// What it counts, as the area does that it stands for.
     pub weight: f64,
+    /// How many pieces of the chord come before it.
+    number: usize,
 }
 
 /// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its sample sees by the slice's light alone. Rays that blended surfaces touch
@@ -54,78 +63,139 @@ pub fn solve(
     scratch: &mut SliceScratch,
     mut sample: impl FnMut(&Piece, &Sample),
 ) -> Option<usize> {
-    let (snapshot, light, eye) = (job.snapshot, job.light, job.fan.eye);
-    let light_rays = match *light {
-        FrozenLight::Sun { .. } => LightRays::Parallel,
-        FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
-    };
-    let planar = |place: &Place| planar(job.fan, slice, place);
-    let SliceScratch { chords, lowest_slopes, cuts, sweep, veils, edges, fog, followed } = scratch;
+    let SliceScratch { chords, edges, of_rays } = scratch;
     chords.clear();
     chords.extend(of_slice);
-    lowest_slopes.clear();
-    lowest_slopes.extend(chords.iter().map(|chord| chord.slopes[1]));
-    let lowest_slope = *lowest_slopes.last()?;
-    let half_plane = HalfPlane { eye, axis: job.fan.axis, outward: slice.outward, lowest_slope };
-    let clip = PlanarClip::of(&snapshot.view, slice.outward, job.fan.axis);
-    (sweep.clip, veils.sweep.clip) = (clip, clip);
-    cuts.clear();
-    snapshot.blended.add_cuts(&half_plane, cuts);
-    let blended_cuts = cuts.len();
-    veils.start(cuts, light_rays, lowest_slopes);
-    cuts.clear();
-    snapshot.tree.add_cuts(&half_plane, cuts);
-    sweep.start(cuts, light_rays, lowest_slopes);
-    let middle_slope = lowest_slopes[lowest_slopes.len() / 2];
-    fog.start(&snapshot.medium, light, &half_plane, middle_slope, cuts);
-
-    let mut met: Option<Facet> = None;
-    let borders = Borders::new(snapshot, job.fan, slice, light_rays);
+    let mut rays = Rays::new(job, slice, chords, of_rays)?;
+    let light_rays = rays.light_rays;
+    let borders = Borders::new(job.snapshot, job.fan, slice, light_rays);
     for chord in chords.iter() {
+        rays.enter(chord);
         let [highest_slope, lowest_slope] = chord.slopes;
-        sweep.enter(highest_slope, |start, end| fog.darken(start, end));
-        veils.enter(highest_slope);
-        let mut piece_start = chord.start;
-        let chord_area = chord.end - chord.start;
-        let ends = edges.pieces(chord, slice, [sweep, &veils.sweep], light_rays, highest_slope..lowest_slope);
-        let mut piece_slope = highest_slope;
+        let (mut piece_start, mut piece_slope) = (chord.start, highest_slope);
+        let ends = edges.pieces(chord, slice, rays.sweeps(), light_rays, highest_slope..lowest_slope);
         for (number, end) in ends.iter().enumerate() {
-            let piece_end = end.area;
-            let phase = kronecker(chord.phase, number);
-            let area = piece_end - piece_start;
-            let place = slice.place(piece_start + phase * area);
-            let planar = planar(&place);
-            let meeting = sweep.advance(&planar, light_rays, |start, end| fog.darken(start, end));
-            if let Some(meeting) =
-                meeting.filter(|meeting| met.is_none_or(|met| met.primitive != meeting.primitive))
-            {
-                met = Some(snapshot.facet(meeting.primitive));
-            }
-            let random = (chord.phase * f64::from(u32::MAX)) as u32;
-            let (x, y) = chord.pixel;
-            let slice_ray = SliceRay {
-                job,
-                ray: Ray { origin: eye, direction: place.direction },
-                planar,
-                light_rays,
-                meeting: meeting.zip(met.as_ref()),
-                sampler: Sampler::new(x as u32, y as u32, number as u32, random),
-            };
-            let is_veiled = blended_cuts > 0 && veils.touches(&planar, light_rays, slice_ray.distance());
-            let value =
-                if is_veiled { slice_ray.by_itself(followed) } else { slice_ray.value(sweep, fog, followed) };
-            let range = [piece_start, piece_end].map(|end| (end - chord.start) / chord_area);
-            sample(&Piece { chord, place, range, weight: chord.weight_per_area * area }, &value);
+            let piece = Piece::new(chord, slice, number, [piece_start, end.area]);
+            sample(&piece, &rays.value(&piece));
             if let Some(outline) = &mut outline {
                 outline.add(chord.pixel, piece_slope, end.slope);
                 if number + 1 < ends.len() {
                     outline.end(end.origin.and_then(|origin| borders.of(&origin)));
                 }
             }
-            (piece_start, piece_slope) = (piece_end, end.slope);
+            (piece_start, piece_slope) = (end.area, end.slope);
         }
     }
-    Some(blended_cuts + cuts.len())
+    Some(rays.segments)
+}
+
+impl<'a> Piece<'a> {
+    fn new(chord: &'a Chord, slice: &Slice, number: usize, [start, end]: [f64; 2]) -> Self {
+        let area = end - start;
+        let chord_area = chord.end - chord.start;
+        Self {
+            chord,
+            place: slice.place(start + kronecker(chord.phase, number) * area),
+            range: [start, end].map(|passed| (passed - chord.start) / chord_area),
+            weight: chord.weight_per_area * area,
+            number,
+        }
+    }
+}
+
+/// The rays of one slice, asked for in order away from the light: what the slice cuts, swept so far.
+struct Rays<'a> {
+    job: &'a SliceJob<'a>,
+    outward: DVec3,
+    light_rays: LightRays,
+    sweep: &'a mut Sweep,
+    veils: &'a mut VeilSweep,
+    has_veils: bool,
+    fog: &'a mut FogSlice,
+    followed: &'a mut Scratch,
+    /// The triangle that was met last: rays side by side mostly meet the same one.
+    met: Option<Facet<'a>>,
+    /// How many segments were gathered.
+    segments: usize,
+}
+
+impl<'a> Rays<'a> {
+    /// Gathers what the slice cuts as far as its chords reach; `None` if there are none.
+    fn new(
+        job: &'a SliceJob<'a>,
+        slice: &Slice,
+        chords: &[Chord],
+        scratch: &'a mut RayScratch,
+    ) -> Option<Self> {
+        let (snapshot, light, eye, axis) = (job.snapshot, job.light, job.fan.eye, job.fan.axis);
+        let light_rays = match *light {
+            FrozenLight::Sun { .. } => LightRays::Parallel,
+            FrozenLight::Point { position, .. } => LightRays::From((position - eye).length()),
+        };
+        let RayScratch { lowest_slopes, cuts, sweep, veils, fog, followed } = scratch;
+        lowest_slopes.clear();
+        lowest_slopes.extend(chords.iter().map(|chord| chord.slopes[1]));
+        let lowest_slope = *lowest_slopes.last()?;
+        let half_plane = HalfPlane { eye, axis, outward: slice.outward, lowest_slope };
+        let clip = PlanarClip::of(&snapshot.view, slice.outward, axis);
+        (sweep.clip, veils.sweep.clip) = (clip, clip);
+        cuts.clear();
+        snapshot.blended.add_cuts(&half_plane, cuts);
+        let blended_cuts = cuts.len();
+        veils.start(cuts, light_rays, lowest_slopes);
+        cuts.clear();
+        snapshot.tree.add_cuts(&half_plane, cuts);
+        sweep.start(cuts, light_rays, lowest_slopes);
+        let middle_slope = lowest_slopes[lowest_slopes.len() / 2];
+        fog.start(&snapshot.medium, light, &half_plane, middle_slope, cuts);
+        let (has_veils, segments) = (blended_cuts > 0, blended_cuts + cuts.len());
+        let outward = slice.outward;
+        Some(Self { job, outward, light_rays, sweep, veils, has_veils, fog, followed, met: None, segments })
+    }
+
+    /// Goes on to the next chord.
+    fn enter(&mut self, chord: &Chord) {
+        let fog = &mut *self.fog;
+        self.sweep.enter(chord.slopes[0], |start, end| fog.darken(start, end));
+        self.veils.enter(chord.slopes[0]);
+    }
+
+    /// What was swept: opaque and blended.
+    fn sweeps(&self) -> [&Sweep; 2] {
+        [self.sweep, &self.veils.sweep]
+    }
+
+    /// What the ray of a piece sees.
+    #[inline]
+    fn value(&mut self, piece: &Piece) -> Sample {
+        let Self { job, light_rays, .. } = *self;
+        let direction = piece.place.direction;
+        // Rounding must not put a ray along the axis on the other side of it.
+        let reach = direction.dot(self.outward).max(LEAST_SPREAD);
+        let planar = PlanarRay::new(DVec2::new(reach, direction.dot(job.fan.axis)));
+        let fog = &mut *self.fog;
+        let meeting = self.sweep.advance(&planar, light_rays, |start, end| fog.darken(start, end));
+        if let Some(Meeting { primitive, .. }) = meeting
+            && self.met.is_none_or(|met| met.primitive != primitive)
+        {
+            self.met = Some(job.snapshot.facet(primitive));
+        }
+        let random = (piece.chord.phase * f64::from(u32::MAX)) as u32;
+        let (x, y) = piece.chord.pixel;
+        let ray = SliceRay {
+            job,
+            ray: Ray { origin: job.fan.eye, direction },
+            planar,
+            light_rays,
+            meeting: meeting.zip(self.met.as_ref()),
+            sampler: Sampler::new(x as u32, y as u32, piece.number as u32, random),
+        };
+        if self.has_veils && self.veils.touches(&planar, light_rays, ray.distance()) {
+            ray.by_itself(self.followed)
+        } else {
+            ray.value(self.sweep, fog, self.followed)
+        }
+    }
 }
 
 /// How many segments a whole slice would gather of what is not blended.
@@ -135,10 +205,4 @@ pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
     let mut cuts = Vec::new();
     snapshot.tree.add_cuts(&half_plane, &mut cuts);
     cuts.len()
-}
-
-fn planar(fan: &Fan, slice: &Slice, place: &Place) -> PlanarRay {
-    // Rounding must not put a ray along the axis on the other side of it.
-    let reach = place.direction.dot(slice.outward).max(LEAST_SPREAD);
-    PlanarRay::new(DVec2::new(reach, place.direction.dot(fan.axis)))
 }

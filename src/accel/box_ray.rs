@@ -1,0 +1,156 @@
+//! Rays against the boxes of a tree. In go a ray and a visitor, out come the leaves that it may meet, near ones first. Invariant:
+//! no box that the ray meets in exact arithmetic is left out.
+
+use super::{
+    rounding::UNIT_ROUNDOFF,
+    simd::{Lanes, Mask, Simd, WIDTH, three},
+    stack::{Entry, Stack},
+    wide_tree::{Bounds, LEAF, Node, WideTree, plane},
+};
+use glam::DVec3;
+
+/// How far, in roundings of the largest coordinate, boxes are padded against rays. Shearing a vertex
+/// moves it by at most 6 (two differences, a product, a quotient), the slab test a plane by at most 4;
+/// 16 covers both.
+const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
+
+/// A ray in single precision, prepared for boxes that are padded by what single precision may lose: the
+/// origin is moved against the planes the ray enters by and along with those it leaves by (Woop, Benthin
+/// and Wald 2013, section 5, with one padding for a whole tree).
+pub(super) struct BoxRay<L> {
+    origin_entering: [L; 3],
+    origin_leaving: [L; 3],
+    inverse_direction: [L; 3],
+    entering: [usize; 3],
+    t_min: L,
+}
+
+impl<L: Lanes> BoxRay<L> {
+    #[inline(always)]
+    pub(super) fn new<S: Simd<Lanes = L>>(
+        simd: S,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        padding: f32,
+        t_min: f32,
+    ) -> Self {
+        let shift = direction.map(|d| if d < 0.0 { -padding } else { padding });
+        Self {
+            origin_entering: three(
+                #[inline(always)]
+                |axis| simd.splat(origin[axis] + shift[axis]),
+            ),
+            origin_leaving: three(
+                #[inline(always)]
+                |axis| simd.splat(origin[axis] - shift[axis]),
+            ),
+            // Adding 0 turns -0 into 0, whose inverse then has the sign that `entering` assumes.
+            inverse_direction: three(
+                #[inline(always)]
+                |axis| simd.splat(1.0 / (direction[axis] + 0.0)),
+            ),
+            entering: three(|axis| plane(axis, direction[axis] < 0.0)),
+            t_min: simd.splat(t_min),
+        }
+    }
+
+    /// Which boxes of a node the ray meets before `t_far`, as bits, and where it enters them.
+    #[inline(always)]
+    fn meet<S: Simd<Lanes = L>>(&self, simd: S, node: &Node, t_far: f32) -> (u32, L) {
+        let mut near = self.t_min;
+        let mut far = simd.splat(t_far);
+        for axis in 0..3 {
+            let entering = self.entering[axis];
+            let enter = (simd.load(&node.planes[entering]) - self.origin_entering[axis])
+                * self.inverse_direction[axis];
+            let leave = (simd.load(&node.planes[entering ^ 1]) - self.origin_leaving[axis])
+                * self.inverse_direction[axis];
+            // A NaN, from a ray that runs within a plane, must not cull: so it comes first.
+            near = enter.max(near);
+            far = leave.min(far);
+        }
+        (near.le(far).bits(), near)
+    }
+}
+
+/// What happens at the leaves of a tree.
+pub(super) trait LeafVisitor<S: Simd> {
+    /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
+}
+
+/// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a visit ended the query.
+#[inline(always)]
+pub(super) fn visit_leaves<S: Simd>(
+    simd: S,
+    tree: &WideTree,
+    ray: &BoxRay<S::Lanes>,
+    mut t_far: f32,
+    stack: &mut Stack,
+    visitor: &mut impl LeafVisitor<S>,
+) -> bool {
+    let Some(root) = tree.root else { return false };
+    let base = stack.len();
+    let mut child = root;
+    loop {
+        if child & LEAF != 0 {
+            if visitor.visit(simd, child & !LEAF, stack, &mut t_far) {
+                stack.truncate(base);
+                return true;
+            }
+        } else {
+            let node = &tree.nodes[child as usize];
+            let (hits, near) = ray.meet(simd, node, t_far);
+            if hits != 0 {
+                child = nearest(simd, node, hits, near, stack);
+                continue;
+            }
+        }
+        loop {
+            match stack.pop(base) {
+                None => return false,
+                Some(entry) if entry.t_near <= t_far => {
+                    child = entry.child;
+                    break;
+                }
+                Some(_) => {}
+            }
+        }
+    }
+}
+
+/// The nearest of the children that are hit; the others go onto the stack, the farthest first.
+#[inline(always)]
+fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: &mut Stack) -> u32 {
+    let first = hits.trailing_zeros() as usize;
+    hits &= hits - 1;
+    if hits == 0 {
+        return node.children[first];
+    }
+    let near = simd.store(near);
+    let mut sorted = [Entry::default(); WIDTH];
+    sorted[0] = Entry { child: node.children[first], t_near: near[first] };
+    let mut count = 1;
+    while hits != 0 {
+        let lane = hits.trailing_zeros() as usize;
+        hits &= hits - 1;
+        let entry = Entry { child: node.children[lane], t_near: near[lane] };
+        let mut slot = count;
+        while slot > 0 && sorted[slot - 1].t_near < entry.t_near {
+            sorted[slot] = sorted[slot - 1];
+            slot -= 1;
+        }
+        sorted[slot] = entry;
+        count += 1;
+    }
+    for entry in &sorted[..count - 1] {
+        stack.push(*entry);
+    }
+    sorted[count - 1].child
+}
+
+/// By how much the boxes of a tree are padded against rays from a place.
+pub(super) fn padding(origin: DVec3, bounds: Bounds) -> f64 {
+    let magnitude = bounds.magnitude().as_dvec3() + origin.abs();
+    BOX_PADDING_ROUNDOFFS * UNIT_ROUNDOFF * magnitude.max_element()
+}

@@ -1,0 +1,155 @@
+//! Boxes of a tree against regions that affine functions bound. In go functions of position, out come the leaves that may hold
+//! something of the region. Invariant: a box is passed over only if nothing in it can, even after rounding, belong to the region.
+
+use super::{
+    block::Block,
+    light_plane::Functional,
+    rounding::UNIT_ROUNDOFF,
+    simd::{Lanes, Mask, Simd, three},
+    stack::{Entry, Stack},
+    triangle_cut::Corners,
+    wide_tree::{Bounds, LEAF, Node, WideTree, plane},
+};
+
+/// How far, in roundings of the sum of its terms' magnitudes, a function of position is padded for
+/// boxes. Evaluating one rounds gradient, product and three sums, at the box and again at a vertex,
+/// and a cut adds 4 more: 2 * 5 + 4 < 16.
+const PADDING_ROUNDOFFS: f64 = 16.0;
+
+/// An affine function in single precision.
+#[derive(Clone, Copy)]
+pub(super) struct LaneFunctional<L> {
+    gradient: [L; 3],
+    offset: L,
+}
+
+impl<L: Lanes> LaneFunctional<L> {
+    #[inline(always)]
+    pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
+        Self {
+            gradient: three(
+                #[inline(always)]
+                |axis| simd.splat(functional.gradient[axis] as f32),
+            ),
+            offset: simd.splat(functional.offset as f32),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, [x, y, z]: [L; 3]) -> L {
+        self.gradient[0] * x + self.gradient[1] * y + self.gradient[2] * z + self.offset
+    }
+
+    /// At the vertices of each triangle.
+    #[inline(always)]
+    pub(super) fn at_corners<S: Simd<Lanes = L>>(&self, simd: S, block: &Block) -> Corners<L> {
+        three(
+            #[inline(always)]
+            |vertex| {
+                let [x, y, z] = &block.vertices[vertex];
+                self.at([simd.load(x), simd.load(y), simd.load(z)])
+            },
+        )
+    }
+}
+
+/// How far an affine function may be off where it is evaluated in a box in single precision.
+#[inline(always)]
+fn padding(functional: &Functional, bounds: Bounds) -> f64 {
+    let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
+    PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms
+}
+
+/// Whether an affine function may be 0 in a box.
+#[inline(always)]
+pub(super) fn may_vanish(functional: &Functional, bounds: Bounds) -> bool {
+    let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let spread = functional.gradient.abs().dot(0.5 * (max - min));
+    functional.at(0.5 * (min + max)).abs() <= spread + padding(functional, bounds)
+}
+
+/// The upper limit of an affine function over a box.
+pub(super) struct BoxLimit<L> {
+    functional: LaneFunctional<L>,
+    corner: [usize; 3],
+}
+
+impl<L: Lanes> BoxLimit<L> {
+    #[inline(always)]
+    pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional, bounds: Bounds) -> Self {
+        let padded = Functional { offset: functional.offset + padding(functional, bounds), ..*functional };
+        let corner = three(|axis| plane(axis, functional.gradient[axis] >= 0.0));
+        Self { functional: LaneFunctional::new(simd, &padded), corner }
+    }
+
+    #[inline(always)]
+    fn at<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> L {
+        self.functional.at(three(
+            #[inline(always)]
+            |axis| simd.load(&node.planes[self.corner[axis]]),
+        ))
+    }
+}
+
+/// Whether boxes may hold something of a region: where the first two limits, a plane from both its
+/// sides, and all the others are not negative.
+pub(super) struct BoxRegion<L, const N: usize>(pub(super) [BoxLimit<L>; N]);
+
+impl<L: Lanes, const N: usize> BoxRegion<L, N> {
+    /// The children that may hold something of the region, as bits.
+    #[inline(always)]
+    fn meets<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> u32 {
+        let zero = simd.splat(0.0);
+        let mut met = zero.le(self.0[0].at(simd, node)) & zero.le(self.0[1].at(simd, node));
+        if met.bits() == 0 {
+            return 0;
+        }
+        for limit in &self.0[2..] {
+            met = met & zero.le(limit.at(simd, node));
+        }
+        met.bits()
+    }
+}
+
+/// What happens at the leaves of a tree.
+pub(super) trait LeafVisitor<S: Simd> {
+    fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
+
+    /// Hears of a leaf that is visited after some others.
+    #[inline(always)]
+    fn expect(&self, _simd: S, _leaf: u32) {}
+}
+
+/// Visits the leaves whose boxes may hold something of the region.
+#[inline(always)]
+pub(super) fn visit_leaves<S: Simd, const N: usize>(
+    simd: S,
+    tree: &WideTree,
+    region: &BoxRegion<S::Lanes, N>,
+    stack: &mut Stack,
+    visitor: &mut impl LeafVisitor<S>,
+) {
+    let Some(root) = tree.root else { return };
+    let base = stack.len();
+    stack.push(Entry { child: root, t_near: 0.0 });
+    while let Some(Entry { child, .. }) = stack.pop(base) {
+        if child & LEAF != 0 {
+            visitor.visit(simd, child & !LEAF, stack);
+            continue;
+        }
+        let node = &tree.nodes[child as usize];
+        let mut met = region.meets(simd, node);
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            let child = node.children[lane];
+            // In large scenes gathering waited for these two fifths of its time.
+            if child & LEAF != 0 {
+                visitor.expect(simd, child & !LEAF);
+            } else if let Some(node) = tree.nodes.get(child as usize) {
+                simd.prefetch(node);
+            }
+            stack.push(Entry { child, t_near: 0.0 });
+        }
+    }
+}

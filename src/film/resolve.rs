@@ -1,0 +1,58 @@
+//! Sums become a picture. In goes a film, out comes a frame of named channels, in the order in which films keep their passes.
+//! Invariant: sums are divided by weights once, here.
+
+use super::splats::BEAUTY;
+use super::{Channel, Film, Frame, Precision, holes, hues, mattes};
+use crate::passes::Pass;
+
+impl Film {
+    /// Pixels of the full picture that have no sample yet; [`Film::resolve`] would fill them from their neighbours.
+    pub fn holes(&self) -> Vec<(usize, usize)> {
+        let pixels = self.window.pixels().zip(&self.weights);
+        pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
+    }
+
+    /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
+    pub fn resolve(&self) -> Frame {
+        let mut channels = self.means();
+        let mean_channels = channels.len();
+        let shafts = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts);
+        let shafts = shafts.map(|number| BEAUTY.len() + 3 * number);
+        hues::correct(&mut channels, shafts, &self.hues, &self.weights);
+        channels.extend(self.nearest());
+        if self.passes.mattes {
+            channels.extend(mattes::channels(&self.mattes, &self.weights));
+        }
+        let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
+        holes::fill(self.window, known, &mut channels, mean_channels);
+        Frame { full: self.full, window: self.window, channels }
+    }
+
+    /// The beauty, and the passes that are averaged.
+    fn means(&self) -> Vec<Channel> {
+        let beauty = BEAUTY.into_iter().map(|name| (name, Precision::Half));
+        let names = beauty.chain(names(&self.passes.mean)).enumerate();
+        let mean = |(offset, (name, precision))| {
+            let sums = self.sums.iter().skip(offset).step_by(self.passes.mean_channels());
+            let mean =
+                |(&sum, &weight): (&f64, &f64)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 };
+            Channel::new(name, precision, sums.zip(&self.weights).map(mean).collect())
+        };
+        names.map(mean).collect()
+    }
+
+    /// The passes that show the nearest sample.
+    fn nearest(&self) -> impl Iterator<Item = Channel> {
+        let stride = self.passes.nearest_channels();
+        names(&self.passes.nearest).enumerate().map(move |(offset, (name, precision))| {
+            let pixels = self.nearest_values.iter().skip(offset).step_by(stride).copied().collect();
+            Channel::new(name, precision, pixels)
+        })
+    }
+}
+
+/// Names and precisions of the channels of passes.
+fn names(passes: &[Pass]) -> impl Iterator<Item = (&'static str, Precision)> {
+    let rows = passes.iter().map(|&pass| pass.row());
+    rows.flat_map(|row| row.channels.iter().map(move |&name| (name, row.precision)))
+}

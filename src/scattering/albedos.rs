@@ -1,0 +1,148 @@
+//! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of `f0` and of `f90` in the
+//! albedo; together they are that of a white coat, for light that is reflected once. Invariant: the table is made once, when it is first asked.
+
+use super::ggx::{schlick, smith, visible_normal};
+use crate::math::gauss_legendre;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// Smoother surfaces are taken for this rough: a highlight of a light without extent has to have some.
+pub const LEAST_ROUGHNESS: f64 = 0.03;
+
+/// Numbers of the last row and column of the table.
+const LAST_ROW: usize = 111;
+const LAST_COLUMN: usize = 79;
+/// Microfacets that an entry of the table is the mean of: from the one that faces the eye to the rim, and half around.
+const RINGS: usize = 20;
+const AROUND: usize = 20;
+/// Without a divisor in common with `AROUND`.
+const STRIDE: usize = 7;
+
+/// Those of one roughness.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CoatAlbedos {
+    /// As in glTF.
+    roughness: f64,
+    /// Its place in the table.
+    row: f64,
+    /// Columns of the table over the logarithms that they are even in.
+    columns: f64,
+}
+
+impl CoatAlbedos {
+    /// Those of a roughness from [`LEAST_ROUGHNESS`] to 1.
+    pub(super) fn new(roughness: f64) -> Self {
+        Self { roughness, row: row_of(roughness), columns: columns_over(roughness) }
+    }
+
+    /// For light from a direction.
+    pub(super) fn towards(self, cos: f64) -> [f64; 2] {
+        let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
+        let (left, fraction) = split(column, LAST_COLUMN);
+        self.between_rows(|row| {
+            let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
+            [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+        })
+    }
+
+    /// For light from everywhere.
+    pub(super) fn mean(self) -> [f64; 2] {
+        self.between_rows(|row| ALBEDOS.means[row])
+    }
+
+    fn between_rows(self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+        let (above, fraction) = split(self.row, LAST_ROW);
+        let [a, b] = [above, above + 1].map(row);
+        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+    }
+}
+
+/// The whole part, less than `last`, and the rest.
+pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
+    let whole = (place as usize).min(last - 1);
+    (whole, place - whole as f64)
+}
+
+/// The table, by roughness and by cosine.
+///
+/// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the roughness,
+/// and columns in that of the cosine's root over it, plus one.
+struct Albedos {
+    directional: Vec<[[f64; 2]; LAST_COLUMN + 1]>,
+    /// Over all directions, by their cosine.
+    means: [[f64; 2]; LAST_ROW + 1],
+}
+
+fn row_of(roughness: f64) -> f64 {
+    LAST_ROW as f64 * (1.0 - roughness.ln() / LEAST_ROUGHNESS.ln())
+}
+
+fn roughness_of(row: usize) -> f64 {
+    LEAST_ROUGHNESS.powf(1.0 - row as f64 / LAST_ROW as f64)
+}
+
+fn columns_over(roughness: f64) -> f64 {
+    LAST_COLUMN as f64 / (1.0 + 1.0 / roughness).ln()
+}
+
+fn cos_of(column: f64, roughness: f64) -> f64 {
+    (roughness * ((column / columns_over(roughness)).exp() - 1.0)).powi(2).min(1.0)
+}
+
+static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
+    // Half of the circle: the other is its mirror image.
+    let around: [DVec2; AROUND] =
+        std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
+    let row = |row: usize| {
+        let roughness = roughness_of(row);
+        // At grazing angles it has a limit.
+        let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
+        std::array::from_fn(|column| directional_albedo(roughness * roughness, cos(column), &around))
+    };
+    let directional: Vec<[[f64; 2]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
+    // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
+    let mean = |row: usize| {
+        let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
+        [0, 1].map(|part| {
+            let piece = |column: usize| {
+                let [a, b] = [column, column + 1].map(|column| directional[row][column][part]);
+                let (from, to) = (square(column as f64), square((column + 1) as f64));
+                // In parts: the end's value less what the squares before the end lack.
+                let before = gauss_legendre(4).iter().map(|(x, weight)| {
+                    let way = 0.5 * (x + 1.0);
+                    0.5 * weight * (square(column as f64 + way) - from)
+                });
+                b * (to - from) - (b - a) * before.sum::<f64>()
+            };
+            (0..LAST_COLUMN).map(piece).sum()
+        })
+    };
+    Albedos { means: std::array::from_fn(mean), directional }
+});
+
+/// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
+/// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
+fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2] {
+    let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+    let alpha2 = alpha * alpha;
+    let mut sum = [0.0; 2];
+    for ring in 0..RINGS {
+        for (step, &around) in around.iter().enumerate() {
+            // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
+            // it (a lattice: Niederreiter 1992, chapter 5), or all would be lost there at once.
+            let within = (step * STRIDE % AROUND) as f64 + 0.5;
+            let left = 1.0 - (ring as f64 + within / AROUND as f64) / RINGS as f64;
+            let half = visible_normal(alpha, to_eye, around, 1.0 - left * left);
+            let cos_half = to_eye.dot(half);
+            let cos_light = 2.0 * cos_half * half.z - cos;
+            if cos_light > 0.0 {
+                let shown = 2.0 * left * 2.0 * cos_light / smith(alpha2, cos_light);
+                let fresnel = schlick(cos_half);
+                sum[0] += shown * (1.0 - fresnel);
+                sum[1] += shown * fresnel;
+            }
+        }
+    }
+    sum.map(|sum| sum / (RINGS * AROUND) as f64)
+}

@@ -1,0 +1,31 @@
+//! The GGX distribution of microfacets, as glTF 2.0 has it in appendix B.3. In go unit vectors and alpha, the square of the
+//! roughness, out come densities and shares. Invariant: `visible_normal` picks as densely as distribution and shadowing say.
+
+use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_1_PI;
+
+/// B.3.2: `D = alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2)`, the sum written so that nothing cancels.
+pub(super) fn distribution(alpha2: f64, normal: DVec3, half: DVec3) -> f64 {
+    let sin2 = normal.cross(half).length_squared();
+    let spread = sin2 + alpha2 * normal.dot(half).powi(2);
+    alpha2 * FRAC_1_PI / (spread * spread)
+}
+
+/// `cos` times the sum that Smith's shadowing divides by: `G1 = 2 cos / smith`.
+pub(super) fn smith(alpha2: f64, cos: f64) -> f64 {
+    cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
+}
+
+/// A visible normal of the microfacets about +z: a point of a spherical cap, in that direction `around` its axis and
+/// so much of the way to its rim (Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3).
+pub(super) fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f64) -> DVec3 {
+    let stretched = (to_eye * DVec3::new(alpha, alpha, 1.0)).normalize();
+    let z = (1.0 - to_rim) * (1.0 + stretched.z) - stretched.z;
+    let across = around * (1.0 - z * z).max(0.0).sqrt();
+    ((across.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize()
+}
+
+/// `(1 - cos)^5`.
+pub(super) fn schlick(cos: f64) -> f64 {
+    (1.0 - cos).clamp(0.0, 1.0).powi(5)
+}

@@ -1,0 +1,139 @@
+//! A scene at one moment, in relative space: instances, fog, lights and materials, as its nodes place them. In go a
+//! scene, a time and where the eye is, out comes what a snapshot is made of. Invariant: what is invisible, or has no
+//! extent, is not there; but lights stay, switched off, so that all moments of a shutter have the same.
+
+use super::bent_mesh::BentMesh;
+use super::{Luminaire, MeshTrees};
+use crate::accel::PlacedMesh;
+use crate::fog::{Falloff, FogBank, Medium};
+use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
+use glam::{DAffine3, DMat3, DVec3};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Where and when a scene is looked at.
+pub(super) struct Moment<'scene> {
+    pub(super) scene: &'scene Scene,
+    pub(super) time_s: f64,
+    /// Of its nodes.
+    pub(super) placements: Vec<Placement>,
+    /// The origin of relative space, in the world.
+    pub(super) eye: DVec3,
+}
+
+/// An instance of a tree, back in the scene's terms.
+pub(super) struct Placed {
+    pub(super) instance: usize,
+    /// Its mesh as it is bent, if it is.
+    pub(super) bent: Option<Arc<BentMesh>>,
+    pub(super) relative_from_mesh: DAffine3,
+    /// Inverse transpose, for normals.
+    pub(super) relative_from_mesh_normal: DMat3,
+}
+
+/// Instances, and what a tree is built of for them, in the same order.
+#[derive(Default)]
+pub(super) struct PlacedInstances {
+    pub(super) placed: Vec<Placed>,
+    pub(super) meshes: Vec<PlacedMesh>,
+}
+
+impl<'scene> Moment<'scene> {
+    fn relative_from(&self, node: NodeIndex) -> DAffine3 {
+        self.relative(self.placements[node].world_from_node)
+    }
+
+    fn relative(&self, mut world_from: DAffine3) -> DAffine3 {
+        world_from.translation -= self.eye;
+        world_from
+    }
+
+    /// The visible instances of opaque and of blended triangles.
+    pub(super) fn instances(&self, trees: &MeshTrees) -> [PlacedInstances; 2] {
+        let mut classes = [PlacedInstances::default(), PlacedInstances::default()];
+        for (index, instance) in self.scene.instances.iter().enumerate() {
+            if !self.placements[instance.node].visible {
+                continue;
+            }
+            let (bent, relative_from_mesh) = match &instance.deformation {
+                None => (None, self.relative_from(instance.node)),
+                Some(deformation) => {
+                    let (pose, shape) = deformation.pose(&self.placements, instance.node, self.time_s);
+                    let bent = trees.bent(self.scene, (index, instance), deformation, pose);
+                    (Some(bent), self.relative(shape))
+                }
+            };
+            // A leaf scaled to nothing is a leaf that is not there.
+            if relative_from_mesh.matrix3.determinant() == 0.0 {
+                continue;
+            }
+            let own = bent.as_ref().map(|bent| bent.trees.clone());
+            let own = own.unwrap_or_else(|| trees.of(self.scene, instance));
+            for (class, mesh) in classes.iter_mut().zip(own) {
+                let Some(mesh) = mesh else { continue };
+                let relative_from_mesh_normal = relative_from_mesh.matrix3.inverse().transpose();
+                let bent = bent.clone();
+                class.placed.push(Placed {
+                    instance: index,
+                    bent,
+                    relative_from_mesh,
+                    relative_from_mesh_normal,
+                });
+                class.meshes.push(PlacedMesh { mesh, relative_from_mesh });
+            }
+        }
+        classes
+    }
+
+    /// All fog.
+    pub(super) fn medium(&self) -> Medium {
+        let visible = self.scene.fogs.iter().filter(|fog| self.placements[fog.node].visible);
+        Medium::new(visible.filter_map(|fog| self.fog_bank(fog)).collect())
+    }
+
+    /// `None` if it does nothing.
+    fn fog_bank(&self, fog: &Fog) -> Option<FogBank> {
+        let (relative_from_node, time_s) = (self.relative_from(fog.node), self.time_s);
+        let (sigma_t, albedo) = (fog.density_per_m.at(time_s), fog.albedo.at(time_s));
+        let g = fog.anisotropy.at(time_s);
+        let frozen = |falloff: &HeightFalloff| {
+            Falloff::new(relative_from_node, falloff.base, falloff.scale_height_m.at(time_s))
+        };
+        match &fog.shape {
+            FogShape::EvenBox => FogBank::in_box(relative_from_node, sigma_t, albedo, g),
+            FogShape::ThinningBox(falloff) => {
+                Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
+            }
+            FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
+        }
+    }
+
+    /// Those lights of which `shining` says so.
+    pub(super) fn lights(&self, shining: &[bool], medium: &Medium) -> Vec<Luminaire> {
+        let shining = self.scene.lights.iter().zip(shining).filter(|(_, shines)| **shines);
+        let luminaire = |(light, _): (&Light, _)| {
+            let relative_from_light = self.relative_from(light.node);
+            let extinction_per_m = medium.extinction_at(relative_from_light.translation);
+            let luminaire = Luminaire::new(light, relative_from_light, self.time_s).in_fog(extinction_per_m);
+            if self.placements[light.node].visible { luminaire } else { luminaire.switched_off() }
+        };
+        shining.map(luminaire).collect()
+    }
+
+    /// All materials.
+    pub(super) fn materials(&self) -> Cow<'scene, [Material]> {
+        let materials = self.scene.materials.as_slice();
+        if materials.iter().all(Material::is_constant) {
+            Cow::Borrowed(materials)
+        } else {
+            materials.iter().map(|material| material.at(self.time_s)).collect()
+        }
+    }
+}
+
+/// Which of a scene's lights shine.
+pub(super) fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
+    let placements = scene.placements(time_s);
+    let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;
+    scene.lights.iter().map(shines).collect()
+}

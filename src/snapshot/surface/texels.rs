@@ -1,0 +1,106 @@
+//! What a mesh's images and vertices say of a point of a facet. In go barycentric coordinates, out come colours, alphas and
+//! the coat that they make. Invariant: what has neither image nor colours is 1.
+
+use super::Facet;
+use crate::color::Rgb;
+use crate::scattering::Gloss;
+use crate::scene::{AlphaMode, Mesh, Texture, TextureMap};
+use glam::{DVec3, Vec2};
+
+/// A point of a facet, with the texel of its base colour: other maps mostly share its image.
+pub(super) struct FacetTexels<'a> {
+    facet: &'a Facet<'a>,
+    weights: [f64; 3],
+    /// The image of the base colour, and where in it.
+    base: Option<(&'a Texture, Vec2)>,
+    color: Rgb,
+}
+
+impl<'a> FacetTexels<'a> {
+    pub(super) fn new(facet: &'a Facet<'a>, weights: [f64; 3]) -> Self {
+        let base = facet.texture.map(|texture| (texture, facet.interpolated(&facet.mesh.uvs, weights)));
+        let color = base.map_or(Rgb::ONE, |(texture, uv)| texture.color(uv));
+        Self { facet, weights, base, color }
+    }
+
+    /// The colour of a map.
+    pub(super) fn of(&self, map: Option<TextureMap>) -> Rgb {
+        match map {
+            None => Rgb::ONE,
+            // Mostly that of the base colour again.
+            Some(TextureMap { texture, layer: 0 })
+                if self.facet.material.base_color_texture == Some(texture) =>
+            {
+                self.color
+            }
+            Some(map) => self.facet.texel(map, self.weights).unwrap_or(Rgb::ONE),
+        }
+    }
+
+    /// The base colour of image and vertices.
+    pub(super) fn paint(&self) -> Rgb {
+        let Facet { mesh, corners, .. } = self.facet;
+        if mesh.colors.is_empty() {
+            return self.color;
+        }
+        let corner = |corner: usize| self.weights[corner] * mesh.colors[corners[corner]].as_dvec3();
+        self.color * (0..3).map(corner).sum::<DVec3>()
+    }
+
+    /// The coat of a surface of a base colour, if it has one, and the share of it that is matte.
+    pub(super) fn gloss(&self, base_color: Rgb) -> (Option<Gloss>, f64) {
+        let Some(coat) = self.facet.material.coat else { return (None, 1.0) };
+        let texel = coat.texture.and_then(|map| self.facet.texel(map, self.weights)).unwrap_or(Rgb::ONE);
+        let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
+        let f0 = coat.f0 * self.of(coat.f0_texture);
+        // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
+        let gloss = Gloss::new(f0, Rgb::splat(coat.f90), roughness).with_metal(metallic, base_color);
+        (Some(gloss), 1.0 - metallic)
+    }
+
+    /// How much of the surface there is, and what it lets through of what lies behind.
+    pub(super) fn opacity(&self) -> (f64, Rgb) {
+        let material = self.facet.material;
+        match material.alpha_mode {
+            AlphaMode::Opaque => (1.0, Rgb::ZERO),
+            AlphaMode::Blend => {
+                let of_image = self.base.map_or(1.0, |(image, uv)| image.alpha(uv).clamp(0.0, 1.0));
+                let alpha = material.opacity * of_image * self.vertex_alpha();
+                (alpha, Rgb::splat(1.0 - alpha) + alpha * material.filter_color)
+            }
+        }
+    }
+
+    fn vertex_alpha(&self) -> f64 {
+        let Facet { mesh, corners, .. } = self.facet;
+        if mesh.alphas.is_empty() {
+            return 1.0;
+        }
+        let corner = |corner: usize| self.weights[corner] * f64::from(mesh.alphas[corners[corner]]);
+        (0..3).map(corner).sum::<f64>().clamp(0.0, 1.0)
+    }
+}
+
+impl Facet<'_> {
+    fn interpolated(&self, uvs: &[Vec2], weights: [f64; 3]) -> Vec2 {
+        (0..3).map(|corner| weights[corner] as f32 * uvs[self.corners[corner]]).sum()
+    }
+
+    /// The colour of an image; `None` if the mesh has no coordinates for it.
+    pub(super) fn texel(&self, map: TextureMap, weights: [f64; 3]) -> Option<Rgb> {
+        let uvs = layer(self.mesh, map.layer)?;
+        Some(self.textures[map.texture].color(self.interpolated(uvs, weights)))
+    }
+
+    /// The same of its alpha.
+    pub(super) fn texel_alpha(&self, map: TextureMap, weights: [f64; 3]) -> Option<f64> {
+        let uvs = layer(self.mesh, map.layer)?;
+        Some(self.textures[map.texture].alpha(self.interpolated(uvs, weights)))
+    }
+}
+
+/// A mesh's texture coordinates of a layer, if it has them.
+fn layer(mesh: &Mesh, layer: usize) -> Option<&[Vec2]> {
+    let uvs = if layer == 0 { Some(&mesh.uvs) } else { mesh.more_uvs.get(layer - 1) };
+    uvs.map(Vec::as_slice).filter(|uvs| !uvs.is_empty())
+}
