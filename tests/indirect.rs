@@ -72,7 +72,7 @@ fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
 /// Radiance of camera rays on a grid over the picture.
 fn radiances(scene: &Scene, bounces: Bounces) -> Vec<Rgb> {
     let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
-    let indirect = Indirect::new(&snapshot, bounces, 1.0);
+    let indirect = Indirect::new(&snapshot, bounces, 1.0, &|| false);
     let transport = Transport {
         volume: VolumeMethod::Segments,
         mirror_depth: 0,

@@ -4,7 +4,7 @@
 use super::Writer;
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Loss, Place};
-use crate::scene::{Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
+use crate::scene::{Bounces, Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use image::codecs::openexr::OpenExrEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -95,6 +95,11 @@ impl Writer<'_> {
             settings.camera.as_ref().or_else(|| self.scene.cameras.first().map(|camera| &camera.name));
         if let Some(camera) = camera {
             sunfleck["camera"] = json!(camera);
+        }
+        match settings.bounces {
+            Bounces::NONE => {}
+            Bounces::UpTo(count) => sunfleck["bounces"] = json!(count),
+            Bounces::All => sunfleck["bounces"] = json!("all"),
         }
         if let Some(stops) = settings.exposure_stops {
             sunfleck["exposure"] = json!(stops);

@@ -42,8 +42,12 @@ pub struct Field {
 }
 
 impl Field {
-    /// `None` where there is nothing that could scatter light, or no light.
-    pub fn new(snapshot: &Snapshot, bounces: Bounces) -> Option<Self> {
+    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of no use.
+    pub fn new(
+        snapshot: &Snapshot,
+        bounces: Bounces,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let surroundings = Surroundings::of(snapshot);
         let grid = grid(snapshot, &surroundings)?;
         let width = WALL_CELLS * grid.cell_m;
@@ -54,11 +58,12 @@ impl Field {
             snapshot,
             grid: &grid,
             matter: &matter,
+            cancelled,
             walls: wall_triangles.iter().map(|triangle| triangle.primitive).collect(),
         };
         let walls = Walls::new(&grid, snapshot, wall_triangles).introduce();
         let ordinates = Ordinates::new();
-        let sweeper = Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates };
+        let sweeper = Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates, cancelled };
         let (light, unseen_by_fog) = Rounds { sweeper, first, snapshot }.run(bounces);
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();
@@ -167,7 +172,7 @@ struct Rounds<'a> {
 impl Rounds<'_> {
     /// All light, and that part of it that fog is not to see.
     fn run(&self, bounces: Bounces) -> (Moments, Option<Moments>) {
-        let Sweeper { grid, matter, walls, ordinates } = self.sweeper;
+        let Sweeper { grid, matter, walls, ordinates, .. } = self.sweeper;
         let dark = vec![Rgb::ZERO; ordinates.as_slice().len()];
         let patches = walls.patches.len();
         let mut sources = Moments::zero(grid.count());
@@ -196,6 +201,9 @@ impl Rounds<'_> {
         };
         let mut before: Option<[f64; 3]> = None;
         for round in 0..rounds {
+            if (self.sweeper.cancelled)() {
+                break;
+            }
             let patches = by_channel(&of_walls);
             let next =
                 self.sweeper.sweep(&Sources { of_matter: &sources, of_walls: &patches, inflow: &dark });

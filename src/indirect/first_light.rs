@@ -53,6 +53,7 @@ pub(super) struct FirstLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) grid: &'a Grid,
     pub(super) matter: &'a Matter,
+    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
     /// Triangles that are walls: their light is told by [`FirstLight::irradiances`].
     pub(super) walls: HashSet<PrimitiveId>,
 }
@@ -148,6 +149,9 @@ impl FirstLight<'_> {
                 let mut fluence = Fluence::zero(count, travel.is_none());
                 let mut landings = Vec::new();
                 for ray in rays {
+                    if (self.cancelled)() {
+                        break;
+                    }
                     self.follow(ray, &mut fluence, &mut landings);
                 }
                 (fluence, landings)

@@ -33,9 +33,14 @@ pub struct Indirect {
 }
 
 impl Indirect {
-    /// `None` where there is nothing that could scatter light. `aspect` is width / height of the picture.
-    pub fn new(snapshot: &Snapshot, bounces: Bounces, aspect: f64) -> Option<Self> {
-        let field = Field::new(snapshot, bounces)?;
+    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of no use. `aspect` is width / height of the picture.
+    pub fn new(
+        snapshot: &Snapshot,
+        bounces: Bounces,
+        aspect: f64,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let field = Field::new(snapshot, bounces, cancelled)?;
         let fog = ViewedFog::new(&field, snapshot, aspect);
         Some(Self { field, fog })
     }

@@ -20,6 +20,8 @@ pub(super) struct Sweeper<'a> {
     pub(super) matter: &'a Matter,
     pub(super) walls: &'a Walls,
     pub(super) ordinates: &'a Ordinates,
+    /// Whether nobody waits for the light any more.
+    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Where light of a sweep comes from.
@@ -42,6 +44,9 @@ impl Sweeper<'_> {
             .map(|&(axis, sign)| {
                 let mut group = Group::new(self, sources, axis, sign);
                 for (number, ordinate) in self.ordinates.iter().enumerate() {
+                    if (self.cancelled)() {
+                        break;
+                    }
                     if main_axis(ordinate.direction) == axis && ordinate.direction[axis].signum() == sign {
                         group.carry(ordinate, sources.inflow[number]);
                     }

@@ -38,6 +38,8 @@ pub(super) struct Sunfleck {
     pub(super) exposure: Option<f64>,
     pub(super) seed: Option<f64>,
     pub(super) mirror_depth: Option<f64>,
+    /// A number, or `all`.
+    pub(super) bounces: Option<Value>,
     /// As the command line names them.
     pub(super) passes: Option<Vec<String>>,
     /// In frames.

@@ -7,7 +7,7 @@ use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::passes::Pass;
-use crate::scene::{PixelFilter, RenderSettings, Sampling, Size};
+use crate::scene::{Bounces, PixelFilter, RenderSettings, Sampling, Size};
 
 /// Largest frame number, so that frame times keep sub-frame digits in single precision.
 const MAX_FRAME: f64 = 1e7;
@@ -90,6 +90,14 @@ impl Reading<'_> {
         }
         if let Some(depth) = sunfleck.mirror_depth {
             settings.mirror_depth = self.whole("mirror_depth", depth, 0.0, 64.0) as u32;
+        }
+        match sunfleck.bounces.as_ref().map(|bounces| (bounces.as_f64(), bounces.as_str())) {
+            None => {}
+            Some((Some(count), _)) => {
+                settings.bounces = Bounces::UpTo(self.whole("bounces", count, 0.0, 64.0) as u32);
+            }
+            Some((None, Some("all"))) => settings.bounces = Bounces::All,
+            Some(_) => self.error("bounces", "neither a number nor a word that is known".into(), "a whole number from 0 to 64, or \"all\""),
         }
         if let Some([width, height]) = sunfleck.resolution {
             let width = self.whole("resolution[0]", width, 1.0, 65536.0) as usize;
