@@ -46,6 +46,12 @@ case $file in
     *) cp {good} "$(dirname "$2")/frame.-0002.exr" ;;
 esac
 """
+PROGRAM_OF_STEPS = """#!/bin/sh
+case $1 in
+    validate | diff) echo "error: $1 takes no such frame" >&2; exit 4 ;;
+    preview) echo "thread 'main' panicked at src/main.rs:1:1:" >&2; exit 101 ;;
+esac
+"""
 OUTCOME_OF_NAME = {
     "good.glb": Outcome.DONE,
     "losses.gltf": Outcome.WITH_LOSSES,
@@ -119,6 +125,18 @@ class Corpora(unittest.TestCase):
         faults = text.split("faults of the program:\n")[1].split("\n\n")[0].splitlines()
         self.assertEqual(len(faults), sum(outcome.is_fault for outcome in OUTCOME_OF_NAME.values()))
         self.assertIn("black  models/black.obj  mean 0", faults)
+
+    def test_frames_go_through_every_command(self):
+        """A refusal by one hides nothing that another does."""
+        with tempfile.TemporaryDirectory() as folder:
+            program = Path(folder) / "program"
+            program.write_text(PROGRAM_OF_STEPS)
+            program.chmod(0o755)
+            (Path(folder) / "x.exr").touch()
+            (verdict,) = (verdict_on(file, Programs(str(program), (str(program),), LIMITS)) for file in find_files(Path(folder)))
+        self.assertEqual((verdict.outcome, verdict.step), (Outcome.PANIC, "preview"))
+        self.assertEqual(verdict.refused_by, ("validate", "diff"))
+        self.assertIn("panicked", verdict.sentence)
 
     def test_processor_time_has_a_limit_of_its_own(self):
         ended = run_limited(["sh", "-c", "while :; do :; done"], Limits(cpu_s=1, wall_s=60))
