@@ -75,6 +75,8 @@ wait."""
 
 @unittest.skipUnless(sys.platform == "linux", "limits of memory are Linux's")
 class Corpora(unittest.TestCase):
+    script = Path(__file__).parents[1] / "corpora"
+
     @classmethod
     def setUpClass(cls):
         cls.scratch = tempfile.TemporaryDirectory()
@@ -149,15 +151,29 @@ class Corpora(unittest.TestCase):
         self.assertNotEqual(one, group_of("node 7 (`twig`) is missing"))
 
     def test_exit_code_of_the_command(self):
-        script = Path(__file__).parents[1] / "corpora"
         for name, code in (("panics", 1), ("black", 1), ("refused", 0), ("good", 0)):
             with self.subTest(name), tempfile.TemporaryDirectory() as folder:
                 (Path(folder) / f"{name}.glb").touch()
                 done = subprocess.run(
-                    [sys.executable, script, folder, "--sunfleck", self.program, "--jobs", "2"], capture_output=True, text=True
+                    [sys.executable, self.script, folder, "--sunfleck", self.program, "--jobs", "2"], capture_output=True, text=True
                 )
                 self.assertEqual(done.returncode, code, done.stdout + done.stderr)
                 self.assertIn(f"{name}.glb", done.stdout)
+
+    def test_stopped_it_reports_what_it_has(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("good.glb", "zz_stops.glb", "zzz.glb"):
+                (Path(folder) / name).touch()
+            program, report = Path(folder) / "program", Path(folder) / "report.json"
+            # The second file's program ends the command that tries it.
+            program.write_text(f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} \"$@\"\n")
+            program.chmod(0o755)
+            command = [sys.executable, str(self.script), folder, "--sunfleck", str(program), "--out", str(report)]
+            line = ["sh", "-c", 'export STOPPED=$$; exec "$@"', "sh", *command]
+            done = subprocess.run(line, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 130, done.stdout + done.stderr)
+            self.assertIn("good.glb", [row["file"] for row in json.loads(report.read_text())])
+            self.assertIn("of 3 files", done.stderr)
 
 
 @unittest.skipUnless(PROGRAM, NO_PROGRAM)
