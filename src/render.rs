@@ -215,8 +215,9 @@ impl Job {
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
     let aspect = job.size.width as f64 / job.size.height as f64;
-    let indirect =
-        (job.bounces != Bounces::NONE).then(|| Indirect::new(middle, job.bounces, aspect, watch.cancelled)).flatten();
+    let indirect = (job.bounces != Bounces::NONE)
+        .then(|| Indirect::new(middle, job.bounces, aspect, watch.cancelled))
+        .flatten();
     let indirect = indirect.as_ref();
     let components = components(exposure, indirect);
     let survey = if job.is_judged() {

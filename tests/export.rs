@@ -182,7 +182,7 @@ const MOST_APART: f64 = 5e-5;
 
 #[test]
 fn falling_leaves_look_the_same() {
-    check("sequences/falling_leaves.ron", 10.0, &[1, 24], SAME);
+    check("sequences/falling_leaves.ron", 15.0, &[1, 24], SAME);
 }
 
 #[test]

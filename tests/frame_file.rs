@@ -12,6 +12,7 @@ use sunfleck::scene::{FrameRate, Sampling, Size, Window};
 fn provenance() -> Provenance {
     Provenance {
         frame: 7,
+        sequence_frames: (-3, 48),
         frame_rate: FrameRate { numerator: 24000, denominator: 1001 },
         exposure_s: 0.02,
         camera_from_world: DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0)),
@@ -81,6 +82,7 @@ fn attributes_say_where_the_frame_came_from() {
         ("sunfleck:version", env!("CARGO_PKG_VERSION")),
         ("sunfleck:sceneHash", "5ce4e"),
         ("sunfleck:settingsHash", "5e771465"),
+        ("sunfleck:sequenceFrames", "-3-48"),
         ("sunfleck:seed", "4294967295"),
         ("sunfleck:samples", "64"),
         ("chromaticities", "0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329"),

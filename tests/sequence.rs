@@ -20,6 +20,7 @@ static GO_ON: AtomicBool = AtomicBool::new(false);
 fn provenance(frame: i64) -> Provenance {
     Provenance {
         frame,
+        sequence_frames: (1, 3),
         frame_rate: FrameRate { numerator: 24, denominator: 1 },
         exposure_s: 0.0,
         camera_from_world: DAffine3::IDENTITY,

@@ -105,6 +105,7 @@ impl<'scene> Plan<'scene> {
         let shutter = self.shutter(frame);
         Provenance {
             frame,
+            sequence_frames: (*self.settings.frames.start(), *self.settings.frames.end()),
             frame_rate: self.settings.frame_rate,
             exposure_s: shutter.close_s - shutter.open_s,
             camera_from_world: self.view(frame).camera_from_world(),

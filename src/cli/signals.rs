@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// How long the work may take to end by itself, so that a frame that is about done is still written.
-const GRACE: Duration = Duration::from_millis(25);
+/// How long the work may take to end by itself, so that a frame that is about done is still written. Short, for the system takes its time
+/// too: 40 to 60 ms to have back the 400 MB of a large frame, page by page (docs/decisions/measuring.md#signals).
+const GRACE: Duration = Duration::from_millis(5);
 
 /// Which signal came, if any.
 #[derive(Clone, Default)]

@@ -13,6 +13,7 @@
 //! | `sunfleck:pixelHash` | SHA-256 of the pixels, see below |
 //! | `sunfleck:fileHash` | SHA-256 of the whole file, with zeros for its own digits |
 //! | `sunfleck:seed`, `sunfleck:samples` | decimal texts |
+//! | `sunfleck:sequenceFrames` | the first and the last frame of the input, `1-48`, whatever a run was asked for |
 //!
 //! # The pixel hash
 //! SHA-256 over the channels in order of their names; of each: name, a zero byte, its type (`half`, `float` or `uint`), a zero

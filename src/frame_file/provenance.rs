@@ -19,6 +19,7 @@ pub(super) const PIXEL_HASH_NAME: &str = "sunfleck:pixelHash";
 const SEED_NAME: &str = "sunfleck:seed";
 const SAMPLES_NAME: &str = "sunfleck:samples";
 const TOLERANCE_NAME: &str = "sunfleck:tolerance";
+const SEQUENCE_FRAMES_NAME: &str = "sunfleck:sequenceFrames";
 const IMAGE_COUNTER_NAME: &str = "imageCounter";
 
 /// Where a frame came from.
@@ -26,6 +27,9 @@ const IMAGE_COUNTER_NAME: &str = "imageCounter";
 pub struct Provenance {
     /// Number of the frame in its sequence; EXR holds 32 bits of it.
     pub frame: i64,
+    /// The first and the last frame that the input itself has, whichever of them a run is asked for: a chunk of a farm writes the
+    /// bytes of the whole, and a last frame that is lost is missed.
+    pub sequence_frames: (i64, i64),
     /// Frames a second, the same in every frame of a sequence.
     pub frame_rate: FrameRate,
     /// How long the shutter was open, seconds.
@@ -82,6 +86,8 @@ impl Provenance {
             Sampling::Until { tolerance, most } => (most, Some(tolerance.to_string())),
         };
         let samples = samples.to_string();
+        let (first, last) = self.sequence_frames;
+        let sequence_frames = format!("{first}-{last}");
         for (name, value) in [
             (VERSION_NAME, VERSION),
             (SCENE_HASH_NAME, &self.scene_hash),
@@ -90,6 +96,7 @@ impl Provenance {
             (file_hash::NAME, file_hash::PLACEHOLDER),
             (SEED_NAME, &seed),
             (SAMPLES_NAME, &samples),
+            (SEQUENCE_FRAMES_NAME, &sequence_frames),
         ] {
             attributes.other.insert(text(name), AttributeValue::Text(text(value)));
         }

@@ -43,11 +43,7 @@ pub struct Field {
 
 impl Field {
     /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of no use.
-    pub fn new(
-        snapshot: &Snapshot,
-        bounces: Bounces,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
+    pub fn new(snapshot: &Snapshot, bounces: Bounces, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let surroundings = Surroundings::of(snapshot);
         let grid = grid(snapshot, &surroundings)?;
         let width = WALL_CELLS * grid.cell_m;
@@ -63,7 +59,8 @@ impl Field {
         };
         let walls = Walls::new(&grid, snapshot, wall_triangles).introduce();
         let ordinates = Ordinates::new();
-        let sweeper = Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates, cancelled };
+        let sweeper =
+            Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates, cancelled };
         let (light, unseen_by_fog) = Rounds { sweeper, first, snapshot }.run(bounces);
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();

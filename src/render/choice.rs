@@ -72,11 +72,11 @@ pub fn choose(exposure: &Exposure) -> Choice {
 }
 
 /// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture,
-/// and none of them at the eye.
+/// and none of them at the eye or about it: among points on all sides some lie next to the eye, and a few slices do not average them.
 pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     let at_camera = |light: &Luminaire| match light.centre() {
         FrozenLight::Sun { .. } => false,
-        FrozenLight::Point { position, .. } => position.length_squared() == 0.0,
+        FrozenLight::Point { position, .. } => position.length() <= light.radius_m(),
     };
     let lights = &exposure.middle().lights;
     if exposure.middle().view.is_orthographic() {

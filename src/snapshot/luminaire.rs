@@ -107,6 +107,11 @@ impl Luminaire {
         matches!(self.extent, Extent::None)
     }
 
+    /// Of a sphere, metres; 0 of all others.
+    pub fn radius_m(&self) -> f64 {
+        if let Extent::Ball { radius } = self.extent { radius } else { 0.0 }
+    }
+
     /// Whether points differ in the hue that [`Luminaire::hued_point`] tells.
     pub fn has_hues(&self) -> bool {
         matches!(&self.extent, Extent::Disc { picture: Some(picture), .. } if !picture.is_grey())

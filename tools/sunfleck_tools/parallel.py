@@ -38,6 +38,7 @@ def in_processes(
     if processes == 0:
         yield from map(function, arguments)
         return
+    _learn_of_ends()
     waiting: list[tuple[Argument, Future[Result]]] = []
     remaining = iter(arguments)
     # Not fork: the caller may have threads.
@@ -72,6 +73,14 @@ def in_processes(
     finally:
         # Waited for: the interpreter's end and the pool's own thread would race for the pipe between them (Python 3.11).
         pool.shutdown(cancel_futures=True)
+
+
+def _learn_of_ends() -> None:
+    """Who starts a program may leave it SIGCHLD ignored, and the system then keeps from it that a process has ended: Python waits for
+    ever, busily."""
+    is_main = threading.current_thread() is threading.main_thread()
+    if is_main and hasattr(signal, "SIGCHLD") and signal.getsignal(signal.SIGCHLD) is signal.SIG_IGN:
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
 
 
 def begin_work() -> None:

@@ -17,7 +17,7 @@ from .options import Options
 
 REC_709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
 """What a file means that says no chromaticities."""
-PROVENANCE = ("version", "sceneHash", "settingsHash", "seed", "pixelHash", "fileHash")
+PROVENANCE = ("version", "sceneHash", "settingsHash", "seed", "pixelHash", "fileHash", "sequenceFrames")
 
 
 @dataclass

@@ -274,6 +274,14 @@ def settings(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), texts={"settingsHash": "0" * 64})
 
 
+@damage("the last of the scene's own frames is missing", "ends-early", None)
+def last_missing(folder: Path) -> None:
+    numbers = [int(path.suffixes[0][1:]) for path in folder.glob("leaf.*.exr")]
+    for number in numbers:
+        rewrite(frame_path(folder, number), texts={"sequenceFrames": f"{min(numbers)}-{max(numbers)}"})
+    frame_path(folder, max(numbers)).unlink()
+
+
 @damage("one frame with another seed", "mixed-seed")
 def seed(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), texts={"seed": "7"})

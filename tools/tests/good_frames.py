@@ -19,14 +19,13 @@ from sunfleck_tools import Options, validate
 from .command import NO_PROGRAM, PROGRAM
 
 ROOT = Path(__file__).parents[2]
-SMALL = ("--size", "10%", "--passes", "all")
+SMALL = ("--size", "10%")
+WOOD = ("sequences/falling_leaves.ron", "--size", "15%")
 BLENDER = "tests/data/blender"
 RENDERS = {
-    "falling_leaves": ("sequences/falling_leaves.ron", "--samples", "4"),
-    "falling_leaves, motion blur, another seed": (
-        "sequences/falling_leaves.ron", "--samples", "8", "--shutter", "0.5", "--seed", "7",
-    ),
-    "falling_leaves, a part": ("sequences/falling_leaves.ron", "--samples", "2", "--crop", "10,10,86,50"),
+    "falling_leaves": (*WOOD, "--samples", "4"),
+    "falling_leaves, motion blur, another seed": (*WOOD, "--samples", "8", "--shutter", "0.5", "--seed", "7"),
+    "falling_leaves, a part": (*WOOD, "--samples", "2", "--crop", "10,10,86,50"),
     "first_leaf, motion blur": ("sequences/first_leaf.ron", "--samples", "4", "--shutter", "0.5"),
     "first_leaf, 2 samples, another seed": ("sequences/first_leaf.ron", "--samples", "2", "--seed", "7"),
     "first_leaf, cropped, ray by ray": (
@@ -52,7 +51,9 @@ def main(wanted: list[str]) -> int:
         if wanted and not any(part in name for part in wanted):
             continue
         with tempfile.TemporaryDirectory() as folder:
-            command = [program, "render", str(ROOT / scene), *SMALL, *flags, "--progress", "none", "--out", f"{folder}/x.####.exr"]
+            size = () if "--size" in flags else SMALL
+            command = [program, "render", str(ROOT / scene), *size, *flags, "--passes", "all", "--progress", "none"]
+            command += ["--out", f"{folder}/x.####.exr"]
             subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
             report = validate(folder, Options(processes=1))
         found = ", ".join(f"{count} `{check}`" for check, count in Counter(f.check for f in report.findings).items())

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,12 @@ case $file in
     *) cp {good} "$(dirname "$2")/frame.-0002.exr" ;;
 esac
 """
+PROGRAM_OF_STEPS = """#!/bin/sh
+case $1 in
+    validate | diff) echo "error: $1 takes no such frame" >&2; exit 4 ;;
+    preview) echo "thread 'main' panicked at src/main.rs:1:1:" >&2; exit 101 ;;
+esac
+"""
 OUTCOME_OF_NAME = {
     "good.glb": Outcome.DONE,
     "losses.gltf": Outcome.WITH_LOSSES,
@@ -60,11 +67,16 @@ OUTCOME_OF_NAME = {
     "crashes.glb": Outcome.CRASH,
     "exits.glb": Outcome.OTHER_EXIT,
 }
-LIMITS = Limits(cpu_s=1, memory_bytes=200 << 20, wall_s=2)
+LIMITS = Limits(cpu_s=1, memory_bytes=200 << 20, wall_s=60)
+IMPATIENT = replace(LIMITS, wall_s=2)
+"""For what waits without working. What works has its time in the processor's seconds alone: other work on the machine may make it
+wait."""
 
 
 @unittest.skipUnless(sys.platform == "linux", "limits of memory are Linux's")
 class Corpora(unittest.TestCase):
+    script = Path(__file__).parents[1] / "corpora"
+
     @classmethod
     def setUpClass(cls):
         cls.scratch = tempfile.TemporaryDirectory()
@@ -80,8 +92,9 @@ class Corpora(unittest.TestCase):
             path = cls.corpus / "models" / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.touch()
-        programs = Programs(str(cls.program), limits=LIMITS)
-        cls.verdicts = [verdict_on(file, programs) for file in find_files(cls.corpus, invalid={"models/refused.obj"})]
+        files = find_files(cls.corpus, invalid={"models/refused.obj"})
+        limits = [IMPATIENT if "sleeps" in file.name else LIMITS for file in files]
+        cls.verdicts = [verdict_on(file, Programs(str(cls.program), limits=limit)) for file, limit in zip(files, limits)]
 
     @classmethod
     def tearDownClass(cls):
@@ -115,6 +128,18 @@ class Corpora(unittest.TestCase):
         self.assertEqual(len(faults), sum(outcome.is_fault for outcome in OUTCOME_OF_NAME.values()))
         self.assertIn("black  models/black.obj  mean 0", faults)
 
+    def test_frames_go_through_every_command(self):
+        """A refusal by one hides nothing that another does."""
+        with tempfile.TemporaryDirectory() as folder:
+            program = Path(folder) / "program"
+            program.write_text(PROGRAM_OF_STEPS)
+            program.chmod(0o755)
+            (Path(folder) / "x.exr").touch()
+            (verdict,) = (verdict_on(file, Programs(str(program), (str(program),), LIMITS)) for file in find_files(Path(folder)))
+        self.assertEqual((verdict.outcome, verdict.step), (Outcome.PANIC, "preview"))
+        self.assertEqual(verdict.refused_by, ("validate", "diff"))
+        self.assertIn("panicked", verdict.sentence)
+
     def test_processor_time_has_a_limit_of_its_own(self):
         ended = run_limited(["sh", "-c", "while :; do :; done"], Limits(cpu_s=1, wall_s=60))
         self.assertEqual(ended.code, -signal.SIGXCPU)
@@ -126,15 +151,29 @@ class Corpora(unittest.TestCase):
         self.assertNotEqual(one, group_of("node 7 (`twig`) is missing"))
 
     def test_exit_code_of_the_command(self):
-        script = Path(__file__).parents[1] / "corpora"
         for name, code in (("panics", 1), ("black", 1), ("refused", 0), ("good", 0)):
             with self.subTest(name), tempfile.TemporaryDirectory() as folder:
                 (Path(folder) / f"{name}.glb").touch()
                 done = subprocess.run(
-                    [sys.executable, script, folder, "--sunfleck", self.program, "--jobs", "2"], capture_output=True, text=True
+                    [sys.executable, self.script, folder, "--sunfleck", self.program, "--jobs", "2"], capture_output=True, text=True
                 )
                 self.assertEqual(done.returncode, code, done.stdout + done.stderr)
                 self.assertIn(f"{name}.glb", done.stdout)
+
+    def test_stopped_it_reports_what_it_has(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("good.glb", "zz_stops.glb", "zzz.glb"):
+                (Path(folder) / name).touch()
+            program, report = Path(folder) / "program", Path(folder) / "report.json"
+            # The second file's program ends the command that tries it.
+            program.write_text(f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} \"$@\"\n")
+            program.chmod(0o755)
+            command = [sys.executable, str(self.script), folder, "--sunfleck", str(program), "--out", str(report)]
+            line = ["sh", "-c", 'export STOPPED=$$; exec "$@"', "sh", *command]
+            done = subprocess.run(line, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 130, done.stdout + done.stderr)
+            self.assertIn("good.glb", [row["file"] for row in json.loads(report.read_text())])
+            self.assertIn("of 3 files", done.stderr)
 
 
 @unittest.skipUnless(PROGRAM, NO_PROGRAM)

@@ -54,7 +54,7 @@ class Displays(unittest.TestCase):
     def test_pictures_are_those_of_the_program(self):
         with tempfile.TemporaryDirectory() as folder:
             for curve, stops in (("agx", 0.0), ("agx", 1.5), ("srgb", -1.0), ("raw", 0.0)):
-                command = [PROGRAM, "render", SEQUENCES / "falling_leaves.ron", "--frames", "40", "--size", "10%", "--samples", "1"]
+                command = [PROGRAM, "render", SEQUENCES / "falling_leaves.ron", "--frames", "40", "--size", "15%", "--samples", "1"]
                 command += ["--crop", "3,2,93,50", "--preview", "png", "--display", curve, "--exposure", str(stops)]
                 subprocess.run([*map(str, command), "--out", f"{folder}/x.####.exr", "--progress", "none"], check=True)
                 theirs = pixels(Path(folder, "x.0040.png").read_bytes()).astype(int)

@@ -202,6 +202,15 @@ class Signals(WithFolder):
                 self.assertTrue(self.all_end(children))
 
 
+@unittest.skipUnless(hasattr(signal, "SIGCHLD"), "there is no SIGCHLD")
+class IgnoredEnds(unittest.TestCase):
+    def test_of_processes_are_learnt_of_all_the_same(self):
+        before = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+        self.addCleanup(signal.signal, signal.SIGCHLD, before)
+        with self.assertRaises(MemoryError):
+            list(in_processes(killed, range(3), 1, lambda argument: -1))
+
+
 class Memory(WithFolder):
     def test_that_lacks_is_said(self):
         write_frame(self.folder / "x.0001.exr", scene(1))

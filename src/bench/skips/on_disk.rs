@@ -17,6 +17,7 @@ pub(super) fn measure(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> 
     let path = plan.folder.join("frame.exr");
     let provenance = Provenance {
         frame: 1,
+        sequence_frames: (1, 1),
         frame_rate: scene::FrameRate { numerator: 24, denominator: 1 },
         exposure_s: 0.0,
         camera_from_world: glam::DAffine3::IDENTITY,

@@ -97,7 +97,11 @@ impl Reading<'_> {
                 settings.bounces = Bounces::UpTo(self.whole("bounces", count, 0.0, 64.0) as u32);
             }
             Some((None, Some("all"))) => settings.bounces = Bounces::All,
-            Some(_) => self.error("bounces", "neither a number nor a word that is known".into(), "a whole number from 0 to 64, or \"all\""),
+            Some(_) => self.error(
+                "bounces",
+                "neither a number nor a word that is known".into(),
+                "a whole number from 0 to 64, or \"all\"",
+            ),
         }
         if let Some([width, height]) = sunfleck.resolution {
             let width = self.whole("resolution[0]", width, 1.0, 65536.0) as usize;

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator
 from fractions import Fraction
+from itertools import pairwise
 
 from ..exr.header import TimeCode
 from ..findings import Found, Scope, Severity, check
 from ..summary import FrameSummary, Rendered
 
+RANGE = re.compile(r"(-?\d{1,10})-(-?\d{1,10})")
 STRUCTURE = ("channels", "display window", "compression", "layout", "chromaticities", "pixel aspect")
 
 
@@ -88,6 +91,23 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
         for frame in frames:
             if "fileHash" not in frame.provenance:
                 yield Found("it carries no hash of the file, as the others do", frame=frame.number, path=frame.path)
+
+
+@check("ends-early", Severity.WARNING, Scope.SEQUENCE, "the scene's own frames go on before or after those that are there")
+def ends_early(rendered: Rendered) -> Iterator[Found]:
+    """A first or last frame that is missing leaves no gap. Frames say which their scene has, whichever of them a run was asked for:
+    where one end is there and the other is not, it may be lost. Who renders a part of them knows."""
+    numbers = [frame.number for frame in rendered.frames]
+    texts = {frame.provenance.get("sequenceFrames", "") for frame in rendered.frames}
+    ranges = [(int(match[1]), int(match[2])) for text in texts if (match := RANGE.fullmatch(text))]
+    if rendered.options.frames is not None or len(numbers) < 2 or not ranges:
+        return
+    step = min(after - before for before, after in pairwise(numbers))
+    first, last = min(first for first, _ in ranges), max(last for _, last in ranges)
+    is_first_there, is_last_there = numbers[0] - step < first, numbers[-1] + step > last
+    if is_first_there != is_last_there:
+        lost = f"after {numbers[-1]}" if is_first_there else f"before {numbers[0]}"
+        yield Found(f"the scene's frames are {first}-{last}, and none {lost} is there: say by --frames if that is right")
 
 
 @check("frame-rate", Severity.ERROR, Scope.SEQUENCE, "the frame rate differs from the other frames', or from --fps")

@@ -32,6 +32,11 @@ class Outcome(str, Enum):
         """Of the program, whatever the file is."""
         return self not in (Outcome.DONE, Outcome.WITH_LOSSES, Outcome.BLACK_WITH_CAUSE, Outcome.REFUSED)
 
+    def is_worse_than(self, other: Outcome) -> bool:
+        """By the order of this list."""
+        order = list(Outcome)
+        return order.index(self) > order.index(other)
+
 
 REFUSALS = (SCENE, IO)
 RUST_PANIC = 101

@@ -1,6 +1,7 @@
 """What is tried on a file of each kind, step after step.
 
-Invariant: a file is judged by the first step that does not go well; where there is none, by losses and the picture.
+Invariant: a file is judged by the first of its worst steps; where all go well, by losses and the picture. Steps that need one
+another end with the first that does not go well, and those of frames, which do not, are all tried.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -46,7 +48,7 @@ class Programs:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a file; `step` is the command that was decisive."""
+    """What became of a file; `step` is the command that was decisive, `refused_by` are all that refused it."""
 
     file: CorpusFile
     outcome: Outcome
@@ -56,6 +58,7 @@ class Verdict:
     cpu_s: float = 0.0
     peak_bytes: int = 0
     mean: float | None = None
+    refused_by: tuple[str, ...] = ()
 
 
 class _Stopped(Exception):
@@ -72,6 +75,8 @@ class _Trial:
     ended: list[Ended] = field(default_factory=list)
     outcome: Outcome = Outcome.DONE
     step: str = ""
+    sentence: str = ""
+    refused_by: list[str] = field(default_factory=list)
 
     def sunfleck(self, *arguments: object, findings: int | None = None) -> Ended:
         """Runs a command of the renderer; raises `_Stopped` where the file gets no further."""
@@ -84,8 +89,12 @@ class _Trial:
     def _run(self, step: str, ended: Ended, findings: int | None) -> Ended:
         self.ended.append(ended)
         outcome = outcome_of(ended, self.programs.limits, findings)
-        if outcome is not Outcome.DONE:
+        if outcome is Outcome.REFUSED:
+            self.refused_by.append(step)
+        if outcome.is_worse_than(self.outcome):
+            # The folder has another name each time.
             self.outcome, self.step = outcome, step
+            self.sentence = sentence_of(ended).replace(f"{self.scratch}{os.sep}", "")
         if outcome not in (Outcome.DONE, Outcome.WITH_LOSSES):
             raise _Stopped
         return ended
@@ -97,11 +106,9 @@ class _Trial:
         if mean is not None and not mean >= BLACK_MEAN:
             outcome = Outcome.BLACK if CAUSES_OF_BLACK.isdisjoint(losses) else Outcome.BLACK_WITH_CAUSE
         is_cut_short = outcome is Outcome.REFUSED or (outcome.is_fault and outcome is not Outcome.BLACK)
-        # The folder has another name each time.
-        sentence = sentence_of(self.ended[-1]).replace(f"{self.scratch}{os.sep}", "") if is_cut_short else ""
         return Verdict(
-            self.file, outcome, self.step, sentence, losses,
-            max(ended.cpu_s for ended in self.ended), max(ended.peak_bytes for ended in self.ended), mean,
+            self.file, outcome, self.step, self.sentence if is_cut_short else "", losses,
+            max(ended.cpu_s for ended in self.ended), max(ended.peak_bytes for ended in self.ended), mean, tuple(self.refused_by),
         )  # fmt: skip
 
 
@@ -144,10 +151,14 @@ def _read_frame(trial: _Trial) -> None:
     folder.mkdir()
     frame = folder / "frame.0001.exr"
     frame.symlink_to(trial.file.path.resolve())
-    trial.tools("validate", folder, "--processes", 1, findings=FINDINGS)
-    trial.tools("compare", folder, folder, "--processes", 1, findings=FINDINGS)
-    trial.sunfleck("diff", frame, frame)
-    trial.sunfleck("preview", folder, "--out", trial.scratch / "sheet.png")
+    for try_it in (
+        lambda: trial.tools("validate", folder, "--processes", 1, findings=FINDINGS),
+        lambda: trial.tools("compare", folder, folder, "--processes", 1, findings=FINDINGS),
+        lambda: trial.sunfleck("diff", frame, frame),
+        lambda: trial.sunfleck("preview", folder, "--out", trial.scratch / "sheet.png"),
+    ):
+        with suppress(_Stopped):
+            try_it()
 
 
 STEPS: dict[str, Callable[[_Trial], float | None]] = {

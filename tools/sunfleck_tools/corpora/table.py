@@ -23,6 +23,7 @@ def as_json(verdicts: Sequence[Verdict]) -> list[dict[str, object]]:
             "outcome": verdict.outcome.value,
             "step": verdict.step,
             "sentence": verdict.sentence,
+            "refused_by": list(verdict.refused_by),
             "losses": list(verdict.losses),
             "mean": verdict.mean,
             "cpu_s": round(verdict.cpu_s, 2),
