@@ -104,6 +104,8 @@ macro_rules! passes {
 passes! {
     Shafts "shafts" "Light scattered in the fog" ["shafts.R", "shafts.G", "shafts.B"] Half Mean Light "W m^-2 sr^-1" 0.0;
     Transmittance "transmittance" "What the fog lets through from the surface" ["transmittance.R", "transmittance.G", "transmittance.B"] Half Mean Light "1" 0.0;
+    Indirect "indirect" "Of the beauty, what surfaces show of indirect light" ["indirect.R", "indirect.G", "indirect.B"] Half Mean Light "W m^-2 sr^-1" 0.0;
+    IndirectShafts "indirect-shafts" "Of the shafts, what fog scatters of indirect light" ["indirect_shafts.R", "indirect_shafts.G", "indirect_shafts.B"] Half Mean Light "W m^-2 sr^-1" 0.0;
     Depth "depth" "Distance along the view axis, metres" ["Z"] Float Nearest Surface "m" BACKGROUND_DEPTH_M;
     Normal "normal" "Shading normal in world space" ["Normal.X", "Normal.Y", "Normal.Z"] Float Mean Surface "1" 0.0;
     Position "position" "World position, metres" ["Position.X", "Position.Y", "Position.Z"] Float Nearest Surface "m" 0.0;

@@ -96,7 +96,20 @@ impl Frame {
     /// Adds the light of another picture of the same passes: beauty and shafts. What the other says of
     /// surfaces and fog it says of the same ones, so that stays.
     pub fn add_light(&mut self, other: &Self) {
-        const LIGHT: [&str; 6] = ["R", "G", "B", "shafts.R", "shafts.G", "shafts.B"];
+        const LIGHT: [&str; 12] = [
+            "R",
+            "G",
+            "B",
+            "shafts.R",
+            "shafts.G",
+            "shafts.B",
+            "indirect.R",
+            "indirect.G",
+            "indirect.B",
+            "indirect_shafts.R",
+            "indirect_shafts.G",
+            "indirect_shafts.B",
+        ];
         for channel in self.channels.iter_mut().filter(|channel| LIGHT.contains(&channel.name.as_str())) {
             let Some(added) = other.channel(&channel.name) else { continue };
             for (sum, added) in channel.pixels.iter_mut().zip(&added.pixels) {

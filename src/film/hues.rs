@@ -75,8 +75,10 @@ fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {
 
 /// A sample's part as numbers.
 pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
+    // What does not come straight from the light has the hue of all of it.
+    let of_light = sample.radiance - sample.emitted - sample.indirect - sample.indirect_shafts;
     let [h, p, s] =
-        [sample.hue, sample.radiance - sample.emitted, sample.shafts].map(|color| color.to_array());
+        [sample.hue, of_light, sample.shafts - sample.indirect_shafts].map(|color| color.to_array());
     [h[0], h[1], h[2], p[0], p[1], p[2], s[0], s[1], s[2]].map(|value| value as f32)
 }
 

@@ -10,6 +10,8 @@ pub(super) fn value(pass: Pass, sample: &Sample) -> [f64; 4] {
     let three = |value: DVec3| value.extend(0.0).to_array();
     match (pass, &sample.surface) {
         (Pass::Shafts, _) => three(sample.shafts),
+        (Pass::Indirect, _) => three(sample.indirect),
+        (Pass::IndirectShafts, _) => three(sample.indirect_shafts),
         (Pass::Transmittance, _) => three(sample.transmittance),
         (Pass::Albedo, Some(surface)) => three(surface.albedo),
         (Pass::Normal, Some(surface)) => three(surface.normal),

@@ -29,6 +29,8 @@ fn leaf(radiance: f64, depth_m: f64, leaf_id: u32) -> Sample {
         radiance: Rgb::splat(radiance),
         emitted: Rgb::ZERO,
         hue: Rgb::ONE,
+        indirect: Rgb::ZERO,
+        indirect_shafts: Rgb::ZERO,
         shafts: Rgb::splat(0.25 * radiance),
         transmittance: Rgb::splat(0.5),
         alpha: 1.0,

@@ -27,7 +27,7 @@ const WALL_CELLS: f64 = 2.0;
 const MOST_ROUNDS: u32 = 24;
 const FEWEST_ROUNDS: u32 = 3;
 /// What is left after the last round, as a share of all light: a geometric series tells the rest well when it is small.
-const REST: f64 = 0.02;
+const REST: f64 = 0.01;
 /// Of light that goes on and on: a closed scene that absorbs nothing has no end.
 const MOST_RATIO: f64 = 0.98;
 
@@ -79,7 +79,8 @@ impl Field {
         by_lobe(&irradiance_lobe(normal), &moments)
     }
 
-    /// What fog at a place of world space scatters into a direction of travel, W m^-3 sr^-1; `scattering` is its coefficient by degree of harmonics.
+    /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction
+    /// radiance.
     pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
         let moments = self.about(world, world, self.light_in_fog.as_ref().unwrap_or(&self.light));
         let basis = basis(travel);
@@ -90,6 +91,12 @@ impl Field {
             (0..COUNT).map(harmonic).sum()
         };
         Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+    }
+
+    /// Whether a wall stands between two places of world space that are less than a cell apart.
+    pub(super) fn has_wall_between(&self, a: DVec3, b: DVec3) -> bool {
+        let lowest = [a, b].map(|place| self.grid.corners(place).nodes[0]);
+        self.walls.hide(lowest[0], a, b) || lowest[0] != lowest[1] && self.walls.hide(lowest[1], a, b)
     }
 
     /// The distance of nodes, metres.

@@ -66,9 +66,9 @@ impl Indirect {
         radiance
     }
 
-    /// Radiance that fog scatters into a camera ray before it has gone `distance` metres.
-    pub fn seen_in_fog(&self, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
-        self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance))
+    /// Radiance that fog scatters into a camera ray before it has gone `distance` metres, if it lets `through` of what is behind it.
+    pub fn seen_in_fog(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
+        self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance, through))
     }
 
     /// The same of any ray.

@@ -14,6 +14,9 @@ const COLUMNS: usize = 64;
 const MOST_STEPS: usize = 160;
 
 /// Prefix sums along a coarse grid of camera rays.
+///
+/// What is looked up is the mean radiance of all fog before a distance, by how much of it is seen; how much fog a ray really goes through it tells itself. So the
+/// borders of fog are as sharp as they are, and fog in even light is as bright as that everywhere.
 pub struct ViewedFog {
     columns: usize,
     rows: usize,
@@ -22,7 +25,16 @@ pub struct ViewedFog {
     start_m: f64,
     step_m: f64,
     /// By ray, then by step.
-    sums: Vec<[f32; 3]>,
+    sums: Vec<Seen>,
+}
+
+/// What is seen of fog before a distance, by channel.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    /// Radiance.
+    light: [f32; 3],
+    /// What the fog takes of light behind it.
+    lost: [f32; 3],
 }
 
 impl ViewedFog {
@@ -40,30 +52,20 @@ impl ViewedFog {
         let end_m = low.abs().max(high.abs()).length();
         let steps = (2.0 * (end_m - start_m) / field.cell_m()).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
         let step_m = (end_m - start_m) / steps as f64;
-        let mut fog = Self {
-            columns,
-            rows,
-            steps,
-            start_m,
-            step_m,
-            sums: vec![[0.0; 3]; (columns + 1) * (rows + 1) * (steps + 1)],
-        };
-        let (columns, rows) = (columns as f64, rows as f64);
-        fog.sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
-            let (column, row) = (number % (COLUMNS + 1), number / (COLUMNS + 1));
-            let ray = snapshot.view.ray(column as f64 / columns, row as f64 / rows);
-            let mut sum = Rgb::ZERO;
-            for step in 0..steps {
-                let (from, to) = (start_m + step as f64 * step_m, start_m + (step + 1) as f64 * step_m);
-                sum += in_scattered(field, snapshot, &ray, from, to);
-                sums[step + 1] = sum.to_array().map(|value| value as f32);
+        let mut sums = vec![Seen::default(); (columns + 1) * (rows + 1) * (steps + 1)];
+        sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
+            let place = [number % (columns + 1), number / (columns + 1)].map(|index| index as f64);
+            let ray = snapshot.view.ray(place[0] / columns as f64, place[1] / rows as f64);
+            let mut walk = Walk::new(field, snapshot, ray);
+            for (step, sum) in sums.iter_mut().enumerate() {
+                *sum = walk.to(start_m + step as f64 * step_m);
             }
         });
-        Some(fog)
+        Some(Self { columns, rows, steps, start_m, step_m, sums })
     }
 
-    /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1.
-    pub fn before(&self, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
+    /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1, if fog lets `through` of what is behind it.
+    pub fn before(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
         let place = if distance.is_finite() {
             snapshot.view.film_place(ray.at(distance))
         } else {
@@ -75,44 +77,113 @@ impl ViewedFog {
         let depth = ((distance - self.start_m) / self.step_m).clamp(0.0, self.steps as f64);
         let cell = [(at.x as usize).min(self.columns - 1), (at.y as usize).min(self.rows - 1)];
         let step = (depth as usize).min(self.steps - 1);
-        let beyond =
-            [at.x - cell[0] as f64, at.y - cell[1] as f64, depth - step as f64].map(|value| value as f32);
-        let mut sum = [0.0_f32; 3];
-        for corner in 0..4 {
-            let (far_x, far_y) = (corner & 1, corner >> 1);
-            let share = (if far_x == 1 { beyond[0] } else { 1.0 - beyond[0] })
-                * (if far_y == 1 { beyond[1] } else { 1.0 - beyond[1] });
-            let ray = cell[0] + far_x + (self.columns + 1) * (cell[1] + far_y);
-            let at = ray * (self.steps + 1) + step;
+        let beyond = [at.x - cell[0] as f64, at.y - cell[1] as f64, depth - step as f64];
+        let (mut light, mut lost) = ([0.0; 3], [0.0; 3]);
+        for corner in 0..8 {
+            let is_far = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let part = |axis: usize| if is_far[axis] == 1 { beyond[axis] } else { 1.0 - beyond[axis] };
+            let share = (part(0) * part(1) * part(2)) as f32;
+            let ray = cell[0] + is_far[0] + (self.columns + 1) * (cell[1] + is_far[1]);
+            let seen = &self.sums[ray * (self.steps + 1) + step + is_far[2]];
             for channel in 0..3 {
-                let (near, far) = (self.sums[at][channel], self.sums[at + 1][channel]);
-                sum[channel] += share * (near + beyond[2] * (far - near));
+                light[channel] += share * seen.light[channel];
+                lost[channel] += share * seen.lost[channel];
             }
         }
-        Rgb::from_array(sum.map(f64::from))
+        let mean = |channel: usize| {
+            if lost[channel] > 0.0 { f64::from(light[channel] / lost[channel]) } else { 0.0 }
+        };
+        (Rgb::ONE - through) * Rgb::new(mean(0), mean(1), mean(2))
     }
 }
 
-/// The light of one step of a ray, by what the fog's middle scatters.
-fn in_scattered(field: &Field, snapshot: &Snapshot, ray: &Ray, from: f64, to: f64) -> Rgb {
-    let medium = &snapshot.medium;
-    let middle = ray.at(0.5 * (from + to));
-    let scattering = [0, 1, 2].map(|degree| medium.scattering_by_degree_at(middle, degree));
-    if scattering[0] == Rgb::ZERO {
-        return Rgb::ZERO;
+/// A ray through fog, step by step.
+struct Walk<'a> {
+    field: &'a Field,
+    snapshot: &'a Snapshot<'a>,
+    ray: Ray,
+    /// Where there is fog at all.
+    fog: Option<(f64, f64)>,
+    at: f64,
+    through: Rgb,
+    light: Rgb,
+    /// The source of the last step, per what fog takes, and where it was.
+    source: Rgb,
+    middle: f64,
+    /// Steps for which a wall was just passed.
+    behind_wall: u32,
+}
+
+/// Rays that end at a wall read up to two steps beyond it, as the rays about them may end later.
+const STEPS_BEHIND_WALL: u32 = 2;
+
+impl<'a> Walk<'a> {
+    fn new(field: &'a Field, snapshot: &'a Snapshot, ray: Ray) -> Self {
+        let fog = snapshot.medium.range(&ray, f64::INFINITY);
+        let [light, source] = [Rgb::ZERO; 2];
+        Self {
+            field,
+            snapshot,
+            ray,
+            fog,
+            at: 0.0,
+            through: Rgb::ONE,
+            light,
+            source,
+            middle: 0.0,
+            behind_wall: 0,
+        }
     }
-    let source = field.scattered(snapshot.world_from_relative(middle), -ray.direction, &scattering);
-    let seen = medium.transmittance(ray.origin, ray.direction, 0.5 * (from + to));
-    source * seen * (to - from)
+
+    /// All that is seen before a distance, which only grows.
+    fn to(&mut self, distance: f64) -> Seen {
+        if let Some((start, end)) = self.fog {
+            let (from, to) = (self.at.max(start), distance.min(end));
+            if from < to {
+                let through = self.snapshot.medium.transmittance(self.ray.origin, self.ray.direction, to);
+                self.look(0.5 * (from + to));
+                self.light += (self.through - through) * self.source;
+                self.through = through;
+            }
+        }
+        self.at = self.at.max(distance);
+        let single = |color: Rgb| color.to_array().map(|value| value as f32);
+        Seen { light: single(self.light), lost: single(Rgb::ONE - self.through) }
+    }
+
+    /// The source in the middle of a step; just behind a wall that before it.
+    fn look(&mut self, middle: f64) {
+        let world = |t: f64| self.snapshot.world_from_relative(self.ray.at(t));
+        if self.middle > 0.0 && self.field.has_wall_between(world(self.middle), world(middle)) {
+            self.behind_wall = STEPS_BEHIND_WALL;
+        }
+        self.middle = middle;
+        if self.behind_wall > 0 {
+            self.behind_wall -= 1;
+            return;
+        }
+        let medium = &self.snapshot.medium;
+        let place = self.ray.at(middle);
+        let extinction = medium.extinction_at(place);
+        let per_extinction = |color: Rgb| {
+            let share = |channel: usize| {
+                if extinction[channel] > 0.0 { color[channel] / extinction[channel] } else { 0.0 }
+            };
+            Rgb::new(share(0), share(1), share(2))
+        };
+        let scattering =
+            [0, 1, 2].map(|degree| per_extinction(medium.scattering_by_degree_at(place, degree)));
+        self.source = self.field.scattered(world(middle), -self.ray.direction, &scattering);
+    }
 }
 
 /// The same along a ray from anywhere, such as a mirror.
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
-    const STEPS: usize = 24;
+    const STEPS: u32 = 24;
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
-    let step = (end - start) / STEPS as f64;
-    (0..STEPS)
-        .map(|number| start + number as f64 * step)
-        .map(|from| in_scattered(field, snapshot, ray, from, from + step))
-        .sum()
+    let mut walk = Walk::new(field, snapshot, *ray);
+    for step in 1..=STEPS {
+        walk.to(start + (end - start) * f64::from(step) / f64::from(STEPS));
+    }
+    walk.light
 }

@@ -17,7 +17,10 @@ pub(super) fn scattered(path: &Path, point: &SurfacePoint) -> Rgb {
 pub(super) fn in_scattered(path: &Path, ray: &Ray, way: &Way, from: Start) -> Rgb {
     let Some(indirect) = path.indirect() else { return Rgb::ZERO };
     let before = |distance: f64| match from {
-        Start::Camera => indirect.seen_in_fog(path.snapshot, ray, distance),
+        Start::Camera => {
+            let through = path.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
+            indirect.seen_in_fog(path.snapshot, ray, distance, through)
+        }
         Start::Surface(_) => indirect.in_scattered(path.snapshot, ray, distance),
     };
     let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);

@@ -37,7 +37,11 @@ pub(super) struct Leg {
     pub(super) radiance: Rgb,
     /// Of that what shines by itself.
     pub(super) emitted: Rgb,
+    /// Of that what surfaces show of indirect light.
+    pub(super) indirect: Rgb,
     pub(super) shafts: Rgb,
+    /// Of the shafts what was scattered before.
+    pub(super) indirect_shafts: Rgb,
     pub(super) transmittance: Rgb,
     /// Whether an opaque surface ends it.
     pub(super) covered: bool,
@@ -50,16 +54,22 @@ pub(super) struct Shown {
     pub(super) radiance: Rgb,
     /// Of that what it, or what is seen in it, emits.
     pub(super) emitted: Rgb,
+    /// Of that what it, or what is seen in it, shows of indirect light.
+    pub(super) indirect: Rgb,
 }
 
 impl Shown {
     /// What shines by itself.
     pub(super) fn emitted(emitted: Rgb) -> Self {
-        Self { radiance: emitted, emitted }
+        Self { radiance: emitted, emitted, indirect: Rgb::ZERO }
     }
 
     fn weakened(self, transmittance: Rgb) -> Self {
-        Self { radiance: transmittance * self.radiance, emitted: transmittance * self.emitted }
+        Self {
+            radiance: transmittance * self.radiance,
+            emitted: transmittance * self.emitted,
+            indirect: transmittance * self.indirect,
+        }
     }
 }
 
@@ -67,6 +77,7 @@ impl AddAssign for Shown {
     fn add_assign(&mut self, other: Self) {
         self.radiance += other.radiance;
         self.emitted += other.emitted;
+        self.indirect += other.indirect;
     }
 }
 
@@ -161,7 +172,8 @@ impl Path<'_> {
     /// What the film is to know of a leg, by light that has no hue yet; `surface` is what the data passes show.
     pub(super) fn sample(&self, leg: &Leg, surface: Option<&SurfacePoint>, ray: &Ray, hue: Rgb) -> Sample {
         let Self { snapshot, transport, .. } = self;
-        let Leg { radiance, emitted, shafts, transmittance, covered, mattes } = *leg;
+        let Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes } =
+            *leg;
         let alpha =
             if covered || snapshot.has_background() { 1.0 } else { 1.0 - transmittance.element_sum() / 3.0 };
         let motion_px = snapshot.motion_px(surface, ray.direction);
@@ -172,7 +184,19 @@ impl Path<'_> {
             albedo: point.albedo,
             leaf_id: point.leaf_id,
         });
-        Sample { radiance, emitted, hue, shafts, transmittance, alpha, surface, motion_px, mattes }
+        Sample {
+            radiance,
+            emitted,
+            hue,
+            indirect,
+            shafts,
+            indirect_shafts,
+            transmittance,
+            alpha,
+            surface,
+            motion_px,
+            mattes,
+        }
     }
 
     /// To the first surface and, by mirrors, beyond; with it comes the surface that data passes show.
@@ -193,35 +217,34 @@ impl Path<'_> {
 
         let blended = blended_hits(snapshot, ray, &(shown.start..distance.min(shown.end)), leaving);
         let way = Way { distance, blended, passes_hidden };
-        let (shafts, fog) = if snapshot.medium.is_empty() {
-            (Rgb::ZERO, Rgb::ONE)
+        let (shafts, indirect_shafts, fog) = if snapshot.medium.is_empty() {
+            (Rgb::ZERO, Rgb::ZERO, Rgb::ONE)
         } else {
-            let scattered = shafts::in_scattered(self, ray, &way)
-                + sky_light::in_scattered(self, ray, &way)
-                + indirect::in_scattered(self, ray, &way, from);
-            (scattered, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
+            let indirect = indirect::in_scattered(self, ray, &way, from);
+            let scattered =
+                shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way) + indirect;
+            (scattered, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
         };
         let (mut shown, seen_through) = self.blended(shafts, ray, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
         let behind_fog = surface.as_ref().map_or_else(
             || Shown::emitted(light.background(snapshot, ray.direction)),
-            |point| {
-                let scattered = Shown { radiance: self.scattered(point), emitted: Rgb::ZERO };
-                scattered + self.emitted_and_mirrored(ray, point, mirrors_left)
-            },
+            |point| self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
         );
         shown += behind_fog.weakened(transmittance);
-        let Shown { radiance, emitted } = shown;
+        let Shown { radiance, emitted, indirect } = shown;
         let solid = way.blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
         let mattes = mattes(snapshot, &way.blended, surface.as_ref());
-        let leg = Leg { radiance, emitted, shafts, transmittance, covered: hit.is_some(), mattes };
+        let covered = hit.is_some();
+        let leg =
+            Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes };
         (leg, solid.or(surface))
     }
 
     /// Front to back: the shafts and what each blended surface shows itself, and what all of them let through.
     fn blended(&mut self, shafts: Rgb, ray: &Ray, blended: &[BlendedHit], mirrors_left: u32) -> (Shown, Rgb) {
         let (snapshot, light) = (self.snapshot, self.light);
-        let (mut sum, mut seen_through) = (Shown { radiance: shafts, emitted: Rgb::ZERO }, Rgb::ONE);
+        let (mut sum, mut seen_through) = (Shown { radiance: shafts, ..Shown::default() }, Rgb::ONE);
         let stack = Stack::of(snapshot, &light, ray, blended, self.sampler);
         for (index, hit) in blended.iter().enumerate() {
             let point = &hit.point;
@@ -232,7 +255,8 @@ impl Path<'_> {
             };
             let mut shown = Shown::emitted(light.emitted(point));
             if share > 0.0 {
-                scattered += share * (sky_light::scattered(self, point) + indirect::scattered(self, point));
+                shown.indirect = share * indirect::scattered(self, point);
+                scattered += share * sky_light::scattered(self, point) + shown.indirect;
                 shown += self.mirrored(ray, point, mirrors_left).weakened(Rgb::splat(share));
             }
             shown.radiance = scattered + shown.radiance;
@@ -244,10 +268,12 @@ impl Path<'_> {
     }
 
     /// What a surface scatters towards the eye.
-    fn scattered(&mut self, point: &SurfacePoint) -> Rgb {
-        direct::scattered(self.snapshot, self.light.lights, point)
+    fn scattered(&mut self, point: &SurfacePoint) -> Shown {
+        let indirect = indirect::scattered(self, point);
+        let radiance = direct::scattered(self.snapshot, self.light.lights, point)
             + sky_light::scattered(self, point)
-            + indirect::scattered(self, point)
+            + indirect;
+        Shown { radiance, indirect, ..Shown::default() }
     }
 
     /// Light that a surface emits, and what is seen in it if it is a mirror.
@@ -274,7 +300,8 @@ impl Path<'_> {
         }
         let ray = Ray { origin: point.position, direction: reflected.normalize() };
         let (seen, _) = self.follow(&ray, Start::Surface(point.primitive), mirrors_left - 1);
-        Shown { radiance: seen.radiance, emitted: seen.emitted }.weakened(point.mirror)
+        let indirect = seen.indirect + seen.indirect_shafts;
+        Shown { radiance: seen.radiance, emitted: seen.emitted, indirect }.weakened(point.mirror)
     }
 }
 

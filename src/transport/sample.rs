@@ -12,10 +12,14 @@ pub struct Sample {
     /// The part that shines by itself, surfaces and the background, in mirrors too.
     pub emitted: Rgb,
     /// In a picture of one light what is still to be multiplied by: the hue of the light's point, see
-    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but what is emitted is without it. Else 1.
+    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but what is emitted or indirect is without it. Else 1.
     pub hue: Rgb,
+    /// The part that surfaces show of indirect light, in mirrors too.
+    pub indirect: Rgb,
     /// The part that was scattered in fog.
     pub shafts: Rgb,
+    /// Of that part what was scattered before.
+    pub indirect_shafts: Rgb,
     /// What fog and blended surfaces let through from the first opaque surface, or from the background if there is none.
     pub transmittance: Rgb,
     /// Coverage, `0..=1`, by which the radiance is premultiplied.

@@ -86,14 +86,17 @@ impl SliceRay<'_> {
                 self.reflected(&mut path, point, is_lit, to_light)
             }
         };
-        let indirect = path.indirect();
-        let shafts =
-            shafts + indirect.map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance));
+        let indirect_shafts = path
+            .indirect()
+            .map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance, transmittance));
+        let shafts = shafts + indirect_shafts;
         let radiance = behind_fog.radiance * transmittance + shafts;
         let emitted = behind_fog.emitted * transmittance;
+        let indirect = behind_fog.indirect * transmittance;
         let covered = self.meeting.is_some();
         let mattes = mattes(snapshot, &[], surface.as_ref());
-        let leg = Leg { radiance, emitted, shafts, transmittance, covered, mattes };
+        let leg =
+            Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes };
         path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 
@@ -105,7 +108,8 @@ impl SliceRay<'_> {
             radiance
                 * to_light.unwrap_or_else(|| snapshot.medium.transmittance(point.position, way, distance))
         });
-        let scattered = Shown { radiance: of_light + indirect::scattered(path, point), emitted: Rgb::ZERO };
+        let indirect = indirect::scattered(path, point);
+        let scattered = Shown { radiance: of_light + indirect, indirect, ..Shown::default() };
         scattered + path.emitted_and_mirrored(&self.ray, point, transport.mirror_depth)
     }
 }

@@ -1,4 +1,4 @@
-"""`sunfleck-tools peers`: Mitsuba and Cycles on the same scene, all bounces off."""
+"""`sunfleck-tools peers`: Mitsuba and Cycles on the same scene, with as many bounces."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from .arguments import positive
 HELP = "renders the same scene by Mitsuba and Cycles, for reference frames and error against time"
 RENDERERS = ("mitsuba-llvm", "mitsuba-scalar", "cycles")
 MOST_SAMPLES = 1 << 20
+# More cannot be told from all.
+MOST_BOUNCES = 64
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--reference-noise", metavar="X", type=positive, default=0.0, help="its own noise, taken out of the RMSE")
     parser.add_argument("--out", metavar="FILE.csv", type=Path, help="error against time, for `sunfleck bench --peers`")
     parser.add_argument("--pictures", metavar="DIR", type=Path, help="where the frames go")
+    parser.add_argument("--bounces", metavar="N|all", type=_bounces, default=0, help="scatterings beyond direct light and single scattering (0)")
     parser.add_argument("--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)")
     parser.add_argument(
         "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
@@ -52,6 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     reference = None if arguments.reference is None else _colors(arguments.reference)
     scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck, arguments.allow)
     scene.size = arguments.size or scene.size
+    scene.bounces = arguments.bounces
     if reference is not None:
         scene.size = (reference.shape[1], reference.shape[0])
     if arguments.pictures is not None:
@@ -79,6 +83,14 @@ def _colors(path: Path) -> np.ndarray:
     if frame is None:
         raise ToolError(f"{path}: {fault}", is_usage=False)
     return np.stack(frame.group(), axis=-1).astype(np.float64)
+
+
+def _bounces(text: str) -> int:
+    if text == "all":
+        return MOST_BOUNCES
+    if not (text.isascii() and text.isdigit() and int(text) <= MOST_BOUNCES):
+        raise argparse.ArgumentTypeError(f"`{text}` is no number from 0 to {MOST_BOUNCES}, nor `all`")
+    return int(text)
 
 
 def _renderers(text: str) -> tuple[str, ...]:

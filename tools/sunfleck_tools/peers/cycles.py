@@ -48,7 +48,7 @@ def build(scene: PeerScene):
     for lamp in scene.lamps:
         add_lamp(made, lamp)
     add_camera(made, scene)
-    settings(made, scene.size)
+    settings(made, scene.size, scene.bounces)
     return made
 
 
@@ -79,7 +79,7 @@ def prepare(scene: PeerScene):
     return render
 
 
-def settings(made, size):
+def settings(made, size, bounces=0):
     render, cycles = made.render, made.cycles
     render.engine = "CYCLES"
     render.resolution_x, render.resolution_y = size
@@ -92,8 +92,8 @@ def settings(made, size):
     cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_auto_tile = False
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 0
-    cycles.transmission_bounces = cycles.volume_bounces = 0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
+    cycles.transmission_bounces = cycles.volume_bounces = bounces
     cycles.transparent_max_bounces = 64
 
 

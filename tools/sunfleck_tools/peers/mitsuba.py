@@ -1,4 +1,4 @@
-"""Mitsuba 3: `volpath` with two segments, which is direct light and single scattering."""
+"""Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce beyond is one more."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def prepare(scene: PeerScene, variant: str):
     sensor = pinhole(mi.ScalarTransform4f(turned), float(numpy.degrees(scene.fov_y_rad)), scene.size)
     described = {
         "type": "scene",
-        "integrator": {"type": "volpath", "max_depth": 2, "rr_depth": 100, "hide_emitters": True},
+        "integrator": {"type": "volpath", "max_depth": 2 + scene.bounces, "rr_depth": 100, "hide_emitters": True},
         "sensor": sensor,
     }
     if scene.sky is not None and scene.sky.lights == "surfaces" and scene.fog is not None:

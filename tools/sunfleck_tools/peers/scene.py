@@ -63,6 +63,8 @@ class PeerScene:
     sky: PeerSky | None
     size: tuple[int, int]
     notes: list[str]
+    # How often light is scattered beyond direct light and single scattering.
+    bounces: int = 0
 
 
 def read_scene(
