@@ -2,7 +2,7 @@
 //! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
 use super::first_light::{FirstLight, radiance};
-use super::grid::{Corners, Grid};
+use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, basis, irradiance_lobe};
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
@@ -27,7 +27,7 @@ const WALL_CELLS: f64 = 2.0;
 const MOST_ROUNDS: u32 = 24;
 const FEWEST_ROUNDS: u32 = 3;
 /// What is left after the last round, as a share of all light: a geometric series tells the rest well when it is small.
-const REST: f64 = 0.01;
+const REST: f64 = 0.003;
 /// Of light that goes on and on: a closed scene that absorbs nothing has no end.
 const MOST_RATIO: f64 = 0.98;
 
@@ -48,16 +48,12 @@ impl Field {
         let grid = grid(snapshot, &surroundings)?;
         let width = WALL_CELLS * grid.cell_m;
         let surfels = surroundings.surfels(width);
-        let matter = Matter::new(&grid, &snapshot.medium, snapshot.view.eye, &surfels);
         let wall_triangles = surroundings.walls(width);
-        let first = FirstLight {
-            snapshot,
-            grid: &grid,
-            matter: &matter,
-            cancelled,
-            walls: wall_triangles.iter().map(|triangle| triangle.primitive).collect(),
-        };
+        let are_walls = wall_triangles.iter().map(|triangle| triangle.primitive).collect();
         let walls = Walls::new(&grid, snapshot, wall_triangles).introduce();
+        let matter = Matter::new(&grid, &walls, snapshot, &surfels);
+        let first =
+            FirstLight { snapshot, grid: &grid, matter: &matter, cancelled, walls: &walls, are_walls };
         let ordinates = Ordinates::new();
         let sweeper =
             Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates, cancelled };
@@ -112,26 +108,7 @@ impl Field {
     /// Moments about a place, of the nodes that no wall hides from `seen_from`.
     #[inline]
     fn about(&self, place: DVec3, seen_from: DVec3, moments: &NodeMoments) -> [[f32; COUNT]; 3] {
-        let mut corners = self.grid.corners(place);
-        if !self.walls.about(corners.nodes[0]).is_empty() {
-            self.look_past_walls(&mut corners, seen_from);
-        }
-        moments.mean(&corners)
-    }
-
-    /// Leaves out nodes that walls hide.
-    fn look_past_walls(&self, corners: &mut Corners, seen_from: DVec3) {
-        let lowest = corners.nodes[0];
-        let hidden = corners.nodes.map(|node| self.walls.hide(lowest, seen_from, self.grid.position(node)));
-        let is_seen = hidden.map(|hidden| f64::from(u8::from(!hidden)));
-        let share: f64 = (0..8).map(|corner| is_seen[corner] * corners.weights[corner]).sum();
-        corners.weights = if share > 1e-3 {
-            std::array::from_fn(|corner| is_seen[corner] * corners.weights[corner] / share)
-        } else {
-            // Between walls closer than a cell: whatever is seen at all.
-            let open: f64 = is_seen.iter().sum();
-            is_seen.map(|is_seen| is_seen / open.max(1.0))
-        };
+        moments.mean(&self.walls.corners(&self.grid, place, seen_from))
     }
 }
 
@@ -195,7 +172,7 @@ impl Rounds<'_> {
         sources.add(&self.first.sources(), [1.0; 3]);
         matter.emit(&mut sources);
         for ((sum, patch), irradiance) in
-            of_walls.iter_mut().zip(&walls.patches).zip(self.first.irradiances(walls))
+            of_walls.iter_mut().zip(&walls.patches).zip(self.first.irradiances())
         {
             *sum += radiance(patch.scatters.reflectance * irradiance) + patch.scatters.emission;
         }
@@ -252,7 +229,10 @@ impl Rounds<'_> {
             let across = (1.0 - y * y).sqrt();
             let direction = DVec3::new(across * cos, y, across * sin);
             let (sum, count) = &mut sums[ordinates.nearest(-direction)];
-            *sum += sky.along(direction);
+            let radiance = sky.along(direction);
+            if radiance.is_finite() {
+                *sum += radiance;
+            }
             *count += 1.0;
         }
         Some(sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect())

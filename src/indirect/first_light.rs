@@ -1,7 +1,7 @@
 //! Where light of lamps and suns is scattered first. In go a snapshot and its lights, out come sources on the grid and the irradiance on walls. Invariant: rays are tied to the
 //! world and to the lights, never to leaves, so what a leaf gets changes evenly as it moves.
 
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::harmonics::{COUNT, DEGREE, basis, cosine_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
@@ -43,6 +43,8 @@ struct PowerRay {
 struct Landing {
     /// In world space.
     position: DVec3,
+    /// The same, on the light's side.
+    seen_from: DVec3,
     /// Towards the light.
     normal: DVec3,
     reflected: Rgb,
@@ -54,8 +56,9 @@ pub(super) struct FirstLight<'a> {
     pub(super) grid: &'a Grid,
     pub(super) matter: &'a Matter,
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
+    pub(super) walls: &'a Walls,
     /// Triangles that are walls: their light is told by [`FirstLight::irradiances`].
-    pub(super) walls: HashSet<PrimitiveId>,
+    pub(super) are_walls: HashSet<PrimitiveId>,
 }
 
 impl FirstLight<'_> {
@@ -211,7 +214,7 @@ impl FirstLight<'_> {
             self.light_fog(ray, (from, t.min(leave)), power, *depth, fluence);
             from = from.max(t);
             let Some(point) = point.filter(|_| from <= leave + self.grid.cell_m) else { break };
-            if !self.walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
+            if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
                 let fog = exp_minus(*depth + snapshot.medium.optical_depth(ray.origin, ray.direction, t));
                 landings.push(Landing::of(snapshot, point, power * fog * point.alpha));
             }
@@ -246,13 +249,15 @@ impl FirstLight<'_> {
             let place = ray.at(start + (number as f64 + 0.5) * step);
             let half = 0.5 * step * medium.extinction_at(place);
             let here = power * exp_minus(depth + half);
-            fluence.add(self.grid, self.snapshot.world_from_relative(place), ray.direction, step * here);
+            let place = self.snapshot.world_from_relative(place);
+            let corners = self.walls.corners(self.grid, place, place);
+            fluence.add(&corners, ray.direction, step * here);
             depth += 2.0 * half;
         }
     }
 
     fn land(&self, landing: &Landing, sources: &mut Moments) {
-        let corners = self.grid.corners(landing.position);
+        let corners = self.walls.corners(self.grid, landing.position, landing.seen_from);
         let (before, behind) = (cosine_lobe(landing.normal), cosine_lobe(-landing.normal));
         for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
             let factor = weight * FRAC_1_PI / self.grid.cell_volume();
@@ -266,8 +271,8 @@ impl FirstLight<'_> {
     }
 
     /// The irradiance of all lights on each patch of wall, W/m^2.
-    pub(super) fn irradiances(&self, walls: &Walls) -> Vec<Rgb> {
-        walls
+    pub(super) fn irradiances(&self) -> Vec<Rgb> {
+        self.walls
             .patches
             .par_iter()
             .map(|patch| self.snapshot.lights.iter().map(|light| self.irradiance(light, patch)).sum())
@@ -317,11 +322,15 @@ impl FirstLight<'_> {
     }
 }
 
+/// Off a surface, so that rounding does not put it behind a wall that it lies on.
+const LITTLE_M: f64 = 1e-6;
+
 impl Landing {
     fn of(snapshot: &Snapshot, point: &SurfacePoint, power: Rgb) -> Self {
         let scatters = super::surroundings::scatters_of(point);
         Self {
             position: snapshot.world_from_relative(point.position),
+            seen_from: snapshot.world_from_relative(point.position + LITTLE_M * point.geometric_normal),
             normal: point.geometric_normal,
             reflected: power * scatters.reflectance,
             transmitted: power * scatters.transmittance,
@@ -346,8 +355,7 @@ impl Fluence {
         &self.values[(channel * self.harmonics + index) * self.nodes..][..self.nodes]
     }
 
-    fn add(&mut self, grid: &Grid, position: DVec3, direction: DVec3, amount: Rgb) {
-        let corners = grid.corners(position);
+    fn add(&mut self, corners: &Corners, direction: DVec3, amount: Rgb) {
         let basis = if self.harmonics == 1 { [1.0; COUNT] } else { basis(direction) };
         for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
             for channel in 0..3 {

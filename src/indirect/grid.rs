@@ -1,13 +1,13 @@
 //! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their weights. Invariant: cells lie at
 //! whole multiples of their side in world space, whatever moves and wherever the camera is; so a field never pulses with either.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, I64Vec3};
 
 /// Nodes in equal steps along the world's axes. Each is the middle of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grid {
     /// The first cell, from the world's origin.
-    first: IVec3,
+    first: I64Vec3,
     /// Nodes along each axis.
     pub(super) size: [usize; 3],
     /// Distance of two nodes, metres.
@@ -24,8 +24,8 @@ pub(super) struct Corners {
 impl Grid {
     /// That covers a box of world space, with a cell to spare on each side.
     pub(super) fn covering(low: DVec3, high: DVec3, cell_m: f64) -> Self {
-        let first = (low / cell_m).floor().as_ivec3() - 1;
-        let end = (high / cell_m).ceil().as_ivec3() + 1;
+        let first = (low / cell_m).floor().as_i64vec3() - 1;
+        let end = (high / cell_m).ceil().as_i64vec3() + 1;
         let size = (end - first).to_array().map(|count| count as usize);
         Self { first, size, cell_m }
     }
@@ -52,8 +52,8 @@ impl Grid {
 
     /// Where a node is, in world space.
     pub(super) fn position(&self, node: usize) -> DVec3 {
-        let cell = self.cell_of(node).map(|index| index as i32);
-        ((self.first + IVec3::from_array(cell)).as_dvec3() + 0.5) * self.cell_m
+        let cell = self.cell_of(node).map(|index| index as i64);
+        ((self.first + I64Vec3::from_array(cell)).as_dvec3() + 0.5) * self.cell_m
     }
 
     /// The least and the greatest place between nodes, in world space.

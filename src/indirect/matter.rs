@@ -8,8 +8,10 @@ use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::moments::Moments;
 use super::surroundings::Surfel;
+use super::walls::Walls;
 use crate::color::Rgb;
 use crate::fog::Medium;
+use crate::snapshot::Snapshot;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -19,6 +21,8 @@ const ODD: [usize; 3] = [1, 2, 3];
 /// Products of two of them, each pair once.
 const EVEN_PAIRS: usize = 21;
 const ODD_PAIRS: usize = 6;
+/// Off a wall that a leaf may lie on.
+const LITTLE_M: f64 = 1e-6;
 const NO_LEAVES: u32 = u32::MAX;
 
 /// What fills the cells of a grid.
@@ -160,8 +164,9 @@ impl SurfelTerms {
 }
 
 impl Matter {
-    /// `eye` is where relative space begins in world space.
-    pub(super) fn new(grid: &Grid, medium: &Medium, eye: DVec3, surfels: &[Surfel]) -> Self {
+    /// Fog of the snapshot, and surfels on the side of walls that they are on.
+    pub(super) fn new(grid: &Grid, walls: &Walls, snapshot: &Snapshot, surfels: &[Surfel]) -> Self {
+        let medium = &snapshot.medium;
         let count = grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut matter = Self {
@@ -171,10 +176,10 @@ impl Matter {
             leaves: Vec::new(),
         };
         if !medium.is_empty() {
-            matter.add_fog(grid, medium, eye);
+            matter.add_fog(grid, medium, snapshot.view.eye);
         }
         for surfel in surfels {
-            matter.add_leaf(grid, surfel);
+            matter.add_leaf(grid, walls, surfel);
         }
         matter
     }
@@ -196,9 +201,9 @@ impl Matter {
         }
     }
 
-    fn add_leaf(&mut self, grid: &Grid, surfel: &Surfel) {
+    fn add_leaf(&mut self, grid: &Grid, walls: &Walls, surfel: &Surfel) {
         let terms = SurfelTerms::of(surfel);
-        let corners = grid.corners(surfel.position);
+        let corners = walls.corners(grid, surfel.position, surfel.position + LITTLE_M * surfel.normal);
         for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
             if weight > 0.0 {
                 let density = (weight * surfel.area / grid.cell_volume()) as f32;

@@ -1,7 +1,7 @@
 //! Walls between the nodes of a grid: ground, trunks, rooms. In go triangles, out come the links from node to node that they cut, and the patches that are seen
 //! instead. Invariant: no light goes along a link that a wall cuts, however thin it is.
 
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::surroundings::{Scatters, WallTriangle, scatters};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -98,6 +98,31 @@ impl Walls {
 
     pub(super) fn node(&self, number: u32) -> &WalledNode {
         &self.nodes[number as usize]
+    }
+
+    /// The nodes about a place without those that walls hide from `seen_from`, which lies among them.
+    #[inline]
+    pub(super) fn corners(&self, grid: &Grid, place: DVec3, seen_from: DVec3) -> Corners {
+        let mut corners = grid.corners(place);
+        if !self.about(corners.nodes[0]).is_empty() {
+            self.hide_nodes(grid, &mut corners, seen_from);
+        }
+        corners
+    }
+
+    fn hide_nodes(&self, grid: &Grid, corners: &mut Corners, seen_from: DVec3) {
+        let lowest = corners.nodes[0];
+        let is_seen = corners
+            .nodes
+            .map(|node| if self.hide(lowest, seen_from, grid.position(node)) { 0.0 } else { 1.0 });
+        let share: f64 = (0..8).map(|corner| is_seen[corner] * corners.weights[corner]).sum();
+        corners.weights = if share > 1e-3 {
+            std::array::from_fn(|corner| is_seen[corner] * corners.weights[corner] / share)
+        } else {
+            // Between walls closer than a cell: whatever is seen at all.
+            let open: f64 = is_seen.iter().sum();
+            is_seen.map(|is_seen| is_seen / open.max(1.0))
+        };
     }
 
     /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest` is the first of them.
