@@ -1,7 +1,7 @@
 //! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a [`Field`] that tells irradiance on surfaces and
 //! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
-use super::first_light::{FirstLight, radiance};
+use super::first_light::{FirstLight, Glow, radiance};
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, basis, irradiance_lobe};
 use super::matter::Matter;
@@ -39,6 +39,7 @@ pub struct Field {
     light: NodeMoments,
     /// What fog gets: the same unless the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
+    glows: Vec<Glow>,
 }
 
 impl Field {
@@ -52,18 +53,26 @@ impl Field {
         let are_walls = wall_triangles.iter().map(|triangle| triangle.primitive).collect();
         let walls = Walls::new(&grid, snapshot, wall_triangles).introduce();
         let matter = Matter::new(&grid, &walls, snapshot, &surfels);
-        let first =
-            FirstLight { snapshot, grid: &grid, matter: &matter, cancelled, walls: &walls, are_walls };
+        let first = FirstLight {
+            snapshot,
+            without_peaks: snapshot.medium.without_peaks(),
+            grid: &grid,
+            matter: &matter,
+            cancelled,
+            walls: &walls,
+            are_walls,
+        };
         let ordinates = Ordinates::new();
         let sweeper =
             Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates, cancelled };
-        let (light, unseen_by_fog) = Rounds { sweeper, first, snapshot }.run(bounces);
+        let (first_sources, glows) = first.sources();
+        let (light, unseen_by_fog) = Rounds { sweeper, first, first_sources, snapshot }.run(bounces);
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();
             seen.add(&unseen, [-1.0; 3]);
             NodeMoments::of(&seen)
         });
-        Some(Self { grid, walls, light: NodeMoments::of(&light), light_in_fog })
+        Some(Self { grid, walls, light: NodeMoments::of(&light), light_in_fog, glows })
     }
 
     /// The irradiance on a surface at a place of world space on the side that `normal` faces, W/m^2.
@@ -71,8 +80,21 @@ impl Field {
         /// Away from the surface, so that what it sends out itself does not light it.
         const AWAY: f64 = 0.25;
         let place = world + AWAY * self.grid.cell_m * normal;
-        let moments = self.about(place, world + 1e-3 * self.grid.cell_m * normal, &self.light);
-        by_lobe(&irradiance_lobe(normal), &moments)
+        let corners = self.walls.corners(&self.grid, place, world + 1e-3 * self.grid.cell_m * normal);
+        let mut irradiance = by_lobe(&irradiance_lobe(normal), &self.light.mean(&corners));
+        for glow in &self.glows {
+            let cos = -glow.travel.dot(normal);
+            if cos > 0.0 {
+                irradiance += cos * glow.mean(&corners);
+            }
+        }
+        irradiance
+    }
+
+    /// What of suns goes on nearly straight at a place of world space: directions of travel, and the irradiance on planes that face them.
+    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb)> {
+        let corners = self.walls.corners(&self.grid, world, world);
+        self.glows.iter().map(move |glow| (glow.travel, glow.mean(&corners)))
     }
 
     /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction
@@ -147,6 +169,7 @@ fn rung(cell_m: f64) -> f64 {
 struct Rounds<'a> {
     sweeper: Sweeper<'a>,
     first: FirstLight<'a>,
+    first_sources: Moments,
     snapshot: &'a Snapshot<'a>,
 }
 
@@ -169,7 +192,7 @@ impl Rounds<'_> {
             light.add(&sky, [1.0; 3]);
             unseen_by_fog = self.snapshot.sky.filter(|sky| !sky.lights_fog()).map(|_| sky);
         }
-        sources.add(&self.first.sources(), [1.0; 3]);
+        sources.add(&self.first_sources, [1.0; 3]);
         matter.emit(&mut sources);
         for ((sum, patch), irradiance) in
             of_walls.iter_mut().zip(&walls.patches).zip(self.first.irradiances())

@@ -8,7 +8,7 @@ use super::moments::Moments;
 use super::walls::{Patch, Walls};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
-use crate::fog::exp_minus;
+use crate::fog::{Medium, exp_minus};
 use crate::light::Emission;
 use crate::math::{Ray, kronecker};
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot, SurfacePoint};
@@ -35,8 +35,8 @@ struct PowerRay {
     ray: Ray,
     /// Before any fog, W.
     power: Rgb,
-    /// Optical depth of fog before its start.
-    depth: Rgb,
+    /// Optical depth before its start, of fog without its forward peaks and of all of it.
+    depths: [Rgb; 2],
 }
 
 /// What a leaf gets.
@@ -51,8 +51,28 @@ struct Landing {
     transmitted: Rgb,
 }
 
+/// A sun's light that fog has scattered, but nearly straight ahead: it still goes as the sun's own does.
+#[derive(Clone, Debug)]
+pub(super) struct Glow {
+    /// Direction of travel.
+    pub(super) travel: DVec3,
+    /// Irradiance on a plane that faces it, by node, W/m^2.
+    pub(super) irradiance: Vec<[f32; 3]>,
+}
+
+impl Glow {
+    /// On the mean of eight nodes.
+    pub(super) fn mean(&self, corners: &Corners) -> Rgb {
+        let at =
+            |(&node, &weight): (&usize, &f64)| weight * Rgb::from_array(self.irradiance[node].map(f64::from));
+        corners.nodes.iter().zip(&corners.weights).map(at).sum()
+    }
+}
+
 pub(super) struct FirstLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
+    /// Its fog without forward peaks.
+    pub(super) without_peaks: Medium,
     pub(super) grid: &'a Grid,
     pub(super) matter: &'a Matter,
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
@@ -62,18 +82,23 @@ pub(super) struct FirstLight<'a> {
 }
 
 impl FirstLight<'_> {
-    /// What all lights make of fog and leaves.
-    pub(super) fn sources(&self) -> Moments {
+    /// What all lights make of fog and leaves, and what of suns goes on nearly straight.
+    pub(super) fn sources(&self) -> (Moments, Vec<Glow>) {
         let mut sources = Moments::zero(self.grid.count());
+        let mut glows = Vec::new();
         for light in &self.snapshot.lights {
             match light.centre() {
                 FrozenLight::Sun { to_light, .. } => {
-                    self.add_rays(&self.sun_rays(light, to_light), Some(-to_light), &mut sources)
+                    let rays = self.sun_rays(light, to_light);
+                    let glow = self.add_rays(&rays, Some(-to_light), &mut sources);
+                    glows.extend(glow);
                 }
-                FrozenLight::Point { .. } => self.add_rays(&self.lamp_rays(light), None, &mut sources),
+                FrozenLight::Point { .. } => {
+                    self.add_rays(&self.lamp_rays(light), None, &mut sources);
+                }
             }
         }
-        sources
+        (sources, glows)
     }
 
     /// Evenly spaced across the sun's direction; where they lie depends on nothing but that.
@@ -109,9 +134,10 @@ impl FirstLight<'_> {
                 let across = across - across.dot(to_light) * to_light;
                 let relative = across - (eye - eye.dot(to_light) * to_light);
                 let origin = relative + start * to_light;
-                let depth = self.snapshot.medium.optical_depth(origin, to_light, f64::INFINITY);
+                let depths = [&self.without_peaks, &self.snapshot.medium]
+                    .map(|medium| medium.optical_depth(origin, to_light, f64::INFINITY));
                 let ray = Ray { origin, direction: -to_light };
-                rays.push(PowerRay { ray, power: spacing * spacing * irradiance, depth });
+                rays.push(PowerRay { ray, power: spacing * spacing * irradiance, depths });
             }
         }
         rays
@@ -137,13 +163,13 @@ impl FirstLight<'_> {
                 unreachable!("a lamp is one all over")
             };
             let power = solid_angle * intensity * emission.share(direction);
-            PowerRay { ray: Ray { origin: position, direction }, power, depth: Rgb::ZERO }
+            PowerRay { ray: Ray { origin: position, direction }, power, depths: [Rgb::ZERO; 2] }
         };
         (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
     }
 
     /// `travel` is the direction of all of them, if it is the same.
-    fn add_rays(&self, rays: &[PowerRay], travel: Option<DVec3>, sources: &mut Moments) {
+    fn add_rays(&self, rays: &[PowerRay], travel: Option<DVec3>, sources: &mut Moments) -> Option<Glow> {
         let count = self.grid.count();
         let chunk = rays.len().div_ceil(CHUNKS).max(1);
         let fluences: Vec<(Fluence, Vec<Landing>)> = rays
@@ -179,12 +205,22 @@ impl FirstLight<'_> {
             }
             landings.iter().for_each(|landing| self.land(landing, sources));
         }
+        let travel = travel.filter(|_| !self.snapshot.medium.is_empty())?;
+        let mut irradiance = vec![[0.0; 3]; count];
+        for (fluence, _) in &fluences {
+            for (channel, values) in (0..3).map(|channel| (channel, fluence.glow(channel))) {
+                for (sum, value) in irradiance.iter_mut().zip(values) {
+                    sum[channel] += value / volume as f32;
+                }
+            }
+        }
+        Some(Glow { travel, irradiance })
     }
 
     /// Leaves its light in fog and on leaves, up to where it ends.
     fn follow(
         &self,
-        PowerRay { ray, power, depth }: &PowerRay,
+        PowerRay { ray, power, depths }: &PowerRay,
         fluence: &mut Fluence,
         landings: &mut Vec<Landing>,
     ) {
@@ -211,11 +247,12 @@ impl FirstLight<'_> {
         let mut power = *power;
         let mut from = enter;
         for (t, point) in stops.iter().map(|(t, point)| (*t, Some(point))).chain([(f64::INFINITY, None)]) {
-            self.light_fog(ray, (from, t.min(leave)), power, *depth, fluence);
+            self.light_fog(ray, (from, t.min(leave)), power, depths, fluence);
             from = from.max(t);
             let Some(point) = point.filter(|_| from <= leave + self.grid.cell_m) else { break };
             if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
-                let fog = exp_minus(*depth + snapshot.medium.optical_depth(ray.origin, ray.direction, t));
+                let fog =
+                    exp_minus(depths[0] + self.without_peaks.optical_depth(ray.origin, ray.direction, t));
                 landings.push(Landing::of(snapshot, point, power * fog * point.alpha));
             }
             power *= point.see_through;
@@ -236,23 +273,34 @@ impl FirstLight<'_> {
         (enter, leave)
     }
 
-    fn light_fog(&self, ray: &Ray, (start, end): (f64, f64), power: Rgb, depth: Rgb, fluence: &mut Fluence) {
-        let medium = &self.snapshot.medium;
-        if start >= end || medium.is_empty() {
+    fn light_fog(
+        &self,
+        ray: &Ray,
+        (start, end): (f64, f64),
+        power: Rgb,
+        depths: &[Rgb; 2],
+        fluence: &mut Fluence,
+    ) {
+        if start >= end || self.snapshot.medium.is_empty() {
             return;
         }
         let steps = ((end - start) * STEPS_PER_CELL / self.grid.cell_m).ceil();
         let step = (end - start) / steps;
+        let media = [&self.without_peaks, &self.snapshot.medium];
         // To the middle of each step by the fog at the middles, which is all that the grid tells of it.
-        let mut depth = depth + medium.optical_depth(ray.origin, ray.direction, start);
+        let mut before =
+            [0, 1].map(|which| depths[which] + media[which].optical_depth(ray.origin, ray.direction, start));
         for number in 0..steps as usize {
             let place = ray.at(start + (number as f64 + 0.5) * step);
-            let half = 0.5 * step * medium.extinction_at(place);
-            let here = power * exp_minus(depth + half);
+            let here = [0, 1].map(|which| {
+                let half = 0.5 * step * media[which].extinction_at(place);
+                let here = power * exp_minus(before[which] + half);
+                before[which] += 2.0 * half;
+                here
+            });
             let place = self.snapshot.world_from_relative(place);
             let corners = self.walls.corners(self.grid, place, place);
-            fluence.add(&corners, ray.direction, step * here);
-            depth += 2.0 * half;
+            fluence.add(&corners, ray.direction, step * here[0], step * (here[0] - here[1]));
         }
     }
 
@@ -286,11 +334,18 @@ impl FirstLight<'_> {
             self.grid.position(self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal));
         let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
         let step = self.grid.cell_m / SHADOW_RAYS as f64;
-        let mut sum = Rgb::ZERO;
+        let off_wall = 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
+        let (mut sum, mut count) = (Rgb::ZERO, 0.0);
         for number in 0..SHADOW_RAYS * SHADOW_RAYS {
             let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
             let place = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
-            let origin = place + 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
+            let (seen, origin) = (patch.position + off_wall, place + off_wall);
+            let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
+            // Beyond a corner the wall goes on in another plane.
+            if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(patch.primitive)) {
+                continue;
+            }
+            count += 1.0;
             let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, number)));
             let (to_light, distance, arriving) = point.arriving_at(origin);
             let cos = to_light.dot(patch.normal);
@@ -299,7 +354,7 @@ impl FirstLight<'_> {
                 sum += cos * arriving * self.reaching(&ray, distance, patch.primitive);
             }
         }
-        sum / (SHADOW_RAYS * SHADOW_RAYS) as f64
+        sum / f64::max(count, 1.0)
     }
 
     /// What is left of light that comes along a ray from a distance.
@@ -308,7 +363,7 @@ impl FirstLight<'_> {
         if snapshot.tree.any_hit(ray, distance, Some(from)) {
             return Rgb::ZERO;
         }
-        let mut through = snapshot.medium.transmittance(ray.origin, ray.direction, distance);
+        let mut through = self.without_peaks.transmittance(ray.origin, ray.direction, distance);
         if snapshot.has_blended() {
             let (mut at, mut leaving) = (0.0, Some(from));
             while through.max_element() > 1e-6 {
@@ -343,25 +398,35 @@ struct Fluence {
     nodes: usize,
     harmonics: usize,
     values: Vec<f32>,
+    /// Of one direction, that part of it that fog has scattered nearly straight ahead.
+    glow: Vec<f32>,
 }
 
 impl Fluence {
     fn zero(nodes: usize, has_directions: bool) -> Self {
         let harmonics = if has_directions { COUNT } else { 1 };
-        Self { nodes, harmonics, values: vec![0.0; 3 * harmonics * nodes] }
+        let glow = if has_directions { Vec::new() } else { vec![0.0; 3 * nodes] };
+        Self { nodes, harmonics, values: vec![0.0; 3 * harmonics * nodes], glow }
+    }
+
+    fn glow(&self, channel: usize) -> &[f32] {
+        &self.glow[channel * self.nodes..][..self.nodes]
     }
 
     fn of(&self, channel: usize, index: usize) -> &[f32] {
         &self.values[(channel * self.harmonics + index) * self.nodes..][..self.nodes]
     }
 
-    fn add(&mut self, corners: &Corners, direction: DVec3, amount: Rgb) {
+    fn add(&mut self, corners: &Corners, direction: DVec3, amount: Rgb, glow: Rgb) {
         let basis = if self.harmonics == 1 { [1.0; COUNT] } else { basis(direction) };
         for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
             for channel in 0..3 {
                 for (index, value) in basis[..self.harmonics].iter().enumerate() {
                     let place = (channel * self.harmonics + index) * self.nodes + node;
                     self.values[place] += (weight * amount[channel] * value) as f32;
+                }
+                if let Some(sum) = self.glow.get_mut(channel * self.nodes + node) {
+                    *sum += (weight * glow[channel]) as f32;
                 }
             }
         }

@@ -190,6 +190,7 @@ impl Matter {
     }
 
     fn add_fog(&mut self, grid: &Grid, medium: &Medium, eye: DVec3) {
+        let medium = &Fog { medium, without_peaks: medium.without_peaks() };
         for node in 0..grid.count() {
             let fog = mean_fog(medium, grid.position(node) - eye, grid.cell_m);
             for channel in 0..3 {
@@ -260,31 +261,39 @@ struct MeanFog {
 }
 
 /// Exact where fog is even about all of the cell, else the mean of its middles' grid.
-fn mean_fog(medium: &Medium, middle: DVec3, cell_m: f64) -> MeanFog {
+fn mean_fog(fog: &Fog, middle: DVec3, cell_m: f64) -> MeanFog {
     const SIDE: usize = 4;
     let corner = |number: usize| {
         let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
         middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
     };
-    let here = medium.extinction_at(middle);
-    if (0..8).all(|number| medium.extinction_at(corner(number)) == here) {
-        return fog_at(medium, middle);
+    let here = fog.medium.extinction_at(middle);
+    if (0..8).all(|number| fog.medium.extinction_at(corner(number)) == here) {
+        return fog.at(middle);
     }
     let mut mean = MeanFog { extinction: Rgb::ZERO, scattering: [Rgb::ZERO; 3] };
     let share = 1.0 / (SIDE * SIDE * SIDE) as f64;
     for number in 0..SIDE * SIDE * SIDE {
         let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
         let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
-        let fog = fog_at(medium, middle + cell_m * place);
-        mean.extinction += share * fog.extinction;
+        let here = fog.at(middle + cell_m * place);
+        mean.extinction += share * here.extinction;
         for degree in 0..3 {
-            mean.scattering[degree] += share * fog.scattering[degree];
+            mean.scattering[degree] += share * here.scattering[degree];
         }
     }
     mean
 }
 
-fn fog_at(medium: &Medium, point: DVec3) -> MeanFog {
-    let scattering = [0, 1, 2].map(|degree| medium.scattering_by_degree_at(point, degree));
-    MeanFog { extinction: medium.extinction_at(point), scattering }
+/// Fog, and the same without what it scatters straight ahead.
+struct Fog<'a> {
+    medium: &'a Medium,
+    without_peaks: Medium,
+}
+
+impl Fog<'_> {
+    fn at(&self, point: DVec3) -> MeanFog {
+        let scattering = [0, 1, 2].map(|degree| self.medium.scattering_without_peak_at(point, degree));
+        MeanFog { extinction: self.without_peaks.extinction_at(point), scattering }
+    }
 }

@@ -174,6 +174,10 @@ impl<'a> Walk<'a> {
         let scattering =
             [0, 1, 2].map(|degree| per_extinction(medium.scattering_by_degree_at(place, degree)));
         self.source = self.field.scattered(world(middle), -self.ray.direction, &scattering);
+        for (travel, irradiance) in self.field.glows(world(middle)) {
+            let scattered = medium.scattering_at(place, -travel.dot(self.ray.direction));
+            self.source += irradiance * per_extinction(scattered);
+        }
     }
 }
 

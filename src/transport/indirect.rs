@@ -1,8 +1,7 @@
 //! Indirect light of a ray and of a point: what the field of light that was scattered before adds. In go rays and points, out come radiances. Invariant: nothing is added
 //! unless the path's light has it.
 
-use super::path::Path;
-use super::radiance::Start;
+use super::path::{Path, Start};
 use super::visibility::Way;
 use crate::color::Rgb;
 use crate::math::Ray;

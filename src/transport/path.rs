@@ -1,6 +1,7 @@
 //! What is carried along a path. In go a snapshot, a way to follow rays and the light that is wanted; every leg of the path reads
 //! them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one thread's.
 
+use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::LitSegments;
 use crate::indirect::Indirect;
@@ -79,6 +80,15 @@ impl Illumination<'_> {
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
         if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
     }
+}
+
+/// Where a ray that is followed starts.
+#[derive(Clone, Copy)]
+pub(super) enum Start {
+    /// At the eye, whose clipping planes hide surfaces.
+    Camera,
+    /// On a mirror.
+    Surface(PrimitiveId),
 }
 
 /// A path that is being followed.

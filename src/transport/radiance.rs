@@ -1,12 +1,11 @@
 //! The story of one camera ray. Invariant: radiance is light of surfaces, weakened by all that lies before
 //! them, plus `shafts`; without blended surfaces `surface * transmittance + shafts`.
 
-use super::path::{Illumination, Path, Scratch, Transport};
+use super::path::{Illumination, Path, Scratch, Start, Transport};
 use super::shafts;
 use super::stack::Stack;
 use super::visibility::{BlendedHit, RayEnd, Way, blended_hits, ray_end};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, indirect, sky_light};
-use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{Snapshot, SurfacePoint};
@@ -21,15 +20,6 @@ pub enum Component {
     Light(usize),
     /// Light of the sky that was scattered on the way.
     Sky,
-}
-
-/// Where a ray that is followed starts.
-#[derive(Clone, Copy)]
-pub(super) enum Start {
-    /// At the eye, whose clipping planes hide surfaces.
-    Camera,
-    /// On a mirror.
-    Surface(PrimitiveId),
 }
 
 /// One leg of a path, from its origin to the first surface: its light.

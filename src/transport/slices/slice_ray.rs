@@ -10,8 +10,8 @@ use crate::snapshot::{Facet, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
 use crate::transport::indirect;
-use crate::transport::path::{Illumination, Path, Scratch};
-use crate::transport::radiance::{Leg, Shown, Start, mattes};
+use crate::transport::path::{Illumination, Path, Scratch, Start};
+use crate::transport::radiance::{Leg, Shown, mattes};
 use crate::transport::shafts::by_segments;
 
 /// A ray of a slice and what it meets first.
