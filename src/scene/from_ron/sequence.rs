@@ -48,16 +48,7 @@ pub(in crate::scene) fn apply_sequence(
     if let Some(march) = fields.march {
         settings.march_depth_m = march.depth_m.si();
         settings.march_step_m = march.step_m.si();
-        if march.step_m.si() > march.depth_m.si() {
-            let found = "the step is longer than the whole depth";
-            problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
-        }
-        let steps = march.depth_m.si() / march.step_m.si();
-        if steps > MOST_MARCH_STEPS {
-            let found = format!("{steps:.0} steps a ray would never end");
-            let expected = format!("at most {MOST_MARCH_STEPS} steps from the camera to `depth_m`");
-            problems.error("march.step_m", found, &expected, "make the step longer");
-        }
+        check_march(&settings, &mut problems);
     }
     let samples = fields.samples.map(|Whole(samples)| samples);
     settings.sampling = Sampling::said(samples, fields.tolerance.map(|tolerance| tolerance.si()))
@@ -80,6 +71,21 @@ pub(in crate::scene) fn apply_sequence(
         };
     }
     problems.unless_any(settings)
+}
+
+/// Steps lie within the depth, and end.
+fn check_march(settings: &RenderSettings, problems: &mut Problems) {
+    let (depth_m, step_m) = (settings.march_depth_m, settings.march_step_m);
+    if step_m > depth_m {
+        let found = "the step is longer than the whole depth";
+        problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
+    }
+    let steps = depth_m / step_m;
+    if steps > MOST_MARCH_STEPS {
+        let found = format!("{steps:.0} steps a ray would never end");
+        let expected = format!("at most {MOST_MARCH_STEPS} steps from the camera to `depth_m`");
+        problems.error("march.step_m", found, &expected, "make the step longer");
+    }
 }
 
 /// Frames that all come before the first key, or all after the last, are surely a mistake.
