@@ -51,10 +51,7 @@ pub(super) fn load(
             loader.image(image, Encoding::Srgb, &format!("lights.{name}.image"), &mut sun_images)?;
         }
     }
-    let sky_image = match &file.sky {
-        Some(Sky::Image { image, .. }) => loader.decoded(image, Encoding::Radiance, "sky.image")?,
-        _ => None,
-    };
+    let sky_image = loader.sky(file.sky.as_ref())?;
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
@@ -124,6 +121,13 @@ impl Loader<'_> {
                 Ok(None)
             }
             Err(error) => Err(error),
+        }
+    }
+
+    fn sky(&mut self, sky: Option<&Sky>) -> Result<Option<image::DecodedImage>, LoadError> {
+        match sky {
+            Some(Sky::Image { image, .. }) => self.decoded(image, Encoding::Radiance, "sky.image"),
+            _ => Ok(None),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A sequence in, render settings out. Invariant: what the sequence leaves out stays as it was.
 
 use super::problems::Problems;
-use crate::description::ron::{self, Frames, SequenceFile, Whole};
+use crate::description::ron::{self, Frames, Number, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
 use crate::scene::{Animate, Bounces, Extend, FrameRate, Motion, RenderSettings, Rotation, Sampling, Scene};
 use crate::scene::{PixelFilter, Size, Track};
@@ -35,9 +35,8 @@ pub(in crate::scene) fn apply_sequence(
         settings.size = Size { width: width as usize, height: height as usize };
     }
     if let Some(name) = fields.camera {
-        let known: BTreeMap<&str, ()> =
-            scene.cameras.iter().map(|camera| (camera.name.as_str(), ())).collect();
-        problems.find("camera", "camera", &name, &known);
+        let known = scene.cameras.iter().map(|camera| (camera.name.as_str(), ()));
+        problems.find("camera", "camera", &name, &known.collect::<BTreeMap<&str, ()>>());
         settings.camera = Some(name);
     }
     if let Some(passes) = fields.passes {
@@ -50,9 +49,8 @@ pub(in crate::scene) fn apply_sequence(
         settings.march_step_m = march.step_m.si();
         check_march(&settings, &mut problems);
     }
-    let samples = fields.samples.map(|Whole(samples)| samples);
-    settings.sampling = Sampling::said(samples, fields.tolerance.map(|tolerance| tolerance.si()))
-        .unwrap_or(settings.sampling);
+    let (samples, tolerance) = (fields.samples.map(Whole::get), fields.tolerance.map(Number::si));
+    settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
     if let Some(filter) = fields.filter {
         settings.filter = match filter {
             ron::PixelFilter::Box => PixelFilter::Box,
