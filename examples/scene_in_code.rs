@@ -4,7 +4,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 use sunfleck::{
-    Animated, Camera, Fog, Leaves, Light, Material, Object, Pass, Renderer, Scene, Shape, Triangles,
+    Animated, Camera, Fog, Leaves, Light, Material, Object, Pass, Renderer, Scene, Shape, Sun, Triangles,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -55,11 +55,12 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
         max_m: Some([1.5, 2.4, 1.0]),
         ..Leaves::default()
     };
-    let sun = Light::Sun {
+    let sun = Light::Sun(Sun {
         to_sun: [0.3, 1.0, -0.5].into(),
         irradiance_w_per_m2: [8.0, 7.2, 6.0].into(),
         angular_diameter_deg: 0.5.into(),
-    };
+        ..Sun::default()
+    });
     let camera = Camera {
         position_m: Some([0.0, 1.2, 4.5].into()),
         look_at_m: Some([0.0, 1.1, 0.0].into()),

@@ -173,8 +173,9 @@ pub mod snapshot;
 pub mod transport;
 
 pub use api::{
-    Animated, Aperture, Array, Camera, Extend, Fog, Frame, Key, LeafMotion, Leaves, Light, Material,
-    NodePlace, Object, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Setting, Shape,
+    Animated, Aperture, Array, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Frame, Julia, Key,
+    LeafMotion, Leaves, Light, Material, NodePlace, NormalMap, Object, RenderError, Renderer, Scene,
+    SceneBuilder, SceneOptions, Setting, Shape, Sky, SkyLight, Species, Sun, Wind,
 };
 pub use description::LoadError;
 pub use description::obj::Triangles;

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 use sunfleck::{
-    Animated, Camera, Fog, Key, Light, Material, Method, Object, Pass, RenderError, Renderer, Scene,
-    SceneBuilder, Setting, Shape, Triangles, Window,
+    Animated, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light, Material, Method,
+    NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting, Shape, Sky, SkyLight,
+    Species, Sun, Triangles, Wind, Window,
 };
 
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
@@ -194,11 +196,11 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
         lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) })";
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let sun = Light::Sun {
+    let sun = Light::Sun(Sun {
         to_sun: [0.4, 1.0, 0.6].into(),
         irradiance_w_per_m2: [3.0; 3].into(),
-        angular_diameter_deg: 0.0.into(),
-    };
+        ..Sun::default()
+    });
     let made = Scene::builder()
         .shape("ball", Shape::Sphere { radius_m: 0.5 })
         .material("grey", Material { base_color: Some([0.5; 3]), ..Material::default() })
@@ -212,6 +214,238 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
     let beauty = picture(&read);
     assert_eq!(beauty, picture(&built(made)));
     assert!(beauty.mean()[0] > 0.0);
+}
+
+/// A ball on a floor, seen from the front, to which each test adds its own part; and the same as a file's fields.
+fn stage() -> SceneBuilder {
+    let object =
+        |mesh: &str| Object { mesh: Some(mesh.into()), material: Some("grey".into()), ..Object::default() };
+    Scene::builder()
+        .shape("ball", Shape::Sphere { radius_m: 0.5 })
+        .shape("floor", Shape::Quad { size_m: 6.0 })
+        .object("ball", Object { translation_m: [0.0, 0.6, 0.0].into(), ..object("ball") })
+        .object("floor", object("floor"))
+        .camera("main", Camera { position_m: Some([0.0, 1.0, 4.0].into()), ..Camera::default() })
+}
+
+const STAGE: &str = "version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5), \"floor\": Quad(size_m: 6.0) },
+    objects: { \"ball\": (mesh: \"ball\", material: \"grey\", translation_m: (0.0, 0.6, 0.0)),
+        \"floor\": (mesh: \"floor\", material: \"grey\") }, cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }";
+
+fn grey() -> Material {
+    Material { base_color: Some([0.5; 3]), ..Material::default() }
+}
+
+/// The picture of what a program made, which a file of the same fields has too, and which is not black.
+#[track_caller]
+fn assert_same_picture(made: SceneBuilder, folder: &Path, fields: &str) {
+    let file = folder.join("scene.ron");
+    fs::write(&file, format!("Scene({STAGE}, {fields})")).expect("written");
+    let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let beauty = |scene: &Scene| small(scene).render().expect("a frame").beauty();
+    let picture = beauty(&built(made));
+    assert_eq!(picture, beauty(&read));
+    assert!(picture.mean().iter().any(|&value| value > 0.0), "nothing is seen");
+}
+
+#[test]
+fn lights_of_code_are_those_of_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    const GREY: &str = "materials: { \"grey\": (base_color: 0.5) }";
+    let disc = Light::Disc {
+        parent: None,
+        position_m: [0.5, 2.0, 1.0].into(),
+        target_m: [0.0, 0.0, 0.0].into(),
+        diameter_m: 0.7.into(),
+        power_w: [9.0, 8.0, 7.0].into(),
+    };
+    let text =
+        "lights: { \"lit\": Disc(position_m: (0.5, 2.0, 1.0), target_m: (0.0, 0.0, 0.0), diameter_m: 0.7,
+        power_w: (9.0, 8.0, 7.0)) }";
+    let lit = |light: Light| stage().material("grey", grey()).light("lit", light);
+    assert_same_picture(lit(disc), folder.path(), &format!("{GREY}, {text}"));
+
+    let rectangle = Light::Rectangle {
+        parent: None,
+        position_m: [0.5, 2.0, 1.0].into(),
+        target_m: [0.0, 0.0, 0.0].into(),
+        up: [1.0, 0.0, 0.0],
+        width_m: 0.2.into(),
+        height_m: 1.5.into(),
+        power_w: [9.0; 3].into(),
+    };
+    let text = "lights: { \"lit\": Rectangle(position_m: (0.5, 2.0, 1.0), target_m: (0.0, 0.0, 0.0), up: (1.0, 0.0, 0.0),
+        width_m: 0.2, height_m: 1.5, power_w: 9.0) }";
+    assert_same_picture(lit(rectangle), folder.path(), &format!("{GREY}, {text}"));
+
+    let sun = Sun {
+        to_sun: [0.1, 0.3, -1.0].into(),
+        irradiance_w_per_m2: [5.0; 3].into(),
+        angular_diameter_deg: 12.0.into(),
+        limb_darkening: 0.6,
+        fractal: Some(Julia { real: 0.3.into(), imaginary: 0.5.into(), iterations: 40 }),
+        picture_rotation_deg: 30.0.into(),
+        visible_to_camera: true,
+        ..Sun::default()
+    };
+    let text = "lights: { \"lit\": Sun(to_sun: (0.1, 0.3, -1.0), irradiance_w_per_m2: 5.0, angular_diameter_deg: 12.0,
+        limb_darkening: 0.6, fractal: (real: 0.3, imaginary: 0.5, iterations: 40), picture_rotation_deg: 30.0,
+        visible_to_camera: true) }";
+    assert_same_picture(lit(Light::Sun(sun)), folder.path(), &format!("{GREY}, {text}"));
+}
+
+#[test]
+fn skies_and_textures_of_code_are_those_of_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("panes.ppm"), b"P6 2 2 255\n\xff\x20\x20\x20\xff\x20\x20\x20\xff\xff\xff\xff")
+        .expect("written");
+    let texels = [[128, 64, 32, 129], [32, 64, 128, 130]].concat();
+    let sky = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n".as_slice(), &texels].concat();
+    fs::write(path("sky.hdr"), sky).expect("written");
+
+    let bent = Material {
+        texture: Some(path("panes.ppm")),
+        transmission: [0.2; 3],
+        transmission_texture: Some(path("panes.ppm")),
+        normal_map: Some(NormalMap { texture: path("panes.ppm"), scale: 0.5 }),
+        base_color: Some([0.7; 3]),
+        ..Material::default()
+    };
+    let gradient = Sky::Gradient {
+        zenith_w_per_m2_sr: [0.2, 0.4, 0.8],
+        horizon_w_per_m2_sr: [1.0; 3],
+        ground_w_per_m2_sr: [0.1; 3],
+        strength: [2.0; 3].into(),
+        lights: SkyLight::Surfaces,
+    };
+    let text = "materials: { \"grey\": (texture: \"panes.ppm\", base_color: 0.7, transmission: 0.2,
+        transmission_texture: \"panes.ppm\", normal_map: (texture: \"panes.ppm\", scale: 0.5)) },
+        sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.4, 0.8), horizon_w_per_m2_sr: 1.0, ground_w_per_m2_sr: 0.1, strength: 2.0,
+        lights: Surfaces)";
+    assert_same_picture(stage().material("grey", bent).sky(gradient), folder.path(), text);
+
+    let image = Sky::Image {
+        image: path("sky.hdr"),
+        strength_w_per_m2_sr: [3.0; 3].into(),
+        rotation_deg: 50.0.into(),
+        lights: SkyLight::SurfacesAndFog,
+    };
+    let text = "materials: { \"grey\": (base_color: 0.5) },
+        sky: Image(image: \"sky.hdr\", strength_w_per_m2_sr: 3.0, rotation_deg: 50.0)";
+    assert_same_picture(stage().material("grey", grey()).sky(image), folder.path(), text);
+
+    let masked =
+        Material { texture: Some(path("panes.ppm")), alpha_cutoff: Some(0.5), ..Material::default() };
+    let even = Sky::Constant { radiance_w_per_m2_sr: [1.0; 3].into(), lights: SkyLight::Surfaces };
+    let text = "materials: { \"grey\": (texture: \"panes.ppm\", alpha_cutoff: 0.5) },
+        sky: Constant(radiance_w_per_m2_sr: 1.0, lights: Surfaces)";
+    assert_same_picture(stage().material("grey", masked).sky(even), folder.path(), text);
+}
+
+#[test]
+fn leaves_of_code_fall_as_those_of_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("scene.ron");
+    let fields = "materials: { \"grey\": (base_color: 0.5) }, fall: { \"shower\": (count: 3, seed: 5,
+        species: [(meshes: [\"floor\"], materials: [\"grey\"], length_m: (0.06, 0.1), width_m: 0.04, curl_deg: (0.0, 20.0))],
+        emitter: Ellipsoid(center_m: (0.0, 3.0, 0.0), radii_m: (1.0, 0.5, 1.0)),
+        wind: (mean_m_per_s: (0.8, 0.0, 0.2), eddy_m_per_s: 0.3, seed: 2), motion: (flutter: 3.0, tumble: 1.0),
+        ground: (height_m: 0.1), release_s: (-1.0, 1.0), attached: false, speed: 1.5) }";
+    fs::write(&file, format!("Scene({STAGE}, {fields})")).expect("written");
+    let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let species = Species {
+        materials: vec!["grey".into()],
+        width_m: Some([0.04; 2]),
+        curl_deg: [0.0, 20.0],
+        ..Species::new("floor", [0.06, 0.1])
+    };
+    let emitter = Emitter::Ellipsoid { center_m: [0.0, 3.0, 0.0], radii_m: [1.0, 0.5, 1.0] };
+    let shower = Fall {
+        seed: 5,
+        wind: Wind { mean_m_per_s: [0.8, 0.0, 0.2], eddy_m_per_s: 0.3, seed: 2, ..Wind::default() },
+        motion: Some(FallMotion { flutter: 3.0, tumble: 1.0, ..FallMotion::default() }),
+        ground: FallGround { height_m: 0.1, object: None },
+        release_s: [-1.0, 1.0],
+        attached: false,
+        speed: 1.5,
+        ..Fall::new(3, species, emitter)
+    };
+    let made = built(stage().material("grey", grey()).fall("shower", shower));
+    for (leaf, frame) in ["shower.0", "shower.1", "shower.2"].iter().zip([0.0, 20.0, 40.0]) {
+        let place = made.place(leaf, frame).expect("a leaf");
+        assert_eq!(Some(place), read.place(leaf, frame));
+        assert_ne!(Some(place), made.place(leaf, frame + 10.0), "{leaf} stays where it is");
+    }
+}
+
+/// Defaults are written down twice, for code and for files.
+#[test]
+fn what_code_leaves_out_is_what_files_leave_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("scene.ron");
+    let fields = "fall: { \"shower\": (count: 1, species: [(meshes: [\"floor\"], length_m: (0.06, 0.1))],
+        emitter: Box(min_m: (0.0, 2.0, 0.0), max_m: (1.0, 3.0, 1.0)), wind: (eddy_m_per_s: 0.5, gust_m_per_s: (1.0, 0.0, 0.0))) }";
+    let text = format!("Scene({STAGE}, materials: {{ \"grey\": (base_color: 0.5) }}, {fields})");
+    fs::write(&file, text).expect("written");
+    let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let emitter = Emitter::Box { min_m: [0.0, 2.0, 0.0], max_m: [1.0, 3.0, 1.0] };
+    let wind = Wind { eddy_m_per_s: 0.5, gust_m_per_s: [1.0, 0.0, 0.0], ..Wind::default() };
+    let shower = Fall { wind, ..Fall::new(1, Species::new("floor", [0.06, 0.1]), emitter) };
+    let made = built(stage().material("grey", grey()).fall("shower", shower));
+    assert!(made.place("shower.0", 15.0).is_some());
+    assert_eq!(made.place("shower.0", 15.0), read.place("shower.0", 15.0));
+}
+
+#[test]
+fn parts_keep_to_the_limits_of_files() {
+    let hung = || Emitter::Surface { object: "ball".into() };
+    let fall = |count: u32, species: Species| stage().fall("bad", Fall::new(count, species, hung()));
+    let leaf = || Species::new("floor", [0.1; 2]);
+    let sun = |sun: Sun| stage().light("bad", Light::Sun(sun));
+    let disc = |diameter_m: f64| {
+        let (position_m, target_m, power_w) = ([0.0, 1.0, 0.0].into(), [0.0; 3].into(), [1.0; 3].into());
+        stage().light(
+            "bad",
+            Light::Disc { parent: None, position_m, target_m, diameter_m: diameter_m.into(), power_w },
+        )
+    };
+    let sky = |radiance: f64| Sky::Constant {
+        radiance_w_per_m2_sr: [radiance; 3].into(),
+        lights: SkyLight::default(),
+    };
+    let material = |material: Material| stage().material("grey", material);
+    let julia = Julia { real: 0.0.into(), imaginary: 3.0.into(), iterations: 10 };
+    let missing = Material { texture: Some("missing.png".into()), ..grey() };
+    for (builder, path) in [
+        (fall(0, leaf()), "fall.bad.count"),
+        (fall(50_001, leaf()), "fall.bad.count"),
+        (fall(1, Species::new("floor", [0.1, f64::NAN])), "fall.bad.species[0].length_m[1]"),
+        (fall(1, Species { width_m: Some([f64::NAN; 2]), ..leaf() }), "fall.bad.species[0].width_m"),
+        (
+            sun(Sun { angular_diameter_deg: 180.0.into(), ..Sun::default() }),
+            "lights.bad.Sun.angular_diameter_deg",
+        ),
+        (sun(Sun { fractal: Some(julia), ..Sun::default() }), "lights.bad.Sun.fractal.imaginary"),
+        (sun(Sun { limb_darkening: 0.5, ..Sun::default() }), "lights.bad.angular_diameter_deg"),
+        (disc(0.0), "lights.bad.Disc.diameter_m"),
+        (stage().sky(sky(-1.0)), "sky.Constant.radiance_w_per_m2_sr"),
+        (stage().sky(sky(1.0)).background([1.0; 3]), "sky"),
+        (material(Material { opacity: Some(f64::NAN), ..grey() }), "materials.grey.opacity"),
+        (material(Material { base_color: Some([f64::INFINITY; 3]), ..grey() }), "materials.grey.base_color"),
+        (material(missing), "materials.grey.texture"),
+        (
+            stage().camera("bad", Camera { fov_deg: Some(f64::NAN.into()), ..Camera::default() }),
+            "cameras.bad.fov_deg",
+        ),
+        (
+            tile().fog("bad", Fog { base_m: Some(f64::NAN), ..Fog::in_box([-1.0; 3], [1.0; 3], 0.1) }),
+            "fog.bad.base_m",
+        ),
+    ] {
+        let said = refused(builder);
+        assert!(said.contains(path), "{path}: {said}");
+    }
 }
 
 #[test]

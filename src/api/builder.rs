@@ -1,8 +1,11 @@
 //! A scene made in code. In go named parts, out comes a scene. Invariant: parts go the way of a file, through the same reader
 //! and the same resolution, so nothing can be built that a file could not hold.
 
-use super::parts::{Camera, Fog, Leaves, Light, Material, Object, Shape};
+use super::falls::Fall;
+use super::lights::Light;
+use super::parts::{Camera, Leaves, Material, Object, Shape};
 use super::scene::Scene;
+use super::surroundings::{Fog, Sky};
 use crate::description::obj::Triangles;
 use crate::description::ron::{BuiltScene, Parts};
 use crate::description::{Description, LoadError};
@@ -55,6 +58,12 @@ impl SceneBuilder {
         self
     }
 
+    /// Lets leaves fall.
+    pub fn fall(mut self, name: &str, fall: Fall) -> Self {
+        add(&mut self.parts.fall, name, &fall);
+        self
+    }
+
     /// Adds a camera; the first one looks unless somebody wants another.
     pub fn camera(mut self, name: &str, camera: Camera) -> Self {
         add(&mut self.parts.cameras, name, &camera);
@@ -70,6 +79,12 @@ impl SceneBuilder {
     /// Adds a bank of fog.
     pub fn fog(mut self, name: &str, fog: Fog) -> Self {
         add(&mut self.parts.fog, name, &fog);
+        self
+    }
+
+    /// What lies behind the scene and lights it; not beside a background.
+    pub fn sky(mut self, sky: Sky) -> Self {
+        self.parts.sky = Some(value(&sky));
         self
     }
 
@@ -93,7 +108,22 @@ fn add(parts: &mut Parts, name: &str, part: &impl Serialize) {
     parts.push((name.to_owned(), value(part)));
 }
 
-/// What cannot be written is nothing, which the reader refuses: there is no such part.
+/// Parts leave out what they do not say, so that a null is what JSON has no word for: NaN, infinity, a path that is no text.
 fn value(part: &impl Serialize) -> Value {
-    serde_json::to_value(part).unwrap_or_default()
+    let mut value = serde_json::to_value(part).unwrap_or_default();
+    refuse_nulls(&mut value);
+    value
 }
+
+/// Puts something in their place that no field takes: a null would count as a field left out.
+fn refuse_nulls(value: &mut Value) {
+    match value {
+        Value::Null => *value = Value::from(UNWRITABLE),
+        Value::Array(values) => values.iter_mut().for_each(refuse_nulls),
+        Value::Object(fields) => fields.values_mut().for_each(refuse_nulls),
+        _ => {}
+    }
+}
+
+/// What the reader says that it found.
+const UNWRITABLE: &str = "something that is neither a finite number nor text";

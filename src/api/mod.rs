@@ -1,24 +1,30 @@
 //! The library's face: a scene, a renderer, a frame. In go a file or parts that a program made, out come arrays and files.
 //! Invariant: everything else is prepared here, so no picture lacks what its passes need, and what cannot be rendered is an error.
 
+mod animated;
 mod arrays;
 mod builder;
 mod error;
+mod falls;
 mod frame;
+mod lights;
 mod options;
 mod parts;
 mod plan;
 mod renderer;
 mod scene;
+mod surroundings;
 
+pub use animated::{Animated, Extend, Key};
 pub use arrays::Array;
 pub use builder::SceneBuilder;
 pub use error::{RenderError, Setting};
+pub use falls::{Emitter, Fall, FallGround, FallMotion, Species, Wind};
 pub use frame::Frame;
+pub use lights::{Julia, Light, Sun};
 pub use options::SceneOptions;
-pub use parts::{
-    Animated, Aperture, Camera, Extend, Fog, Key, LeafMotion, Leaves, Light, Material, Object, Shape,
-};
+pub use parts::{Aperture, Camera, LeafMotion, Leaves, Material, NormalMap, Object, Shape};
 pub(crate) use plan::{Plan, find_camera};
 pub use renderer::Renderer;
 pub use scene::{NodePlace, Scene};
+pub use surroundings::{Fog, Sky, SkyLight};

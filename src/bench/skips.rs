@@ -90,26 +90,45 @@ type AddRow<'a> = dyn FnMut(&'static str, &'static str, Side, Side) -> Result<()
 /// # Errors
 /// If the folder cannot be written to; the reason, for people.
 pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
-    let scene = plan.scene;
-    let changed = |change: &dyn Fn(&mut Scene)| {
-        let mut scene = scene.clone();
-        change(&mut scene);
-        scene
+    let mut skips = Vec::new();
+    let mut row = |name, without, with_skip: Side, without_skip: Side| {
+        compare(plan.rounds, with_skip, without_skip).map(|(seconds, difference)| {
+            skips.push(Skip { name, without, seconds, difference });
+        })
     };
-    let picture = |scene: &Scene| Ok(picture(plan, scene, &[]));
+    fog(plan, &mut row)?;
+    lights(plan, &mut row)?;
+    surfaces(plan, &mut row)?;
+    sky(plan, &mut row)?;
+    passes_and_samples(plan, &mut row)?;
+    meshes(plan, &mut row)?;
+    on_disk::measure(plan, &mut row)?;
+    Ok(skips)
+}
 
-    let clear = changed(&|scene| scene.fogs.clear());
-    let thin = changed(&|scene| {
+fn fog(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+    let clear = changed(plan, &|scene| scene.fogs.clear());
+    let thin = changed(plan, &|scene| {
         for fog in &mut scene.fogs {
             fog.density_per_m = Track::from(Rgb::splat(NEXT_TO_NOTHING));
         }
     });
-    let grey = changed(&|scene| set_density(scene, plan, Rgb::ONE));
+    row("no fog, no work for fog", "fog of density 1e-300", &|| shown(plan, &clear), &|| shown(plan, &thin))?;
+    if plan.scene.fogs.is_empty() {
+        return Ok(());
+    }
+    let of_density = |factor: Rgb| changed(plan, &|scene| set_density(scene, plan, factor));
     // The smallest step from 1 that double precision knows.
-    let coloured =
-        changed(&|scene| set_density(scene, plan, Rgb::new(1.0, 1.0 + f64::EPSILON, 1.0 - f64::EPSILON)));
+    let last_bit = Rgb::new(1.0, 1.0 + f64::EPSILON, 1.0 - f64::EPSILON);
+    let (grey, coloured) = (of_density(Rgb::ONE), of_density(last_bit));
+    row("grey fog: one exponential", "channels that differ in the last bit", &|| shown(plan, &grey), &|| {
+        shown(plan, &coloured)
+    })
+}
+
+fn lights(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     let with_light = |power: f64| {
-        changed(&|scene| {
+        changed(plan, &|scene| {
             if let Some(mut light) = scene.lights.first().cloned() {
                 light.power = Track::from(Rgb::splat(power));
                 scene.lights.push(light);
@@ -117,83 +136,75 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
         })
     };
     let (dark, dim) = (with_light(0.0), with_light(NEXT_TO_NOTHING));
+    row("lights that are out", "a light of power 1e-300", &|| shown(plan, &dark), &|| shown(plan, &dim))?;
     // Slices serve no light with an extent: both sides go ray by ray.
     let by_rays = SkipsPlan { job: Job { method: Method::Segments, ..plan.job.clone() }, ..*plan };
-    let extended = changed(&|scene| {
+    let extended = changed(plan, &|scene| {
         for light in &mut scene.lights {
             light.kind = with_extent(&light.kind);
         }
     });
+    row(
+        "lights without extent take no samples",
+        "an extent of 1e-12",
+        &|| shown(&by_rays, plan.scene),
+        &|| shown(&by_rays, &extended),
+    )
+}
+
+fn surfaces(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     let of_material =
-        |change: &dyn Fn(&mut Material)| changed(&|scene| scene.materials.iter_mut().for_each(change));
-    let dull = of_material(&|material| material.mirror = Rgb::ZERO);
-    let glossy = of_material(&|material| material.mirror = Rgb::splat(NEXT_TO_NOTHING));
-    let matte = of_material(&|material| material.coat = None);
-    let coated = of_material(&|material| material.coat = Some(THIN_COAT));
-    let bare = of_material(&|material| (material.clearcoat, material.sheen) = (None, None));
-    let layered = of_material(&|material| {
-        (material.clearcoat, material.sheen) = (Some(THIN_CLEARCOAT), Some(THIN_SHEEN))
-    });
-    let opaque = of_material(&|material| material.alpha_mode = AlphaMode::Opaque);
-    let blended = of_material(&|material| {
-        material.alpha_mode = AlphaMode::Blend;
-        // The largest number below 1.
-        material.opacity = 1.0 - 0.5 * f64::EPSILON;
-    });
+        |change: &dyn Fn(&mut Material)| changed(plan, &|scene| scene.materials.iter_mut().for_each(change));
+    let mut pair =
+        |name, without, with_skip: &dyn Fn(&mut Material), without_skip: &dyn Fn(&mut Material)| {
+            let (with_skip, without_skip) = (of_material(with_skip), of_material(without_skip));
+            row(name, without, &|| shown(plan, &with_skip), &|| shown(plan, &without_skip))
+        };
+    pair(
+        "no mirrors, no reflected rays",
+        "mirrors of reflectance 1e-300",
+        &|material| material.mirror = Rgb::ZERO,
+        &|material| material.mirror = Rgb::splat(NEXT_TO_NOTHING),
+    )?;
+    pair("no coats", "coats that reflect 1e-300", &|material| material.coat = None, &|material| {
+        material.coat = Some(THIN_COAT);
+    })?;
+    pair(
+        "no clear coats, no sheen",
+        "both of 1e-300",
+        &|material| (material.clearcoat, material.sheen) = (None, None),
+        &|material| (material.clearcoat, material.sheen) = (Some(THIN_CLEARCOAT), Some(THIN_SHEEN)),
+    )?;
+    pair(
+        "nothing to see through: no veils",
+        "all surfaces blended, opaque but for the last bit",
+        &|material| material.alpha_mode = AlphaMode::Opaque,
+        &|material| {
+            material.alpha_mode = AlphaMode::Blend;
+            // The largest number below 1.
+            material.opacity = 1.0 - 0.5 * f64::EPSILON;
+        },
+    )
+}
+
+fn sky(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     let under_sky = |strength: f64| {
-        changed(&|scene| {
+        changed(plan, &|scene| {
             let sky = Sky::new(SkyPicture::Even(Rgb::ONE));
             scene.sky = sky.map(|sky| {
                 sky.with(Track::from(Rgb::splat(strength)), Track::from(0.0), SkyLight::default())
             });
         })
     };
-    let (black_sky, dim_sky) = (under_sky(0.0), under_sky(NEXT_TO_NOTHING));
-    let kept = MeshTrees::new(scene);
-    let next_frame = |trees: &MeshTrees| {
-        let (exposure, seconds) = timed(|| exposure(plan, scene, trees));
-        Ok((rendered(plan, &exposure, &[]), seconds))
-    };
-    next_frame(&kept)?;
+    let (black, dim) = (under_sky(0.0), under_sky(NEXT_TO_NOTHING));
+    row("no sky, no rays to it", "a sky of 1e-300", &|| shown(plan, &black), &|| shown(plan, &dim))
+}
 
-    let mut skips = Vec::new();
-    let mut row = |name, without, with_skip: Side, without_skip: Side| {
-        compare(plan.rounds, with_skip, without_skip).map(|(seconds, difference)| {
-            skips.push(Skip { name, without, seconds, difference });
-        })
-    };
-    row("no fog, no work for fog", "fog of density 1e-300", &|| picture(&clear), &|| picture(&thin))?;
-    if !scene.fogs.is_empty() {
-        row(
-            "grey fog: one exponential",
-            "channels that differ in the last bit",
-            &|| picture(&grey),
-            &|| picture(&coloured),
-        )?;
-    }
-    row("lights that are out", "a light of power 1e-300", &|| picture(&dark), &|| picture(&dim))?;
-    row(
-        "lights without extent take no samples",
-        "an extent of 1e-12",
-        &|| Ok(self::picture(&by_rays, scene, &[])),
-        &|| Ok(self::picture(&by_rays, &extended, &[])),
-    )?;
-    row("no mirrors, no reflected rays", "mirrors of reflectance 1e-300", &|| picture(&dull), &|| {
-        picture(&glossy)
-    })?;
-    row("no coats", "coats that reflect 1e-300", &|| picture(&matte), &|| picture(&coated))?;
-    row("no clear coats, no sheen", "both of 1e-300", &|| picture(&bare), &|| picture(&layered))?;
-    row(
-        "nothing to see through: no veils",
-        "all surfaces blended, opaque but for the last bit",
-        &|| picture(&opaque),
-        &|| picture(&blended),
-    )?;
-    row("no sky, no rays to it", "a sky of 1e-300", &|| picture(&black_sky), &|| picture(&dim_sky))?;
+fn passes_and_samples(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     // Not that of the error, which is estimated from more and smaller passes over the picture.
     let passes: Vec<Pass> = Pass::ALL.iter().copied().filter(|pass| *pass != Pass::Error).collect();
-    row("passes not asked for", "all of them", &|| picture(scene), &|| {
-        Ok(self::picture(plan, scene, &passes))
+    row("passes not asked for", "all of them", &|| shown(plan, plan.scene), &|| {
+        Ok(picture(plan, plan.scene, &passes))
     })?;
     let sampled = |sampling: Sampling| SkipsPlan { job: Job { sampling, ..plan.job.clone() }, ..*plan };
     let (tolerant, uniform) =
@@ -201,18 +212,32 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
     row(
         "samples of pixels that are good enough",
         "64 everywhere, against a tolerance of 0.02",
-        &|| Ok(self::picture(&tolerant, scene, &[])),
-        &|| Ok(self::picture(&uniform, scene, &[])),
-    )?;
+        &|| shown(&tolerant, plan.scene),
+        &|| shown(&uniform, plan.scene),
+    )
+}
+
+fn meshes(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+    let scene = plan.scene;
+    let kept = MeshTrees::new(scene);
+    let next_frame = |trees: &MeshTrees| {
+        let (exposure, seconds) = timed(|| exposure(plan, scene, trees));
+        Ok((rendered(plan, &exposure, &[]), seconds))
+    };
+    next_frame(&kept)?;
     row("mesh trees kept from frame to frame", "built again", &|| next_frame(&kept), &|| {
         next_frame(&MeshTrees::new(scene))
     })?;
     row("meshes that no frame shows", "their trees built", &|| next_frame(&kept), &|| {
         let (frame, seconds) = next_frame(&kept)?;
         Ok((frame, seconds + timed(|| scene.meshes.iter().map(tree).count()).1))
-    })?;
-    on_disk::measure(plan, &mut row)?;
-    Ok(skips)
+    })
+}
+
+fn changed(plan: &SkipsPlan, change: &dyn Fn(&mut Scene)) -> Scene {
+    let mut scene = plan.scene.clone();
+    change(&mut scene);
+    scene
 }
 
 /// The same light with a size that is next to nothing, where it has none.
@@ -251,6 +276,11 @@ fn rendered(plan: &SkipsPlan, exposure: &Exposure, passes: &[Pass]) -> Frame {
 fn picture(plan: &SkipsPlan, scene: &Scene, passes: &[Pass]) -> (Frame, f64) {
     let exposure = exposure(plan, scene, &MeshTrees::new(scene));
     timed(|| rendered(plan, &exposure, passes))
+}
+
+/// The same as a side, without passes.
+fn shown(plan: &SkipsPlan, scene: &Scene) -> Result<(Frame, f64), String> {
+    Ok(picture(plan, scene, &[]))
 }
 
 /// The least times of both sides, taken in turns, and how far their pictures are apart at most.

@@ -6,14 +6,15 @@ use super::parse::{
     parse_exposure, parse_frame, parse_frame_rate, parse_limit, parse_noise, parse_seconds,
     parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
 };
+pub(super) use super::words::{
+    CurveArgument, FilterArgument, LightUnitsArgument, MethodArgument, PassArgument, PreviewArgument,
+    ProgressArgument, QuantityArgument, SkipArgument, Switch, Volume, passes,
+};
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
-use crate::passes::Pass;
-use crate::scene::{Bounces, LightUnits, PixelFilter, ResolveOptions};
-use clap::builder::PossibleValue;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use crate::scene::{Bounces, ResolveOptions};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use std::sync::LazyLock;
 
 /// Falling leaves to EXR sequences, with volumetric shadows integrated exactly along every ray.
 #[derive(Debug, Parser)]
@@ -334,138 +335,6 @@ pub(super) struct LimitArguments {
     pub(super) max_ids: Vec<ChannelsLimit>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Volume {
-    /// The best for the scene: slices wherever they serve, else segments.
-    #[default]
-    Auto,
-    /// Samples on epipolar slices, each slice solved as a whole; exact.
-    Slices,
-    /// Samples in pixels, with exact visibility intervals along every ray.
-    Segments,
-    /// Shadow rays at equal steps.
-    March,
-    /// Shadow rays at points spread over the angle seen from the light.
-    Equiangular,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum MethodArgument {
-    All,
-    /// Every pixel against every triangle at every step; a part of the picture is measured.
-    Literal,
-    March,
-    MarchJittered,
-    Equiangular,
-    Segments,
-    Slices,
-    /// Slices, with more samples where they are needed.
-    SlicesUntil,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum QuantityArgument {
-    Leaves,
-    Pixels,
-    Lights,
-    Accuracy,
-    Fog,
-    Threads,
-}
-
-/// `all`, `none`, or a pass by its name in the table of passes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PassArgument {
-    All,
-    None,
-    One(Pass),
-}
-
-impl ValueEnum for PassArgument {
-    fn value_variants<'a>() -> &'a [Self] {
-        static VARIANTS: LazyLock<Vec<PassArgument>> = LazyLock::new(|| {
-            let passes = Pass::ALL.iter().copied().map(PassArgument::One);
-            [PassArgument::All, PassArgument::None].into_iter().chain(passes).collect()
-        });
-        &VARIANTS
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(match self {
-            Self::All => "all",
-            Self::None => "none",
-            Self::One(pass) => pass.name(),
-        }))
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FilterArgument {
-    /// The pixel itself, everywhere alike.
-    Box,
-    /// A window 1.5 pixels wide, as Blender has it.
-    BlackmanHarris,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LightUnitsArgument {
-    /// Lux and candela (Blender's default).
-    Spec,
-    /// Blender's "Unitless".
-    Compat,
-    /// Blender's "Raw".
-    Raw,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Switch {
-    On,
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum SkipArgument {
-    /// Those that are whole and were made by this version from this scene and these settings.
-    Valid,
-    /// All that exist.
-    Exists,
-    /// None: render everything again.
-    #[default]
-    None,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ProgressArgument {
-    /// A bar on a terminal, plain lines elsewhere.
-    #[default]
-    Auto,
-    /// A line a frame.
-    Plain,
-    /// A JSON object a line.
-    Jsonl,
-    /// Open Job Description lines on the output stream.
-    Openjd,
-    /// Nothing.
-    None,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum PreviewArgument {
-    /// PNG.
-    Png,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum CurveArgument {
-    /// As Blender's AgX: bright light fades to white.
-    #[default]
-    Agx,
-    /// The sRGB encoding alone; what is brighter than 1 is cut off.
-    Srgb,
-    /// The linear values themselves, cut off at 1.
-    Raw,
-}
-
 impl DisplayArguments {
     /// With an exposure in powers of two.
     pub(super) fn display(self, exposure_stops: f64) -> Display {
@@ -496,38 +365,4 @@ impl SceneArguments {
             None => Ok(()),
         }
     }
-}
-
-impl From<FilterArgument> for PixelFilter {
-    fn from(argument: FilterArgument) -> Self {
-        match argument {
-            FilterArgument::Box => Self::Box,
-            FilterArgument::BlackmanHarris => Self::BlackmanHarris,
-        }
-    }
-}
-
-impl From<LightUnitsArgument> for LightUnits {
-    fn from(argument: LightUnitsArgument) -> Self {
-        match argument {
-            LightUnitsArgument::Spec => Self::Spec,
-            LightUnitsArgument::Compat => Self::Compat,
-            LightUnitsArgument::Raw => Self::Raw,
-        }
-    }
-}
-
-/// The passes that a list of arguments stands for.
-pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
-    let mut passes = Vec::new();
-    for argument in arguments {
-        match argument {
-            PassArgument::All => passes.extend(Pass::ALL),
-            PassArgument::None => {}
-            PassArgument::One(pass) => passes.push(*pass),
-        }
-    }
-    passes.sort_unstable();
-    passes.dedup();
-    passes
 }

@@ -126,11 +126,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
     ));
     let quick = arguments.quick;
     let reference = many.install(|| {
-        let mut reference = known.unwrap_or_else(|| {
-            let samples = arguments.reference_samples.unwrap_or(if quick { 32 } else { 256 });
-            tell(&format!("the reference: {samples} samples a pixel"));
-            Reference::render(&stage, samples)
-        });
+        let mut reference = known.unwrap_or_else(|| rendered_reference(arguments, &stage));
         reference.check(&stage, &triangles);
         reference
     });
@@ -150,19 +146,27 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         title: format!("{}, {width} x {height} pixels, one thread", subject.settings.name),
         reference_note: reference.to_string(),
         points,
-        peers: peers
-            .into_iter()
-            .map(|row| Peer {
-                renderer: format!("{} {}", row.renderer, row.version).trim_end().to_owned(),
-                samples: row.samples,
-                cpu_s: row.cpu_s,
-                rmse: row.rmse / mean,
-            })
-            .collect(),
+        peers: peers.into_iter().map(|row| peer(row, mean)).collect(),
     };
     answer(bench::table(&study).trim_end())?;
     write(&output(arguments.csv.as_deref(), subject, "csv"), &bench::csv(&study))?;
     write(&output(arguments.svg.as_deref(), subject, "svg"), &bench::plot(&study).to_svg())
+}
+
+fn rendered_reference(arguments: &BenchArguments, stage: &Stage) -> Reference {
+    let samples = arguments.reference_samples.unwrap_or(if arguments.quick { 32 } else { 256 });
+    tell(&format!("the reference: {samples} samples a pixel"));
+    Reference::render(stage, samples)
+}
+
+/// Another renderer's picture, its error relative to the mean.
+fn peer(row: description::PeerRow, mean: f64) -> Peer {
+    Peer {
+        renderer: format!("{} {}", row.renderer, row.version).trim_end().to_owned(),
+        samples: row.samples,
+        cpu_s: row.cpu_s,
+        rmse: row.rmse / mean,
+    }
 }
 
 fn methods(arguments: &[MethodArgument]) -> Vec<Method> {

@@ -22,6 +22,7 @@ mod render;
 mod saving;
 mod signals;
 mod stats;
+mod words;
 
 use crate::passes::Pass;
 use arguments::{Arguments, Command};

@@ -30,85 +30,91 @@ pub struct PeerRow {
 /// If the file cannot be read, or with everything that is wrong in it.
 pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
     let bytes = Files::default().read(path, Some("--peers"))?;
-    let mut reader = csv::ReaderBuilder::new()
+    let mut lines = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(&bytes[..]);
-    let mut problems = Vec::new();
-    let mut problem = |line: u64, found: String, expected: &str| {
-        let place = Place::Text { file: path.to_owned(), line: line as usize, column: 1 };
-        let remedy = "correct the line; docs/command-line.md says what a table of peers holds";
-        problems.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
-    };
-    let headings = match reader.headers() {
-        Ok(headings) => headings.clone(),
-        Err(error) => {
-            problem(1, error.to_string(), "text in UTF-8");
-            csv::StringRecord::new()
-        }
-    };
-    for heading in headings.iter().filter(|name| !NEEDED.contains(name) && !WELCOME.contains(name)) {
-        problem(
-            1,
-            format!("there is no column `{heading}`"),
-            &format!("one of {}", [&NEEDED[..], &WELCOME].concat().join(", ")),
-        );
+    let mut table = Table { path, headings: csv::StringRecord::new(), problems: Vec::new() };
+    match lines.headers() {
+        Ok(headings) => table.headings = headings.clone(),
+        Err(error) => table.refuse(1, error.to_string(), "text in UTF-8"),
     }
-    for missing in NEEDED.into_iter().filter(|name| !headings.iter().any(|heading| heading == *name)) {
-        problem(
-            1,
-            format!("the column `{missing}` is missing"),
-            "a heading with renderer, spp, cpu_s and rmse",
-        );
-    }
+    table.check_headings();
     let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = match record {
-            Ok(record) => record,
+    for record in lines.records() {
+        match record {
+            Ok(record) => rows.extend(table.row(&record)),
             Err(error) => {
-                problem(
-                    error.position().map_or(1, csv::Position::line),
-                    error.to_string(),
-                    "a row of values separated by commas",
-                );
-                continue;
+                let line = error.position().map_or(1, csv::Position::line);
+                table.refuse(line, error.to_string(), "a row of values separated by commas");
             }
-        };
-        let line = record.position().map_or(1, csv::Position::line);
-        if record.len() != headings.len() {
-            problem(
-                line,
-                format!("{} values below {} headings", record.len(), headings.len()),
-                "as many values as headings",
-            );
-            continue;
-        }
-        let value = |name: &str| {
-            let column = headings.iter().position(|heading| heading == name);
-            column.and_then(|column| record.get(column)).unwrap_or("")
-        };
-        let mut positive = |name: &str| {
-            let number = value(name).parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-            if number.is_none() {
-                problem(line, format!("{name} is `{}`", value(name)), "a number above 0");
-            }
-            number
-        };
-        if let (Some(samples), Some(cpu_s), Some(rmse)) =
-            (positive("spp"), positive("cpu_s"), positive("rmse"))
-        {
-            let text = |name: &str| value(name).to_owned();
-            rows.push(PeerRow {
-                renderer: text("renderer"),
-                version: text("version"),
-                samples: samples as u32,
-                cpu_s,
-                rmse,
-            });
         }
     }
-    if problems.is_empty() { Ok(rows) } else { Err(LoadError::Invalid(Diagnostics(problems))) }
+    if table.problems.is_empty() { Ok(rows) } else { Err(LoadError::Invalid(Diagnostics(table.problems))) }
+}
+
+/// A table while it is read.
+struct Table<'a> {
+    path: &'a Path,
+    headings: csv::StringRecord,
+    problems: Vec<Diagnostic>,
+}
+
+impl Table<'_> {
+    fn refuse(&mut self, line: u64, found: String, expected: &str) {
+        let place = Place::Text { file: self.path.to_owned(), line: line as usize, column: 1 };
+        let remedy = "correct the line; docs/command-line.md says what a table of peers holds";
+        self.problems.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
+    }
+
+    fn check_headings(&mut self) {
+        let headings = self.headings.clone();
+        for heading in headings.iter().filter(|name| !NEEDED.contains(name) && !WELCOME.contains(name)) {
+            let expected = format!("one of {}", [&NEEDED[..], &WELCOME].concat().join(", "));
+            self.refuse(1, format!("there is no column `{heading}`"), &expected);
+        }
+        for missing in NEEDED.into_iter().filter(|name| !headings.iter().any(|heading| heading == *name)) {
+            let expected = "a heading with renderer, spp, cpu_s and rmse";
+            self.refuse(1, format!("the column `{missing}` is missing"), expected);
+        }
+    }
+
+    fn row(&mut self, record: &csv::StringRecord) -> Option<PeerRow> {
+        let line = record.position().map_or(1, csv::Position::line);
+        if record.len() != self.headings.len() {
+            let found = format!("{} values below {} headings", record.len(), self.headings.len());
+            self.refuse(line, found, "as many values as headings");
+            return None;
+        }
+        let (samples, cpu_s, rmse) = (
+            self.positive(record, line, "spp"),
+            self.positive(record, line, "cpu_s"),
+            self.positive(record, line, "rmse"),
+        );
+        Some(PeerRow {
+            renderer: self.value(record, "renderer").to_owned(),
+            version: self.value(record, "version").to_owned(),
+            samples: samples? as u32,
+            cpu_s: cpu_s?,
+            rmse: rmse?,
+        })
+    }
+
+    /// What stands below a heading; nothing if there is none.
+    fn value<'r>(&self, record: &'r csv::StringRecord, heading: &str) -> &'r str {
+        let column = self.headings.iter().position(|name| name == heading);
+        column.and_then(|column| record.get(column)).unwrap_or("")
+    }
+
+    fn positive(&mut self, record: &csv::StringRecord, line: u64, heading: &str) -> Option<f64> {
+        let value = self.value(record, heading);
+        let number = value.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+        if number.is_none() {
+            self.refuse(line, format!("{heading} is `{value}`"), "a number above 0");
+        }
+        number
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::Writer;
 use super::materials::png;
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::{AreaShape, Julia, Light, LightKind, SunPicture, SunShows, Track};
+use crate::scene::{AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows, Track};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
@@ -34,15 +34,8 @@ impl Writer<'_> {
         let (kind, mut cone) = match &light.kind {
             LightKind::Sun => ("directional", None),
             LightKind::SunDisc(disc) => {
-                say("angle", json!(disc.angular_diameter.at(time_s)));
-                if disc.visible_to_camera {
-                    say("visible_to_camera", json!(true));
-                }
-                if let Some(picture) = &disc.picture {
-                    for (name, value) in sun_picture(picture, time_s)? {
-                        say(name, value);
-                    }
-                    say("picture_rotation", json!(disc.picture_rotation.at(time_s)));
+                for (name, value) in sun_disc(disc, time_s)? {
+                    say(name, value);
                 }
                 ("directional", None)
             }
@@ -126,6 +119,18 @@ impl Writer<'_> {
         let track = light.power.map_linear(|value| value * watts_per_unit);
         self.carry_color(format!("{owner}.{power}"), &track);
     }
+}
+
+fn sun_disc(disc: &SunDisc, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {
+    let mut said = vec![("angle", json!(disc.angular_diameter.at(time_s)))];
+    if disc.visible_to_camera {
+        said.push(("visible_to_camera", json!(true)));
+    }
+    if let Some(picture) = &disc.picture {
+        said.extend(sun_picture(picture, time_s)?);
+        said.push(("picture_rotation", json!(disc.picture_rotation.at(time_s))));
+    }
+    Ok(said)
 }
 
 /// What a sun shows, as fields of `sunfleck_light`.

@@ -46,23 +46,7 @@ impl Writer<'_> {
         let is_metal = material.mirror != Rgb::ZERO
             && material.base_color == Rgb::ZERO
             && (material.base_color_texture.is_none() || material.painted == Painted::Mirror);
-        let color = match material.painted {
-            Painted::Emission if is_unlit => material.emission,
-            _ if is_metal => material.mirror,
-            _ => material.base_color,
-        };
-        let [red, green, blue] = color.to_array();
-        let mut pbr = json!({
-            "baseColorFactor": [red, green, blue, material.opacity],
-            "metallicFactor": if is_metal { 1.0 } else { material.coat.map_or(0.0, |coat| coat.metallic) },
-            "roughnessFactor": if is_metal { 0.0 } else { material.coat.map_or(1.0, |coat| coat.roughness) },
-        });
-        if let Some(map) = material.coat.and_then(|coat| coat.texture) {
-            pbr["metallicRoughnessTexture"] = texture_info(map);
-        }
-        if let Some(texture) = material.base_color_texture {
-            pbr["baseColorTexture"] = json!({ "index": texture });
-        }
+        let pbr = pbr(material, is_metal, is_unlit);
         let mut extensions = json!({});
         if is_unlit {
             self.extensions.insert("KHR_materials_unlit");
@@ -100,6 +84,15 @@ impl Writer<'_> {
         if material.alpha_mode == AlphaMode::Blend {
             written["alphaMode"] = json!("BLEND");
         }
+        let ours = self.properties(material, is_metal);
+        if ours != json!({}) {
+            written["extras"] = json!({ "sunfleck_material": ours });
+        }
+        written
+    }
+
+    /// What glTF has no word for.
+    fn properties(&mut self, material: &Material, is_metal: bool) -> Value {
         let mut ours = json!({});
         if material.mirror != Rgb::ZERO && !is_metal {
             ours["mirror"] = json!(material.mirror.to_array());
@@ -122,11 +115,30 @@ impl Writer<'_> {
                 );
             }
         }
-        if ours != json!({}) {
-            written["extras"] = json!({ "sunfleck_material": ours });
-        }
-        written
+        ours
     }
+}
+
+/// The metallic-roughness model's share of a material.
+fn pbr(material: &Material, is_metal: bool, is_unlit: bool) -> Value {
+    let color = match material.painted {
+        Painted::Emission if is_unlit => material.emission,
+        _ if is_metal => material.mirror,
+        _ => material.base_color,
+    };
+    let [red, green, blue] = color.to_array();
+    let mut pbr = json!({
+        "baseColorFactor": [red, green, blue, material.opacity],
+        "metallicFactor": if is_metal { 1.0 } else { material.coat.map_or(0.0, |coat| coat.metallic) },
+        "roughnessFactor": if is_metal { 0.0 } else { material.coat.map_or(1.0, |coat| coat.roughness) },
+    });
+    if let Some(map) = material.coat.and_then(|coat| coat.texture) {
+        pbr["metallicRoughnessTexture"] = texture_info(map);
+    }
+    if let Some(texture) = material.base_color_texture {
+        pbr["baseColorTexture"] = json!({ "index": texture });
+    }
+    pbr
 }
 
 /// Shines in its own colours, which glTF keeps in 0 to 1, and does nothing else.

@@ -9,7 +9,7 @@ use crate::frame_file::{self, FrameFileError, Provenance};
 use crate::render::{Progress, Rendered};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
 /// Which frames need no rendering.
@@ -88,7 +88,7 @@ struct Finished {
 pub fn run<E: Send>(
     job: Job<'_>,
     provenance: impl Fn(i64) -> Provenance,
-    mut render: impl FnMut(i64, &(dyn Fn(Progress) + Sync)) -> Result<Option<Rendered>, E>,
+    render: impl FnMut(i64, &(dyn Fn(Progress) + Sync)) -> Result<Option<Rendered>, E>,
     report: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, SequenceError<E>> {
     let started = Instant::now();
@@ -96,7 +96,6 @@ pub fn run<E: Send>(
     report(Event::Started { frames: frames.len() });
     let mut summary = Summary::of_nothing(job.output.folder());
     let writer_failed = AtomicBool::new(false);
-    let stopped = || job.stop.load(Ordering::Relaxed);
     summary.written = std::thread::scope(|scope| {
         // Without a buffer: the renderer waits at the end of a frame until the one before is written.
         let (to_writer, from_renderer) = sync_channel::<Finished>(0);
@@ -106,8 +105,38 @@ pub fn run<E: Send>(
             failed.store(result.is_err(), Ordering::Relaxed);
             result
         });
-        let mut error = None;
-        for &frame in frames {
+        let renderer = FrameLoop { job, report, writer_failed: failed, to_writer };
+        let rendered = renderer.render_all(provenance, render, &mut summary);
+        // A frame that was handed over is written whatever became of the next one.
+        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        rendered.map(|()| written)
+    })?;
+    summary.not_reached = frames.len() - summary.done();
+    summary.stopped = summary.not_reached > 0;
+    summary.seconds = started.elapsed().as_secs_f64();
+    report(Event::Finished(summary.clone()));
+    Ok(summary)
+}
+
+/// The thread that renders, frame by frame, until something stops it.
+struct FrameLoop<'a> {
+    job: Job<'a>,
+    report: &'a (dyn Fn(Event) + Sync),
+    writer_failed: &'a AtomicBool,
+    to_writer: SyncSender<Finished>,
+}
+
+impl FrameLoop<'_> {
+    /// Once it is over, the writer gets no more.
+    fn render_all<E>(
+        self,
+        provenance: impl Fn(i64) -> Provenance,
+        mut render: impl FnMut(i64, &(dyn Fn(Progress) + Sync)) -> Result<Option<Rendered>, E>,
+        summary: &mut Summary,
+    ) -> Result<(), SequenceError<E>> {
+        let Self { job, report, writer_failed, to_writer } = self;
+        let stopped = || job.stop.load(Ordering::Relaxed);
+        for &frame in job.frames.as_slice() {
             if stopped() || writer_failed.load(Ordering::Relaxed) {
                 break;
             }
@@ -116,10 +145,7 @@ pub fn run<E: Send>(
             let provenance = provenance(frame);
             if let Some(reason) = skip_reason(job.skip, &path, &provenance) {
                 summary.count_skipped(reason);
-                if let Err(source) = keep(job, frame, reason, report) {
-                    error = Some(SequenceError::Write { frame, source });
-                    break;
-                }
+                keep(job, frame, reason, report).map_err(|source| SequenceError::Write { frame, source })?;
                 continue;
             }
             report(Event::FrameStarted { frame });
@@ -138,22 +164,11 @@ pub fn run<E: Send>(
                     }
                 }
                 Err(_) if stopped() => break,
-                Err(source) => {
-                    error = Some(SequenceError::Render { frame, source });
-                    break;
-                }
+                Err(source) => return Err(SequenceError::Render { frame, source }),
             }
         }
-        drop(to_writer);
-        // A frame that was handed over is written whatever became of the next one.
-        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        error.map_or(Ok(written), Err)
-    })?;
-    summary.not_reached = frames.len() - summary.done();
-    summary.stopped = summary.not_reached > 0;
-    summary.seconds = started.elapsed().as_secs_f64();
-    report(Event::Finished(summary.clone()));
-    Ok(summary)
+        Ok(())
+    }
 }
 
 /// Removes what killed runs left of a frame and of its preview.

@@ -3,7 +3,9 @@
 
 use super::Inspected;
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Animation, AreaShape, Camera, Lens, LightKind, Placement, RenderSettings, Sampling};
+use crate::scene::{
+    Animation, AreaShape, Camera, Lens, Light, LightKind, Placement, RenderSettings, Sampling,
+};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
@@ -69,43 +71,10 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
         let Placement { world_from_node, visible } = *placement;
         (node.name.as_str(), json!({ "world": row_major(world_from_node), "visible": visible }))
     });
-    let lights = scene.lights.iter().map(|light| {
-        let power = light.power.at(seconds).to_array();
-        let world = world(light.node);
-        let described = match &light.kind {
-            LightKind::Sun => json!({ "kind": "sun", "world": world, "irradiance_w_per_m2": power }),
-            LightKind::SunDisc(disc) => json!({
-                "kind": "sun",
-                "world": world,
-                "irradiance_w_per_m2": power,
-                "angular_diameter_rad": disc.angular_diameter.at(seconds),
-                "visible_to_camera": disc.visible_to_camera,
-            }),
-            LightKind::Point => json!({ "kind": "point", "world": world, "intensity_w_per_sr": power }),
-            LightKind::Sphere { radius } => json!({
-                "kind": "sphere",
-                "world": world,
-                "intensity_w_per_sr": power,
-                "radius_m": radius.at(seconds),
-            }),
-            LightKind::Area { shape, width, height } => json!({
-                "kind": if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" },
-                "world": world,
-                "power_w": power,
-                "width_m": width.at(seconds),
-                "height_m": height.at(seconds),
-            }),
-            LightKind::Spot { outer_angle, blend, radius } => json!({
-                "kind": "spot",
-                "world": world,
-                "intensity_w_per_sr": power,
-                "outer_rad": outer_angle.at(seconds),
-                "blend": blend.at(seconds),
-                "radius_m": radius.at(seconds),
-            }),
-        };
-        (light.name.as_str(), described)
-    });
+    let lights = scene
+        .lights
+        .iter()
+        .map(|light| (light.name.as_str(), describe_light(light, world(light.node), seconds)));
     let wanted = settings.camera.as_deref();
     let camera = scene.cameras.iter().find(|camera| wanted.is_none_or(|name| name == camera.name));
     let aspect = settings.size.width as f64 / settings.size.height as f64;
@@ -134,6 +103,42 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
         "cameras": by_name(scene.cameras.iter().map(|camera| (camera.name.as_str(), describe(camera)))),
         "lights": by_name(lights),
     })
+}
+
+fn describe_light(light: &Light, world: [f64; 16], seconds: f64) -> Value {
+    let power = light.power.at(seconds).to_array();
+    match &light.kind {
+        LightKind::Sun => json!({ "kind": "sun", "world": world, "irradiance_w_per_m2": power }),
+        LightKind::SunDisc(disc) => json!({
+            "kind": "sun",
+            "world": world,
+            "irradiance_w_per_m2": power,
+            "angular_diameter_rad": disc.angular_diameter.at(seconds),
+            "visible_to_camera": disc.visible_to_camera,
+        }),
+        LightKind::Point => json!({ "kind": "point", "world": world, "intensity_w_per_sr": power }),
+        LightKind::Sphere { radius } => json!({
+            "kind": "sphere",
+            "world": world,
+            "intensity_w_per_sr": power,
+            "radius_m": radius.at(seconds),
+        }),
+        LightKind::Area { shape, width, height } => json!({
+            "kind": if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" },
+            "world": world,
+            "power_w": power,
+            "width_m": width.at(seconds),
+            "height_m": height.at(seconds),
+        }),
+        LightKind::Spot { outer_angle, blend, radius } => json!({
+            "kind": "spot",
+            "world": world,
+            "intensity_w_per_sr": power,
+            "outer_rad": outer_angle.at(seconds),
+            "blend": blend.at(seconds),
+            "radius_m": radius.at(seconds),
+        }),
+    }
 }
 
 /// Names need not be unique: later namesakes get `#2`, `#3` and so on.

@@ -4,10 +4,10 @@
 use super::super::pass_names;
 use super::Inspected;
 use crate::scene::{
-    Animation, AreaShape, Clip, FogShape, HeightFalloff, Lens, Light, LightKind, Scene, SkyLight, SkyPicture,
-    SunPicture, SunShows,
+    Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
+    SkyLight, SkyPicture, SunPicture, SunShows,
 };
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -115,6 +115,23 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
     let time_s = settings.frame_rate.seconds(frame);
     let placements = scene.placements(time_s);
     writeln!(out, "  at frame {frame} ({time_s:.6} s)")?;
+    write_cameras(out, scene, &placements, time_s)?;
+    write_lights(out, scene, &placements, time_s)?;
+    super::units::write(out, &scene.lights, time_s)?;
+    for fog in &scene.fogs {
+        write_fog(out, fog, placements[fog.node].world_from_node, time_s)?;
+    }
+    if let Some(sky) = &scene.sky {
+        write_sky(out, sky, time_s)?;
+    }
+    let hidden = placements.iter().filter(|placement| !placement.visible).count();
+    if hidden > 0 {
+        writeln!(out, "    hidden   {}", count(hidden, "node", "nodes"))?;
+    }
+    Ok(())
+}
+
+fn write_cameras(out: &mut String, scene: &Scene, placements: &[Placement], time_s: f64) -> std::fmt::Result {
     for camera in &scene.cameras {
         let place = placements[camera.node].world_from_node.translation;
         write!(out, "    camera   `{}` at {place:.3}, ", camera.name)?;
@@ -128,6 +145,10 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         }
         writeln!(out, "{}", clip(camera.clip))?;
     }
+    Ok(())
+}
+
+fn write_lights(out: &mut String, scene: &Scene, placements: &[Placement], time_s: f64) -> std::fmt::Result {
     for light in &scene.lights {
         let world = placements[light.node].world_from_node;
         let (beam, place) = ((-world.matrix3.z_axis).normalize_or_zero(), world.translation);
@@ -141,66 +162,61 @@ fn write_frame(out: &mut String, inspected: &Inspected, frame: f64) -> std::fmt:
         }
         writeln!(out, ": {}", brightness(light, time_s))?;
     }
-    super::units::write(out, &scene.lights, time_s)?;
-    for fog in &scene.fogs {
-        let world = placements[fog.node].world_from_node;
-        let half_extents =
-            world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
-        let (low, high) = (world.translation - half_extents, world.translation + half_extents);
-        let bounds = match fog.shape {
-            FogShape::EvenBox | FogShape::ThinningBox(_) => format!("within {low:.3} to {high:.3}"),
-            FogShape::Layer(_) => String::from("without bounds"),
-        };
-        let density = fog.density_per_m.at(time_s);
-        let mut falloff = String::new();
-        if let Some(HeightFalloff { base, scale_height_m }) = fog.shape.falloff() {
-            let base = world.transform_point3(DVec3::new(0.0, *base, 0.0));
-            let scale_height_m = scale_height_m.at(time_s);
-            falloff = format!(
-                " at and below {base:.3}, 1/e of it every {scale_height_m:.3} m up (optical depth of the column {})",
-                color(density * scale_height_m)
-            );
-        }
-        writeln!(
-            out,
-            "    fog      `{}` {bounds}: {} /m{falloff}, albedo {}, g {:.3}",
-            fog.name,
-            color(density),
-            color(fog.albedo.at(time_s)),
-            fog.anisotropy.at(time_s)
-        )?;
-    }
-    if let Some(sky) = &scene.sky {
-        let strength = sky.strength.at(time_s);
-        let look = match sky.picture() {
-            SkyPicture::Even(radiance) => format!("{} W/(m2 sr)", color(*radiance * strength)),
-            SkyPicture::Gradient { zenith, horizon, ground } => format!(
-                "zenith {}, horizon {}, ground {} W/(m2 sr)",
-                color(*zenith * strength),
-                color(*horizon * strength),
-                color(*ground * strength)
-            ),
-            SkyPicture::Image(image) => format!(
-                "`{}`, {} x {}, times {} W/(m2 sr), turned by {:.3} deg",
-                image.name,
-                image.width,
-                image.height,
-                color(strength),
-                sky.rotation.at(time_s).to_degrees()
-            ),
-        };
-        let lights = match sky.lights {
-            SkyLight::Nothing => "lights nothing",
-            SkyLight::Surfaces => "lights surfaces",
-            SkyLight::SurfacesAndFog => "lights surfaces and fog",
-        };
-        writeln!(out, "    sky      {look}; {lights}")?;
-    }
-    let hidden = placements.iter().filter(|placement| !placement.visible).count();
-    if hidden > 0 {
-        writeln!(out, "    hidden   {}", count(hidden, "node", "nodes"))?;
-    }
     Ok(())
+}
+
+fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::fmt::Result {
+    let half_extents = world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
+    let (low, high) = (world.translation - half_extents, world.translation + half_extents);
+    let bounds = match fog.shape {
+        FogShape::EvenBox | FogShape::ThinningBox(_) => format!("within {low:.3} to {high:.3}"),
+        FogShape::Layer(_) => String::from("without bounds"),
+    };
+    let density = fog.density_per_m.at(time_s);
+    let mut falloff = String::new();
+    if let Some(HeightFalloff { base, scale_height_m }) = fog.shape.falloff() {
+        let base = world.transform_point3(DVec3::new(0.0, *base, 0.0));
+        let scale_height_m = scale_height_m.at(time_s);
+        falloff = format!(
+            " at and below {base:.3}, 1/e of it every {scale_height_m:.3} m up (optical depth of the column {})",
+            color(density * scale_height_m)
+        );
+    }
+    writeln!(
+        out,
+        "    fog      `{}` {bounds}: {} /m{falloff}, albedo {}, g {:.3}",
+        fog.name,
+        color(density),
+        color(fog.albedo.at(time_s)),
+        fog.anisotropy.at(time_s)
+    )
+}
+
+fn write_sky(out: &mut String, sky: &Sky, time_s: f64) -> std::fmt::Result {
+    let strength = sky.strength.at(time_s);
+    let look = match sky.picture() {
+        SkyPicture::Even(radiance) => format!("{} W/(m2 sr)", color(*radiance * strength)),
+        SkyPicture::Gradient { zenith, horizon, ground } => format!(
+            "zenith {}, horizon {}, ground {} W/(m2 sr)",
+            color(*zenith * strength),
+            color(*horizon * strength),
+            color(*ground * strength)
+        ),
+        SkyPicture::Image(image) => format!(
+            "`{}`, {} x {}, times {} W/(m2 sr), turned by {:.3} deg",
+            image.name,
+            image.width,
+            image.height,
+            color(strength),
+            sky.rotation.at(time_s).to_degrees()
+        ),
+    };
+    let lights = match sky.lights {
+        SkyLight::Nothing => "lights nothing",
+        SkyLight::Surfaces => "lights surfaces",
+        SkyLight::SurfacesAndFog => "lights surfaces and fog",
+    };
+    writeln!(out, "    sky      {look}; {lights}")
 }
 
 /// `1 mesh`, `2 meshes`.

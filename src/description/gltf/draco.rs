@@ -74,22 +74,7 @@ fn fill(
         .map_err(|error| damaged(format!("the extension is malformed: {error}")))?;
     let (payload, _) = buffers.view(extension.buffer_view(), &format!("{path}.bufferView"))?;
 
-    let most_bytes = (payload.len() as u64).saturating_mul(MOST_EXPANSION).saturating_add(SMALL_BYTES);
-    let mut limits = DecodeLimits::default();
-    limits.max_points = most_bytes;
-    limits.max_faces = most_bytes;
-    limits.max_decoded_bytes = most_bytes;
-    let mut contract = DracoPrimitiveContract::new().with_limits(limits);
-    for (semantic, _) in extension.attributes() {
-        let accessor = primitive.attributes.get(semantic).and_then(|&index| document.accessors.get(index));
-        let Some(accessor) = accessor else {
-            return Err(damaged(format!("the primitive has no accessor for the compressed {semantic}")));
-        };
-        contract = contract.with_attribute(semantic, accessor.count as u64, accessor.normalized);
-    }
-    if let Some(indices) = primitive.indices.and_then(|index| document.accessors.get(index)) {
-        contract = contract.with_indices(indices.count as u64);
-    }
+    let contract = contract(primitive, document, &extension, payload.len()).map_err(&damaged)?;
     let geometry = extension.decode(payload, &contract).map_err(|error| damaged(plain(&error)))?;
 
     for attribute in geometry.attributes() {
@@ -116,6 +101,32 @@ fn fill(
         );
     }
     Ok(())
+}
+
+/// What the mesh must be like: as its accessors say, and not much larger than it is compressed. Else why it cannot.
+fn contract(
+    primitive: &Primitive,
+    document: &Document,
+    extension: &DracoPrimitiveExtension,
+    bytes: usize,
+) -> Result<DracoPrimitiveContract, String> {
+    let most_bytes = (bytes as u64).saturating_mul(MOST_EXPANSION).saturating_add(SMALL_BYTES);
+    let mut limits = DecodeLimits::default();
+    limits.max_points = most_bytes;
+    limits.max_faces = most_bytes;
+    limits.max_decoded_bytes = most_bytes;
+    let mut contract = DracoPrimitiveContract::new().with_limits(limits);
+    for (semantic, _) in extension.attributes() {
+        let accessor = primitive.attributes.get(semantic).and_then(|&index| document.accessors.get(index));
+        let Some(accessor) = accessor else {
+            return Err(format!("the primitive has no accessor for the compressed {semantic}"));
+        };
+        contract = contract.with_attribute(semantic, accessor.count as u64, accessor.normalized);
+    }
+    if let Some(indices) = primitive.indices.and_then(|index| document.accessors.get(index)) {
+        contract = contract.with_indices(indices.count as u64);
+    }
+    Ok(contract)
 }
 
 /// What the decoder says, without what our messages begin with.

@@ -17,73 +17,88 @@ enum Support {
     Refused(&'static str),
 }
 
+/// What files may use.
+const HONOURED: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+];
+
+/// Textures in formats that are not read, each told as one that cannot be read, and materials of other models,
+/// whose plain values are drawn.
+const REPORTED: &[&str] = &[
+    "EXT_texture_astc",
+    "EXT_texture_avif",
+    "EXT_texture_heic",
+    "GOOGLE_texture_basis",
+    "KHR_technique_webgl",
+    "KHR_techniques_webgl",
+    "KHR_texture_ktx",
+    "KHR_materials_common",
+    "KHR_materials_anisotropy",
+    "KHR_materials_dispersion",
+    "KHR_materials_iridescence",
+    "KHR_materials_transmission",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "MSFT_texture_dds",
+];
+
+/// Facts about things, sounds, what may be clicked, and physics that nobody has simulated.
+const ASIDE: &[&str] = &[
+    "AGI_articulations",
+    "AGI_stk_metadata",
+    "CESIUM_primitive_outline",
+    "EXT_instance_features",
+    "EXT_mesh_features",
+    "EXT_mesh_manifold",
+    "EXT_mesh_primitive_edge_visibility",
+    "EXT_structural_metadata",
+    "FB_geometry_metadata",
+    "FB_ngon_encoding",
+    "GODOT_single_root",
+    "KHR_audio_emitter",
+    "KHR_audio_graph",
+    "KHR_collision_shapes",
+    "KHR_implicit_shapes",
+    "KHR_interactivity",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_physics_rigid_bodies",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MPEG_audio_spatial",
+    "MPEG_viewport_recommended",
+    "MSFT_lod",
+];
+
 /// Those of the registry (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in progress and archived, and others
 /// that are widely written. `None` is one that is not known.
 fn support(extension: &str) -> Option<Support> {
-    Some(match extension {
-        "EXT_mesh_gpu_instancing"
-        | "EXT_meshopt_compression"
-        | "EXT_texture_webp"
-        | "KHR_animation_pointer"
-        | "KHR_draco_mesh_compression"
-        | "KHR_lights_punctual"
-        | "KHR_materials_clearcoat"
-        | "KHR_materials_diffuse_transmission"
-        | "KHR_materials_emissive_strength"
-        | "KHR_materials_ior"
-        | "KHR_materials_pbrSpecularGlossiness"
-        | "KHR_materials_sheen"
-        | "KHR_materials_specular"
-        | "KHR_materials_unlit"
-        | "KHR_mesh_quantization"
-        | "KHR_meshopt_compression"
-        | "KHR_node_visibility"
-        | "KHR_texture_basisu"
-        | "KHR_texture_transform" => Support::Honoured,
-        // Textures in formats that are not read, each told as one that cannot be read, and materials of other models,
-        // whose plain values are drawn.
-        "EXT_texture_astc"
-        | "EXT_texture_avif"
-        | "EXT_texture_heic"
-        | "GOOGLE_texture_basis"
-        | "KHR_technique_webgl"
-        | "KHR_techniques_webgl"
-        | "KHR_texture_ktx"
-        | "KHR_materials_common"
-        | "KHR_materials_anisotropy"
-        | "KHR_materials_dispersion"
-        | "KHR_materials_iridescence"
-        | "KHR_materials_transmission"
-        | "KHR_materials_variants"
-        | "KHR_materials_volume"
-        | "MSFT_texture_dds" => Support::Reported,
-        // Facts about things, sounds, what may be clicked, and physics that nobody has simulated.
-        "AGI_articulations"
-        | "AGI_stk_metadata"
-        | "CESIUM_primitive_outline"
-        | "EXT_instance_features"
-        | "EXT_mesh_features"
-        | "EXT_mesh_manifold"
-        | "EXT_mesh_primitive_edge_visibility"
-        | "EXT_structural_metadata"
-        | "FB_geometry_metadata"
-        | "FB_ngon_encoding"
-        | "GODOT_single_root"
-        | "KHR_audio_emitter"
-        | "KHR_audio_graph"
-        | "KHR_collision_shapes"
-        | "KHR_implicit_shapes"
-        | "KHR_interactivity"
-        | "KHR_node_hoverability"
-        | "KHR_node_selectability"
-        | "KHR_physics_rigid_bodies"
-        | "KHR_xmp"
-        | "KHR_xmp_json_ld"
-        | "MPEG_audio_spatial"
-        | "MPEG_viewport_recommended"
-        | "MSFT_lod" => Support::Aside,
-        _ if extension.starts_with("OMI_") || extension.starts_with("VRMC_") => Support::Aside,
-        _ => Support::Refused(remedy(extension)?),
+    Some(if HONOURED.contains(&extension) {
+        Support::Honoured
+    } else if REPORTED.contains(&extension) {
+        Support::Reported
+    } else if ASIDE.contains(&extension) || extension.starts_with("OMI_") || extension.starts_with("VRMC_") {
+        Support::Aside
+    } else {
+        Support::Refused(remedy(extension)?)
     })
 }
 

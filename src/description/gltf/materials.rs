@@ -92,17 +92,7 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     let through = "KHR_materials_diffuse_transmission";
     let share = extensions.number(through, "diffuseTransmissionFactor", 0.0, 1.0, report);
     let through_color = extensions.color(through, "diffuseTransmissionColorFactor", 1.0, 1.0, report);
-    let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
-    let clearcoat = Clearcoat {
-        factor: extensions.number(clearcoat, "clearcoatFactor", 0.0, 1.0, report),
-        roughness: extensions.number(clearcoat, "clearcoatRoughnessFactor", 0.0, 1.0, report),
-        ..Clearcoat::default()
-    };
-    let sheen = Sheen {
-        color: extensions.color(sheen, "sheenColorFactor", 0.0, 1.0, report),
-        roughness: extensions.number(sheen, "sheenRoughnessFactor", 0.0, 1.0, report),
-        ..Sheen::default()
-    };
+    let (clearcoat, sheen) = extensions.layers(report);
     if sheen.color.max_element() > 0.0 && sheen.roughness < LEAST_HONOURED_SHEEN {
         report.not_honoured(Loss::SheenMadeWeaker, &named(&material.name, "material", index));
     }
@@ -110,23 +100,7 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
         extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0, report);
     let strength =
         extensions.number("KHR_materials_emissive_strength", "emissiveStrength", 1.0, f64::MAX, report);
-    let alpha_mode = match material.alpha_mode.as_deref() {
-        None | Some("OPAQUE") => AlphaMode::Opaque,
-        Some("BLEND") => AlphaMode::Blend,
-        Some("MASK") => {
-            let cutoff = material.alpha_cutoff.unwrap_or(0.5);
-            if cutoff < 0.0 {
-                report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaCutoff"), cutoff);
-            }
-            // Above 1 it hides all (specification, 5.19.9).
-            AlphaMode::Mask(cutoff.max(0.0))
-        }
-        Some(other) => {
-            let found = format!("`{other}` is no alpha mode, OPAQUE is meant");
-            report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaMode"), found);
-            AlphaMode::Opaque
-        }
-    };
+    let alpha_mode = alpha_mode(material, &path, report);
     Material {
         name: named(&material.name, "material", index),
         base_color,
@@ -156,6 +130,26 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     }
 }
 
+fn alpha_mode(material: &json::Material, path: &str, report: &mut Report) -> AlphaMode {
+    match material.alpha_mode.as_deref() {
+        None | Some("OPAQUE") => AlphaMode::Opaque,
+        Some("BLEND") => AlphaMode::Blend,
+        Some("MASK") => {
+            let cutoff = material.alpha_cutoff.unwrap_or(0.5);
+            if cutoff < 0.0 {
+                report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaCutoff"), cutoff);
+            }
+            // Above 1 it hides all (specification, 5.19.9).
+            AlphaMode::Mask(cutoff.max(0.0))
+        }
+        Some(other) => {
+            let found = format!("`{other}` is no alpha mode, OPAQUE is meant");
+            report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaMode"), found);
+            AlphaMode::Opaque
+        }
+    }
+}
+
 /// Numbers from 0 to 1: what lies outside is put to the end that is nearer, and told.
 fn in_unit_range<const N: usize>(values: [f64; N], path: &str, at: &str, report: &mut Report) -> [f64; N] {
     let within = values.map(|value| value.clamp(0.0, 1.0));
@@ -176,6 +170,22 @@ struct Extensions<'a> {
 }
 
 impl Extensions<'_> {
+    /// What lies over the surface.
+    fn layers(&self, report: &mut Report) -> (Clearcoat, Sheen) {
+        let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
+        let clearcoat = Clearcoat {
+            factor: self.number(clearcoat, "clearcoatFactor", 0.0, 1.0, report),
+            roughness: self.number(clearcoat, "clearcoatRoughnessFactor", 0.0, 1.0, report),
+            ..Clearcoat::default()
+        };
+        let sheen = Sheen {
+            color: self.color(sheen, "sheenColorFactor", 0.0, 1.0, report),
+            roughness: self.number(sheen, "sheenRoughnessFactor", 0.0, 1.0, report),
+            ..Sheen::default()
+        };
+        (clearcoat, sheen)
+    }
+
     /// A number from 0 to `most`, put into that range; `default` if there is none.
     fn number(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> f64 {
         self.numbers(extension, field, [default], most, report, |value| Some([value.as_f64()?]))[0]

@@ -20,11 +20,13 @@ mod meshes;
 mod meshopt;
 mod morphs;
 mod nodes;
+mod optics;
 mod pictures;
 mod pointers;
 pub(crate) mod report;
 mod skins;
 mod specular_glossiness;
+mod surfaces;
 mod texture_maps;
 mod textures;
 
@@ -32,11 +34,13 @@ use super::image::DecodedImage;
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
+pub use optics::{Camera, Lens, Light, LightKind};
 pub use pointers::Property;
 use report::Report;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+pub use surfaces::{AlphaMode, Clearcoat, Material, Sheen, Texture, TextureMap, Wrap};
 
 /// A glTF file, checked, in its own units and terms.
 #[derive(Clone, Debug, Default)]
@@ -193,200 +197,6 @@ pub struct Primitive {
     pub targets: Vec<MorphTarget>,
     /// What moves its vertices, if anything does.
     pub influences: Option<Influences>,
-}
-
-/// The part of a material that we can make use of.
-#[derive(Clone, Debug)]
-pub struct Material {
-    /// The author's name, else `material N`.
-    pub name: String,
-    /// Linear, alpha last; in `0..=1`.
-    pub base_color: [f64; 4],
-    /// Index into [`GltfScene::textures`].
-    pub base_color_texture: Option<usize>,
-    /// In `0..=1`.
-    pub metallic: f64,
-    /// In `0..=1`.
-    pub roughness: f64,
-    /// Its blue multiplies `metallic`, its green `roughness`.
-    pub metallic_roughness_texture: Option<TextureMap>,
-    /// Reflectance along the normal where it is no metal (KHR_materials_ior, KHR_materials_specular).
-    pub f0: DVec3,
-    /// Multiplies it (KHR_materials_specular).
-    pub f0_texture: Option<TextureMap>,
-    /// Strength of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
-    pub specular: f64,
-    /// Clear coat over all (KHR_materials_clearcoat).
-    pub clearcoat: Clearcoat,
-    /// Sheen of cloth (KHR_materials_sheen).
-    pub sheen: Sheen,
-    /// Directions that bend the normal, and how much of their bending counts.
-    pub normal_map: Option<(TextureMap, f64)>,
-    /// Linear.
-    pub emission: DVec3,
-    /// Multiplies it (KHR_materials_emissive_strength).
-    pub emission_strength: f64,
-    /// Multiplies it.
-    pub emission_texture: Option<TextureMap>,
-    /// Shines in its base colour instead of being lit (KHR_materials_unlit).
-    pub unlit: bool,
-    /// Share of the matte light that comes out on the other side, and in which colour
-    /// (KHR_materials_diffuse_transmission).
-    pub diffuse_transmission: (f64, DVec3),
-    /// Multiplies that colour.
-    pub diffuse_transmission_texture: Option<TextureMap>,
-    /// Share of the matte light that goes straight through (KHR_materials_transmission).
-    pub transmission: f64,
-    /// What alpha means.
-    pub alpha_mode: AlphaMode,
-    /// Whether it shows from behind.
-    pub double_sided: bool,
-    /// Whatever the author attached.
-    pub extras: Value,
-}
-
-/// A clear coat.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Clearcoat {
-    /// How much there is, in `0..=1`.
-    pub factor: f64,
-    /// Its red multiplies `factor`.
-    pub texture: Option<TextureMap>,
-    /// In `0..=1`.
-    pub roughness: f64,
-    /// Its green multiplies `roughness`.
-    pub roughness_texture: Option<TextureMap>,
-    /// Directions that bend its normal.
-    pub normal_map: Option<(TextureMap, f64)>,
-}
-
-/// Sheen.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sheen {
-    /// Linear, in `0..=1`.
-    pub color: DVec3,
-    /// Multiplies it.
-    pub color_texture: Option<TextureMap>,
-    /// In `0..=1`.
-    pub roughness: f64,
-    /// Its alpha multiplies `roughness`.
-    pub roughness_texture: Option<TextureMap>,
-}
-
-/// A texture and the layer of texture coordinates that it is looked up with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TextureMap {
-    /// Index into [`GltfScene::textures`].
-    pub texture: usize,
-    /// 0 is [`Primitive::uvs`], the others are [`Primitive::more_uvs`].
-    pub layer: usize,
-}
-
-/// What alpha means.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AlphaMode {
-    /// Nothing.
-    Opaque,
-    /// Hidden where alpha is below this, `0..=1`.
-    Mask(f64),
-    /// Coverage.
-    Blend,
-}
-
-/// A decoded image and how it goes on beyond its edges.
-#[derive(Clone, Debug)]
-pub struct Texture {
-    /// The image's name, else `image N`.
-    pub name: String,
-    /// Its texels.
-    pub image: DecodedImage,
-    /// Across, and down.
-    pub wrap: [Wrap; 2],
-}
-
-/// How a texture goes on beyond its edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrap {
-    /// The image again.
-    Repeat,
-    /// The edge texel.
-    Clamp,
-    /// The image mirrored.
-    Mirror,
-}
-
-/// A camera; looks along its node's -Z.
-#[derive(Clone, Debug)]
-pub struct Camera {
-    /// The author's name, else `camera N`.
-    pub name: String,
-    /// What it sees.
-    pub lens: Lens,
-    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther beyond it
-    /// or infinite.
-    pub clip_m: (f64, f64),
-    /// Whatever the author attached.
-    pub extras: Value,
-}
-
-/// The two kinds of camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
-    /// A pinhole.
-    Perspective {
-        /// Full vertical angle, radians, in `(0, pi)`.
-        fov_y: f64,
-        /// Width over height, if given, > 0.
-        aspect: Option<f64>,
-    },
-    /// Parallel rays.
-    Orthographic {
-        /// Half the picture's width, metres, > 0.
-        half_width: f64,
-        /// Half the picture's height, metres, > 0.
-        half_height: f64,
-    },
-}
-
-impl Lens {
-    /// Width over height of the picture, if given.
-    pub fn aspect(&self) -> Option<f64> {
-        match *self {
-            Self::Perspective { aspect, .. } => aspect,
-            Self::Orthographic { half_width, half_height } => Some(half_width / half_height),
-        }
-    }
-}
-
-/// A light; shines along its node's -Z.
-#[derive(Clone, Debug)]
-pub struct Light {
-    /// The author's name, else `light N`.
-    pub name: String,
-    /// Linear.
-    pub color: DVec3,
-    /// In the file's units, >= 0.
-    pub intensity: f64,
-    /// Distance beyond which the author wants no light, metres.
-    pub range_m: Option<f64>,
-    /// What shape it has.
-    pub kind: LightKind,
-}
-
-/// The kinds of KHR_lights_punctual.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightKind {
-    /// Parallel light.
-    Directional,
-    /// From a point in all directions.
-    Point,
-    /// From a point within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
-    Spot {
-        /// Half angle of full light, radians.
-        inner_angle: f64,
-        /// Half angle of the dark, radians.
-        outer_angle: f64,
-    },
 }
 
 /// One animated property of one node.

@@ -2,7 +2,7 @@
 //! fields, out comes a scene as if it had been read. Invariant: every part is read by the reader of files, so a number out of
 //! range, a name that occurs twice and a field that does not exist are refused here too.
 
-use super::{LoadedScene, Named, SceneFile, Version, references, scene_file};
+use super::{LoadedScene, Named, SceneFile, Version, defaults, references};
 use crate::description::obj::{ObjModel, Triangles};
 use crate::description::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
@@ -27,12 +27,16 @@ pub struct BuiltScene {
     pub objects: Parts,
     /// Leaves by the hundred.
     pub leaves: Parts,
+    /// Leaves that fall.
+    pub fall: Parts,
     /// Cameras.
     pub cameras: Parts,
     /// Lights.
     pub lights: Parts,
     /// Banks of fog.
     pub fog: Parts,
+    /// What lies behind the scene and lights it.
+    pub sky: Option<Value>,
     /// Radiance of what lies beyond the scene; none is black.
     pub background: Option<Value>,
 }
@@ -61,12 +65,12 @@ pub fn load_built(built: BuiltScene, files: &mut Files) -> Result<LoadedScene, L
         materials: reader.section("materials", built.materials),
         objects: reader.section("objects", built.objects),
         leaves: reader.section("leaves", built.leaves),
-        fall: Named::default(),
+        fall: reader.section("fall", built.fall),
         cameras: reader.section("cameras", built.cameras),
         lights: reader.section("lights", built.lights),
         fog: reader.section("fog", built.fog),
-        sky: None,
-        background_w_per_m2_sr: background.flatten().unwrap_or_else(scene_file::black),
+        sky: built.sky.and_then(|value| reader.part("sky", value)),
+        background_w_per_m2_sr: background.flatten().unwrap_or_else(defaults::zero),
     };
     if reader.problems.has_errors() {
         return Err(LoadError::Invalid(reader.problems));

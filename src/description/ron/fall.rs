@@ -1,6 +1,7 @@
 //! A block of leaves that fall: who they are, where they hang, and what the air does. Invariant: its
 //! lengths, masses and speeds are those of leaves, so that a fall can be followed in steps.
 
+use super::defaults::{one, zero};
 use super::number::{
     AirSpeed, AirVelocity, ArealMass, Degrees, Finite, GustScale, LeafLength, NonNegative, Number, Point,
     Positive, Span, SpeedGain, Vector, Whole,
@@ -36,13 +37,13 @@ pub struct Fall {
     #[serde(default)]
     pub obstacles: Vec<String>,
     /// When they are let go.
-    #[serde(default = "at_once")]
+    #[serde(default = "zero")]
     pub release_s: Span<Finite>,
     /// Whether they hang there before they are let go; else they are not there yet.
     #[serde(default = "yes")]
     pub attached: bool,
     /// Factor on the speed of falling and turning.
-    #[serde(default = "natural_speed")]
+    #[serde(default = "one")]
     pub speed: Number<SpeedGain>,
 }
 
@@ -56,7 +57,7 @@ pub struct Species {
     #[serde(default)]
     pub materials: Vec<String>,
     /// How many of the leaves are of this kind, in proportion to the others.
-    #[serde(default = "one_share")]
+    #[serde(default = "one")]
     pub share: Number<Positive>,
     /// From stalk to tip: the mesh is scaled to it.
     pub length_m: Span<LeafLength>,
@@ -66,7 +67,7 @@ pub struct Species {
     #[serde(default = "of_a_leaf")]
     pub areal_mass_kg_per_m2: Span<ArealMass>,
     /// How far it is arched across, as the air feels it.
-    #[serde(default = "flat")]
+    #[serde(default = "zero")]
     pub curl_deg: Span<Degrees>,
 }
 
@@ -160,27 +161,11 @@ impl Default for FallGround {
     }
 }
 
-fn at_once() -> Span<Finite> {
-    Span::new(0.0, 0.0)
-}
-
 fn yes() -> bool {
     true
-}
-
-fn natural_speed() -> Number<SpeedGain> {
-    Number::new(1.0)
-}
-
-fn one_share() -> Number<Positive> {
-    Number::new(1.0)
 }
 
 /// Autumn leaves of broadleaved trees, half dry.
 fn of_a_leaf() -> Span<ArealMass> {
     Span::new(0.08, 0.14)
-}
-
-fn flat() -> Span<Degrees> {
-    Span::new(0.0, 0.0)
 }

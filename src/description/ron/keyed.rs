@@ -1,7 +1,7 @@
 //! Values that may be keyed: `45.0`, or `Keyed(keys: [(at_s: 0.0, value: 45.0), ..])`. Invariant:
 //! both forms are read without buffering, so errors keep their line and column.
 
-use super::number::{Direction, Finite, Number, Point, Quaternion, QuaternionRate, Range, Triple, Vector};
+use super::number::{Direction, Finite, Number, Point, Quaternion, QuaternionRate, Range, Three};
 use glam::{DQuat, DVec3};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess};
@@ -127,24 +127,8 @@ impl<R: Range + fmt::Debug + PartialEq + 'static> Keyable for Number<R> {
     }
 }
 
-impl<R: Range + fmt::Debug + PartialEq + 'static> Keyable for Vector<R> {
-    type Rate = Point;
-    type Si = DVec3;
-    const EXPECTED: &'static str = R::EXPECTED;
-
-    fn si(self) -> DVec3 {
-        self.si()
-    }
-    fn rate_si(rate: Self::Rate) -> DVec3 {
-        rate.si() * R::UNIT
-    }
-    fn admits(value: DVec3) -> bool {
-        value.to_array().into_iter().all(admits::<R>)
-    }
-}
-
-impl<R: Range + fmt::Debug + PartialEq + 'static> Keyable for Triple<R> {
-    type Rate = Triple<Finite>;
+impl<R: Range + fmt::Debug + PartialEq + 'static, const ONE_WILL_DO: bool> Keyable for Three<R, ONE_WILL_DO> {
+    type Rate = Three<Finite, ONE_WILL_DO>;
     type Si = DVec3;
     const EXPECTED: &'static str = R::EXPECTED;
 

@@ -1,8 +1,8 @@
 //! A block of leaves: one line for hundreds. Invariant: leaf number `i` depends on the block's
 //! seed and on `i`, not on how many there are.
 
+use super::defaults::{one, zero};
 use super::number::{Degrees, Finite, NonNegative, Number, Point, Positive, Span, Whole};
-use glam::DVec3;
 use serde::Deserialize;
 
 /// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one line may ask for them.
@@ -35,7 +35,7 @@ pub struct Leaves {
     /// Turn about the leaf's length, beside `droop_deg`.
     pub roll_deg: Option<Span<Degrees>>,
     /// Factor on the mesh's size.
-    #[serde(default = "natural_size")]
+    #[serde(default = "one")]
     pub scale: Span<Positive>,
     /// How they move.
     #[serde(default)]
@@ -55,39 +55,19 @@ pub enum LeafMotion {
         /// Speed of descent.
         speed_m_per_s: Span<Positive>,
         /// Half width of the swing.
-        #[serde(default = "none")]
+        #[serde(default = "zero")]
         swing_m: Span<NonNegative>,
         /// Swings a second.
-        #[serde(default = "none")]
+        #[serde(default = "zero")]
         swing_hz: Span<NonNegative>,
         /// Turn rate about a random axis.
-        #[serde(default = "no_turn")]
+        #[serde(default = "zero")]
         spin_deg_per_s: Span<Degrees>,
         /// Velocity of the air.
-        #[serde(default = "calm")]
+        #[serde(default = "zero")]
         wind_m_per_s: Point,
         /// Height at which leaves come to rest.
-        #[serde(default = "sea_level")]
+        #[serde(default = "zero")]
         ground_y_m: Number<Finite>,
     },
-}
-
-fn natural_size() -> Span<Positive> {
-    Span::new(1.0, 1.0)
-}
-
-fn none() -> Span<NonNegative> {
-    Span::new(0.0, 0.0)
-}
-
-fn no_turn() -> Span<Degrees> {
-    Span::new(0.0, 0.0)
-}
-
-fn calm() -> Point {
-    Point::new(DVec3::ZERO)
-}
-
-fn sea_level() -> Number<Finite> {
-    Number::new(0.0)
 }

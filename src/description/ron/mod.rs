@@ -5,12 +5,14 @@
 //! `scene::from_ron`.
 
 mod built;
+mod defaults;
 mod fall;
 mod keyed;
 mod leaves;
 mod named;
 mod number;
 mod parse;
+mod range;
 mod references;
 mod scene_file;
 mod sequence_file;

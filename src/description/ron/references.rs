@@ -1,8 +1,9 @@
 //! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
 //! or texture that nothing in the picture uses is not read.
 
-use super::{Keyed, Light, LoadedScene, Mesh, SceneFile, Sky, beside};
-use crate::description::{Files, LoadError, image, obj};
+use super::{Keyed, Light, LoadedScene, Mesh, NormalMap, SceneFile, Sky, beside};
+use crate::description::image::{self, Encoding};
+use crate::description::{Files, LoadError, obj};
 use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -32,30 +33,25 @@ pub(super) fn load(
         }
     }
     for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
+        let owner = format!("materials.{name}");
         let textures =
             [("texture", &material.texture), ("transmission_texture", &material.transmission_texture)];
         for (field, texture) in textures {
             let Some(texture) = texture else { continue };
-            loader.image(texture.clone(), &format!("materials.{name}.{field}"), &mut images)?;
+            loader.image(texture, Encoding::Srgb, &format!("{owner}.{field}"), &mut images)?;
         }
-        if let Some(map) = &material.normal_map
-            && !normal_maps.contains_key(&map.texture)
-        {
-            let referrer = format!("materials.{name}.normal_map.texture");
-            let image = loader.decoded(&map.texture, image::Encoding::Linear, &referrer)?;
-            normal_maps.extend(image.map(|image| (map.texture.clone(), image)));
+        if let Some(NormalMap { texture, .. }) = &material.normal_map {
+            let referrer = format!("{owner}.normal_map.texture");
+            loader.image(texture, Encoding::Linear, &referrer, &mut normal_maps)?;
         }
     }
     let mut sun_images = BTreeMap::new();
     for (name, light) in file.lights.iter() {
         if let Light::Sun { image: Some(image), .. } = light {
-            loader.image(image.clone(), &format!("lights.{name}.image"), &mut sun_images)?;
+            loader.image(image, Encoding::Srgb, &format!("lights.{name}.image"), &mut sun_images)?;
         }
     }
-    let sky_image = match &file.sky {
-        Some(Sky::Image { image, .. }) => loader.decoded(image, image::Encoding::Radiance, "sky.image")?,
-        _ => None,
-    };
+    let sky_image = loader.sky(file.sky.as_ref())?;
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
     }
@@ -128,24 +124,32 @@ impl Loader<'_> {
         }
     }
 
+    fn sky(&mut self, sky: Option<&Sky>) -> Result<Option<image::DecodedImage>, LoadError> {
+        match sky {
+            Some(Sky::Image { image, .. }) => self.decoded(image, Encoding::Radiance, "sky.image"),
+            _ => Ok(None),
+        }
+    }
+
     fn image(
         &mut self,
-        texture: PathBuf,
+        texture: &Path,
+        encoding: Encoding,
         referrer: &str,
         images: &mut BTreeMap<PathBuf, image::DecodedImage>,
     ) -> Result<(), LoadError> {
-        if images.contains_key(&texture) {
+        if images.contains_key(texture) {
             return Ok(());
         }
-        let image = self.decoded(&texture, image::Encoding::Srgb, referrer)?;
-        images.extend(image.map(|image| (texture, image)));
+        let image = self.decoded(texture, encoding, referrer)?;
+        images.extend(image.map(|image| (texture.to_owned(), image)));
         Ok(())
     }
 
     fn decoded(
         &mut self,
         image: &Path,
-        encoding: image::Encoding,
+        encoding: Encoding,
         referrer: &str,
     ) -> Result<Option<image::DecodedImage>, LoadError> {
         let path = beside(self.path, image);

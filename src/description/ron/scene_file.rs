@@ -1,6 +1,7 @@
 //! What a scene file holds, field by field. Invariant: every field's unit is in its name, and
 //! docs/scene-format.md describes every field.
 
+use super::defaults::{one, zero};
 use super::fall::Fall;
 use super::keyed::Keyed;
 use super::leaves::Leaves;
@@ -48,7 +49,7 @@ pub struct SceneFile {
     /// What lies behind the scene and lights it.
     pub sky: Option<Sky>,
     /// Radiance of whatever lies beyond the scene.
-    #[serde(default = "black")]
+    #[serde(default = "zero")]
     pub background_w_per_m2_sr: Triple<NonNegative>,
 }
 
@@ -59,10 +60,10 @@ impl SceneFile {
             mesh: Some(name.to_owned()),
             material: None,
             parent: None,
-            translation_m: origin(),
+            translation_m: zero(),
             rotation_deg: None,
             rotation_quaternion: None,
-            scale: natural_size(),
+            scale: one(),
             visible: seen(),
         };
         Self {
@@ -76,7 +77,7 @@ impl SceneFile {
             lights: Named::default(),
             fog: Named::default(),
             sky: None,
-            background_w_per_m2_sr: black(),
+            background_w_per_m2_sr: zero(),
         }
     }
 }
@@ -109,10 +110,10 @@ pub enum Mesh {
         /// Across, where it is widest.
         width_m: Number<Positive>,
         /// How far it bends down along its length, in all.
-        #[serde(default = "no_angle")]
+        #[serde(default = "zero")]
         curl_deg: Number<Degrees>,
         /// How far each half is lifted about the middle vein.
-        #[serde(default = "no_angle")]
+        #[serde(default = "zero")]
         fold_deg: Number<Degrees>,
     },
 }
@@ -132,7 +133,7 @@ pub struct Material {
     /// How much light goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
     /// Lambert transmittance to the far side; multiplied by its texture, or else by `texture`.
-    #[serde(default = "no_reflectance")]
+    #[serde(default = "zero")]
     pub transmission: Triple<UnitInterval>,
     /// An image of the colours in which light comes through, as `texture` is of those it shows.
     pub transmission_texture: Option<PathBuf>,
@@ -143,10 +144,10 @@ pub struct Material {
     /// How much of a metal it is.
     pub metallic: Option<Number<UnitInterval>>,
     /// Perfect mirror reflectance.
-    #[serde(default = "no_reflectance")]
+    #[serde(default = "zero")]
     pub mirror: Triple<UnitInterval>,
     /// Radiance emitted to either side.
-    #[serde(default = "black")]
+    #[serde(default = "zero")]
     pub emission_w_per_m2_sr: Triple<NonNegative>,
 }
 
@@ -157,7 +158,7 @@ pub struct NormalMap {
     /// A PNG, JPEG, WebP or PPM image whose red, green and blue are x, y and z, from -1 to 1.
     pub texture: PathBuf,
     /// Factor on x and y.
-    #[serde(default = "as_it_is")]
+    #[serde(default = "one")]
     pub scale: Number<Finite>,
 }
 
@@ -172,14 +173,14 @@ pub struct Object {
     /// Name of the object that this one follows.
     pub parent: Option<String>,
     /// Where it is in its parent's space.
-    #[serde(default = "origin")]
+    #[serde(default = "zero")]
     pub translation_m: Keyed<Point>,
     /// Turned about x, then y, then z.
     pub rotation_deg: Option<Keyed<Vector<Degrees>>>,
     /// Turned, as a quaternion.
     pub rotation_quaternion: Option<Keyed<Quaternion>>,
     /// Scaled before it is turned.
-    #[serde(default = "natural_size")]
+    #[serde(default = "one")]
     pub scale: Keyed<Triple<Finite>>,
     /// Whether it and everything that follows it takes part in the picture.
     #[serde(default = "seen")]
@@ -193,7 +194,7 @@ pub struct Camera {
     /// Name of the object that the camera follows.
     pub parent: Option<String>,
     /// Where it is in its parent's space.
-    #[serde(default = "origin")]
+    #[serde(default = "zero")]
     pub position_m: Keyed<Point>,
     /// What it looks at, in its parent's space.
     pub look_at_m: Option<Keyed<Point>>,
@@ -244,17 +245,17 @@ pub enum Light {
         /// On a plane perpendicular to the light.
         irradiance_w_per_m2: Keyed<Triple<NonNegative>>,
         /// The whole angle under which its disc is seen; 0 is parallel light.
-        #[serde(default = "no_disc")]
+        #[serde(default = "zero")]
         angular_diameter_deg: Keyed<Number<DiscAngle>>,
         /// How much darker the disc is towards its edge.
-        #[serde(default = "no_darkening")]
+        #[serde(default = "zero")]
         limb_darkening: Number<UnitInterval>,
         /// A PNG, JPEG, WebP or PPM image on the disc, relative to the scene file.
         image: Option<PathBuf>,
         /// A fractal on the disc.
         fractal: Option<Julia>,
         /// How far image or fractal are turned anticlockwise.
-        #[serde(default = "not_turned")]
+        #[serde(default = "zero")]
         picture_rotation_deg: Keyed<Number<Degrees>>,
         /// Whether camera and mirrors see the disc.
         #[serde(default)]
@@ -269,7 +270,7 @@ pub enum Light {
         /// In every direction, seen from afar.
         intensity_w_per_sr: Keyed<Triple<NonNegative>>,
         /// Of the sphere that shines; 0 is a point.
-        #[serde(default = "no_extent")]
+        #[serde(default = "zero")]
         radius_m: Keyed<Number<NonNegative>>,
     },
     /// Light from a point or sphere into a cone.
@@ -288,7 +289,7 @@ pub enum Light {
         /// On the axis, seen from afar.
         intensity_w_per_sr: Keyed<Triple<NonNegative>>,
         /// Of the sphere that shines; 0 is a point.
-        #[serde(default = "no_extent")]
+        #[serde(default = "zero")]
         radius_m: Keyed<Number<NonNegative>>,
     },
     /// A flat rectangle that shines from one side.
@@ -354,35 +355,11 @@ pub struct Fog {
     /// Extinction coefficient sigma_t where the fog is densest.
     pub density_per_m: Keyed<Triple<NonNegative>>,
     /// How much of the extinction is scattering.
-    #[serde(default = "white")]
+    #[serde(default = "one")]
     pub albedo: Keyed<Triple<UnitInterval>>,
     /// Henyey-Greenstein g; forward if positive.
-    #[serde(default = "isotropic")]
+    #[serde(default = "zero")]
     pub anisotropy: Keyed<Number<Anisotropy>>,
-}
-
-pub(super) fn black() -> Triple<NonNegative> {
-    Triple::new(DVec3::ZERO)
-}
-
-fn no_reflectance() -> Triple<UnitInterval> {
-    Triple::new(DVec3::ZERO)
-}
-
-fn as_it_is() -> Number<Finite> {
-    Number::new(1.0)
-}
-
-fn no_angle() -> Number<Degrees> {
-    Number::new(0.0)
-}
-
-fn origin() -> Keyed<Point> {
-    Keyed::Plain(Point::new(DVec3::ZERO))
-}
-
-fn natural_size() -> Keyed<Triple<Finite>> {
-    Keyed::Plain(Triple::new(DVec3::ONE))
 }
 
 fn seen() -> Keyed<bool> {
@@ -401,34 +378,10 @@ fn full_frame() -> Number<Positive> {
     Number::new(36.0)
 }
 
-fn no_disc() -> Keyed<Number<DiscAngle>> {
-    Keyed::Plain(Number::new(0.0))
-}
-
-fn no_darkening() -> Number<UnitInterval> {
-    Number::new(0.0)
-}
-
-fn not_turned() -> Keyed<Number<Degrees>> {
-    Keyed::Plain(Number::new(0.0))
-}
-
 fn hundred() -> Whole<1, 1000> {
     Whole(100)
 }
 
-fn no_extent() -> Keyed<Number<NonNegative>> {
-    Keyed::Plain(Number::new(0.0))
-}
-
 fn soft_edge() -> Keyed<Number<UnitInterval>> {
     Keyed::Plain(Number::new(0.15))
-}
-
-fn white() -> Keyed<Triple<UnitInterval>> {
-    Keyed::Plain(Triple::new(DVec3::ONE))
-}
-
-fn isotropic() -> Keyed<Number<Anisotropy>> {
-    Keyed::Plain(Number::new(0.0))
 }

@@ -1,8 +1,8 @@
 //! What a scene file says of the sky. Invariant: every field's unit is in its name.
 
+use super::defaults::{one, zero};
 use super::keyed::Keyed;
 use super::number::{Degrees, NonNegative, Number, Triple};
-use glam::DVec3;
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -25,10 +25,10 @@ pub enum Sky {
         /// Just above the horizon.
         horizon_w_per_m2_sr: Triple<NonNegative>,
         /// Below the horizon.
-        #[serde(default = "black")]
+        #[serde(default = "zero")]
         ground_w_per_m2_sr: Triple<NonNegative>,
         /// Multiplies all of it.
-        #[serde(default = "as_it_is")]
+        #[serde(default = "one")]
         strength: Keyed<Triple<NonNegative>>,
         /// What it lights.
         #[serde(default)]
@@ -39,10 +39,10 @@ pub enum Sky {
         /// Radiance HDR or OpenEXR, longitude across and latitude down, relative to the scene file.
         image: PathBuf,
         /// Radiance of what is 1 in the image.
-        #[serde(default = "as_it_is")]
+        #[serde(default = "one")]
         strength_w_per_m2_sr: Keyed<Triple<NonNegative>>,
         /// Turned about +y, anticlockwise as seen from above.
-        #[serde(default = "not_turned")]
+        #[serde(default = "zero")]
         rotation_deg: Keyed<Number<Degrees>>,
         /// What it lights.
         #[serde(default)]
@@ -60,16 +60,4 @@ pub enum SkyLight {
     /// Surfaces and fog.
     #[default]
     SurfacesAndFog,
-}
-
-fn black() -> Triple<NonNegative> {
-    Triple::new(DVec3::ZERO)
-}
-
-fn as_it_is() -> Keyed<Triple<NonNegative>> {
-    Keyed::Plain(Triple::new(DVec3::ONE))
-}
-
-fn not_turned() -> Keyed<Number<Degrees>> {
-    Keyed::Plain(Number::new(0.0))
 }

@@ -201,16 +201,7 @@ impl Builder<'_> {
             self.scene.lights[light].power = power.map_linear(|value| value * unit.1);
             return Some(());
         }
-        let range = match field {
-            "angle" => &ANGLE,
-            "radius" => &NOT_NEGATIVE,
-            "outer_angle" => &CONE,
-            "blend" => &SHARE,
-            "picture_rotation" => &ANY,
-            "fractal_real" | "fractal_imaginary" => &FRACTAL,
-            _ => &POSITIVE,
-        };
-        let number = self.number(carried, range, path)?;
+        let number = self.number(carried, range_of_light(field), path)?;
         self.scene.lights[light].kind = match (kind, field) {
             (LightKind::Sun, "angle") => LightKind::SunDisc(SunDisc::even(number)),
             (LightKind::SunDisc(disc), "angle") => {
@@ -310,6 +301,18 @@ impl Builder<'_> {
 }
 
 /// A picture whose fractal's constant changes; `None` if it has none.
+fn range_of_light(field: &str) -> &'static Range {
+    match field {
+        "angle" => &ANGLE,
+        "radius" => &NOT_NEGATIVE,
+        "outer_angle" => &CONE,
+        "blend" => &SHARE,
+        "picture_rotation" => &ANY,
+        "fractal_real" | "fractal_imaginary" => &FRACTAL,
+        _ => &POSITIVE,
+    }
+}
+
 fn changed_fractal(picture: &SunPicture, field: &str, number: Track<f64>) -> Option<SunPicture> {
     let SunShows::Julia(julia) = picture.shows() else { return None };
     let mut julia = julia.clone();

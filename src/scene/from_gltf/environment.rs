@@ -56,32 +56,7 @@ pub(super) fn surroundings(
     let Some(found) = found else { return nothing };
     let path = format!("{path}.extras.sunfleck_env");
     let strength = Rgb::from(found.strength);
-    let scaled = |color: [f64; 3]| Rgb::from(color) * strength;
-    let picture = match (found.color, found.zenith, found.horizon, &found.image) {
-        (Some(color), None, None, None) => SkyPicture::Even(scaled(color)),
-        (None, None, None, Some(name)) => {
-            let Some(DecodedImage { width, height, texels }) = image else { return nothing };
-            let name = if name.starts_with("data:") { "the sky" } else { name };
-            let (picture, negative) = SkyPicture::of_image(name.to_owned(), [width, height], texels);
-            if negative > 0 {
-                report.not_honoured(Loss::NegativeRadiance, name);
-            }
-            picture
-        }
-        (None, Some(zenith), Some(horizon), None) => SkyPicture::Gradient {
-            zenith: scaled(zenith),
-            horizon: scaled(horizon),
-            ground: scaled(found.ground),
-        },
-        _ => {
-            report.error(
-                path,
-                "the sky is not told, or told twice",
-                "either color, or zenith and horizon, or image",
-            );
-            return nothing;
-        }
-    };
+    let Some(picture) = picture(&found, image, &path, report) else { return nothing };
     let colors = match picture {
         SkyPicture::Gradient { zenith, horizon, ground } => vec![zenith, horizon, ground],
         SkyPicture::Even(color) => vec![color],
@@ -107,4 +82,40 @@ pub(super) fn surroundings(
             (Rgb::ZERO, sky.map(|sky| sky.with(strength.into(), found.rotation.into(), lights)))
         }
     }
+}
+
+/// What the sky looks like, its strength counted unless it is an image.
+fn picture(
+    found: &Environment,
+    image: Option<DecodedImage>,
+    path: &str,
+    report: &mut Report,
+) -> Option<SkyPicture> {
+    let strength = Rgb::from(found.strength);
+    let scaled = |color: [f64; 3]| Rgb::from(color) * strength;
+    Some(match (found.color, found.zenith, found.horizon, &found.image) {
+        (Some(color), None, None, None) => SkyPicture::Even(scaled(color)),
+        (None, None, None, Some(name)) => {
+            let DecodedImage { width, height, texels } = image?;
+            let name = if name.starts_with("data:") { "the sky" } else { name };
+            let (picture, negative) = SkyPicture::of_image(name.to_owned(), [width, height], texels);
+            if negative > 0 {
+                report.not_honoured(Loss::NegativeRadiance, name);
+            }
+            picture
+        }
+        (None, Some(zenith), Some(horizon), None) => SkyPicture::Gradient {
+            zenith: scaled(zenith),
+            horizon: scaled(horizon),
+            ground: scaled(found.ground),
+        },
+        _ => {
+            report.error(
+                path,
+                "the sky is not told, or told twice",
+                "either color, or zenith and horizon, or image",
+            );
+            return None;
+        }
+    })
 }

@@ -118,7 +118,6 @@ fn is_mirror(material: &gltf::Material) -> bool {
 fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     let [r, g, b, opacity] = material.base_color;
     let color = Rgb::new(r, g, b);
-    let map = |map: gltf::TextureMap| TextureMap { texture: map.texture, layer: map.layer };
     let matte = Material {
         name: material.name.clone(),
         base_color: color,
@@ -126,25 +125,10 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         emission: material.emission * material.emission_strength,
         emission_texture: material.emission_texture.map(map),
         normal_map: material.normal_map.map(|(texture, scale)| (map(texture), scale)),
-        clearcoat: (material.clearcoat.factor > 0.0).then(|| Clearcoat {
-            share: material.clearcoat.factor,
-            texture: material.clearcoat.texture.map(map),
-            roughness: material.clearcoat.roughness,
-            roughness_texture: material.clearcoat.roughness_texture.map(map),
-            normal_map: material.clearcoat.normal_map.map(|(texture, scale)| (map(texture), scale)),
-        }),
-        sheen: (material.sheen.color != Rgb::ZERO).then(|| Sheen {
-            color: material.sheen.color,
-            color_texture: material.sheen.color_texture.map(map),
-            roughness: material.sheen.roughness,
-            roughness_texture: material.sheen.roughness_texture.map(map),
-        }),
+        clearcoat: clearcoat(&material.clearcoat),
+        sheen: sheen(&material.sheen),
         opacity,
-        alpha_mode: match material.alpha_mode {
-            // What a mask shows is cut out.
-            gltf::AlphaMode::Opaque | gltf::AlphaMode::Mask(_) => AlphaMode::Opaque,
-            gltf::AlphaMode::Blend => AlphaMode::Blend,
-        },
+        alpha_mode: alpha_mode(material.alpha_mode),
         ..Material::default()
     };
     if material.unlit {
@@ -187,6 +171,37 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         opacity: if material.alpha_mode == gltf::AlphaMode::Blend { opacity } else { 1.0 },
         ..matte
     }
+}
+
+fn alpha_mode(mode: gltf::AlphaMode) -> AlphaMode {
+    match mode {
+        // What a mask shows is cut out.
+        gltf::AlphaMode::Opaque | gltf::AlphaMode::Mask(_) => AlphaMode::Opaque,
+        gltf::AlphaMode::Blend => AlphaMode::Blend,
+    }
+}
+
+fn map(map: gltf::TextureMap) -> TextureMap {
+    TextureMap { texture: map.texture, layer: map.layer }
+}
+
+fn clearcoat(clearcoat: &gltf::Clearcoat) -> Option<Clearcoat> {
+    (clearcoat.factor > 0.0).then(|| Clearcoat {
+        share: clearcoat.factor,
+        texture: clearcoat.texture.map(map),
+        roughness: clearcoat.roughness,
+        roughness_texture: clearcoat.roughness_texture.map(map),
+        normal_map: clearcoat.normal_map.map(|(texture, scale)| (map(texture), scale)),
+    })
+}
+
+fn sheen(sheen: &gltf::Sheen) -> Option<Sheen> {
+    (sheen.color != Rgb::ZERO).then(|| Sheen {
+        color: sheen.color,
+        color_texture: sheen.color_texture.map(map),
+        roughness: sheen.roughness,
+        roughness_texture: sheen.roughness_texture.map(map),
+    })
 }
 
 fn texture(texture: gltf::Texture) -> Texture {

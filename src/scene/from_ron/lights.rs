@@ -2,7 +2,7 @@
 //! never where it points.
 
 use super::{Resolver, track};
-use crate::description::ron::{self, Keyable, Keyed, Point};
+use crate::description::ron::{self, Keyable, Keyed, Number, Point, Positive};
 use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track};
 use glam::{DQuat, DVec3};
 
@@ -11,80 +11,70 @@ impl Resolver<'_> {
     pub(super) fn lights(&mut self) {
         for (name, light) in self.file.lights.iter() {
             let owner = format!("lights.{name}");
-            let (parent, motion, power, kind) = match light {
-                ron::Light::Sun { parent, direction, to_sun, irradiance_w_per_m2, .. } => (
-                    parent,
+            let (motion, (field, power), kind) = match light {
+                ron::Light::Sun { direction, to_sun, irradiance_w_per_m2, .. } => (
                     self.sun_motion(&owner, direction.as_ref(), to_sun.as_ref()),
-                    self.keyed(&owner, "irradiance_w_per_m2", irradiance_w_per_m2),
+                    ("irradiance_w_per_m2", irradiance_w_per_m2),
                     self.sun(&owner, light),
                 ),
-                ron::Light::Point { parent, position_m, intensity_w_per_sr, radius_m } => {
-                    let position = self.keyed(&owner, "position_m", position_m);
-                    let motion = position.map(|translation| Motion::Keyed {
-                        translation,
-                        rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
-                        scale: DVec3::ONE.into(),
-                    });
-                    let power = self.keyed(&owner, "intensity_w_per_sr", intensity_w_per_sr);
-                    (parent, motion, power, self.keyed(&owner, "radius_m", radius_m).map(point))
-                }
-                ron::Light::Spot {
-                    parent,
-                    position_m,
-                    target_m,
-                    outer_deg,
-                    blend,
-                    intensity_w_per_sr,
-                    radius_m,
-                } => {
-                    let outer_angle = self.keyed(&owner, "outer_deg", outer_deg);
-                    let blend = self.keyed(&owner, "blend", blend);
-                    let radius = self.keyed(&owner, "radius_m", radius_m);
-                    let kind = outer_angle
-                        .zip(blend)
-                        .zip(radius)
-                        .map(|((outer_angle, blend), radius)| LightKind::Spot { outer_angle, blend, radius });
+                ron::Light::Point { position_m, intensity_w_per_sr, radius_m, .. } => (
+                    self.keyed(&owner, "position_m", position_m).map(unturned),
+                    ("intensity_w_per_sr", intensity_w_per_sr),
+                    self.keyed(&owner, "radius_m", radius_m).map(point),
+                ),
+                ron::Light::Spot { position_m, target_m, intensity_w_per_sr, .. } => (
                     // What is up does not show in a cone of light.
-                    let motion = self.aimed(
-                        &owner,
-                        ("position_m", position_m),
-                        ("target_m", target_m),
-                        DVec3::Y.into(),
-                    );
-                    (parent, motion, self.keyed(&owner, "intensity_w_per_sr", intensity_w_per_sr), kind)
-                }
-                ron::Light::Rectangle { parent, position_m, target_m, up, width_m, height_m, power_w } => {
-                    let width = self.keyed(&owner, "width_m", width_m);
-                    let height = self.keyed(&owner, "height_m", height_m);
-                    let shape = AreaShape::Rectangle;
-                    let kind =
-                        width.zip(height).map(|(width, height)| LightKind::Area { shape, width, height });
-                    let up = Track::from(up.0);
-                    let motion = self.aimed(&owner, ("position_m", position_m), ("target_m", target_m), up);
-                    (parent, motion, self.keyed(&owner, "power_w", power_w), kind)
-                }
-                ron::Light::Disc { parent, position_m, target_m, diameter_m, power_w } => {
-                    let shape = AreaShape::Ellipse;
-                    let kind = self.keyed(&owner, "diameter_m", diameter_m).map(|diameter| LightKind::Area {
-                        shape,
-                        width: diameter.clone(),
-                        height: diameter,
-                    });
-                    let motion = self.aimed(
-                        &owner,
-                        ("position_m", position_m),
-                        ("target_m", target_m),
-                        DVec3::Y.into(),
-                    );
-                    (parent, motion, self.keyed(&owner, "power_w", power_w), kind)
-                }
+                    self.aimed_light(&owner, position_m, target_m, DVec3::Y),
+                    ("intensity_w_per_sr", intensity_w_per_sr),
+                    self.spot(&owner, light),
+                ),
+                ron::Light::Rectangle { position_m, target_m, up, width_m, height_m, power_w, .. } => (
+                    self.aimed_light(&owner, position_m, target_m, up.0),
+                    ("power_w", power_w),
+                    self.rectangle(&owner, width_m, height_m),
+                ),
+                ron::Light::Disc { position_m, target_m, diameter_m, power_w, .. } => (
+                    self.aimed_light(&owner, position_m, target_m, DVec3::Y),
+                    ("power_w", power_w),
+                    self.keyed(&owner, "diameter_m", diameter_m).map(disc),
+                ),
             };
-            let parent = self.parent(&owner, parent.as_deref());
+            let power = self.keyed(&owner, field, power);
+            let parent = self.parent(&owner, parent_of(light));
             if let (Some(parent), Some(motion), Some(power), Some(kind)) = (parent, motion, power, kind) {
                 let node = self.node(name.to_owned(), parent, motion);
                 self.scene.lights.push(Light { name: name.to_owned(), node, power, kind });
             }
         }
+    }
+
+    fn spot(&mut self, owner: &str, light: &ron::Light) -> Option<LightKind> {
+        let ron::Light::Spot { outer_deg, blend, radius_m, .. } = light else { return None };
+        let outer_angle = self.keyed(owner, "outer_deg", outer_deg);
+        let blend = self.keyed(owner, "blend", blend);
+        let radius = self.keyed(owner, "radius_m", radius_m);
+        Some(LightKind::Spot { outer_angle: outer_angle?, blend: blend?, radius: radius? })
+    }
+
+    fn rectangle(
+        &mut self,
+        owner: &str,
+        width_m: &Keyed<Number<Positive>>,
+        height_m: &Keyed<Number<Positive>>,
+    ) -> Option<LightKind> {
+        let width = self.keyed(owner, "width_m", width_m);
+        let height = self.keyed(owner, "height_m", height_m);
+        Some(LightKind::Area { shape: AreaShape::Rectangle, width: width?, height: height? })
+    }
+
+    fn aimed_light(
+        &mut self,
+        owner: &str,
+        position_m: &Keyed<Point>,
+        target_m: &Keyed<Point>,
+        up: DVec3,
+    ) -> Option<Motion> {
+        self.aimed(owner, ("position_m", position_m), ("target_m", target_m), up.into())
     }
 
     /// The track of a light's field.
@@ -147,6 +137,29 @@ impl Resolver<'_> {
         }
         Some(Motion::Aimed { position, target, up })
     }
+}
+
+/// The name of what a light follows.
+fn parent_of(light: &ron::Light) -> Option<&str> {
+    match light {
+        ron::Light::Sun { parent, .. }
+        | ron::Light::Point { parent, .. }
+        | ron::Light::Spot { parent, .. }
+        | ron::Light::Rectangle { parent, .. }
+        | ron::Light::Disc { parent, .. } => parent.as_deref(),
+    }
+}
+
+fn unturned(translation: Track<DVec3>) -> Motion {
+    Motion::Keyed {
+        translation,
+        rotation: Rotation::Quaternion(DQuat::IDENTITY.into()),
+        scale: DVec3::ONE.into(),
+    }
+}
+
+fn disc(diameter: Track<f64>) -> LightKind {
+    LightKind::Area { shape: AreaShape::Ellipse, width: diameter.clone(), height: diameter }
 }
 
 /// A point, or a sphere of that radius.

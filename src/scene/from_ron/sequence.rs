@@ -1,7 +1,7 @@
 //! A sequence in, render settings out. Invariant: what the sequence leaves out stays as it was.
 
 use super::problems::Problems;
-use crate::description::ron::{self, Frames, SequenceFile, Whole};
+use crate::description::ron::{self, Frames, Number, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
 use crate::scene::{Animate, Bounces, Extend, FrameRate, Motion, RenderSettings, Rotation, Sampling, Scene};
 use crate::scene::{PixelFilter, Size, Track};
@@ -35,9 +35,8 @@ pub(in crate::scene) fn apply_sequence(
         settings.size = Size { width: width as usize, height: height as usize };
     }
     if let Some(name) = fields.camera {
-        let known: BTreeMap<&str, ()> =
-            scene.cameras.iter().map(|camera| (camera.name.as_str(), ())).collect();
-        problems.find("camera", "camera", &name, &known);
+        let known = scene.cameras.iter().map(|camera| (camera.name.as_str(), ()));
+        problems.find("camera", "camera", &name, &known.collect::<BTreeMap<&str, ()>>());
         settings.camera = Some(name);
     }
     if let Some(passes) = fields.passes {
@@ -48,20 +47,10 @@ pub(in crate::scene) fn apply_sequence(
     if let Some(march) = fields.march {
         settings.march_depth_m = march.depth_m.si();
         settings.march_step_m = march.step_m.si();
-        if march.step_m.si() > march.depth_m.si() {
-            let found = "the step is longer than the whole depth";
-            problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
-        }
-        let steps = march.depth_m.si() / march.step_m.si();
-        if steps > MOST_MARCH_STEPS {
-            let found = format!("{steps:.0} steps a ray would never end");
-            let expected = format!("at most {MOST_MARCH_STEPS} steps from the camera to `depth_m`");
-            problems.error("march.step_m", found, &expected, "make the step longer");
-        }
+        check_march(&settings, &mut problems);
     }
-    let samples = fields.samples.map(|Whole(samples)| samples);
-    settings.sampling = Sampling::said(samples, fields.tolerance.map(|tolerance| tolerance.si()))
-        .unwrap_or(settings.sampling);
+    let (samples, tolerance) = (fields.samples.map(Whole::get), fields.tolerance.map(Number::si));
+    settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
     if let Some(filter) = fields.filter {
         settings.filter = match filter {
             ron::PixelFilter::Box => PixelFilter::Box,
@@ -80,6 +69,21 @@ pub(in crate::scene) fn apply_sequence(
         };
     }
     problems.unless_any(settings)
+}
+
+/// Steps lie within the depth, and end.
+fn check_march(settings: &RenderSettings, problems: &mut Problems) {
+    let (depth_m, step_m) = (settings.march_depth_m, settings.march_step_m);
+    if step_m > depth_m {
+        let found = "the step is longer than the whole depth";
+        problems.error("march.step_m", found, "a step of at most `depth_m`", "make the step shorter");
+    }
+    let steps = depth_m / step_m;
+    if steps > MOST_MARCH_STEPS {
+        let found = format!("{steps:.0} steps a ray would never end");
+        let expected = format!("at most {MOST_MARCH_STEPS} steps from the camera to `depth_m`");
+        problems.error("march.step_m", found, &expected, "make the step longer");
+    }
 }
 
 /// Frames that all come before the first key, or all after the last, are surely a mistake.

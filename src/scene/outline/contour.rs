@@ -39,47 +39,7 @@ pub(super) fn rings(
     let inside_by = |column: i64, row: i64| {
         if window.holds(column, row) { alpha(column, row) - threshold } else { f64::NEG_INFINITY }
     };
-    let mut next: BTreeMap<Crossing, (Crossing, DVec2)> = BTreeMap::new();
-    for row in *window.rows.start() - 1..=*window.rows.end() {
-        if next.len() > MOST_CROSSINGS {
-            return None;
-        }
-        for column in *window.columns.start() - 1..=*window.columns.end() {
-            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| inside_by(column + x, row + y));
-            let is_inside = corners.map(|corner| corner >= 0.0);
-            if is_inside == [true; 4] || is_inside == [false; 4] {
-                continue;
-            }
-            let edges = [
-                (column, row, false),
-                (column + 1, row, true),
-                (column, row + 1, false),
-                (column, row, true),
-            ];
-            let cell = Cell { place: DVec2::new(column as f64, row as f64) + 0.5, corners };
-            let [a, b, c, d] = corners;
-            let joined = (a * c - b * d) / (a + c - b - d) >= 0.0;
-            for corner in 0..4 {
-                // Between this corner and the next the curve leaves the inside ...
-                let (before, after) = ((corner + 3) % 4, (corner + 1) % 4);
-                if !is_inside[corner] || is_inside[after] {
-                    continue;
-                }
-                // ... and it comes back where the first outer corner follows an inner one.
-                let is_saddle = is_inside[(corner + 2) % 4] && !is_inside[before];
-                let back = match (is_saddle, joined) {
-                    (true, true) => after,
-                    (true, false) => before,
-                    _ => (1..4)
-                        .map(|step| (corner + step) % 4)
-                        .find(|&edge| !is_inside[edge] && is_inside[(edge + 1) % 4])
-                        .unwrap_or(before),
-                };
-                let middle = cell.on_curve(0.5 * (cell.crossing(corner) + cell.crossing(back)));
-                next.insert(edges[corner], (edges[back], middle));
-            }
-        }
-    }
+    let mut next = links(&inside_by, window)?;
     let place = |&(column, row, down): &Crossing| {
         let (step_x, step_y) = if down { (0, 1) } else { (1, 0) };
         let (a, b) = (inside_by(column, row), inside_by(column + step_x, row + step_y));
@@ -97,6 +57,56 @@ pub(super) fn rings(
         rings.push(ring);
     }
     Some(rings)
+}
+
+/// Where the curve goes on from a crossing, and the middle of the way there.
+type Links = BTreeMap<Crossing, (Crossing, DVec2)>;
+
+/// All steps of the curve, cell by cell; `None` if there are too many.
+fn links(inside_by: &impl Fn(i64, i64) -> f64, window: &Window) -> Option<Links> {
+    let mut next = Links::new();
+    for row in *window.rows.start() - 1..=*window.rows.end() {
+        if next.len() > MOST_CROSSINGS {
+            return None;
+        }
+        for column in *window.columns.start() - 1..=*window.columns.end() {
+            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| inside_by(column + x, row + y));
+            link_cell(column, row, corners, &mut next);
+        }
+    }
+    Some(next)
+}
+
+/// The steps within one cell: none, one, or two where it is a saddle.
+fn link_cell(column: i64, row: i64, corners: [f64; 4], next: &mut Links) {
+    let is_inside = corners.map(|corner| corner >= 0.0);
+    if is_inside == [true; 4] || is_inside == [false; 4] {
+        return;
+    }
+    let edges =
+        [(column, row, false), (column + 1, row, true), (column, row + 1, false), (column, row, true)];
+    let cell = Cell { place: DVec2::new(column as f64, row as f64) + 0.5, corners };
+    let [a, b, c, d] = corners;
+    let joined = (a * c - b * d) / (a + c - b - d) >= 0.0;
+    for corner in 0..4 {
+        // Between this corner and the next the curve leaves the inside ...
+        let (before, after) = ((corner + 3) % 4, (corner + 1) % 4);
+        if !is_inside[corner] || is_inside[after] {
+            continue;
+        }
+        // ... and it comes back where the first outer corner follows an inner one.
+        let is_saddle = is_inside[(corner + 2) % 4] && !is_inside[before];
+        let back = match (is_saddle, joined) {
+            (true, true) => after,
+            (true, false) => before,
+            _ => (1..4)
+                .map(|step| (corner + step) % 4)
+                .find(|&edge| !is_inside[edge] && is_inside[(edge + 1) % 4])
+                .unwrap_or(before),
+        };
+        let middle = cell.on_curve(0.5 * (cell.crossing(corner) + cell.crossing(back)));
+        next.insert(edges[corner], (edges[back], middle));
+    }
 }
 
 /// Where between two values, one of them negative, a straight line is 0.

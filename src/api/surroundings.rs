@@ -1,0 +1,96 @@
+//! Fog and sky, for programs that make scenes. In go numbers, out come the fields of a file. Invariant: names, units and ranges
+//! are those of docs/scene-format.md.
+
+use super::animated::Animated;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// A bank of fog: in a box, thinner with height, or both.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fog {
+    /// Name of the object that the fog follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parent: Option<String>,
+    /// The corner of its box with the smallest coordinates, in its parent's space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_m: Option<[f64; 3]>,
+    /// The corner with the largest coordinates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_m: Option<[f64; 3]>,
+    /// The height over which its density falls to 1/e.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale_height_m: Option<Animated<f64>>,
+    /// Where that begins: a y coordinate of its parent's space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_m: Option<f64>,
+    /// Extinction coefficient sigma_t where the fog is densest.
+    pub density_per_m: Animated<[f64; 3]>,
+    /// How much of the extinction is scattering, `0..=1`.
+    pub albedo: Animated<[f64; 3]>,
+    /// Henyey-Greenstein g; forward if positive.
+    pub anisotropy: Animated<f64>,
+}
+
+impl Fog {
+    /// Grey fog in a box, of an extinction a metre; it scatters all that it takes, to all sides alike.
+    pub fn in_box(min_m: [f64; 3], max_m: [f64; 3], density_per_m: f64) -> Self {
+        Self {
+            parent: None,
+            min_m: Some(min_m),
+            max_m: Some(max_m),
+            scale_height_m: None,
+            base_m: None,
+            density_per_m: Animated::Still([density_per_m; 3]),
+            albedo: Animated::Still([1.0; 3]),
+            anisotropy: Animated::Still(0.0),
+        }
+    }
+}
+
+/// What lies behind the scene and lights it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum Sky {
+    /// The same everywhere.
+    Constant {
+        /// How bright it is.
+        radiance_w_per_m2_sr: Animated<[f64; 3]>,
+        /// What it lights.
+        lights: SkyLight,
+    },
+    /// From the horizon up, and something else below.
+    Gradient {
+        /// Straight up.
+        zenith_w_per_m2_sr: [f64; 3],
+        /// Just above the horizon.
+        horizon_w_per_m2_sr: [f64; 3],
+        /// Below the horizon.
+        ground_w_per_m2_sr: [f64; 3],
+        /// Multiplies all of it.
+        strength: Animated<[f64; 3]>,
+        /// What it lights.
+        lights: SkyLight,
+    },
+    /// An image of all directions.
+    Image {
+        /// Radiance HDR or OpenEXR, longitude across and latitude down.
+        image: PathBuf,
+        /// Radiance of what is 1 in the image.
+        strength_w_per_m2_sr: Animated<[f64; 3]>,
+        /// Turned about +y, anticlockwise as seen from above.
+        rotation_deg: Animated<f64>,
+        /// What it lights.
+        lights: SkyLight,
+    },
+}
+
+/// What a sky lights. It is seen in any case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum SkyLight {
+    /// Nothing.
+    Nothing,
+    /// Surfaces.
+    Surfaces,
+    /// Surfaces and fog.
+    #[default]
+    SurfacesAndFog,
+}

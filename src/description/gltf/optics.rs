@@ -1,0 +1,78 @@
+//! Cameras and lights of a glTF file in its own terms. Invariant: every number is in the range that glTF gives it.
+
+use glam::DVec3;
+use serde_json::Value;
+
+/// A camera; looks along its node's -Z.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// The author's name, else `camera N`.
+    pub name: String,
+    /// What it sees.
+    pub lens: Lens,
+    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther beyond it
+    /// or infinite.
+    pub clip_m: (f64, f64),
+    /// Whatever the author attached.
+    pub extras: Value,
+}
+
+/// The two kinds of camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// A pinhole.
+    Perspective {
+        /// Full vertical angle, radians, in `(0, pi)`.
+        fov_y: f64,
+        /// Width over height, if given, > 0.
+        aspect: Option<f64>,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the picture's width, metres, > 0.
+        half_width: f64,
+        /// Half the picture's height, metres, > 0.
+        half_height: f64,
+    },
+}
+
+impl Lens {
+    /// Width over height of the picture, if given.
+    pub fn aspect(&self) -> Option<f64> {
+        match *self {
+            Self::Perspective { aspect, .. } => aspect,
+            Self::Orthographic { half_width, half_height } => Some(half_width / half_height),
+        }
+    }
+}
+
+/// A light; shines along its node's -Z.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// The author's name, else `light N`.
+    pub name: String,
+    /// Linear.
+    pub color: DVec3,
+    /// In the file's units, >= 0.
+    pub intensity: f64,
+    /// Distance beyond which the author wants no light, metres.
+    pub range_m: Option<f64>,
+    /// What shape it has.
+    pub kind: LightKind,
+}
+
+/// The kinds of KHR_lights_punctual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light.
+    Directional,
+    /// From a point in all directions.
+    Point,
+    /// From a point within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
+    Spot {
+        /// Half angle of full light, radians.
+        inner_angle: f64,
+        /// Half angle of the dark, radians.
+        outer_angle: f64,
+    },
+}

@@ -1,0 +1,76 @@
+//! Which numbers fields admit. In goes a number in the author's unit, out comes whether its range has it. Invariant: numbers are
+//! finite before they are asked about.
+
+/// A set of admissible numbers.
+pub trait Range: Copy {
+    /// What to say to someone who left it.
+    const EXPECTED: &'static str;
+    /// What a number is multiplied by to get SI units.
+    const UNIT: f64 = 1.0;
+    /// Whether `value`, finite and in the author's unit, lies in the range.
+    fn contains(value: f64) -> bool;
+}
+
+/// A row for each: what to say to someone who left it, which numbers it has, and its unit where that is none of SI.
+macro_rules! ranges {
+    ($($(#[$doc:meta])* $name:ident: $expected:literal, $contains:expr $(, $unit:expr)?;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum $name {}
+
+        impl Range for $name {
+            const EXPECTED: &'static str = $expected;
+            $(const UNIT: f64 = $unit;)?
+            fn contains(value: f64) -> bool {
+                let contains: fn(f64) -> bool = $contains;
+                contains(value)
+            }
+        }
+    )*};
+}
+
+/// Radians.
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+ranges! {
+    /// Any finite number.
+    Finite: "a finite number, at most 1e15 in magnitude", |_| true;
+    /// `0..`.
+    NonNegative: "a finite number that is 0 or more", |value| value >= 0.0;
+    /// More than 0.
+    Positive: "a finite number greater than 0", |value| value > 0.0;
+    /// `0..=1`.
+    UnitInterval: "a number from 0 to 1", |value| (0.0..=1.0).contains(&value);
+    /// More than 0, at most 1.
+    RelativeError: "a relative error greater than 0 and at most 1, such as 0.02 for 2 %", |value| 0.0 < value && value <= 1.0;
+    /// Powers of two by which light is multiplied: within 100 of 0.
+    Stops: "powers of two from -100 to 100, such as 1 for twice as bright", |value| value.abs() <= 100.0;
+    /// At most 0.9999 in magnitude.
+    Anisotropy: "a number from -0.9999 to 0.9999", |value| value.abs() <= 0.9999;
+    /// Any angle, in degrees.
+    Degrees: "a finite angle in degrees", |_| true, DEGREE;
+    /// A whole field of view in degrees.
+    FieldOfView: "an angle from 0.0001 to 179.9 degrees", |value| (1e-4..=179.9).contains(&value), DEGREE;
+    /// Focal length over the diameter of a lens' opening.
+    FStop: "an f-stop of at least 0.001, such as 2.8", |value| value >= 1e-3;
+    /// How far away a lens is in focus, metres.
+    FocusDistance: "a distance of at least 0.000001 m", |value| value >= 1e-6;
+    /// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
+    DiscAngle: "an angle of at least 0 and less than 180 degrees", |value| (0.0..180.0).contains(&value), DEGREE;
+    /// A part of the constant of a Julia set; beyond it every point escapes.
+    JuliaPart: "a number from -2 to 2", |value| (-2.0..=2.0).contains(&value);
+    /// Half the opening of a cone in degrees: more than 0, at most 90.
+    HalfAngle: "an angle greater than 0 and at most 90 degrees", |value| 0.0 < value && value <= 90.0, DEGREE;
+    /// Length or width of something light enough to be borne by the air, in metres.
+    LeafLength: "a length from 0.005 to 1 m", |value| (0.005..=1.0).contains(&value);
+    /// Mass over area of such a thing, in kilograms per square metre.
+    ArealMass: "from 0.01 to 2 kg/m2; paper and leaves have about 0.08", |value| (0.01..=2.0).contains(&value);
+    /// Speed of the air along an axis, m/s: no storm is faster.
+    AirVelocity: "from -200 to 200 m/s along each axis; a hurricane has 70", |value| value.abs() <= 200.0;
+    /// The same whatever its direction.
+    AirSpeed: "from 0 to 200 m/s; a hurricane has 70", |value| (0.0..=200.0).contains(&value);
+    /// From gust to gust in seconds, or across an eddy in metres.
+    GustScale: "a number of at least 0.01", |value| value >= 0.01;
+    /// A factor on speeds.
+    SpeedGain: "a factor from 0.1 to 10", |value| (0.1..=10.0).contains(&value);
+}
