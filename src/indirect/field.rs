@@ -9,6 +9,7 @@ use super::moments::{Moments, NodeMoments};
 use super::ordinates::Ordinates;
 use super::surroundings::Surroundings;
 use super::sweep::{Sources, Sweeper};
+use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::math::kronecker;
@@ -52,10 +53,11 @@ impl Field {
         let wall_triangles = surroundings.walls(width);
         let are_walls = wall_triangles.iter().map(|triangle| triangle.primitive).collect();
         let walls = Walls::new(&grid, snapshot, wall_triangles).introduce();
-        let matter = Matter::new(&grid, &walls, snapshot, &surfels);
+        let fog = SweptFog::new(&snapshot.medium, bounces);
+        let matter = Matter::new(&grid, &walls, snapshot.view.eye, &fog, &surfels);
         let first = FirstLight {
             snapshot,
-            without_peaks: snapshot.medium.without_peaks(),
+            fog: &fog,
             grid: &grid,
             matter: &matter,
             cancelled,

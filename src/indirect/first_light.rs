@@ -5,10 +5,11 @@ use super::grid::{Corners, Grid};
 use super::harmonics::{COUNT, DEGREE, basis, cosine_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
+use super::swept_fog::SweptFog;
 use super::walls::{Patch, Walls};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
-use crate::fog::{Medium, exp_minus};
+use crate::fog::exp_minus;
 use crate::light::Emission;
 use crate::math::{Ray, kronecker};
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot, SurfacePoint};
@@ -71,8 +72,7 @@ impl Glow {
 
 pub(super) struct FirstLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
-    /// Its fog without forward peaks.
-    pub(super) without_peaks: Medium,
+    pub(super) fog: &'a SweptFog<'a>,
     pub(super) grid: &'a Grid,
     pub(super) matter: &'a Matter,
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
@@ -134,7 +134,7 @@ impl FirstLight<'_> {
                 let across = across - across.dot(to_light) * to_light;
                 let relative = across - (eye - eye.dot(to_light) * to_light);
                 let origin = relative + start * to_light;
-                let depths = [&self.without_peaks, &self.snapshot.medium]
+                let depths = [&self.fog.dimming, &self.snapshot.medium]
                     .map(|medium| medium.optical_depth(origin, to_light, f64::INFINITY));
                 let ray = Ray { origin, direction: -to_light };
                 rays.push(PowerRay { ray, power: spacing * spacing * irradiance, depths });
@@ -251,8 +251,7 @@ impl FirstLight<'_> {
             from = from.max(t);
             let Some(point) = point.filter(|_| from <= leave + self.grid.cell_m) else { break };
             if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
-                let fog =
-                    exp_minus(depths[0] + self.without_peaks.optical_depth(ray.origin, ray.direction, t));
+                let fog = exp_minus(depths[0] + self.fog.dimming.optical_depth(ray.origin, ray.direction, t));
                 landings.push(Landing::of(snapshot, point, power * fog * point.alpha));
             }
             power *= point.see_through;
@@ -286,7 +285,7 @@ impl FirstLight<'_> {
         }
         let steps = ((end - start) * STEPS_PER_CELL / self.grid.cell_m).ceil();
         let step = (end - start) / steps;
-        let media = [&self.without_peaks, &self.snapshot.medium];
+        let media = [&self.fog.dimming, &self.snapshot.medium];
         // To the middle of each step by the fog at the middles, which is all that the grid tells of it.
         let mut before =
             [0, 1].map(|which| depths[which] + media[which].optical_depth(ray.origin, ray.direction, start));
@@ -363,7 +362,7 @@ impl FirstLight<'_> {
         if snapshot.tree.any_hit(ray, distance, Some(from)) {
             return Rgb::ZERO;
         }
-        let mut through = self.without_peaks.transmittance(ray.origin, ray.direction, distance);
+        let mut through = self.fog.dimming.transmittance(ray.origin, ray.direction, distance);
         if snapshot.has_blended() {
             let (mut at, mut leaving) = (0.0, Some(from));
             while through.max_element() > 1e-6 {

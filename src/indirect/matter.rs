@@ -8,10 +8,9 @@ use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::moments::Moments;
 use super::surroundings::Surfel;
+use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::color::Rgb;
-use crate::fog::Medium;
-use crate::snapshot::Snapshot;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -164,9 +163,8 @@ impl SurfelTerms {
 }
 
 impl Matter {
-    /// Fog of the snapshot, and surfels on the side of walls that they are on.
-    pub(super) fn new(grid: &Grid, walls: &Walls, snapshot: &Snapshot, surfels: &[Surfel]) -> Self {
-        let medium = &snapshot.medium;
+    /// Fog, which `eye` is the origin of in world space, and surfels, which stay on their side of walls.
+    pub(super) fn new(grid: &Grid, walls: &Walls, eye: DVec3, fog: &SweptFog, surfels: &[Surfel]) -> Self {
         let count = grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut matter = Self {
@@ -175,8 +173,8 @@ impl Matter {
             leaves_of: vec![NO_LEAVES; count],
             leaves: Vec::new(),
         };
-        if !medium.is_empty() {
-            matter.add_fog(grid, medium, snapshot.view.eye);
+        if !fog.dimming.is_empty() {
+            matter.add_fog(grid, fog, eye);
         }
         for surfel in surfels {
             matter.add_leaf(grid, walls, surfel);
@@ -189,14 +187,13 @@ impl Matter {
         &self.fog_scattering[channel][degree]
     }
 
-    fn add_fog(&mut self, grid: &Grid, medium: &Medium, eye: DVec3) {
-        let medium = &Fog { medium, without_peaks: medium.without_peaks() };
+    fn add_fog(&mut self, grid: &Grid, fog: &SweptFog, eye: DVec3) {
         for node in 0..grid.count() {
-            let fog = mean_fog(medium, grid.position(node) - eye, grid.cell_m);
+            let mean = mean_fog(fog, grid.position(node) - eye, grid.cell_m);
             for channel in 0..3 {
-                self.fog_extinction[channel][node] = fog.extinction[channel] as f32;
+                self.fog_extinction[channel][node] = mean.extinction[channel] as f32;
                 for degree in 0..3 {
-                    self.fog_scattering[channel][degree][node] = fog.scattering[degree][channel] as f32;
+                    self.fog_scattering[channel][degree][node] = mean.scattering[degree][channel] as f32;
                 }
             }
         }
@@ -261,22 +258,22 @@ struct MeanFog {
 }
 
 /// Exact where fog is even about all of the cell, else the mean of its middles' grid.
-fn mean_fog(fog: &Fog, middle: DVec3, cell_m: f64) -> MeanFog {
+fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> MeanFog {
     const SIDE: usize = 4;
     let corner = |number: usize| {
         let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
         middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
     };
-    let here = fog.medium.extinction_at(middle);
-    if (0..8).all(|number| fog.medium.extinction_at(corner(number)) == here) {
-        return fog.at(middle);
+    let here = fog.dimming.extinction_at(middle);
+    if (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here) {
+        return MeanFog::at(fog, middle);
     }
     let mut mean = MeanFog { extinction: Rgb::ZERO, scattering: [Rgb::ZERO; 3] };
     let share = 1.0 / (SIDE * SIDE * SIDE) as f64;
     for number in 0..SIDE * SIDE * SIDE {
         let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
         let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
-        let here = fog.at(middle + cell_m * place);
+        let here = MeanFog::at(fog, middle + cell_m * place);
         mean.extinction += share * here.extinction;
         for degree in 0..3 {
             mean.scattering[degree] += share * here.scattering[degree];
@@ -285,15 +282,8 @@ fn mean_fog(fog: &Fog, middle: DVec3, cell_m: f64) -> MeanFog {
     mean
 }
 
-/// Fog, and the same without what it scatters straight ahead.
-struct Fog<'a> {
-    medium: &'a Medium,
-    without_peaks: Medium,
-}
-
-impl Fog<'_> {
-    fn at(&self, point: DVec3) -> MeanFog {
-        let scattering = [0, 1, 2].map(|degree| self.medium.scattering_without_peak_at(point, degree));
-        MeanFog { extinction: self.without_peaks.extinction_at(point), scattering }
+impl MeanFog {
+    fn at(fog: &SweptFog, point: DVec3) -> Self {
+        Self { extinction: fog.dimming.extinction_at(point), scattering: fog.scattering_at(point) }
     }
 }

@@ -13,6 +13,7 @@ mod moments;
 mod ordinates;
 mod surroundings;
 mod sweep;
+mod swept_fog;
 mod view;
 mod walls;
 
