@@ -22,6 +22,8 @@ use std::f64::consts::TAU;
 const NODES: f64 = 30_000.0;
 /// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
 const LEAVES_PER_CELL: f64 = 2.0;
+/// Along the longest side, however large leaves are.
+const FEWEST_CELLS: f64 = 16.0;
 /// Things at least so many cells wide are walls.
 const WALL_CELLS: f64 = 2.0;
 /// Rounds when all of them are wanted.
@@ -158,7 +160,9 @@ fn grid(snapshot: &Snapshot, surroundings: &Surroundings) -> Option<Grid> {
     let (low, high) = [fog, leaves].into_iter().flatten().reduce(union).or(all)?;
     let side = (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()));
     let fine = (side.element_product() / NODES).cbrt();
-    let cell_m = rung(fine.max(LEAVES_PER_CELL * surroundings.leaf_width_m(widest)));
+    let coarse = side.max_element() / FEWEST_CELLS;
+    let of_leaves = LEAVES_PER_CELL * surroundings.leaf_width_m(widest);
+    let cell_m = rung(fine.max(of_leaves.min(coarse)));
     (cell_m > 0.0 && cell_m.is_finite()).then(|| Grid::covering(low, high, cell_m))
 }
 

@@ -22,6 +22,7 @@ from sunfleck_tools.peers.scene import read_scene
 from .command import PROGRAM, run
 from .files import marked_sky
 
+CANOPY = Path(__file__).resolve().parents[2] / "tests/data/canopy20k/scene.ron"
 LEAVES500 = Path(__file__).parents[2] / "tests/data/leaves500"
 LEAF = LEAVES500.parent / "blender/b_leafcards_separate/leaf_rgba.png"
 
@@ -223,12 +224,34 @@ class Rendered(unittest.TestCase):
                     tiles = [each.reshape(3, 9, 6, 8, 3).mean(axis=(1, 3)) for each in (peers, ours)]
                     np.testing.assert_allclose(*tiles, atol=0.03 * ours.mean(), rtol=0.01)
 
-    def both(self, scene: Path, renderer: str, samples: int, own_samples: int) -> tuple[np.ndarray, np.ndarray]:
+    def check_bounces(self, renderer: str, samples: int) -> None:
+        """Light of all orders: two leaves' worth of a scene under a sun, a lamp and a sky, and a canopy."""
+        sky = SKIES["gradient"]
+        scenes = {
+            "sun": (SCENE.format(lamp=LAMPS["sun"], fog=FOG), 0.03),
+            "point": (SCENE.format(lamp=LAMPS["point"], fog=FOG), 0.03),
+            "sky": (TEXTURED.format(texture=LEAF, light=sky, fog=FOG), 0.03),
+            "canopy": (None, 0.03),
+        }
+        for name, (text, most) in scenes.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                scene = CANOPY
+                if text is not None:
+                    scene = Path(folder, "scene.ron")
+                    scene.write_text(text)
+                ours, peers = self.both(scene, renderer, samples, 16, Path(folder), ["--bounces", "all"])
+                ratio = ours.mean() / peers.mean()
+                print(f"{name}: all orders, mean {ratio:.4f} of {renderer}'s")
+                self.assertAlmostEqual(ratio, 1.0, delta=most)
+
+    def both(
+        self, scene: Path, renderer: str, samples: int, own_samples: int, folder: Path | None = None, more: list[str] | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The program's own picture of a scene, and another renderer's."""
-        folder = scene.parent
-        own = ["--samples", str(own_samples), "--progress", "none", "--out", f"{folder}/own.####.exr"]
+        folder, more = folder or scene.parent, more or []
+        own = [*more, "--samples", str(own_samples), "--progress", "none", "--out", f"{folder}/own.####.exr"]
         subprocess.run([PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True)
-        theirs = ["--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]
+        theirs = [*more, "--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]
         code, _, err = run("peers", scene, "--size", "48x27", *theirs)
         self.assertEqual(code, 0, err)
         (ours,) = (color(path) for path in folder.glob("own.*.exr"))
@@ -242,6 +265,10 @@ class Rendered(unittest.TestCase):
     @unittest.skipUnless(_is_there("bpy") and PROGRAM, "bpy, or sunfleck, is not installed")
     def test_textures_and_skies_in_cycles(self):
         self.check_pictures("cycles", 64)
+
+    @unittest.skipUnless(_is_there("mitsuba") and PROGRAM, "mitsuba, or sunfleck, is not installed")
+    def test_bounces_in_mitsuba(self):
+        self.check_bounces("mitsuba-scalar", 256)
 
     @unittest.skipUnless(_is_there("mitsuba"), "mitsuba is not installed")
     def test_mitsuba(self):
