@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--reference-noise", metavar="X", type=positive, default=0.0, help="its own noise, taken out of the RMSE")
     parser.add_argument("--out", metavar="FILE.csv", type=Path, help="error against time, for `sunfleck bench --peers`")
     parser.add_argument("--pictures", metavar="DIR", type=Path, help="where the frames go")
-    parser.add_argument("--bounces", metavar="N|all", type=_bounces, default=0, help="scatterings beyond direct light and single scattering (0)")
+    parser.add_argument("--bounces", metavar="N|all", type=bounces, default=0, help="scatterings beyond direct light and single scattering (0)")
     parser.add_argument("--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)")
     parser.add_argument(
         "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     if missing := [sentence for name in arguments.renderers if (sentence := available(name)) is not None]:
         raise ToolError("\n".join(missing))
     out = looks.writable(arguments.out) if arguments.out is not None else None
-    reference = None if arguments.reference is None else _colors(arguments.reference)
+    reference = None if arguments.reference is None else colors(arguments.reference)
     scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck, arguments.allow)
     scene.size = arguments.size or scene.size
     scene.bounces = arguments.bounces
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     return OK
 
 
-def _colors(path: Path) -> np.ndarray:
+def colors(path: Path) -> np.ndarray:
     from ..pictures import load
 
     frame, fault = load(0, str(path))
@@ -85,7 +85,7 @@ def _colors(path: Path) -> np.ndarray:
     return np.stack(frame.group(), axis=-1).astype(np.float64)
 
 
-def _bounces(text: str) -> int:
+def bounces(text: str) -> int:
     if text == "all":
         return MOST_BOUNCES
     if not (text.isascii() and text.isdigit() and int(text) <= MOST_BOUNCES):
