@@ -1,4 +1,4 @@
-"""A scene to a .glb file that sunfleck reads: checked, custom properties written, with the right options."""
+"""A scene to a .glb file that sunfleck reads: checked, custom properties written, then as it is evaluated."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,8 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import check, controls, extras
+from . import check, extras
+from .evaluated import scenes
 
 
 class NotExportable(Exception):
@@ -21,35 +22,8 @@ def export(scene, path):
     if errors:
         raise NotExportable("; ".join(errors))
     extras.store(scene, path)
-    with controls.empties(scene):
-        bpy.ops.export_scene.gltf(filepath=str(path), **options(scene))
+    scenes.export(scene, path)
     return [finding.message for finding in findings]
-
-
-def options(scene):
-    """The exporter's options. Those that differ from its defaults: docs/blender.md says why."""
-    has_shape_keys = any(thing.type == "MESH" and thing.data.shape_keys for thing in scene.objects)
-    return {
-        "export_format": "GLB",
-        "use_active_scene": True,
-        "use_renderable": not any(check.is_hidden_at_times(thing) for thing in scene.objects),
-        "export_cameras": True,
-        "export_lights": True,
-        "export_import_convert_lighting_mode": "SPEC",
-        "export_extras": True,
-        # Applying modifiers would take the shape keys away.
-        "export_apply": not has_shape_keys,
-        "export_gn_mesh": True,
-        "export_gpu_instances": False,
-        "export_image_format": "AUTO",
-        "export_draco_mesh_compression_enable": False,
-        "export_animation_mode": "SCENE",
-        "export_anim_scene_split_object": False,
-        "export_force_sampling": True,
-        # Empties of ours carry lights and lenses; Blender writes those in wrong units.
-        "export_pointer_animation": any(check.changes(material) for material in bpy.data.materials),
-        "export_yup": True,
-    }
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
