@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from . import world
-from .evaluated import lights
+from .evaluated import lights, moments
 
 # sunfleck's shape of each of Blender's area lights.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
@@ -36,6 +36,8 @@ def of_scene(scene, path=None):
         sunfleck["samples"] = own.samples
     else:
         sunfleck["tolerance"] = own.tolerance
+    if moments.Clock.of(scene).first:
+        sunfleck["frame_at_zero"] = moments.Clock.of(scene).first
     if scene.camera:
         sunfleck["camera"] = scene.camera.name
     if render.use_motion_blur:

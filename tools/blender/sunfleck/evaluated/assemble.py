@@ -38,9 +38,9 @@ class Assembly:
 
     def name(self, thing):
         """Of an object its own; of an instance a number more."""
-        wanted = thing.name if thing.instancer is None else f"{thing.name} of {thing.instancer.name}"
+        wanted = thing.name if thing.instancer in (None, thing.object) else f"{thing.name} of {thing.instancer.name}"
         self.names[wanted] = count = self.names.get(wanted, 0) + 1
-        if thing.instancer is None and count == 1:
+        if thing.instancer in (None, thing.object) and count == 1:
             return wanted
         return f"{wanted} {count}"
 

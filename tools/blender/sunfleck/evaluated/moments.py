@@ -4,6 +4,7 @@ In go Blender's settings, out come times in frames. Invariant: moments of a fram
 shutter's opening, where switches of visibility are put halfway between two frames' shutters.
 """
 
+import math
 from dataclasses import dataclass
 
 # Straight lines between so many moments of a shutter are what things do while it is open; Cycles takes three unless told otherwise.
@@ -42,19 +43,25 @@ class Shutter:
 
 @dataclass(frozen=True)
 class Clock:
-    """Times of the file from frames. Files have no times before 0: negative frames are moved up together."""
+    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some are negative."""
 
-    fps: float
-    fps_base: float
-    first: float
+    seconds_a_frame: float
+    first: int
 
     @classmethod
     def of(cls, scene):
-        first = scene.frame_start + min(Shutter.of(scene).moments()[0], Shutter.of(scene).switch)
-        return cls(scene.render.fps, scene.render.fps_base, min(0.0, float(int(first) - 1)) if first < 0.0 else 0.0)
+        shutter = Shutter.of(scene)
+        earliest = scene.frame_start + min(shutter.moments()[0], shutter.switch)
+        return cls(seconds_a_frame(scene.render), math.floor(earliest) if earliest < 0.0 else 0)
 
     def seconds(self, frames):
-        return (frames - self.first) * self.fps_base / self.fps
+        return (frames - self.first) * self.seconds_a_frame
+
+
+def seconds_a_frame(render):
+    """Blender has 1.001 in single precision, and means it."""
+    base = render.fps_base
+    return (1.001 if abs(base - 1.001) < 1e-6 else base) / render.fps
 
 
 def frames(scene):

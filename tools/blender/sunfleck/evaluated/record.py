@@ -10,8 +10,8 @@ import numpy
 
 from . import geometry
 
-SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
-KINDS = {**dict.fromkeys(SURFACES, "SURFACE"), "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
+# Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
+KINDS = {"MESH": "SURFACE", "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
 
 
 @dataclass
@@ -27,6 +27,47 @@ class Thing:
     rows: list = field(default_factory=list)
     # Numbers of geometries, with the materials of their slots.
     shown: list = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class Source:
+    """What of an instance goes for all that share object and instancer: asking Blender takes its time."""
+
+    kind: str | None
+    original: object
+    parent: object
+
+    def __post_init__(self):
+        self.names = (self.original.name_full, self.parent.name_full if self.parent else "")
+
+
+class Here:
+    """What is known within one moment."""
+
+    def __init__(self, ids):
+        self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
+        self.sources, self.shown = {}, {}
+        # How many have the same key, as realised groups may.
+        self.seen = {}
+
+    def source(self, instance, thing):
+        if not instance.is_instance:
+            return Source(kind_of(thing), thing.original, None)
+        key = (instance.instance_object, instance.parent, thing.type)
+        found = self.sources.get(key)
+        if found is None:
+            original = (instance.instance_object or thing).original
+            found = self.sources[key] = Source(kind_of(thing), original, instance.parent.original)
+        return found
+
+    def key(self, row, source):
+        key = (*source.names, self.ids[row] if source.parent else b"", 0)
+        count = self.seen[key] = self.seen.get(key, -1) + 1
+        return key if count == 0 else (*key[:3], count)
+
+
+def kind_of(thing):
+    return "EMPTY" if holds_fog(thing) else KINDS.get(thing.type)
 
 
 class Record:
@@ -51,61 +92,46 @@ class Record:
         instances.foreach_get("matrix_world", matrices.ravel())
         instances.foreach_get("persistent_id", ids.ravel())
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
-        # What shares its key with another in the same moment, as realised groups may.
-        seen, shown_here = {}, {}
+        here = Here(ids)
         for row, instance in enumerate(instances):
             thing = instance.object
-            kind = "EMPTY" if holds_fog(thing) else KINDS.get(thing.type)
-            if kind is None or not instance.show_self:
+            source = here.source(instance, thing)
+            if source.kind is None or not instance.show_self:
                 continue
-            shown = self.shown(graph, thing, instance, shown_here) if kind == "SURFACE" else None
-            if kind == "SURFACE" and shown is None:
+            shown = self.shown(thing, source, here) if source.kind == "SURFACE" else None
+            if source.kind == "SURFACE" and shown is None:
                 continue
-            parent = instance.parent.original if instance.is_instance else None
-            key = (thing.name_full, parent.name_full if parent else "", ids[row].tobytes() if parent else b"")
-            seen[key] = seen.get(key, 0) + 1
-            found = self.thing((*key, seen[key]), kind, thing, parent)
+            key = here.key(row, source)
+            found = self.things.get(key)
+            if found is None:
+                found = self.things[key] = Thing(thing.name, source.kind, source.original, source.parent)
             found.moments.append(moment)
             found.rows.append(self.first_row + row)
             found.shown.append(shown)
-            if kind != "SURFACE" and offset == 0.0:
-                self.watch((*key, seen[key]), thing, frame)
+            if source.kind != "SURFACE" and offset == 0.0:
+                self.watch(key, thing, frame)
         self.first_row += count
 
-    def thing(self, key, kind, thing, parent):
-        if key not in self.things:
-            self.things[key] = Thing(thing.name, kind, thing.original, parent)
-        return self.things[key]
-
-    def shown(self, graph, thing, instance, shown_here):
+    def shown(self, thing, source, here):
         """The number of what an object shows and its materials; None for nothing."""
         data = thing.data
-        original = (instance.instance_object or thing).original
-        own_slots = tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
-        # What is no mesh is made one by each object in its own way.
-        here = (data.as_pointer(), own_slots, "" if thing.type == "MESH" else original.name_full)
-        if here in shown_here:
-            return shown_here[here]
-        is_still = thing.type == "MESH" and cannot_change(original, data)
-        if is_still and (data.original, own_slots) in self.still:
-            found = self.still[data.original, own_slots]
-        else:
+        key = (data, source)
+        if key in here.shown:
+            return here.shown[key]
+        slots = tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
+        is_still = cannot_change(source.original, data)
+        found = self.still.get((data.original, slots)) if is_still else None
+        if found is None:
             found = self.captured(thing)
-            if is_still:
-                self.still[data.original, own_slots] = found
-        shown_here[here] = found
+        if is_still:
+            self.still[data.original, slots] = found
+        here.shown[key] = found
         return found
 
     def captured(self, thing):
-        mesh = thing.data if thing.type == "MESH" else thing.to_mesh()
-        if mesh is None:
-            return None
-        try:
-            materials = materials_of(thing, mesh)
-            made = geometry.of_mesh(mesh, sorted({name for material in materials for name in self.colors_of(material)}))
-        finally:
-            if thing.type != "MESH":
-                thing.to_mesh_clear()
+        mesh = thing.data
+        materials = materials_of(thing, mesh)
+        made = geometry.of_mesh(mesh, sorted({name for material in materials for name in self.colors_of(material)}))
         if made is None:
             return None
         number = self.known.setdefault(made.known_by(), len(self.geometries))
