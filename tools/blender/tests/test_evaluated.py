@@ -75,6 +75,104 @@ class Leaves(Case):
         self.assertLess(counts[0], counts[-1])
 
 
+class Blur(Case):
+    """While the shutter is open things are where Blender has them, at any moment."""
+
+    def check(self, name, build):
+        scene = stages.stage()
+        build(scene)
+        self.compare_open(name, scene)
+
+    def compare_open(self, name, scene):
+        scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+        file = self.exported(scene)
+        # Of simulations there is nothing before the first frame.
+        frames, worst = list(range(scene.frame_start + 1, scene.frame_end + 1)), 0.0
+        for offset in (-0.25, -0.1, 0.0, 0.07, 0.25):
+            moments = [frame + offset for frame in frames]
+            found = truth.of_file(file, moments)
+            for frame, moment in zip(frames, moments):
+                expected = truth.of(scene, [frame])[frame] if offset == 0.0 else truth.at(scene, moment)
+                worst = max(worst, truth.farthest(found[moment], expected))
+        print(f"{name}: {worst:.1e} m off while the shutter is open")
+        self.assertLessEqual(worst, BLURRED, name)
+
+    def test_turning(self):
+        self.check("shears", stages.shears)
+
+    def test_bending(self):
+        self.check("shape_keys_and_modifiers", stages.shape_keys_and_modifiers)
+        self.check("skeleton", stages.skeleton)
+
+    def test_instances(self):
+        self.check("collections", stages.collections)
+
+    def test_particles(self):
+        scene = leaf_scenes.build("particles")
+        scene.frame_start, scene.frame_end = 11, 15
+        self.compare_open("particles", scene)
+
+    def test_simulation(self):
+        scene = leaf_scenes.build("simulation")
+        scene.frame_end = 6
+        self.compare_open("simulation", scene)
+
+    def test_what_appears_does_so_between_shutters(self):
+        """With any position of the shutter a thing that is hidden until frame 3 is there all the time of that frame's shutter."""
+        for position, opening in (("START", 0.0), ("CENTER", -0.25), ("END", -0.5)):
+            scene = stages.stage()
+            stages.keyed_visibility(scene)
+            scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+            scene.render.motion_blur_position = position
+            file = self.exported(scene)
+            shown = {frame: 2 if frame in (3, 4) else 1 for frame in range(2, 7)}
+            for frame, count in shown.items():
+                moments = [frame + opening + 0.5 * share for share in (0.0, 0.3, 1.0)]
+                counts = [len(there) for there in truth.of_file(file, moments).values()]
+                self.assertEqual(counts, [count] * 3, (position, frame))
+
+
+class Large(Case):
+    def test_two_thousand_leaves_of_240_frames(self):
+        """20 s of one core and 150 MB; wall time is as others leave it."""
+        scene = leaf_scenes.build("particles")
+        settings = bpy.data.particles[0]
+        settings.count, settings.lifetime, scene.frame_end = 2000, 500, 240
+        wall, cpu = time.perf_counter(), time.process_time()
+        export.export(scene, self.path)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        size = self.path.stat().st_size / 1e6
+        file = File(self.path)
+        visible = sum(shown[0] for node, shown in zip(file.nodes, file.visible(file.seconds([240]))) if "mesh" in node)
+        print(f"2000 leaves, 240 frames: {cpu:.1f} s of a core, {wall:.1f} s in all, {size:.1f} MB")
+        self.assertEqual(visible, 2002)
+        self.assertLess(cpu, 20.0)
+        self.assertLess(size, 150.0)
+
+
+class Inspected(Case):
+    """The renderer reads the same places and the same visibility."""
+
+    def test_leaves_are_born_where_they_are(self):
+        scene = leaf_scenes.build("simulation_emits")
+        file = self.exported(scene)
+        frames = [1, 6, 12, 24]
+        worlds, visible = file.worlds(file.seconds(frames)), file.visible(file.seconds(frames))
+        found = inspect(self.path, "--frames", ",".join(map(str, frames)))
+        self.assertEqual([loss["id"] for loss in found["losses"]], [])
+        counts = []
+        for at, frame in enumerate(found["frames"]):
+            counts.append(0)
+            for index, node in enumerate(file.nodes):
+                told = frame["nodes"][node["name"]]
+                self.assertEqual(told["visible"], bool(visible[index][at]), node["name"])
+                counts[-1] += "mesh" in node and told["visible"]
+                if told["visible"]:
+                    worst = numpy.abs(numpy.array(told["world"]).reshape(4, 4) - worlds[index][at]).max()
+                    self.assertLess(worst, 1e-5, node["name"])
+        self.assertEqual(counts, [9, 25, 46, 86])
+
+
 class Stages(Case):
     """Everything else that moves, shows or hides."""
 

@@ -1,5 +1,7 @@
 """What Blender's dependency graph holds at every frame, for tests to compare files with: independent of how files are made."""
 
+import math
+
 import bpy
 import numpy
 
@@ -15,6 +17,13 @@ def of(scene, frames, subframe=0.0):
         graph = bpy.context.evaluated_depsgraph_get()
         found[frame] = [corners for instance in graph.object_instances if (corners := triangles(instance)) is not None]
     return found
+
+
+def at(scene, moment):
+    """The same at one moment, after the frame before it: simulations go on from there."""
+    whole = math.floor(moment)
+    scene.frame_set(whole)
+    return of(scene, [whole], subframe=moment - whole)[whole]
 
 
 def triangles(instance):

@@ -1,14 +1,13 @@
-"""The moments that a render looks at: every frame, and while the shutter is open several for each.
+"""The moments that a render looks at: every frame, and while the shutter is open as many as motion asks for.
 
-In go Blender's settings, out come times in frames. Invariant: moments of a frame lie within half a frame of the middle of its
-shutter's opening, where switches of visibility are put halfway between two frames' shutters.
+In go Blender's settings, out come times in frames. Invariant: switches of visibility lie halfway between two frames' shutters.
 """
 
 import math
 from dataclasses import dataclass
 
-# Straight lines between so many moments of a shutter are what things do while it is open; Cycles takes three unless told otherwise.
-MOMENTS_OF_A_SHUTTER = 5
+# Halved so often at most: 33 moments.
+MOST_HALVINGS = 4
 # Longer shutters overlap with those of the next frames.
 OFFSETS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}
 
@@ -28,12 +27,18 @@ class Shutter:
         length = render.motion_blur_shutter
         return cls(length, OFFSETS[render.motion_blur_position] * length)
 
-    def moments(self):
-        """From the frame; 0 among them."""
+    def rounds(self):
+        """From the frame: the frame itself, the ends and the middle, then what lies halfway between those before."""
+        yield [0.0]
         if self.length == 0.0:
-            return [0.0]
-        step = self.length / (MOMENTS_OF_A_SHUTTER - 1)
-        return sorted({0.0, *(round(self.opening + step * index, 9) for index in range(MOMENTS_OF_A_SHUTTER))})
+            return
+        known, share = {0.0}, [0.0, 0.5, 1.0]
+        for halvings in range(MOST_HALVINGS + 1):
+            found = [moment for moment in (round(self.opening + self.length * at, 9) for at in share) if moment not in known]
+            known.update(found)
+            yield found
+            pieces = 4 << halvings
+            share = [at / pieces for at in range(1, pieces, 2)]
 
     @property
     def switch(self):
@@ -51,7 +56,7 @@ class Clock:
     @classmethod
     def of(cls, scene):
         shutter = Shutter.of(scene)
-        earliest = scene.frame_start + min(shutter.moments()[0], shutter.switch)
+        earliest = scene.frame_start + min(shutter.opening, shutter.switch)
         return cls(seconds_a_frame(scene.render), math.floor(earliest) if earliest < 0.0 else 0)
 
     def seconds(self, frames):

@@ -77,8 +77,8 @@ class Record:
         """`colors_of` gives the names of colour attributes that materials look at; `watch` is told what is no surface."""
         self.colors_of, self.watch = colors_of, watch
         self.things, self.geometries, self.known = {}, [], {}
-        # Frame and offset of each moment; places, one array for each.
-        self.moments, self.matrices = [], []
+        # Frame and offset of each moment; places and numbers of geometries (-1 is none), one array for each.
+        self.moments, self.matrices, self.numbers = [], [], []
         self.first_row = 0
         # Of meshes that cannot change: what they show.
         self.still, self.reaches = {}, {}
@@ -92,7 +92,8 @@ class Record:
         instances.foreach_get("matrix_world", matrices.ravel())
         instances.foreach_get("persistent_id", ids.ravel())
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
-        here = Here(ids)
+        here, numbers = Here(ids), numpy.full(count, -1)
+        self.numbers.append(numbers)
         for row, instance in enumerate(instances):
             thing = instance.object
             source = here.source(instance, thing)
@@ -101,6 +102,8 @@ class Record:
             shown = self.shown(thing, source, here) if source.kind == "SURFACE" else None
             if source.kind == "SURFACE" and shown is None:
                 continue
+            if shown is not None:
+                numbers[row] = shown[0]
             key = here.key(row, source)
             found = self.things.get(key)
             if found is None:
@@ -151,7 +154,12 @@ class Record:
         return self.reaches[number]
 
     def finish(self):
-        """Puts the places of all moments together."""
+        """Puts the places of all moments together, and moments into the order of time: a frame itself is seen first."""
+        for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
+            order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
+            for name in ("moments", "rows", "shown"):
+                values = getattr(thing, name)
+                setattr(thing, name, [values[at] for at in order])
         self.all_matrices = numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
         self.matrices = []
 

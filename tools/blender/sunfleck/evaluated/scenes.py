@@ -10,6 +10,7 @@ from . import walk
 from .assemble import Assembly
 from .moments import Clock, Shutter, frames
 from .record import Record
+from .smoothness import Smoothness
 from .values import Values
 
 
@@ -32,7 +33,7 @@ def export(scene, path):
             values.see_scene(graph, frame)
             library.see(graph, frame)
 
-    walk.walk(scene, frames(scene), shutter, visit)
+    walk.walk(scene, frames(scene), shutter, visit, Smoothness(record).is_enough)
     record.finish()
     assembly = Assembly(record, frames(scene), shutter, Clock.of(scene))
     library.start(assembly.document, assembly.clock)

@@ -15,8 +15,9 @@ from . import simulations
 ASIDE = {"engine": "SUNFLECK_WALK", "use_compositing": False, "use_sequencer": False, "use_multiview": False}
 
 
-def walk(scene, frames, shutter, visit):
-    """Calls `visit(graph, frame, moment)`, of every frame first the frame itself, in order: simulations know no other."""
+def walk(scene, frames, shutter, visit, is_smooth):
+    """Calls `visit(graph, frame, moment)`, of every frame first the frame itself, in order: simulations know no other. Further
+    moments of an open shutter are looked at until `is_smooth()`."""
     layer = view_layer(scene)
     is_simulated = simulations.any_in(scene)
     failed = []
@@ -24,13 +25,16 @@ def walk(scene, frames, shutter, visit):
     def look(engine, graph):
         try:
             for frame in frames:
-                for moment in sorted(shutter.moments(), key=lambda moment: (moment != 0.0, moment)):
-                    # Before the first frame simulations know nothing.
-                    if is_simulated and frame + moment < frames[0]:
-                        continue
-                    whole = math.floor(frame + moment)
-                    engine.frame_set(whole, frame + moment - whole)
-                    visit(graph, frame, moment)
+                for number, moments in enumerate(shutter.rounds()):
+                    if number > 1 and is_smooth():
+                        break
+                    for moment in moments:
+                        # Before the first frame simulations know nothing.
+                        if is_simulated and frame + moment < frames[0]:
+                            continue
+                        whole = math.floor(frame + moment)
+                        engine.frame_set(whole, frame + moment - whole)
+                        visit(graph, frame, moment)
         except Exception as error:  # Blender would print it and go on.
             failed.append(error)
 
