@@ -1,6 +1,8 @@
 """A scene to a .glb file that sunfleck reads: checked, custom properties written, then as it is evaluated."""
 
 import re
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -9,6 +11,8 @@ from bpy_extras.io_utils import ExportHelper
 
 from . import check, extras
 from .evaluated import scenes
+from .evaluated.readback import File
+from .losses import ordered
 
 
 class NotExportable(Exception):
@@ -17,13 +21,27 @@ class NotExportable(Exception):
 
 def export(scene, path):
     """Writes the file; what was found on the way comes back as warnings."""
+    return [str(finding) for finding in exported(scene, path).findings if finding.severity == "WARNING"]
+
+
+@dataclass
+class Told:
+    """What was found, and what is visible at each frame."""
+
+    findings: list
+    counts: object
+
+
+def exported(scene, path):
+    """Writes the file, and reads it back."""
     findings = check.check(scene)
-    errors = [finding.message for finding in findings if finding.severity == "ERROR"]
+    errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotExportable("; ".join(errors))
     extras.store(scene, path)
-    scenes.export(scene, path)
-    return [finding.message for finding in findings]
+    made = scenes.export(scene, path)
+    expected, differences = made.compared(File(path))
+    return Told(ordered([*findings, *made.findings(), *differences]), expected)
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
@@ -48,18 +66,28 @@ class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
 
 
 class SUNFLECK_OT_check(bpy.types.Operator):
-    """Say what of this scene would be lost"""
+    """Say what of this scene would be lost, and compare what a file would show with what Blender shows"""
 
     bl_idname = "sunfleck.check"
     bl_label = "Check for sunfleck"
 
     def execute(self, context):
-        findings = check.check(context.scene)
-        for finding in findings:
-            self.report({finding.severity}, finding.message)
-        if not findings:
+        try:
+            told = checked(context.scene)
+        except NotExportable as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for finding in told.findings:
+            self.report({finding.severity}, str(finding))
+        if not told.findings:
             self.report({"INFO"}, "nothing will be lost")
         return {"FINISHED"}
+
+
+def checked(scene):
+    """The same of a file that does not stay."""
+    with tempfile.TemporaryDirectory() as folder:
+        return exported(scene, Path(folder) / "scene.glb")
 
 
 def default_folder(scene):

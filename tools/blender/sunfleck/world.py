@@ -31,6 +31,13 @@ def shines(scene):
     )
 
 
+def has_volume(scene):
+    """Whether the world is full of something."""
+    tree = scene.world and scene.world.node_tree
+    output = tree.get_output_node("CYCLES") if tree else None
+    return bool(output and output.inputs["Volume"].is_linked)
+
+
 def losses(scene):
     """Why the world cannot be the sky; nothing if it can."""
     shaders = backgrounds(scene)

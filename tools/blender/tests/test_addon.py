@@ -314,31 +314,25 @@ class Checks(Case):
         scenes.sun(self.scene)
         self.assertEqual(self.messages(), [])
 
-    def test_lights_on_which_the_exporter_fails_are_refused(self):
+    def test_a_negative_light_is_refused(self):
         scenes.camera(self.scene)
         lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
-        for name, value in (("use_temperature", True), ("normalize", False)):
-            before = getattr(lamp.data, name)
-            setattr(lamp.data, name, value)
-            self.assertEqual(len(self.messages()), 1)
-            with self.assertRaises(export.NotExportable):
-                export.export(self.scene, self.folder / "scene.glb")
-            setattr(lamp.data, name, before)
+        lamp.data.shadow_soft_size, lamp.data.energy = 0.0, -1.0
+        self.assertEqual([finding.id for finding in check.check(self.scene)], ["light-power"])
+        with self.assertRaises(export.NotExportable):
+            export.export(self.scene, self.folder / "scene.glb")
 
     def test_what_is_lost_is_said(self):
         scene = self.scene
         shade = scenes.material("leaf", (0.2, 0.5, 0.1))
-        shade.node_tree.nodes.new("ShaderNodeBsdfTranslucent")
         thing = scenes.quad(scene, "quad", 1.0, shade)
-        thing.modifiers.new("dust", "PARTICLE_SYSTEM")
-        thing.particle_systems[0].settings.render_type = "OBJECT"
-        said = " ".join(self.messages())
-        for word in ("no active camera", "particle", "translucent"):
-            self.assertIn(word, said)
-        shade.sunfleck_settings.is_leaf = True
-        self.assertNotIn("translucent", " ".join(self.messages()))
+        thing.visible_shadow = False
+        said = {finding.id for finding in check.check(scene)}
+        self.assertEqual(said, {"no-camera", "shadow-invisible"})
+        thing.hide_render = True
+        self.assertEqual([finding.id for finding in check.check(scene)], ["no-camera"])
 
-    def test_a_volume_material_is_refused_unless_it_is_fog(self):
+    def test_a_volume_material_is_said_unless_it_is_fog(self):
         scenes.camera(self.scene)
         shade = bpy.data.materials.new("smoke")
         shade.use_nodes = True

@@ -73,15 +73,17 @@ def kind_of(thing):
 class Record:
     """Grows as the graph is walked."""
 
-    def __init__(self, colors_of, watch):
-        """`colors_of` gives the names of colour attributes that materials look at; `watch` is told what is no surface."""
-        self.colors_of, self.watch = colors_of, watch
+    def __init__(self, library, watch):
+        """`library` knows what materials look at; `watch` is told what is no surface."""
+        self.library, self.watch = library, watch
         self.things, self.geometries, self.known = {}, [], {}
         # Frame and offset of each moment; places and numbers of geometries (-1 is none), one array for each.
         self.moments, self.matrices, self.numbers = [], [], []
-        self.first_row = 0
+        self.first_row, self.first_rows, self.lamps = 0, [], []
         # Of meshes that cannot change: what they show.
         self.still, self.reaches = {}, {}
+        # Names of what has no surface.
+        self.unseen = set()
 
     def visit(self, graph, frame, offset):
         instances = graph.object_instances
@@ -94,6 +96,8 @@ class Record:
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
         here, numbers = Here(ids), numpy.full(count, -1)
         self.numbers.append(numbers)
+        self.first_rows.append(self.first_row)
+        self.lamps.append(0)
         for row, instance in enumerate(instances):
             thing = instance.object
             source = here.source(instance, thing)
@@ -104,6 +108,7 @@ class Record:
                 continue
             if shown is not None:
                 numbers[row] = shown[0]
+            self.lamps[-1] += source.kind == "LIGHT"
             key = here.key(row, source)
             found = self.things.get(key)
             if found is None:
@@ -123,8 +128,9 @@ class Record:
             return here.shown[key]
         slots = tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
         is_still = cannot_change(source.original, data)
-        found = self.still.get((data.original, slots)) if is_still else None
-        if found is None:
+        if is_still and (data.original, slots) in self.still:
+            found = self.still[data.original, slots]
+        else:
             found = self.captured(thing)
         if is_still:
             self.still[data.original, slots] = found
@@ -133,14 +139,19 @@ class Record:
 
     def captured(self, thing):
         mesh = thing.data
-        materials = materials_of(thing, mesh)
-        made = geometry.of_mesh(mesh, sorted({name for material in materials for name in self.colors_of(material)}))
+        materials = [material.original if material else None for material in materials_of(thing, mesh)]
+        colors = {name for material in materials for name in self.library.colors_of(material)}
+        made = geometry.of_mesh(mesh, sorted(colors))
         if made is None:
+            return None
+        slots = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)} if materials else set()
+        if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
+            self.unseen.add(thing.original.name)
             return None
         number = self.known.setdefault(made.known_by(), len(self.geometries))
         if number == len(self.geometries):
             self.geometries.append(made)
-        return number, tuple(material.original if material else None for material in materials)
+        return number, tuple(materials)
 
     def places(self, thing):
         """Of each moment, (moments, 4, 4)."""

@@ -5,8 +5,9 @@ In go a scene and a path, out come the file and what was found on the way. Invar
 
 import bpy
 
+from ..losses import Finding
 from ..materials.library import Library, custom
-from . import walk
+from . import counts, walk
 from .assemble import Assembly
 from .moments import Clock, Shutter, frames
 from .record import Record
@@ -17,15 +18,26 @@ from .values import Values
 class Exported:
     """What was exported, for whoever counts it."""
 
-    def __init__(self, record, assembly, library, values):
-        self.record, self.assembly, self.library, self.values = record, assembly, library, values
+    def __init__(self, scene, record, assembly, library):
+        self.frames, self.record, self.assembly, self.library = list(frames(scene)), record, assembly, library
+
+    def findings(self):
+        """What only the export found out."""
+        return list(self.library.findings())
+
+    def compared(self, file):
+        """What there should be by frame, and where the file differs."""
+        expected = counts.of_record(self.record, self.frames)
+        differences = list(counts.differences(expected, counts.of_file(file, self.frames)))
+        differences += counts.different_materials(self.library.seen, file)
+        return expected, [Finding(id, f"frame {frame}" if frame is not None else "", more) for id, frame, more in differences]
 
 
 def export(scene, path):
     """Writes the file."""
     library, values, shutter = Library(), Values(scene), Shutter.of(scene)
     library.watch(bpy.data.materials)
-    record = Record(library.colors_of, values.watch)
+    record = Record(library, values.watch)
 
     def visit(graph, frame, moment):
         record.visit(graph, frame, moment)
@@ -41,4 +53,4 @@ def export(scene, path):
     values.write(assembly)
     assembly.document.scene_extras = custom(scene)
     assembly.document.write(path)
-    return Exported(record, assembly, library, values)
+    return Exported(scene, record, assembly, library)

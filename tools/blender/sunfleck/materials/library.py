@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy
 
-from .. import check
+from ..losses import Finding
 from . import principled, sockets
 from .images import Images
 from .principled import WHITE, Surface
@@ -95,10 +95,26 @@ class Library:
             self.animate(number, said, self.tracks[material])
         return number
 
+    @property
+    def seen(self):
+        """Names of what was asked for."""
+        return {material.name if material else "default" for material, _ in self.numbers}
+
+    def findings(self):
+        """A word on every material that is not exact."""
+        for material, look in self.looks.items():
+            if material is None or look.surface is None:
+                continue
+            name = f"the material `{material.name}`"
+            if look.losses:
+                yield Finding("material-lost", name, ", ".join(look.losses))
+
     # What changes.
 
     def watch(self, materials):
         """Those that are keyed or driven are looked at in every frame."""
+        from .. import check
+
         self.changing = {material for material in materials if check.changes(material)}
 
     def see(self, graph, frame):
