@@ -41,7 +41,7 @@ def exported(scene, path):
     extras.store(scene, path)
     made = scenes.export(scene, path)
     expected, differences = made.compared(File(path))
-    return Told(ordered([*findings, *made.findings(), *differences]), expected)
+    return Told(ordered([*findings, *made.findings, *differences]), expected)
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):

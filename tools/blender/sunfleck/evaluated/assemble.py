@@ -46,8 +46,10 @@ class Assembly:
 
     def add(self, materials, values, custom):
         """All things, in the order in which they were first seen; objects before instances, whose names give way."""
-        self.meshes = Meshes(self.document, materials)
+        self.meshes, self.materials = Meshes(self.document, materials), materials
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
+        slots = {(material, thing.facts) for _, thing in things for shown in set(thing.shown) if shown for material in shown[1]}
+        materials.prepare(slots)
         for _, thing in things:
             self.unite_shapes(thing)
         for key, thing in things:
@@ -125,7 +127,8 @@ class Assembly:
                 self.document.lists["nodes"][number].setdefault("children", []).append(child)
                 there = {self.frame_of[moment] for moment in group if self.is_frame[moment]}
                 self.tracks.visible(child, self.frames, [frame in there for frame in self.frames], self.shutter.switch)
-            self.show_group(child, key[1], group, self.bend(thing, key, group))
+            materials = tuple(self.materials.on_instance(material, thing.facts) for material in key[1])
+            self.show_group(child, materials, group, self.bend(thing, key, group))
 
     def show_group(self, node, materials, group, bend):
         said = self.document.lists["nodes"][node]

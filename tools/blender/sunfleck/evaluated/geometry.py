@@ -10,6 +10,10 @@ from dataclasses import dataclass, field
 import numpy
 
 
+# The name of texture coordinates that are made for baking.
+ATLAS = "sunfleck bake"
+
+
 @dataclass
 class Geometry:
     """Corners are what Blender calls loops; all in Blender's axes."""
@@ -38,13 +42,25 @@ class Geometry:
         self.shape = digest(self.positions, self.normals)
         return self
 
-    def area(self, linear=None):
-        """Summed over all triangles, after a linear map of the vertices."""
-        positions = self.positions.astype(float)
-        if linear is not None:
-            positions = positions @ numpy.asarray(linear, float)[:3, :3].T
-        a, b, c = (positions[self.corner_vertices[self.triangles[:, corner]]] for corner in range(3))
-        return 0.5 * float(numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum())
+    def unwrapped(self):
+        """The same with corners of their own for each triangle, and texture coordinates in which none covers another."""
+        corners = self.triangles.ravel()
+        # Two triangles to a square of a grid, a little apart.
+        count = len(self.triangles)
+        columns = max(1, int(numpy.ceil(numpy.sqrt(numpy.ceil(count / 2)))))
+        cells = numpy.arange(count) // 2
+        origin = numpy.stack([cells % columns, cells // columns], axis=1)[:, None, :]
+        apart = 0.06
+        lower = numpy.array([[apart, apart], [1.0 - 3.0 * apart, apart], [apart, 1.0 - 3.0 * apart]])
+        inner = numpy.where((numpy.arange(count) % 2 == 0)[:, None, None], lower, 1.0 - lower)
+        atlas = ((origin + inner) / columns).reshape(-1, 2).astype("f4")
+        return Geometry(
+            name=self.name, positions=self.positions, corner_vertices=self.corner_vertices[corners],
+            triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=self.slots, normals_of=self.normals_of,
+            normals=self.normals[corners] if self.normals_of == "CORNER" else self.normals,
+            uvs={**{name: uv[corners] for name, uv in self.uvs.items()}, ATLAS: atlas},
+            colors={name: color[corners] for name, color in self.colors.items()},
+        ).fingerprint()
 
 
 def digest(*pieces):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy
 
+from ..materials import instances
 from . import geometry
 
 # Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
@@ -27,6 +28,8 @@ class Thing:
     rows: list = field(default_factory=list)
     # Numbers of geometries, with the materials of their slots.
     shown: list = field(default_factory=list)
+    # What materials may ask of it.
+    facts: object = None
 
 
 @dataclass(eq=False)
@@ -44,9 +47,11 @@ class Source:
 class Here:
     """What is known within one moment."""
 
-    def __init__(self, ids):
+    def __init__(self, ids, names):
         self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
         self.sources, self.shown = {}, {}
+        # Attributes of instances that materials ask for; of each instancer how many instances came, and theirs.
+        self.names, self.orders, self.tables = names, {}, {}
         # How many have the same key, as realised groups may.
         self.seen = {}
 
@@ -59,6 +64,20 @@ class Here:
             original = (instance.instance_object or thing).original
             found = self.sources[key] = Source(kind_of(thing), original, instance.parent.original)
         return found
+
+    def count(self, instance):
+        if self.names and instance.is_instance:
+            self.orders[instance.parent] = self.orders.get(instance.parent, -1) + 1
+
+    def attributes(self, instance):
+        """Names and values of an instance's; instances come in the order in which their geometry has them."""
+        if not self.names or not instance.is_instance:
+            return ()
+        parent = instance.parent
+        if parent not in self.tables:
+            self.tables[parent] = instances.attributes_of(parent, self.names)
+        table, order = self.tables[parent], self.orders[parent]
+        return table[order] if table and order < len(table) else ()
 
     def key(self, row, source):
         key = (*source.names, self.ids[row] if source.parent else b"", 0)
@@ -76,6 +95,7 @@ class Record:
     def __init__(self, library, watch):
         """`library` knows what materials look at; `watch` is told what is no surface."""
         self.library, self.watch = library, watch
+        self.attributes = library.attributes_of_instances()
         self.things, self.geometries, self.known = {}, [], {}
         # Frame and offset of each moment; places and numbers of geometries (-1 is none), one array for each.
         self.moments, self.matrices, self.numbers = [], [], []
@@ -86,21 +106,22 @@ class Record:
         self.unseen = set()
 
     def visit(self, graph, frame, offset):
-        instances = graph.object_instances
+        seen = graph.object_instances
         moment = len(self.moments)
         self.moments.append((frame, offset))
-        count = len(instances)
+        count = len(seen)
         matrices, ids = numpy.empty((count, 16), "f4"), numpy.empty((count, 8), "i4")
-        instances.foreach_get("matrix_world", matrices.ravel())
-        instances.foreach_get("persistent_id", ids.ravel())
+        seen.foreach_get("matrix_world", matrices.ravel())
+        seen.foreach_get("persistent_id", ids.ravel())
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
-        here, numbers = Here(ids), numpy.full(count, -1)
+        here, numbers = Here(ids, self.attributes), numpy.full(count, -1)
         self.numbers.append(numbers)
         self.first_rows.append(self.first_row)
         self.lamps.append(0)
-        for row, instance in enumerate(instances):
+        for row, instance in enumerate(seen):
             thing = instance.object
             source = here.source(instance, thing)
+            here.count(instance)
             if source.kind is None or not instance.show_self:
                 continue
             shown = self.shown(thing, source, here) if source.kind == "SURFACE" else None
@@ -113,6 +134,8 @@ class Record:
             found = self.things.get(key)
             if found is None:
                 found = self.things[key] = Thing(thing.name, source.kind, source.original, source.parent)
+                if source.kind == "SURFACE":
+                    found.facts = instances.facts(instance, thing, here.attributes(instance))
             found.moments.append(moment)
             found.rows.append(self.first_row + row)
             found.shown.append(shown)
@@ -148,6 +171,8 @@ class Record:
         if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
             self.unseen.add(thing.original.name)
             return None
+        if any(self.library.wants_atlas(material, made) for material in materials):
+            made = made.unwrapped()
         number = self.known.setdefault(made.known_by(), len(self.geometries))
         if number == len(self.geometries):
             self.geometries.append(made)

@@ -20,10 +20,8 @@ class Exported:
 
     def __init__(self, scene, record, assembly, library):
         self.frames, self.record, self.assembly, self.library = list(frames(scene)), record, assembly, library
-
-    def findings(self):
-        """What only the export found out."""
-        return list(self.library.findings())
+        # What only the export found out.
+        self.findings = list(library.findings())
 
     def compared(self, file):
         """What there should be by frame, and where the file differs."""
@@ -49,8 +47,11 @@ def export(scene, path):
     record.finish()
     assembly = Assembly(record, frames(scene), shutter, Clock.of(scene))
     library.start(assembly.document, assembly.clock)
-    assembly.add(library, values, lambda thing: custom(thing.object))
-    values.write(assembly)
-    assembly.document.scene_extras = custom(scene)
-    assembly.document.write(path)
-    return Exported(scene, record, assembly, library)
+    try:
+        assembly.add(library, values, lambda thing: custom(thing.object))
+        values.write(assembly)
+        assembly.document.scene_extras = custom(scene)
+        assembly.document.write(path)
+        return Exported(scene, record, assembly, library)
+    finally:
+        library.close()

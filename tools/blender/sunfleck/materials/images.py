@@ -30,10 +30,11 @@ class Images:
         """An image with all its channels, colours or numbers; None if it cannot be read."""
         key = (image, is_color)
         if key not in self.known:
-            data = self.own_bytes(image, is_color)
+            is_baked = hasattr(image, "values_of_texels")
+            data = None if is_baked else self.own_bytes(image, is_color)
             if data is None:
                 pixels = self.pixels(image)
-                data = None if pixels is None else self.encoded(image, pixels, is_color)
+                data = None if pixels is None else self.encoded(pixels, is_color, not is_baked and is_deep(image, is_color))
             self.known[key] = None if data is None else self.add(image.name, data)
         return self.known[key]
 
@@ -65,6 +66,8 @@ class Images:
 
     def pixels(self, image):
         """Scene-linear or plain values, rows from the bottom; None if there are none."""
+        if hasattr(image, "values_of_texels"):
+            return image.values_of_texels
         if image not in self.pixels_of:
             width, height = image.size
             found = None
@@ -78,11 +81,19 @@ class Images:
             self.pixels_of[image] = found
         return self.pixels_of[image]
 
-    def encoded(self, image, pixels, is_color):
+    def encoded(self, pixels, is_color, deep):
         values = numpy.concatenate([srgb(pixels[..., :3]), pixels[..., 3:]], axis=-1) if is_color else pixels
-        if numpy.all(values[..., 3] >= 1.0):
-            values = values[..., :3]
-        return png(values, image.is_float or image.depth > 32 or (is_color and image.colorspace_settings.name not in IN_SRGB))
+        return png(values[..., :3] if numpy.all(values[..., 3] >= 1.0) else values, deep)
+
+
+def is_plain(image):
+    """Whether its file holds numbers as they are."""
+    return not hasattr(image, "values_of_texels") and image.colorspace_settings.name in PLAIN
+
+
+def is_deep(image, is_color):
+    """Whether 8 bits a channel are too few."""
+    return image.is_float or image.depth > 32 or (is_color and image.colorspace_settings.name not in IN_SRGB)
 
 
 def packed(image):

@@ -7,10 +7,12 @@ word: exact, or what of it is lost.
 import json
 from dataclasses import dataclass, field
 
+import bpy
 import numpy
 
 from ..losses import Finding
-from . import principled, sockets
+from ..evaluated.geometry import ATLAS
+from . import bake, closures, dependence, instances, principled, sockets
 from .images import Images
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
@@ -33,6 +35,10 @@ class Look:
 
     surface: Surface | None
     losses: list = field(default_factory=list)
+    # Why it has to be baked; the surface is then that of each bake.
+    baked: str = ""
+    sizes: set = field(default_factory=set)
+    failed: str = ""
 
 
 class Library:
@@ -40,6 +46,8 @@ class Library:
 
     def __init__(self):
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
+        # Of materials that differ from instance to instance: copies by facts, and how many levels facts are rounded to.
+        self.of_instances, self.copies, self.levels = {}, {}, {}
 
     def start(self, document, clock):
         """Materials go into this document from now on, their keys by this clock."""
@@ -47,8 +55,54 @@ class Library:
 
     def look(self, material):
         if material not in self.looks:
-            self.looks[material] = looked_at(material)
+            if self.differs(material):
+                # As good as any instance's.
+                one = self.copies[material, instances.Facts()] = instances.copy(material, instances.Facts(), f"{material.name} 0")
+                self.looks[one] = self.looks[material] = looked_at(one)
+            else:
+                self.looks[material] = looked_at(material)
         return self.looks[material]
+
+    # What differs from instance to instance.
+
+    def differs(self, material):
+        if material not in self.of_instances:
+            self.of_instances[material] = material is not None and dependence.is_of_instance(material)
+        return self.of_instances[material]
+
+    @staticmethod
+    def attributes_of_instances():
+        """Names of the attributes that any material asks instances for."""
+        nodes = (node for material in bpy.data.materials for node in dependence.nodes_of(material) if node.type == "ATTRIBUTE")
+        return {node.attribute_name for node in nodes if node.attribute_type == "INSTANCER"}
+
+    def prepare(self, shown):
+        """Finds out into how many levels facts have to be rounded, of materials and the facts of each instance."""
+        found = {}
+        for material, facts in shown:
+            if self.differs(material):
+                found.setdefault(material, set()).add(instances.used(facts, material))
+        for material, all_facts in found.items():
+            most = instances.MOST_BAKED if self.look(material).baked else instances.MOST
+            if len(all_facts) > most:
+                self.levels[material] = most
+
+    def on_instance(self, material, facts):
+        """The material as it is on one."""
+        if not self.differs(material):
+            return material
+        own = instances.used(facts, material)
+        if material in self.levels:
+            own = instances.rounded(own, self.levels[material])
+        key = (material, own)
+        if key not in self.copies:
+            self.copies[key] = instances.copy(material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}")
+        return self.copies[key]
+
+    def close(self):
+        """Takes away what was made."""
+        for made in self.copies.values():
+            instances.remove(made)
 
     def is_seen(self, material):
         return self.look(material).surface is not None
@@ -65,6 +119,8 @@ class Library:
 
     def colors_of(self, material):
         """The names of the colour attributes that meshes have to bring."""
+        if self.look(material).baked:
+            return sorted(dependence.colors_of(material))
         found = self.attribute(material)
         return [] if found is None else [found[0]]
 
@@ -73,41 +129,67 @@ class Library:
         found = self.attribute(material)
         return found if found is not None and found[0] in geometry.colors else None
 
+    def wants_atlas(self, material, geometry):
+        """Whether it is baked on the mesh itself, for which that needs coordinates of its own."""
+        look = self.look(material)
+        if not look.baked:
+            return False
+        uv = geometry.uvs.get(dependence.uv_of(material)) if dependence.uv_of(material) else next(iter(geometry.uvs.values()), None)
+        return uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
+
     def number(self, material, geometry):
         """Of the file's material."""
         order = tuple(geometry.uvs)
-        key = (material, order)
+        on_mesh = geometry if self.wants_atlas(material, geometry) else None
+        key = (material, order, on_mesh.known_by() if on_mesh else None)
         if key not in self.numbers:
-            self.numbers[key] = self.made(material, order)
+            self.numbers[key] = self.made(material, order, on_mesh)
         return self.numbers[key]
 
-    def made(self, material, order):
+    def made(self, material, order, on_mesh):
         look = self.look(material)
         writer = Writer(self.document, self.images, lambda name: order.index(name) if name in order else 0)
-        said = writer.material(material.name if material else "default", look.surface)
+        surface = self.baked(material, look, on_mesh) if look.baked else look.surface
+        said = writer.material(material.name if material else "default", surface)
         look.losses = sorted({*look.losses, *writer.losses})
         if material is not None:
             written = custom(material)
             if written:
                 said["extras"] = written
         number = self.document.add("materials", said)
-        if material in self.changing:
+        if material in self.changing and material in self.tracks:
             self.animate(number, said, self.tracks[material])
         return number
 
-    @property
-    def seen(self):
-        """Names of what was asked for."""
-        return {material.name if material else "default" for material, _ in self.numbers}
+    def baked(self, material, look, on_mesh):
+        """What it looks like on a mesh, or on the unit square of its texture coordinates."""
+        size = bake.size_on(on_mesh) if on_mesh else bake.size_of(dependence.largest_image(material))
+        uv = ATLAS if on_mesh else dependence.uv_of(material)
+        try:
+            surface = bake.Baker(material, on_mesh, size, uv).surface()
+        except (NotSimple, RuntimeError) as error:
+            look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
+            return DEFAULT
+        look.sizes.add(size)
+        return surface
 
     def findings(self):
-        """A word on every material that is not exact."""
+        """A word on every material that is not exact. Remembers the names of all."""
+        self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
+        yield from (Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels") for material, levels in self.levels.items())
         for material, look in self.looks.items():
-            if material is None or look.surface is None:
+            if material is None or (look.surface is None and not look.baked) or not any(key[0] == material for key in self.numbers):
                 continue
             name = f"the material `{material.name}`"
+            if look.failed:
+                yield Finding("material-not-honoured", name, f"grey instead, for its node {look.failed}")
+            elif look.baked:
+                texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
+                yield Finding("material-baked", name, f"at {texels} texels, for its {look.baked}")
             if look.losses:
                 yield Finding("material-lost", name, ", ".join(look.losses))
+            if material in self.changing and (look.baked or material not in self.tracks):
+                yield Finding("material-changes", name)
 
     # What changes.
 
@@ -120,8 +202,8 @@ class Library:
     def see(self, graph, frame):
         for material in self.changing:
             try:
-                shader = principled.shader_of(material.evaluated_get(graph))
-                numbers = of_surface(principled.read(shader)) if shader else None
+                link = principled.surface_link(material.evaluated_get(graph))
+                numbers = of_surface(closures.read(link)) if link else None
             except NotSimple:
                 numbers = None
             if numbers:
@@ -146,18 +228,14 @@ class Library:
 def looked_at(material):
     if material is None:
         return Look(DEFAULT)
-    shader = principled.shader_of(material)
-    if shader is None:
+    link = principled.surface_link(material)
+    if link is None:
         return Look(None if is_volume(material) else NOTHING)
     try:
-        return Look(principled.read(shader))
+        return Look(closures.read(link))
     except NotSimple as more:
-        return Look(fallback(material), [f"node-{more.args[0].type}" if more.args and more.args[0] else "node"])
-
-
-def fallback(material):
-    """A grey that is said."""
-    return DEFAULT
+        node = more.args[0] if more.args else None
+        return Look(DEFAULT, ["depends-on-view"] if dependence.is_of_view(material) else [], f"node `{node.name}`" if node else "nodes")
 
 
 def is_volume(material):

@@ -37,17 +37,24 @@ class Surface:
     coat_normal: tuple | None = None
     losses: list = field(default_factory=list)
 
+    def share_through(self):
+        """Of the light that is not absorbed what goes through, so that both colours stay within 1."""
+        through = self.sources.get("through")
+        if through is None or max(through.factor) == 0.0:
+            return 0.0
+        base = self.sources.get("base", WHITE)
+        return max(through.factor) / max(max(through.factor) + max(base.factor), max(through.factor) / 0.999)
+
 
 def output_of(tree):
     """The node that renders: Cycles' own if there is one."""
     return tree.get_output_node("CYCLES")
 
 
-def shader_of(material):
+def surface_link(material):
     """What gives a material's surface; None for nothing."""
     output = output_of(material.node_tree) if material.node_tree else None
-    link = sockets.link_to(output.inputs["Surface"]) if output else None
-    return link.from_node if link else None
+    return sockets.link_to(output.inputs["Surface"]) if output else None
 
 
 def read(shader):

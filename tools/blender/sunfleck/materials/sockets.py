@@ -3,6 +3,8 @@
 In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is `NotSimple`, by the node's name.
 """
 
+import colorsys
+import math
 from dataclasses import dataclass, replace
 
 CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
@@ -121,8 +123,6 @@ def mapped(node):
         raise NotSimple(node)
     if any(link_to(node.inputs[name]) for name in ("Location", "Rotation", "Scale")):
         raise NotSimple(node)
-    import math
-
     location, rotation, scale = (node.inputs[name].default_value for name in ("Location", "Rotation", "Scale"))
     if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
         raise NotSimple(node)
@@ -186,6 +186,49 @@ def read_math(node, output):
     return Source((min(1.0, max(0.0, value)) if node.use_clamp else value,) * 3)
 
 
+def read_ramp(node, output):
+    value = of(node.inputs[0])
+    if not value.is_constant():
+        raise NotSimple(node)
+    color = node.color_ramp.evaluate(value.number())
+    return Source((color[3],) * 3 if output.name == "Alpha" else tuple(color[:3]))
+
+
+def read_hue(node, output):
+    """Of constants alone."""
+    hue, saturation, value, share = (of(node.inputs[name]) for name in ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor"))
+    color = of(node.inputs["Color"])
+    if not all(source.is_constant() for source in (hue, saturation, value, share, color)):
+        raise NotSimple(node)
+    h, s, v = colorsys.rgb_to_hsv(*color.factor)
+    turned = colorsys.hsv_to_rgb((h + hue.number() + 0.5) % 1.0, min(1.0, max(0.0, s * saturation.number())), v * value.number())
+    weight = share.number()
+    return Source(tuple(max(0.0, (1.0 - weight) * old + weight * new) for old, new in zip(color.factor, turned)))
+
+
+def read_range(node, output):
+    if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
+        raise NotSimple(node)
+    names = ("Value", "From Min", "From Max", "To Min", "To Max")
+    sources = [of(next(socket for socket in node.inputs if socket.enabled and socket.name == name)) for name in names]
+    if not all(source.is_constant() for source in sources):
+        raise NotSimple(node)
+    value, from_low, from_high, low, high = (source.number() for source in sources)
+    share = (value - from_low) / (from_high - from_low) if from_high != from_low else 0.0
+    share = min(1.0, max(0.0, share)) if node.clamp else share
+    return Source((low + share * (high - low),) * 3)
+
+
+def read_combine(node, output):
+    """Three constants."""
+    if getattr(node, "mode", "RGB") != "RGB":
+        raise NotSimple(node)
+    sources = [of(socket) for socket in list(node.inputs)[:3]]
+    if not all(source.is_constant() for source in sources):
+        raise NotSimple(node)
+    return Source(tuple(source.number() for source in sources))
+
+
 def read_attribute(node, output):
     """Colours of vertices; which of them a mesh has is seen there."""
     if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
@@ -213,6 +256,11 @@ READERS = {
     "MATH": read_math,
     "VERTEX_COLOR": read_attribute,
     "ATTRIBUTE": read_attribute,
+    "VALTORGB": read_ramp,
+    "HUE_SAT": read_hue,
+    "MAP_RANGE": read_range,
+    "COMBINE_COLOR": read_combine,
+    "COMBXYZ": read_combine,
     "RGB": lambda node, output: constant(output),
     "VALUE": lambda node, output: constant(output),
 }

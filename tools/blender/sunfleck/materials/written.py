@@ -107,7 +107,7 @@ class Writer:
         picture = roughness.picture or metallic.picture
         usual = (roughness.picture is None or roughness.channel == 1) and (metallic.picture is None or metallic.channel == 2)
         same = metallic.picture is None or roughness.picture is None or metallic.picture == roughness.picture
-        if usual and same and metallic.picture and roughness.picture and picture.image.colorspace_settings.name in files.PLAIN:
+        if usual and same and metallic.picture and roughness.picture and files.is_plain(picture.image):
             return self.info(picture, self.images.whole(picture.image, is_color=False))
         width, height = self.common_size(metallic, roughness)
         pixels = numpy.ones((height, width, 3), "f4")
@@ -175,6 +175,7 @@ class Writer:
             yield "KHR_materials_transmission", {"transmissionFactor": min(1.0, transmission)}
         yield from self.coat()
         yield from self.sheen()
+        yield from self.through()
 
     def strong_emission(self):
         numbers = of_surface(self.surface)
@@ -215,6 +216,21 @@ class Writer:
             yield "KHR_materials_sheen", {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))}
 
 
+    def through(self):
+        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what is not that share."""
+        through = self.surface.sources.get("through")
+        if through is None:
+            return
+        share = self.surface.share_through()
+        said = {"diffuseTransmissionFactor": share, "diffuseTransmissionColorFactor": [unit(c / share) for c in rec709(through.factor)]}
+        if through.attribute is not None or through.channel != "rgb":
+            raise NotSimple(None)
+        if through.picture:
+            image = self.images.whole(through.picture.image, is_color=True)
+            self.put(said, "diffuseTransmissionColorTexture", self.info(through.picture, image))
+        yield "KHR_materials_diffuse_transmission", said
+
+
 def channel_of(pixels, channel):
     """(rows, columns, 3), or 1 of a single channel."""
     return pixels[..., :3] if channel == "rgb" else pixels[..., channel : channel + 1]
@@ -231,7 +247,9 @@ def unit(value):
 def of_surface(surface):
     """The numbers of a material that may change."""
     source = lambda name: surface.sources.get(name, DEFAULTS[name])
-    color = [unit(channel) for channel in rec709(source("base").factor)]
+    # Of what goes through glTF takes its share from what is reflected.
+    left = 1.0 - surface.share_through()
+    color = [unit(channel / left) for channel in rec709(source("base").factor)]
     emission = [max(0.0, channel) for channel in rec709(source("emission").factor)]
     strength = max(0.0, number_of(source("emission_strength")))
     # What glTF has a factor of at most 1 for is scaled down, its strength up; weak light needs no strength.
