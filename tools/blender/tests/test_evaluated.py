@@ -173,6 +173,58 @@ class Inspected(Case):
         self.assertEqual(counts, [9, 25, 46, 86])
 
 
+class Strands(Case):
+    """Hair is ribbons, and points are spheres."""
+
+    def corners(self, name):
+        file = self.exported(self.scene)
+        node = next(index for index, node in enumerate(file.nodes) if node["name"].startswith(name))
+        world = file.worlds(file.seconds([1]))[node][0]
+        return file.triangles(file.nodes[node]["mesh"]) @ world[:3, :3].T + world[:3, 3]
+
+    def test_hair_curves(self):
+        """Straight hair of 1 cm, a metre long: its ribbon faces the camera."""
+        self.scene = stages.stage((1, 1))
+        data = bpy.data.hair_curves.new("hair")
+        data.add_curves([3])
+        data.position_data.foreach_set("vector", numpy.array([0, 0, 0, 0, 0, 0.5, 0, 0, 1], "f4"))
+        data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.005] * 3)
+        stages.scenes.add(self.scene, "hair", data)
+        corners = self.corners("hair")
+        self.assertAlmostEqual(area(corners), 0.01, 5)
+        self.assertAlmostEqual(float(numpy.ptp(corners[..., 1])), 1.0, 5)
+        normal = numpy.cross(corners[0, 1] - corners[0, 0], corners[0, 2] - corners[0, 0])
+        eye = numpy.array([0.0, 2.0, 6.0]) - corners[0].mean(axis=0)
+        self.assertGreater(abs(float(normal @ eye)) / numpy.linalg.norm(normal) / numpy.linalg.norm(eye), 0.94)
+
+    def test_particle_hair(self):
+        self.scene = stages.stage((1, 1))
+        lawn = stages.grid(self.scene, "lawn", 3)
+        settings = lawn.modifiers.new("grass", "PARTICLE_SYSTEM").particle_system.settings
+        settings.type, settings.count, settings.hair_length, settings.render_step = "HAIR", 5, 0.5, 3
+        settings.root_radius, settings.tip_radius, settings.use_close_tip = 1.0, 1.0, False
+        self.assertAlmostEqual(area(self.corners("lawn grass")), 5 * 0.5 * settings.radius_scale, 5)
+
+    def test_points(self):
+        self.scene = stages.stage((1, 1))
+        thing = stages.quad(self.scene, "points")
+        tree = bpy.data.node_groups.new("points", "GeometryNodeTree")
+        tree.is_modifier = True
+        for way in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+        start, made, end = (tree.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput"))
+        made.inputs["Radius"].default_value = 0.1
+        tree.links.new(start.outputs[0], made.inputs["Mesh"])
+        tree.links.new(made.outputs[0], end.inputs[0])
+        thing.modifiers.new("points", "NODES").node_group = tree
+        # What a sphere shows from anywhere is a quarter of its surface.
+        self.assertAlmostEqual(area(self.corners("points")), 4 * 4.0 * numpy.pi * 0.1**2, 5)
+
+
+def area(corners):
+    return 0.5 * float(numpy.linalg.norm(numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum())
+
+
 class Stages(Case):
     """Everything else that moves, shows or hides."""
 

@@ -91,7 +91,7 @@ class Assembly:
     def reach(self, thing):
         """How far from its origin a thing has anything."""
         shown = {shown[0] for shown in thing.shown if shown is not None}
-        return max((self.record.reach(number) for number in shown), default=1.0)
+        return max((self.record.capture.reach(number) for number in shown), default=1.0)
 
     # Surfaces.
 

@@ -92,18 +92,17 @@ def of_record(record, frames):
     from .places import in_gltf
 
     counts, extents = Counts(frames), {}
-    for (frame, offset), first, numbers, lamps in zip(record.moments, record.first_rows, record.numbers, record.lamps):
+    for (frame, offset), first, (rows, numbers), lamps in zip(record.moments, record.first_rows, record.placed, record.lamps):
         if offset != 0.0:
             continue
         at = counts.numbers[frame]
         counts.lights[at] = lamps
-        rows = numpy.flatnonzero(numbers >= 0)
         matrices = in_gltf(record.all_matrices[first + rows].astype(float), looks=False)
-        for number in numpy.unique(numbers[rows]):
+        for number in numpy.unique(numbers):
             if number not in extents:
                 geometry = record.geometries[number]
                 extents[number] = Extent(turned(geometry.positions.astype(float)[geometry.corner_vertices[geometry.triangles]]))
-            here = matrices[numbers[rows] == number]
+            here = matrices[numbers == number]
             counts.add(numpy.full(len(here), at), extents[number], here)
     return counts
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy
 
 from ..materials import instances
-from . import geometry
+from .capture import Capture
 
 # Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
-KINDS = {"MESH": "SURFACE", "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
+KINDS = {"MESH": "SURFACE", "CURVES": "SURFACE", "POINTCLOUD": "SURFACE", "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
 
 
 @dataclass
@@ -53,7 +53,7 @@ class Here:
         # Attributes of instances that materials ask for; of each instancer how many instances came, and theirs.
         self.names, self.orders, self.tables = names, {}, {}
         # How many have the same key, as realised groups may.
-        self.seen = {}
+        self.seen, self.lamps = {}, 0
 
     def source(self, instance, thing):
         if not instance.is_instance:
@@ -79,10 +79,10 @@ class Here:
         table, order = self.tables[parent], self.orders[parent]
         return table[order] if table and order < len(table) else ()
 
-    def key(self, row, source):
-        key = (*source.names, self.ids[row] if source.parent else b"", 0)
+    def key(self, row, source, part):
+        key = (*source.names, part, self.ids[row] if source.parent else b"", 0)
         count = self.seen[key] = self.seen.get(key, -1) + 1
-        return key if count == 0 else (*key[:3], count)
+        return key if count == 0 else (*key[:4], count)
 
 
 def kind_of(thing):
@@ -94,100 +94,58 @@ class Record:
 
     def __init__(self, library, watch):
         """`library` knows what materials look at; `watch` is told what is no surface."""
-        self.library, self.watch = library, watch
-        self.attributes = library.attributes_of_instances()
-        self.things, self.geometries, self.known = {}, [], {}
-        # Frame and offset of each moment; places and numbers of geometries (-1 is none), one array for each.
-        self.moments, self.matrices, self.numbers = [], [], []
-        self.first_row, self.first_rows, self.lamps = 0, [], []
-        # Of meshes that cannot change: what they show.
-        self.still, self.reaches = {}, {}
-        # Names of what has no surface.
-        self.unseen = set()
+        self.capture, self.watch, self.attributes = Capture(library), watch, library.attributes_of_instances()
+        self.things = {}
+        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show which geometry, and lights.
+        self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
+
+    @property
+    def geometries(self):
+        return self.capture.geometries
 
     def visit(self, graph, frame, offset):
         seen = graph.object_instances
-        moment = len(self.moments)
-        self.moments.append((frame, offset))
         count = len(seen)
         matrices, ids = numpy.empty((count, 16), "f4"), numpy.empty((count, 8), "i4")
         seen.foreach_get("matrix_world", matrices.ravel())
         seen.foreach_get("persistent_id", ids.ravel())
+        self.first_rows.append(self.first_rows[-1] + len(self.matrices[-1]) if self.moments else 0)
+        self.moments.append((frame, offset))
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
-        here, numbers = Here(ids, self.attributes), numpy.full(count, -1)
-        self.numbers.append(numbers)
-        self.first_rows.append(self.first_row)
-        self.lamps.append(0)
+        here = Here(ids, self.attributes)
+        self.capture.begin(graph)
+        rows = []
         for row, instance in enumerate(seen):
             thing = instance.object
             source = here.source(instance, thing)
             here.count(instance)
-            if source.kind is None or not instance.show_self:
-                continue
-            shown = self.shown(thing, source, here) if source.kind == "SURFACE" else None
-            if source.kind == "SURFACE" and shown is None:
-                continue
-            if shown is not None:
-                numbers[row] = shown[0]
-            self.lamps[-1] += source.kind == "LIGHT"
-            key = here.key(row, source)
-            found = self.things.get(key)
-            if found is None:
-                found = self.things[key] = Thing(thing.name, source.kind, source.original, source.parent)
-                if source.kind == "SURFACE":
-                    found.facts = instances.facts(instance, thing, here.attributes(instance))
-            found.moments.append(moment)
-            found.rows.append(self.first_row + row)
-            found.shown.append(shown)
-            if source.kind != "SURFACE" and offset == 0.0:
-                self.watch(key, thing, frame)
-        self.first_row += count
+            if source.kind == "SURFACE":
+                for part, shown in self.capture.shown(thing, source, instance):
+                    self.add(here.key(row, source, part), row, thing, source, shown, instance, here)
+                    rows.append((row, shown[0]))
+            elif source.kind is not None and instance.show_self:
+                key = here.key(row, source, "")
+                self.add(key, row, thing, source, None, instance, here)
+                here.lamps += source.kind == "LIGHT"
+                if offset == 0.0:
+                    self.watch(key, thing, frame)
+        self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
+        self.lamps.append(here.lamps)
 
-    def shown(self, thing, source, here):
-        """The number of what an object shows and its materials; None for nothing."""
-        data = thing.data
-        key = (data, source)
-        if key in here.shown:
-            return here.shown[key]
-        slots = tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
-        is_still = cannot_change(source.original, data)
-        if is_still and (data.original, slots) in self.still:
-            found = self.still[data.original, slots]
-        else:
-            found = self.captured(thing)
-        if is_still:
-            self.still[data.original, slots] = found
-        here.shown[key] = found
-        return found
-
-    def captured(self, thing):
-        mesh = thing.data
-        materials = [material.original if material else None for material in materials_of(thing, mesh)]
-        colors = {name for material in materials for name in self.library.colors_of(material)}
-        made = geometry.of_mesh(mesh, sorted(colors))
-        if made is None:
-            return None
-        slots = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)} if materials else set()
-        if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
-            self.unseen.add(thing.original.name)
-            return None
-        if any(self.library.wants_atlas(material, made) for material in materials):
-            made = made.unwrapped()
-        number = self.known.setdefault(made.known_by(), len(self.geometries))
-        if number == len(self.geometries):
-            self.geometries.append(made)
-        return number, tuple(materials)
+    def add(self, key, row, thing, source, shown, instance, here):
+        found = self.things.get(key)
+        if found is None:
+            name = f"{thing.name} {key[2]}" if key[2] else thing.name
+            found = self.things[key] = Thing(name, source.kind, source.original, source.parent)
+            if source.kind == "SURFACE":
+                found.facts = instances.facts(instance, thing, here.attributes(instance))
+        found.moments.append(len(self.moments) - 1)
+        found.rows.append(self.first_rows[-1] + row)
+        found.shown.append(shown)
 
     def places(self, thing):
         """Of each moment, (moments, 4, 4)."""
         return self.all_matrices[thing.rows].astype(float)
-
-    def reach(self, number):
-        """How far a geometry reaches from its origin."""
-        if number not in self.reaches:
-            positions = self.geometries[number].positions
-            self.reaches[number] = float(numpy.linalg.norm(positions, axis=1).max(initial=0.0))
-        return self.reaches[number]
 
     def finish(self):
         """Puts the places of all moments together, and moments into the order of time: a frame itself is seen first."""
@@ -203,27 +161,3 @@ class Record:
 def holds_fog(thing):
     """Its mesh, if it has one, only shows its author where the fog is."""
     return thing.type in {"EMPTY", "MESH"} and (thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing)
-
-
-def cannot_change(original, data):
-    """A mesh that is neither keyed nor bent shows the same at every moment; one that is made for instances may be any."""
-    return (
-        original.type == "MESH"
-        and not original.modifiers
-        and original.data.shape_keys is None
-        and original.data.animation_data is None
-        and data.original == original.data
-    )
-
-
-def materials_of(thing, mesh):
-    """Of each slot: the object's own where it says so, else the mesh's."""
-    slots, of_mesh = thing.material_slots, list(mesh.materials)
-    found = []
-    for index in range(max(len(slots), len(of_mesh))):
-        slot = slots[index] if index < len(slots) else None
-        if slot is not None and (slot.link == "OBJECT" or index >= len(of_mesh)):
-            found.append(slot.material)
-        else:
-            found.append(of_mesh[index])
-    return found

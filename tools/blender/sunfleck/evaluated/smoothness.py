@@ -31,22 +31,25 @@ class Smoothness:
         offsets = [self.record.moments[index][1] for index in indices]
         share = (offsets[1] - offsets[0]) / (offsets[2] - offsets[0])
         before, here, after = (self.record.matrices[index] for index in indices)
-        if not len(before) == len(here) == len(after):
+        placed = [self.record.placed[index] for index in indices]
+        alike = all(numpy.array_equal(one[0], placed[1][0]) for one in placed)
+        if not (len(before) == len(here) == len(after) and alike):
             return numpy.inf
-        shown = [self.record.numbers[index] for index in indices]
-        reach = numpy.array([self.record.reach(number) for number in range(len(self.record.geometries))] + [0.0])[shown[1]]
+        # What shows nothing is a camera, a light or fog, a metre of which counts.
+        reach = numpy.ones(len(here))
+        reach[placed[1][0]] = [self.record.capture.reach(number) for number in placed[1][1]]
         off = numpy.abs(here - between(before, after, share))
         farthest = off[:, :3, 3].max(axis=1) + reach * off[:, :3, :3].max(axis=(1, 2))
-        return max(float(farthest.max(initial=0.0)), self.bending(shown, here, share))
+        return max(float(farthest.max(initial=0.0)), self.bending(placed, here, share))
 
-    def bending(self, shown, matrices, share):
+    def bending(self, placed, matrices, share):
         """The same of vertices of meshes that bend."""
         worst = 0.0
-        for row in numpy.flatnonzero((shown[0] != shown[2]) & (shown[0] >= 0) & (shown[2] >= 0)):
-            before, here, after = (self.record.geometries[number[row]] for number in shown)
+        for at in numpy.flatnonzero(placed[0][1] != placed[2][1]):
+            before, here, after = (self.record.geometries[rows[1][at]] for rows in placed)
             if before.topology == here.topology == after.topology:
                 off = here.positions - (1.0 - share) * before.positions - share * after.positions
-                worst = max(worst, float(numpy.abs(off).max()) * float(numpy.abs(matrices[row, :3, :3]).max()))
+                worst = max(worst, float(numpy.abs(off).max()) * float(numpy.abs(matrices[placed[1][0][at], :3, :3]).max()))
         return worst
 
 
