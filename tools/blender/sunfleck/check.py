@@ -7,7 +7,7 @@ and sunfleck does not is among them.
 from . import world
 from .evaluated import walk
 from .losses import Finding, ordered
-from .materials import principled, sockets
+from .materials import colours, principled, sockets
 
 
 def check(scene):
@@ -55,6 +55,7 @@ def of_scene(scene):
         "freestyle": render.use_freestyle,
         "color-overrides": walk.view_layer(scene).material_override is not None,
         "world-volume": world.has_volume(scene),
+        "working-space": colours.working_space() != "Linear Rec.709",
     }
     yield from (Finding(id) for id, is_so in said.items() if is_so)
     own = scene.sunfleck_settings

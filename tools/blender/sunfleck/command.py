@@ -62,7 +62,9 @@ def do_render(scene, known, others):
     glb = folder / f"{folder.name}.glb"
     for warning in export.export(scene, glb):
         print(f"warning{warning}", file=sys.stderr)
-    run = render.Run(executable, glb, folder, others)
+    asked = {word.split("=")[0] for word in others}
+    own = [flag for flag in render.flags(scene, animation=True) if flag.split("=")[0] not in asked]
+    run = render.Run(executable, glb, folder, [*own, *others])
     code = run.wait()
     for news in run.news():
         if news["event"] in {"frame_written", "finished"}:

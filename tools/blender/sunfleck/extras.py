@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from . import world
 from .evaluated import lights, moments
+from .materials.colours import rec709
 
 # sunfleck's shape of each of Blender's area lights.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
@@ -24,7 +25,8 @@ def of_scene(scene, path=None):
         "fps_base": float(render.fps_base),
         "frame_start": scene.frame_start,
         "frame_end": scene.frame_end,
-        "resolution": [max(1, round(side * percent)) for side in (render.resolution_x, render.resolution_y)],
+        # Pixels are square: those of another aspect are so many more or fewer across.
+        "resolution": [max(1, round(side * percent)) for side in picture_sides(scene)],
         "light_units": "spec",
         "filter": own.filter,
         "exposure": scene.view_settings.exposure,
@@ -55,7 +57,7 @@ def of_scene(scene, path=None):
     if own.use_world:
         sky = world.of_world(scene, path)
     elif own.background_strength > 0.0:
-        sky = {"color": list(own.background_color), "strength": own.background_strength}
+        sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     if sky:
         written["sunfleck_env"] = {**sky, "lights": own.sky_lights}
     return written

@@ -10,6 +10,8 @@ from urllib.parse import quote
 
 import bpy
 
+from .materials.colours import rec709
+
 # Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi
 READ_AS_IT_IS = {".hdr", ".exr"}
@@ -68,7 +70,7 @@ def of_world(scene, path):
         return None
     color, strength = shaders[0].inputs["Color"], shaders[0].inputs["Strength"].default_value
     if not color.is_linked:
-        return {"color": list(color.default_value[:3]), "strength": strength}
+        return {"color": list(rec709(tuple(color.default_value[:3]))), "strength": strength}
     texture = environment(shaders[0])
     if texture is None or path is None:
         return None

@@ -24,7 +24,7 @@ class United:
 
 
 class Assembly:
-    """Turns things into nodes, one after the other."""
+    """Turns things into nodes, one after the other; `tracks.write` makes channels of what moves at the end."""
 
     def __init__(self, record, frames, shutter, clock):
         self.record, self.frames, self.shutter, self.clock = record, frames, shutter, clock
@@ -54,7 +54,6 @@ class Assembly:
             self.unite_shapes(thing)
         for key, thing in things:
             self.add_thing(key, thing, values, custom)
-        self.tracks.write()
 
     def add_thing(self, key, thing, values, custom):
         there = self.is_frame[thing.moments]
@@ -164,6 +163,25 @@ class Assembly:
         if key not in self.lamps:
             self.lamps[key] = self.document.light(said.punctual)
         node.setdefault("extensions", {})["KHR_lights_punctual"] = {"light": self.lamps[key]}
+
+    def add_view(self, values):
+        """A camera that is at each moment the one that renders, if that is not one node all the time."""
+        views = sorted(values.views, key=lambda view: view.time)
+        eyes = {view.eye for view in views}
+        if not eyes or views[0].said.camera is None:
+            return
+        names = {thing.object: self.node_name(key) for key, thing in self.record.things.items() if thing.instancer is None}
+        if len(eyes) == 1 and names.get(views[0].eye):
+            return
+        node = {"name": "camera of markers" if len(eyes) > 1 else views[0].eye.name}
+        number = self.nodes["view"] = self.document.add("nodes", node)
+        matrices = numpy.stack([view.matrix for view in views])
+        times = numpy.array([view.time for view in views])
+        self.tracks.place(number, times, places.parts(places.in_gltf(matrices, looks=True)), 1.0)
+        self.look(node, None, views[0].said)
+        for view in views:
+            values.see("view", view.time, view.fields)
+        self.document.scene_extras.setdefault("sunfleck", {})["camera"] = node["name"]
 
     def look(self, node, thing, said):
         if said.camera is None:

@@ -5,6 +5,8 @@ In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux
 
 import math
 
+from ..materials.colours import rec709
+
 LUMENS_PER_WATT = 683.0
 
 
@@ -30,10 +32,9 @@ def area_size(light):
 
 
 def color(light):
-    """With what its temperature makes of it."""
-    if not light.use_temperature:
-        return tuple(light.color)
-    return tuple(a * b for a, b in zip(light.color, light.temperature_color))
+    """With what its temperature makes of it, in linear Rec. 709."""
+    warmth = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
+    return rec709(tuple(a * b for a, b in zip(light.color, warmth)))
 
 
 def punctual(light):

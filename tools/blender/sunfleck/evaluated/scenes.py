@@ -39,8 +39,8 @@ def export(scene, path):
 
     def visit(graph, frame, moment):
         record.visit(graph, frame, moment)
+        values.see_scene(graph, frame, moment)
         if moment == 0.0:
-            values.see_scene(graph, frame)
             library.see(graph, frame)
 
     walk.walk(scene, frames(scene), shutter, visit, Smoothness(record).is_enough)
@@ -49,8 +49,10 @@ def export(scene, path):
     library.start(assembly.document, assembly.clock)
     try:
         assembly.add(library, values, lambda thing: custom(thing.object))
-        values.write(assembly)
         assembly.document.scene_extras = custom(scene)
+        assembly.add_view(values)
+        assembly.tracks.write()
+        values.write(assembly)
         assembly.document.write(path)
         return Exported(scene, record, assembly, library)
     finally:

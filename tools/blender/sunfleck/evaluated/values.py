@@ -15,19 +15,33 @@ from . import cameras, lights, thinning
 TOLERANCE = 1e-6
 
 
+class View:
+    """The camera that renders at a moment: markers switch between cameras, and what is hidden renders all the same."""
+
+    def __init__(self, time, eye, evaluated, scene):
+        self.time, self.eye = time, eye
+        self.matrix = numpy.array(evaluated.matrix_world, float)
+        self.said = SimpleNamespace(camera=cameras.camera(evaluated.data, scene), extras=extras.of_camera(evaluated.data, scene, evaluated))
+        self.fields = camera(evaluated, scene)
+
+
 class Values:
     """What is seen of them, and when."""
 
     def __init__(self, scene):
         self.scene = scene
-        self.lights, self.cameras, self.cuts = {}, {}, []
+        self.lights, self.cameras = {}, {}
+        # What Blender renders through at each moment: see `View`.
+        self.views = []
         # Of owner (a thing's key, or "scene") and field: frames and values.
         self.tracks = {}
 
-    def see_scene(self, graph, frame):
+    def see_scene(self, graph, frame, offset):
+        eye = self.scene.camera
+        if eye is not None and eye.type == "CAMERA":
+            self.views.append(View(frame + offset, eye, eye.evaluated_get(graph), self.scene))
         own = graph.scene_eval.sunfleck_settings
-        self.cuts.append((frame, self.scene.camera))
-        if own.use_fog:
+        if own.use_fog and offset == 0.0:
             self.see("scene", frame, {**fog("sunfleck_fog", own), "sunfleck_fog.scale_height": own.scale_height})
 
     def watch(self, key, thing, frame):

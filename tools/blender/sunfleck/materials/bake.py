@@ -12,6 +12,7 @@ import numpy
 
 from ..evaluated.geometry import digest
 from . import principled, sockets
+from .colours import rec709
 from .channels import COLORS, NUMBERS, Channels, is_socket
 from .fingerprint import of_tree
 from .principled import WHITE, Surface
@@ -148,6 +149,7 @@ class Baker:
         """A constant where all texels are alike."""
         if values.ndim == 1 or float(numpy.ptp(values, axis=(0, 1)).max()) < 1.0 / 512.0:
             return Source(tuple(float(value) for value in (values if values.ndim == 1 else values.mean(axis=(0, 1)))))
+        values = rec709(values) if name not in {"roughness", "metallic", "alpha"} else values
         largest = float(values.max())
         return Source((largest,) * 3, self.picture(name, values / largest))
 

@@ -13,6 +13,7 @@ import numpy
 
 from ..evaluated.document import Document
 from . import sockets
+from .colours import rec709
 
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 # As Blender names them: what holds colours in sRGB's curve, and what holds plain numbers.
@@ -78,6 +79,8 @@ class Images:
                 # Byte images are given as they are stored.
                 if not image.is_float and image.colorspace_settings.name in IN_SRGB:
                     found = numpy.concatenate([linear(found[..., :3]), found[..., 3:]], axis=-1)
+                elif image.is_float and image.colorspace_settings.name not in PLAIN:
+                    found = numpy.concatenate([rec709(found[..., :3]), found[..., 3:]], axis=-1)
             self.pixels_of[image] = found
         return self.pixels_of[image]
 
