@@ -60,7 +60,10 @@ def of_scene(scene):
     yield from (Finding(id) for id, is_so in said.items() if is_so)
     own = scene.sunfleck_settings
     if own.use_world:
-        yield from (Finding("world", more=lost) for lost in world.losses(scene))
+        if world.is_baked(scene):
+            yield Finding("world-baked")
+        if world.changes(scene):
+            yield Finding("world-changes")
     elif own.background_strength == 0.0 and world.shines(scene):
         yield Finding("world-not-exported")
 
