@@ -3,6 +3,7 @@
 Run with the other tests here (test_addon.py says how). What it prints are the largest distances, metres.
 """
 
+import os
 import subprocess
 import tempfile
 import time
@@ -19,6 +20,7 @@ from sunfleck import export
 from sunfleck.evaluated.readback import File
 from test_addon import PROGRAM, inspect
 
+TOOLS = os.environ.get("SUNFLECK_TOOLS")
 # Metres; exact counts.
 PLACES = 1e-4
 BLURRED = 1e-3
@@ -171,6 +173,14 @@ class Inspected(Case):
                     worst = numpy.abs(numpy.array(told["world"]).reshape(4, 4) - worlds[index][at]).max()
                     self.assertLess(worst, 1e-5, node["name"])
         self.assertEqual(counts, [9, 25, 46, 86])
+
+    @unittest.skipUnless(TOOLS, "SUNFLECK_TOOLS names sunfleck-tools")
+    def test_usd_has_them_come_and_go(self):
+        file = self.exported(leaf_scenes.build("nodes_born"))
+        stage = self.path.with_suffix(".usda")
+        subprocess.run([TOOLS, "export-usd", str(self.path), str(stage)], capture_output=True, check=True, env={**os.environ, "SUNFLECK": PROGRAM})
+        born = sum(not shown[0] for shown in file.visible(file.seconds([1])))
+        self.assertEqual(stage.read_text().count("token visibility.timeSamples"), born)
 
 
 class Strands(Case):
