@@ -55,6 +55,8 @@ def of_scene(scene):
         "freestyle": render.use_freestyle,
         "color-overrides": walk.view_layer(scene).material_override is not None,
         "world-volume": world.has_volume(scene),
+        "world-rays": bool(scene.world) and not all(getattr(scene.world.cycles_visibility, rays) for rays in WORLD_RAYS),
+        "shutter-shape": render.use_motion_blur and not is_box(scene),
         "working-space": colours.working_space() != "Linear Rec.709",
     }
     yield from (Finding(id) for id, is_so in said.items() if is_so)
@@ -66,6 +68,17 @@ def of_scene(scene):
             yield Finding("world-changes")
     elif own.background_strength == 0.0 and world.shines(scene):
         yield Finding("world-not-exported")
+
+
+WORLD_RAYS = ("camera", "diffuse", "glossy", "transmission", "scatter")
+
+
+def is_box(scene):
+    """Whether the shutter is open or closed and never in between."""
+    curve = scene.render.motion_blur_shutter_curve
+    curve.initialize()
+    values = [curve.evaluate(curve.curves[0], 0.05 + 0.1 * step) for step in range(10)]
+    return min(values) > 0.99 and scene.cycles.rolling_shutter_type == "NONE"
 
 
 def film_exposure(scene):
@@ -93,6 +106,9 @@ def of_object(thing):
             yield Finding("camera-panoramic", name)
         if any(curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"} for curve in curves_of(thing.data)):
             yield Finding("camera-values", name)
+        dof = thing.data.dof
+        if dof.use_dof and (dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)):
+            yield Finding("camera-aperture", name)
         return
     if thing.sunfleck_settings.is_fog:
         return
@@ -107,6 +123,7 @@ def of_object(thing):
         "shadow-invisible": not thing.visible_shadow,
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
+        "motion-blur-off": thing.users_scene and thing.users_scene[0].render.use_motion_blur and not thing.cycles.use_motion_blur,
     }
     if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:
         yield from (Finding(id, name) for id, is_so in said.items() if is_so)
@@ -139,6 +156,8 @@ def of_light(name, thing):
     said = {
         "light-power": light.energy < 0.0,
         "light-spread": light.type == "AREA" and light.spread < 3.14,
+        "light-square": light.type == "SPOT" and light.use_square,
+        "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,
         "light-nodes": bool(own_nodes),
         "light-shadowless": not light.use_shadow,
         "light-seen": has_size and thing.visible_camera,

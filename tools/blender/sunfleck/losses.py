@@ -1,4 +1,4 @@
-"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning (docs/blender-losses.md).
+"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning (docs/blender-scenes.md).
 
 An error stands in the way of export; of a warning something is lost; news (`INFO`) say what was done instead.
 """
@@ -14,6 +14,7 @@ LOSSES = {
     "world-not-exported": (WARNING, "the world is not exported: tick World as sky in the panel, or give a background and a sun for its light"),
     "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
     "world-changes": (WARNING, "the world changes: it is exported as it is now"),
+    "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
     "world-volume": (WARNING, "the world's volume is not exported: tick Fog everywhere in the panel"),
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
     "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a screen with pixels of its aspect"),
@@ -31,9 +32,14 @@ LOSSES = {
     "camera-panoramic": (WARNING, "panoramic cameras are not exported"),
     "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those of the first camera stay"),
     "camera-values": (WARNING, "shift and clipping of a camera do not change: they stay as in the first frame"),
+    "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched"),
+    "shutter-shape": (WARNING, "the shutter opens and closes at once, and everywhere at the same time"),
+    "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest"),
     # Lights.
     "light-power": (ERROR, "a light's power is negative"),
     "light-spread": (WARNING, "the spread of an area light is not honoured"),
+    "light-square": (WARNING, "a square spot is round"),
+    "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it lights"),
     "light-nodes": (WARNING, "light nodes are exported only in part: use the light's own power and colour"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
     "light-seen": (WARNING, "Cycles' camera sees lights that have a size; here it sees none but suns"),
@@ -54,7 +60,6 @@ LOSSES = {
     "point-cloud": (INFO, "points are exported as spheres of 20 sides"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),
     "displacement": (WARNING, "true displacement by materials is not rendered"),
-    "loose": (INFO, "edges and vertices without faces are not rendered, as in Cycles"),
     # Materials.
     "material-baked": (INFO, "the material is baked"),
     "material-not-honoured": (WARNING, "the material is not honoured"),

@@ -107,6 +107,8 @@ class Pictures(Case):
             "freestyle": lambda: setattr(render_settings, "use_freestyle", True),
             "view-layers": lambda: scene.view_layers.new("other"),
             "unit-scale": lambda: setattr(scene.unit_settings, "scale_length", 0.01),
+            "shutter-shape": lambda: (setattr(render_settings, "use_motion_blur", True), setattr(scene.cycles, "rolling_shutter_type", "TOP")),
+            "camera-aperture": lambda: (setattr(self.scene.camera.data.dof, "use_dof", True), setattr(self.scene.camera.data.dof, "aperture_ratio", 2.0)),
             "film-exposure": lambda: (setattr(render_settings, "engine", "CYCLES"), setattr(scene.cycles, "film_exposure", 2.0)),
         }
         for id, switch in switches.items():
@@ -123,6 +125,7 @@ class Pictures(Case):
             "camera-invisible": lambda: setattr(thing, "visible_camera", False),
             "shadow-invisible": lambda: setattr(thing, "visible_shadow", False),
             "ray-visibility": lambda: setattr(thing, "visible_glossy", False),
+            "motion-blur-off": lambda: (setattr(self.scene.render, "use_motion_blur", True), setattr(thing.cycles, "use_motion_blur", False)),
             "light-shadowless": lambda: setattr(sun.data, "use_shadow", False),
             "light-rays": lambda: setattr(sun, "visible_diffuse", False),
             "volume": lambda: scenes.add(self.scene, "smoke", bpy.data.volumes.new("smoke")),
@@ -135,6 +138,26 @@ class Pictures(Case):
             switch()
             self.assertIn(id, {finding.id for finding in check.check(self.scene)}, id)
         self.assertFalse(layer.indirect_only)
+
+    def test_every_switch_of_lamps_that_is_not_honoured_is_said(self):
+        lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "SPOT")).data
+        area = scenes.add(self.scene, "area", bpy.data.lights.new("area", "AREA")).data
+        lamp.shadow_soft_size = 0.0
+        lamp.use_soft_falloff = True
+        switches = {
+            "light-square": lambda: setattr(lamp, "use_square", True),
+            "light-soft-falloff": lambda: setattr(lamp, "shadow_soft_size", 0.5),
+            "light-spread": lambda: setattr(area, "spread", 1.0),
+            "light-portal": lambda: setattr(area.cycles, "is_portal", True),
+            "light-power": lambda: setattr(lamp, "energy", -1.0),
+        }
+        for id, switch in switches.items():
+            self.assertNotIn(id, {finding.id for finding in check.check(self.scene)})
+            switch()
+            self.assertIn(id, {finding.id for finding in check.check(self.scene)}, id)
+        lamp.energy = 1.0
+        export.export(self.scene, self.path)
+        self.assertEqual(set(self.told([1])[0]["lights"]), {"sun", "lamp"})
 
     def test_lights_of_a_temperature_and_those_that_are_not_normalised(self):
         """The same as a light of that colour, and of so much more power."""

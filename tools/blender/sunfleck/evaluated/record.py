@@ -86,7 +86,9 @@ class Here:
 
 
 def kind_of(thing):
-    return "EMPTY" if holds_fog(thing) else KINDS.get(thing.type)
+    """What becomes of an object: portals only tell Cycles where light comes from."""
+    is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and thing.data.cycles.is_portal
+    return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
 
 
 class Record:

@@ -48,7 +48,7 @@ def export(scene, path):
     assembly = Assembly(record, frames(scene), shutter, Clock.of(scene))
     library.start(assembly.document, assembly.clock)
     try:
-        assembly.add(library, values, lambda thing: custom(thing.object))
+        assembly.add(library, values, properties)
         assembly.document.scene_extras = custom(scene)
         assembly.add_view(values)
         assembly.tracks.write()
@@ -57,3 +57,11 @@ def export(scene, path):
         return Exported(scene, record, assembly, library)
     finally:
         library.close()
+
+
+def properties(thing):
+    """The custom properties of a thing's node; a portal is no light."""
+    found = custom(thing.object)
+    if thing.kind == "EMPTY" and thing.object.type == "LIGHT":
+        found.pop("sunfleck_light", None)
+    return found

@@ -83,6 +83,11 @@ def is_of_view(material):
     return any(node.type in OF_VIEWS for node in nodes_of(material))
 
 
+def is_of_film(material):
+    """Whether an image of it changes from frame to frame."""
+    return any(getattr(node, "image", None) and node.image.source in {"SEQUENCE", "MOVIE"} for node in nodes_of(material))
+
+
 def largest_image(material):
     sizes = [max(node.image.size) for node in nodes_of(material) if node.type == "TEX_IMAGE" and node.image]
     return max(sizes, default=0)

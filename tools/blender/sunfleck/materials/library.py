@@ -232,10 +232,25 @@ def looked_at(material):
     if link is None:
         return Look(None if is_volume(material) else NOTHING)
     try:
-        return Look(closures.read(link))
+        surface = closures.read(link)
+        check_attributes(surface)
+        return Look(surface)
     except NotSimple as more:
         node = more.args[0] if more.args else None
-        return Look(DEFAULT, ["depends-on-view"] if dependence.is_of_view(material) else [], f"node `{node.name}`" if node else "nodes")
+        losses = [loss for loss, is_so in {
+            "depends-on-view": dependence.is_of_view(material), "image-sequence": dependence.is_of_film(material)
+        }.items() if is_so]
+        return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
+
+
+def check_attributes(surface):
+    """glTF has one colour of vertices, for the base colour, and its alpha for alpha."""
+    base, alpha = surface.sources.get("base", WHITE), surface.alpha
+    others = [source for name, source in surface.sources.items() if name != "base"]
+    two = None not in (base.attribute, alpha.attribute) and base.attribute != alpha.attribute
+    swapped = (base.attribute is not None and base.attribute_channel == 3) or (alpha.attribute is not None and alpha.attribute_channel != 3)
+    if two or swapped or any(source.attribute is not None for source in others):
+        raise NotSimple(None)
 
 
 def is_volume(material):
