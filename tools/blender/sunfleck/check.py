@@ -15,7 +15,7 @@ def check(scene):
     found = [*of_scene(scene), *of_cameras(scene)]
     materials = set()
     for thing in rendered(scene):
-        found += of_object(thing)
+        found += of_object(thing, scene.render.use_motion_blur)
         if not thing.sunfleck_settings.is_fog:
             materials.update(slot.material for slot in thing.material_slots if slot.material)
     for collection in walk.layer_collections(walk.view_layer(scene).layer_collection):
@@ -96,7 +96,7 @@ def of_cameras(scene):
 RAYS = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter")
 
 
-def of_object(thing):
+def of_object(thing, is_blurred):
     name = f"`{thing.name}`"
     if thing.type == "LIGHT":
         yield from of_light(name, thing)
@@ -123,7 +123,7 @@ def of_object(thing):
         "shadow-invisible": not thing.visible_shadow,
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
-        "motion-blur-off": thing.users_scene and thing.users_scene[0].render.use_motion_blur and not thing.cycles.use_motion_blur,
+        "motion-blur-off": is_blurred and not thing.cycles.use_motion_blur,
     }
     if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:
         yield from (Finding(id, name) for id, is_so in said.items() if is_so)

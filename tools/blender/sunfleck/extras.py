@@ -191,5 +191,8 @@ def store(scene, path=None):
 
 
 def put(owner, written):
+    """What a library holds is not ours to write."""
+    if owner.library is not None:
+        return
     for name, value in written.items():
         owner[name] = value

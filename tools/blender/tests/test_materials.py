@@ -190,6 +190,35 @@ class Materials(Case):
         self.assertEqual([group.name for group in bpy.data.node_groups], ["leaf"])
         self.assertEqual([loss["id"] for loss in inspect(self.path)["losses"]], [])
 
+    def test_bumps_become_normal_maps(self):
+        tree = Tree()
+        noise, bump = tree.node("TexNoise"), tree.node("Bump")
+        tree.link(noise.outputs["Fac"], bump.inputs["Height"]).link(bump.outputs[0], tree.shader.inputs["Normal"])
+        said, findings = self.said(tree.material)
+        self.assertIn("normalTexture", said)
+        self.assertEqual(set(findings), {"material-baked"})
+
+    def test_a_second_colour_attribute_is_baked(self):
+        tree = Tree()
+        color = tree.node("VertexColor", layer_name="tint")
+        tree.link(color.outputs["Color"], tree.shader.inputs["Roughness"])
+        said, findings = self.said(tree.material)
+        # The mean of what it is at all corners: it is the same at each.
+        self.assertAlmostEqual(said["pbrMetallicRoughness"]["roughnessFactor"], 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722, 3)
+        self.assertEqual(set(findings), {"material-baked"})
+
+    def test_leaves_of_the_panel_stay_leaves_among_instances(self):
+        tree = Tree()
+        tree.material.sunfleck_settings.is_leaf = True
+        collection = bpy.data.collections.new("leaves")
+        thing = scenes.quad(self.scene, "leaf", 1.0, tree.material)
+        self.scene.collection.objects.unlink(thing)
+        collection.objects.link(thing)
+        empty = scenes.add(self.scene, "group", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", collection
+        export.exported(self.scene, self.path)
+        self.assertEqual(document(self.path)["materials"][0]["extras"]["sunfleck_leaf"], {"translucency": 0.5})
+
     def randomly(self):
         """A colour by Cycles' random number."""
         tree = Tree()

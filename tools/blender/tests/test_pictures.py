@@ -159,6 +159,21 @@ class Pictures(Case):
         export.export(self.scene, self.path)
         self.assertEqual(set(self.told([1])[0]["lights"]), {"sun", "lamp"})
 
+    def test_lights_among_instances(self):
+        """An area light that is in no scene, twice."""
+        collection = bpy.data.collections.new("lamps")
+        data = bpy.data.lights.new("area", "AREA")
+        data.energy, data.size = 20.0, 0.5
+        collection.objects.link(bpy.data.objects.new("area", data))
+        for number in range(2):
+            empty = scenes.add(self.scene, f"lamp {number}", None, (float(number), 0.0, 2.0))
+            empty.instance_type, empty.instance_collection = "COLLECTION", collection
+        told = export.exported(self.scene, self.path)
+        self.assertEqual([finding.id for finding in told.findings if finding.id != "light-seen"], [])
+        lights = self.told([1])[0]["lights"]
+        self.assertEqual(sorted(lights), ["area of lamp 0 1", "area of lamp 1 1", "sun"])
+        self.assertAlmostEqual(lights["area of lamp 1 1"]["power_w"][0], 20.0, 5)
+
     def test_lights_of_a_temperature_and_those_that_are_not_normalised(self):
         """The same as a light of that colour, and of so much more power."""
         lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))

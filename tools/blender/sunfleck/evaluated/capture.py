@@ -4,6 +4,7 @@ In go evaluated objects, out come numbers of geometries and the materials of the
 once; what has no surface to see is None, and its name is kept.
 """
 
+import bpy
 import numpy
 
 from . import geometry, strands
@@ -50,7 +51,7 @@ class Capture:
         if key in self.here:
             return self.here[key]
         is_still = cannot_change(source.original, data)
-        kept = (data.original, own_materials(thing)) if is_still else None
+        kept = (source.original.data, own_materials(thing)) if is_still else None
         if is_still and kept in self.still:
             found = self.still[kept]
         else:
@@ -120,13 +121,15 @@ class Capture:
 
 
 def cannot_change(original, data):
-    """A mesh that is neither keyed nor bent shows the same at every moment; one that is made for instances may be any."""
+    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made for instances may be any."""
+    handlers = bpy.app.handlers
     return (
         original.type == "MESH"
+        and not (handlers.frame_change_pre or handlers.frame_change_post)
         and not original.modifiers
         and original.data.shape_keys is None
         and original.data.animation_data is None
-        and data.original == original.data
+        and data.name == original.data.name
     )
 
 

@@ -5,6 +5,7 @@ In go a scene and a path, out come the file and what was found on the way. Invar
 
 import bpy
 
+from .. import extras
 from ..losses import Finding
 from ..materials.library import Library, custom
 from . import counts, walk
@@ -48,7 +49,7 @@ def export(scene, path):
     assembly = Assembly(record, frames(scene), shutter, Clock.of(scene))
     library.start(assembly.document, assembly.clock)
     try:
-        assembly.add(library, values, properties)
+        assembly.add(library, values, lambda thing: properties(thing, path))
         assembly.document.scene_extras = custom(scene)
         assembly.add_view(values)
         assembly.tracks.write()
@@ -59,9 +60,10 @@ def export(scene, path):
         library.close()
 
 
-def properties(thing):
-    """The custom properties of a thing's node; a portal is no light."""
-    found = custom(thing.object)
+def properties(thing, path):
+    """The custom properties of a thing's node: its own, and ours also where they could not be stored (linked libraries, objects that
+    only instances show). A portal is no light."""
+    found = {**custom(thing.object), **extras.of_object(thing.object, path)}
     if thing.kind == "EMPTY" and thing.object.type == "LIGHT":
         found.pop("sunfleck_light", None)
     return found

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import bpy
 import numpy
 
+from .. import extras
 from ..losses import Finding
 from ..evaluated.geometry import ATLAS
 from . import bake, closures, dependence, instances, principled, sockets
@@ -153,7 +154,7 @@ class Library:
         said = writer.material(material.name if material else "default", surface)
         look.losses = sorted({*look.losses, *writer.losses})
         if material is not None:
-            written = custom(material)
+            written = {**custom(material), **extras.of_material(material)}
             if written:
                 said["extras"] = written
         number = self.document.add("materials", said)
