@@ -174,6 +174,19 @@ class Inspected(Case):
                     self.assertLess(worst, 1e-5, node["name"])
         self.assertEqual(counts, [9, 25, 46, 86])
 
+    def test_other_readers_open_it(self):
+        """Blender's own importer, which knows no visibility: leaves that are there at the end are where they were."""
+        scene = leaf_scenes.build("simulation_emits")
+        self.exported(scene)
+        expected = truth.of(scene, [24])[24]
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.context.scene.render.fps = 24
+        bpy.ops.import_scene.gltf(filepath=str(self.path))
+        found = truth.of(bpy.context.scene, [24])[24]
+        worst = truth.farthest(found, expected)
+        print(f"read by Blender's importer: {len(found)} instances, {worst:.1e} m off")
+        self.assertLessEqual(worst, PLACES)
+
     @unittest.skipUnless(TOOLS, "SUNFLECK_TOOLS names sunfleck-tools")
     def test_usd_has_them_come_and_go(self):
         file = self.exported(leaf_scenes.build("nodes_born"))

@@ -11,7 +11,7 @@ from sunfleck.losses import LOSSES
 
 PAGE = Path(__file__).parents[3] / "docs" / "blender-scenes.md"
 # Beside ids, words that stand in the same letters.
-PARTS = {"image-unreadable", "image-sequence", "texture-clip", "depends-on-view", "nearly-...", "count-..."}
+PARTS = {"image-unreadable", "image-sequence", "texture-clip", "depends-on-view", "mean-colours", "nearly-...", "count-..."}
 
 
 class Page(unittest.TestCase):

@@ -6,6 +6,7 @@ Run with the other tests here (test_addon.py says how).
 import os
 import tempfile
 import unittest
+from unittest import mock
 
 import bpy
 import leaf_scenes
@@ -13,6 +14,7 @@ import numpy
 import scenes
 import stages
 from sunfleck import export
+from sunfleck.materials import library
 from test_addon import document, inspect
 from test_evaluated import Case
 
@@ -218,6 +220,18 @@ class Materials(Case):
         empty.instance_type, empty.instance_collection = "COLLECTION", collection
         export.exported(self.scene, self.path)
         self.assertEqual(document(self.path)["materials"][0]["extras"]["sunfleck_leaf"], {"translucency": 0.5})
+
+    def test_meshes_that_change_all_the_time_are_not_baked_without_end(self):
+        tree = Tree()
+        tree.link(tree.node("TexNoise").outputs["Color"], tree.shader.inputs["Base Color"])
+        row = scenes.quad(self.scene, "row", 0.2, tree.material)
+        self.scene.frame_end = 4
+        stages.key(row.modifiers.new("array", "ARRAY"), "count", (1, 4), frames=(1, 4))
+        with mock.patch.object(library, "MOST_MESHES", 2):
+            told = export.exported(self.scene, self.path)
+        self.assertEqual({finding.id: finding.more for finding in told.findings}["material-lost"], "mean-colours")
+        textured = ["baseColorTexture" in one["pbrMetallicRoughness"] for one in document(self.path)["materials"]]
+        self.assertEqual(sorted(textured), [False, False, True, True])
 
     def randomly(self):
         """A colour by Cycles' random number."""

@@ -169,6 +169,19 @@ def size_on(geometry):
     return min(2048, max(256, 1 << (24 * columns - 1).bit_length()))
 
 
+def mean_of(surface):
+    """The same in the mean colours of its pictures, without a mask or a normal map."""
+
+    def mean(source):
+        if source.picture is None:
+            return source
+        pixels = source.picture.image.values_of_texels[..., :3].mean(axis=(0, 1))
+        return Source(tuple(float(factor * pixel) for factor, pixel in zip(source.factor, pixels)))
+
+    sources = {name: mean(source) for name, source in surface.sources.items()}
+    return Surface(sources, alpha=mean(surface.alpha), losses=list(surface.losses))
+
+
 def spread(part):
     return numpy.array(part if isinstance(part, tuple) else (part,) * 3, float)
 

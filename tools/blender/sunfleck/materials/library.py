@@ -19,6 +19,8 @@ from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
 from .written import Writer, of_surface
 
+# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces change in every frame.
+MOST_MESHES = 64
 # Of animated numbers: pointers behind the material's, or none.
 POINTERS = {
     "base": "pbrMetallicRoughness/baseColorFactor", "metallic": "pbrMetallicRoughness/metallicFactor",
@@ -39,6 +41,8 @@ class Look:
     # Why it has to be baked; the surface is then that of each bake.
     baked: str = ""
     sizes: set = field(default_factory=set)
+    bakes: int = 0
+    mean: Surface | None = None
     failed: str = ""
 
 
@@ -164,6 +168,9 @@ class Library:
 
     def baked(self, material, look, on_mesh):
         """What it looks like on a mesh, or on the unit square of its texture coordinates."""
+        if on_mesh and look.bakes >= MOST_MESHES:
+            look.losses = sorted({*look.losses, "mean-colours"})
+            return look.mean
         size = bake.size_on(on_mesh) if on_mesh else bake.size_of(dependence.largest_image(material))
         uv = ATLAS if on_mesh else dependence.uv_of(material)
         try:
@@ -172,6 +179,7 @@ class Library:
             look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
             return DEFAULT
         look.sizes.add(size)
+        look.bakes, look.mean = look.bakes + 1, look.mean or bake.mean_of(surface)
         return surface
 
     def findings(self):
