@@ -27,8 +27,8 @@ POINTERS = {
     "roughness": "pbrMetallicRoughness/roughnessFactor", "emission": "emissiveFactor",
     "emission_strength": "extensions/KHR_materials_emissive_strength/emissiveStrength", "normal_scale": "normalTexture/scale",
 }
-# What a mesh without a material looks like in Cycles, and what a material without a shader does.
-DEFAULT = Surface({"base": Source((0.8,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
+# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material without a shader does.
+DEFAULT = Surface({"base": Source((0.8,) * 3)})
 NOTHING = Surface({"base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
 
 
