@@ -276,7 +276,8 @@ class Materials(Case):
         group.links.new(store.outputs[0], end.inputs[0])
         told = export.exported(scene, self.path)
         self.assertEqual([finding.id for finding in told.findings], [])
-        colors = sorted(one["pbrMetallicRoughness"]["baseColorFactor"][0] for one in document(self.path)["materials"] if one["name"].startswith("shade"))
+        shades = [one for one in document(self.path)["materials"] if one["name"].startswith("shade")]
+        colors = sorted(one["pbrMetallicRoughness"]["baseColorFactor"][0] for one in shades)
         # And the pattern itself, which has none.
         numpy.testing.assert_allclose(colors, sorted([0.0, *(at / 60.0 for at in range(60))]), atol=1e-6)
 

@@ -97,7 +97,7 @@ class Pictures(Case):
         numpy.testing.assert_allclose(heights, [2.0 * 36 / 64, 8.0 * 36 / 64], rtol=1e-6)
 
     def test_every_setting_that_is_not_honoured_is_said(self):
-        scene, render_settings = self.scene, self.scene.render
+        scene, render_settings, dof = self.scene, self.scene.render, self.scene.camera.data.dof
         switches = {
             "border": lambda: setattr(render_settings, "use_border", True),
             "film-transparent": lambda: setattr(render_settings, "film_transparent", True),
@@ -108,7 +108,7 @@ class Pictures(Case):
             "view-layers": lambda: scene.view_layers.new("other"),
             "unit-scale": lambda: setattr(scene.unit_settings, "scale_length", 0.01),
             "shutter-shape": lambda: (setattr(render_settings, "use_motion_blur", True), setattr(scene.cycles, "rolling_shutter_type", "TOP")),
-            "camera-aperture": lambda: (setattr(self.scene.camera.data.dof, "use_dof", True), setattr(self.scene.camera.data.dof, "aperture_ratio", 2.0)),
+            "camera-aperture": lambda: (setattr(dof, "use_dof", True), setattr(dof, "aperture_ratio", 2.0)),
             "film-exposure": lambda: (setattr(render_settings, "engine", "CYCLES"), setattr(scene.cycles, "film_exposure", 2.0)),
         }
         for id, switch in switches.items():

@@ -12,7 +12,7 @@ import numpy
 
 from ..evaluated.geometry import digest
 from . import principled, sockets
-from .colours import rec709
+from .colours import rec709, working_space
 from .channels import COLORS, NUMBERS, Channels, is_socket
 from .fingerprint import of_tree
 from .principled import WHITE, Surface
@@ -71,7 +71,9 @@ class Baker:
             baked.append("normal")
         if not baked:
             return found
-        key = digest(of_tree(self.material.node_tree), self.geometry.known_by() if self.geometry else b"", repr((self.size, self.uv, SAMPLES, bpy.app.version)).encode())
+        on_mesh = self.geometry.known_by() if self.geometry else b""
+        how = repr((self.size, self.uv, SAMPLES, working_space(), bpy.app.version)).encode()
+        key = digest(of_tree(self.material.node_tree), on_mesh, how)
         kept = folder() / f"{key.hex()}.npz"
         if kept.is_file():
             with numpy.load(kept) as file:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from . import dependence
+from .sockets import Source
 
 # Of simple materials and of those that are baked.
 MOST, MOST_BAKED = 256, 16
@@ -133,11 +134,9 @@ def fixed(tree, facts, index):
 
 def replaced(tree, output, value):
     for link in list(output.links):
-        node = tree.nodes.new("ShaderNodeRGB" if hasattr(link.to_socket, "default_value") and hasattr(link.to_socket.default_value, "__len__") else "ShaderNodeValue")
-        if node.type == "RGB":
-            node.outputs[0].default_value = (*value, 1.0)
-        else:
-            node.outputs[0].default_value = value[0] if value[0] == value[1] == value[2] else sum(w * v for w, v in zip((0.2126, 0.7152, 0.0722), value))
+        is_color = hasattr(getattr(link.to_socket, "default_value", 0.0), "__len__")
+        node = tree.nodes.new("ShaderNodeRGB" if is_color else "ShaderNodeValue")
+        node.outputs[0].default_value = (*value, 1.0) if is_color else Source(value).number()
         tree.links.new(node.outputs[0], link.to_socket)
 
 
