@@ -41,14 +41,16 @@ def do_check(scene, _known, _others):
     told = export.checked(scene)
     for frame, counted in told.counts.of:
         print(f"frame {frame}: {counted}")
+    for name, word in told.materials.items():
+        print(f"material `{name}`: {word}")
     for finding in told.findings:
         print(f"{finding.severity.lower()}{finding}")
     return 0
 
 
 def do_export(scene, known, _others):
-    for warning in export.export(scene, known.output):
-        print(f"warning{warning}", file=sys.stderr)
+    for finding in export.exported(scene, known.output).findings:
+        print(f"{finding.severity.lower()}{finding}", file=sys.stderr)
     return 0
 
 

@@ -26,10 +26,12 @@ def export(scene, path):
 
 @dataclass
 class Told:
-    """What was found, and what is visible at each frame."""
+    """What was found, what is visible at each frame, and what became of materials."""
 
     findings: list
     counts: object
+    # A word on each.
+    materials: dict
 
 
 def exported(scene, path):
@@ -41,7 +43,7 @@ def exported(scene, path):
     extras.store(scene, path)
     made = scenes.export(scene, path)
     expected, differences = made.compared(File(path))
-    return Told(ordered([*findings, *made.findings, *differences]), expected)
+    return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
@@ -55,12 +57,12 @@ class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
 
     def execute(self, context):
         try:
-            warnings = export(context.scene, self.filepath)
+            findings = exported(context.scene, self.filepath).findings
         except NotExportable as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for warning in warnings:
-            self.report({"WARNING"}, warning)
+        for finding in findings:
+            self.report({finding.severity}, str(finding))
         self.report({"INFO"}, f"wrote {self.filepath}")
         return {"FINISHED"}
 

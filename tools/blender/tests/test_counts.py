@@ -92,4 +92,5 @@ class Counts(Case):
         with contextlib.redirect_stdout(said):
             self.assertEqual(command.main(["check"]), 0)
         self.assertIn("frame 2: 1 instances, 1 m2, from (-0.500, 1.000, -0.500) to (0.500, 1.000, 0.500), 1 lights", said.getvalue())
+        self.assertIn("material `quad`: exact", said.getvalue())
         self.assertIn("warning[volume] `smoke`: volumes are not rendered", said.getvalue())

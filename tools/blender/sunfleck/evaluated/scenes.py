@@ -21,6 +21,7 @@ class Exported:
 
     def __init__(self, scene, record, assembly, library):
         self.frames, self.record, self.assembly, self.library = list(frames(scene)), record, assembly, library
+        self.materials = library.words()
         # What only the export found out.
         self.findings = list(library.findings())
 
@@ -54,6 +55,7 @@ def export(scene, path):
         assembly.add_view(values)
         assembly.tracks.write()
         values.write(assembly)
+        assembly.document.asset_extras = {"materials": library.words()}
         assembly.document.write(path)
         return Exported(scene, record, assembly, library)
     finally:

@@ -182,6 +182,17 @@ class Library:
         look.bakes, look.mean = look.bakes + 1, look.mean or bake.mean_of(surface)
         return surface
 
+    def words(self):
+        """A word on every material that is shown: exact, baked at so many texels, or not honoured."""
+        found = {}
+        for material, look in self.looks.items():
+            if material is None or not any(key[0] == material for key in self.numbers):
+                continue
+            texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
+            word = "not honoured" if look.failed else f"baked at {texels} texels" if look.baked else "exact"
+            found[material.name] = f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
+        return found
+
     def findings(self):
         """A word on every material that is not exact. Remembers the names of all."""
         self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
