@@ -55,7 +55,7 @@ def of_scene(scene):
         "freestyle": render.use_freestyle,
         "color-overrides": walk.view_layer(scene).material_override is not None,
         "world-volume": world.has_volume(scene),
-        "world-rays": bool(scene.world) and not all(getattr(scene.world.cycles_visibility, rays) for rays in WORLD_RAYS),
+        "world-rays": bool(scene.world) and not all(of_cycles(scene.world, rays, True, "cycles_visibility") for rays in WORLD_RAYS),
         "shutter-shape": render.use_motion_blur and not is_box(scene),
         "working-space": colours.working_space() != "Linear Rec.709",
     }
@@ -78,12 +78,17 @@ def is_box(scene):
     curve = scene.render.motion_blur_shutter_curve
     curve.initialize()
     values = [curve.evaluate(curve.curves[0], 0.05 + 0.1 * step) for step in range(10)]
-    return min(values) > 0.99 and scene.cycles.rolling_shutter_type == "NONE"
+    return min(values) > 0.99 and of_cycles(scene, "rolling_shutter_type", "NONE") == "NONE"
 
 
 def film_exposure(scene):
     """Cycles' own, which multiplies what it writes."""
-    return getattr(getattr(scene, "cycles", None), "film_exposure", 1.0) if scene.render.engine == "CYCLES" else 1.0
+    return of_cycles(scene, "film_exposure", 1.0) if scene.render.engine == "CYCLES" else 1.0
+
+
+def of_cycles(owner, name, default, group="cycles"):
+    """A property of Cycles, which may be switched off."""
+    return getattr(getattr(owner, group, None), name, default)
 
 
 def of_cameras(scene):
@@ -123,7 +128,7 @@ def of_object(thing, is_blurred):
         "shadow-invisible": not thing.visible_shadow,
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
-        "motion-blur-off": is_blurred and not thing.cycles.use_motion_blur,
+        "motion-blur-off": is_blurred and not of_cycles(thing, "use_motion_blur", True),
     }
     if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:
         yield from (Finding(id, name) for id, is_so in said.items() if is_so)
@@ -151,7 +156,7 @@ def of_collection(collection):
 def of_light(name, thing):
     light = thing.data
     own_nodes = light.node_tree and light.use_nodes and any(node.type not in {"OUTPUT_LIGHT", "EMISSION"} for node in light.node_tree.nodes)
-    is_portal = light.type == "AREA" and getattr(getattr(light, "cycles", None), "is_portal", False)
+    is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
     has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
     said = {
         "light-power": light.energy < 0.0,

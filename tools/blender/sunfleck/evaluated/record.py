@@ -87,7 +87,7 @@ class Here:
 
 def kind_of(thing):
     """What becomes of an object: portals only tell Cycles where light comes from."""
-    is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and thing.data.cycles.is_portal
+    is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
     return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
 
 

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy
 
 from .. import extras
+from ..materials.library import custom
 from . import cameras, lights, thinning
 
 # Share of a value, beside 6e-8 of single precision.
@@ -21,7 +22,7 @@ class View:
     def __init__(self, time, eye, evaluated, scene):
         self.time, self.eye = time, eye
         self.matrix = numpy.array(evaluated.matrix_world, float)
-        self.said = SimpleNamespace(camera=cameras.camera(evaluated.data, scene), extras=extras.of_camera(evaluated.data, scene, evaluated))
+        self.said = lens(evaluated, scene)
         self.fields = camera(evaluated, scene)
 
 
@@ -54,8 +55,7 @@ class Values:
             self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data)))
             self.see(key, frame, light(thing, own))
         if thing.type == "CAMERA":
-            said = SimpleNamespace(camera=cameras.camera(thing.data, self.scene), extras=extras.of_camera(thing.data, self.scene, thing))
-            self.cameras.setdefault(key, said)
+            self.cameras.setdefault(key, lens(thing, self.scene))
             self.see(key, frame, camera(thing, self.scene))
 
     def see(self, owner, frame, values):
@@ -83,6 +83,12 @@ class Values:
             tolerance = numpy.array([TOLERANCE * max(1e-12, float(numpy.abs(values).max()))])
             stays = thinning.straight(frames[None], places[None], numpy.array([len(frames)]), tolerance)[0]
             document.node_channel(node, "translation", assembly.clock.seconds(frames[stays]), places[stays])
+
+
+def lens(thing, scene):
+    """What glTF says of a camera, and the custom properties beside."""
+    own = {**custom(thing.data), **extras.of_camera(thing.data, scene, thing)}
+    return SimpleNamespace(camera=cameras.camera(thing.data, scene), extras=own)
 
 
 def fog(owner, own):

@@ -175,7 +175,7 @@ class Library:
         uv = ATLAS if on_mesh else dependence.uv_of(material)
         try:
             surface = bake.Baker(material, on_mesh, size, uv).surface()
-        except (NotSimple, RuntimeError) as error:
+        except (NotSimple, RuntimeError, TypeError) as error:
             look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
             return DEFAULT
         look.sizes.add(size)
