@@ -19,9 +19,9 @@ class NotExportable(Exception):
     """Something stands in the way; the message says what."""
 
 
-def export(scene, path):
-    """Writes the file; what was found on the way comes back as warnings."""
-    return [str(finding) for finding in exported(scene, path).findings if finding.severity == "WARNING"]
+def export(scene, path, only=None):
+    """Writes the file, of all frames or of one alone; what was found on the way comes back as warnings."""
+    return [str(finding) for finding in exported(scene, path, only).findings if finding.severity == "WARNING"]
 
 
 @dataclass
@@ -34,14 +34,14 @@ class Told:
     materials: dict
 
 
-def exported(scene, path):
+def exported(scene, path, only=None):
     """Writes the file, and reads it back."""
     findings = check.check(scene)
     errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotExportable("; ".join(errors))
     extras.store(scene, path)
-    made = scenes.export(scene, path)
+    made = scenes.export(scene, path, only)
     expected, differences = made.compared(File(path))
     return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
 

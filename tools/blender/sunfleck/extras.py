@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from . import world
-from .evaluated import lights, moments
+from .evaluated import lights
 from .materials.colours import rec709
 
 # sunfleck's shape of each of Blender's area lights.
@@ -38,8 +38,6 @@ def of_scene(scene, path=None):
         sunfleck["samples"] = own.samples
     else:
         sunfleck["tolerance"] = own.tolerance
-    if moments.Clock.of(scene).first:
-        sunfleck["frame_at_zero"] = moments.Clock.of(scene).first
     if scene.camera:
         sunfleck["camera"] = scene.camera.name
     if render.use_motion_blur:

@@ -102,7 +102,7 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         folder.mkdir(parents=True, exist_ok=True)
         glb = folder / f"{folder.name}.glb"
         try:
-            for warning in export.export(scene, glb):
+            for warning in export.export(scene, glb, None if self.animation else scene.frame_current):
                 self.report({"WARNING"}, warning)
         except export.NotExportable as error:
             self.report({"ERROR"}, str(error))

@@ -215,7 +215,8 @@ def constraints_and_drivers(scene):
 
 
 def negative_frames(scene):
-    scene.frame_start, scene.frame_end = -4, 2
+    """What began before the first frame, which Blender lets be 0."""
+    scene.frame_start, scene.frame_end = 0, 3
     thing = quad(scene)
     key(thing, "location", ((0.0, 0.0, 0.0), (3.0, 1.0, 2.0)), frames=(-4, 2))
 

@@ -8,6 +8,7 @@ import unittest
 from unittest import mock
 
 import bpy
+import leaf_scenes
 import numpy
 import scenes
 import stages
@@ -158,6 +159,29 @@ class Pictures(Case):
         lamp.energy = 1.0
         export.export(self.scene, self.path)
         self.assertEqual(set(self.told([1])[0]["lights"]), {"sun", "lamp"})
+
+    def test_one_frame_alone_below_zero(self):
+        """The frame at hand may be negative; the file's times are not."""
+        thing = bpy.data.objects["quad"]
+        stages.key(thing, "location", ((0.0, 0.0, 0.0), (8.0, 0.0, 4.0)), frames=(-10, 6), interpolation="LINEAR")
+        self.scene.render.use_motion_blur = True
+        export.export(self.scene, self.path, only=-6)
+        said = document(self.path)
+        times = [said["accessors"][sampler["input"]]["min"][0] for sampler in said["animations"][0]["samplers"]]
+        self.assertGreaterEqual(min(times), 0.0)
+        for frame in (-6.25, -6.0, -5.75):
+            world = File(self.path).worlds(File(self.path).seconds([frame]))
+            node = next(index for index, node in enumerate(File(self.path).nodes) if node["name"] == "quad")
+            self.assertAlmostEqual(world[node][0][0, 3], 0.5 * (frame + 10.0), 5)
+        self.assertEqual(said["scenes"][0]["extras"]["sunfleck"]["frame_at_zero"], -7)
+        told = inspect(self.path, "--frames=-6")
+        self.assertEqual((told["frame_start"], told["frame_end"]), (-6, -6))
+        self.assertAlmostEqual(told["frames"][0]["nodes"]["quad"]["world"][3], 2.0, 6)
+
+    def test_a_simulation_of_one_frame_alone(self):
+        scene = leaf_scenes.build("simulation_emits")
+        told = export.exported(scene, self.path, only=12)
+        self.assertEqual([(frame, counted.instances) for frame, counted in told.counts.of], [(12, 46)])
 
     def test_lights_among_instances(self):
         """An area light that is in no scene, twice."""

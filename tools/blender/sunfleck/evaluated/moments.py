@@ -48,15 +48,15 @@ class Shutter:
 
 @dataclass(frozen=True)
 class Clock:
-    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some are negative."""
+    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some moments are negative."""
 
     seconds_a_frame: float
     first: int
 
     @classmethod
-    def of(cls, scene):
+    def of(cls, scene, frames):
         shutter = Shutter.of(scene)
-        earliest = scene.frame_start + min(shutter.opening, shutter.switch)
+        earliest = frames[0] + min(shutter.opening, shutter.switch)
         return cls(seconds_a_frame(scene.render), math.floor(earliest) if earliest < 0.0 else 0)
 
     def seconds(self, frames):
@@ -69,6 +69,6 @@ def seconds_a_frame(render):
     return (1.001 if abs(base - 1.001) < 1e-6 else base) / render.fps
 
 
-def frames(scene):
-    """All of them, whatever the step: simulations want every one."""
-    return range(scene.frame_start, scene.frame_end + 1)
+def frames(scene, only=None):
+    """All of them, whatever the step, as simulations want every one; or one alone."""
+    return range(scene.frame_start, scene.frame_end + 1) if only is None else range(only, only + 1)

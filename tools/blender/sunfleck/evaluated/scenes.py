@@ -19,8 +19,8 @@ from .values import Values
 class Exported:
     """What was exported, for whoever counts it."""
 
-    def __init__(self, scene, record, assembly, library):
-        self.frames, self.record, self.assembly, self.library = list(frames(scene)), record, assembly, library
+    def __init__(self, wanted, record, assembly, library):
+        self.frames, self.record, self.assembly, self.library = list(wanted), record, assembly, library
         self.materials = library.words()
         # What only the export found out.
         self.findings = list(library.findings())
@@ -33,8 +33,9 @@ class Exported:
         return expected, [Finding(id, f"frame {frame}" if frame is not None else "", more) for id, frame, more in differences]
 
 
-def export(scene, path):
-    """Writes the file."""
+def export(scene, path, only=None):
+    """Writes the file, of all frames or of one alone."""
+    wanted = frames(scene, only)
     library, values, shutter = Library(), Values(scene), Shutter.of(scene)
     library.watch(bpy.data.materials)
     record = Record(library, values.watch)
@@ -45,21 +46,31 @@ def export(scene, path):
         if moment == 0.0:
             library.see(graph, frame)
 
-    walk.walk(scene, frames(scene), shutter, visit, Smoothness(record).is_enough)
+    walk.walk(scene, wanted, shutter, visit, Smoothness(record).is_enough)
     record.finish()
-    assembly = Assembly(record, frames(scene), shutter, Clock.of(scene))
+    assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted))
     library.start(assembly.document, assembly.clock)
     try:
         assembly.add(library, values, lambda thing: properties(thing, path))
         assembly.document.scene_extras = custom(scene)
+        settle_frames(assembly, only)
         assembly.add_view(values)
         assembly.tracks.write()
         values.write(assembly)
         assembly.document.asset_extras = {"materials": library.words()}
         assembly.document.write(path)
-        return Exported(scene, record, assembly, library)
+        return Exported(wanted, record, assembly, library)
     finally:
         library.close()
+
+
+def settle_frames(assembly, only):
+    """Which frames the file has, and which of them is at second 0."""
+    said = assembly.document.scene_extras.setdefault("sunfleck", {})
+    if assembly.clock.first:
+        said["frame_at_zero"] = assembly.clock.first
+    if only is not None:
+        said["frame_start"] = said["frame_end"] = only
 
 
 def properties(thing, path):

@@ -30,7 +30,7 @@ def walk(scene, frames, shutter, visit, is_smooth):
                         break
                     for moment in moments:
                         # Before the first frame simulations know nothing.
-                        if is_simulated and frame + moment < frames[0]:
+                        if is_simulated and frame + moment < scene.frame_start:
                             continue
                         whole = math.floor(frame + moment)
                         engine.frame_set(whole, frame + moment - whole)
@@ -49,7 +49,7 @@ def walk(scene, frames, shutter, visit, is_smooth):
         stack.enter_context(settings_aside(scene))
         stack.enter_context(a_camera(scene))
         if is_simulated:
-            stack.enter_context(simulations.run(scene, layer, frames))
+            stack.enter_context(simulations.run(scene, layer, range(scene.frame_start, frames[-1] + 1)))
         bpy.ops.render.render(layer=layer.name, scene=scene.name)
     if failed:
         raise failed[0]
