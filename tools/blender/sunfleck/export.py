@@ -10,7 +10,7 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from . import check, extras
-from .evaluated import scenes
+from .evaluated import scenes, walk
 from .evaluated.readback import File
 from .losses import ordered
 
@@ -41,7 +41,10 @@ def exported(scene, path, only=None):
     if errors:
         raise NotExportable("; ".join(errors))
     extras.store(scene, path)
-    made = scenes.export(scene, path, only)
+    try:
+        made = scenes.export(scene, path, only)
+    except walk.Stopped as stopped:
+        raise NotExportable(str(stopped)) from stopped
     expected, differences = made.compared(File(path))
     return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
 

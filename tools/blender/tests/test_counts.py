@@ -7,13 +7,14 @@ import contextlib
 import io
 import json
 import struct
+from unittest import mock
 
 import bpy
 import leaf_scenes
 import scenes
 import stages
 from sunfleck import command, export
-from sunfleck.evaluated import counts, scenes as exporting
+from sunfleck.evaluated import scenes as exporting, walk
 from sunfleck.evaluated.readback import File
 from test_evaluated import Case
 
@@ -83,6 +84,13 @@ class Counts(Case):
             build(scene)
             told = export.exported(scene, self.path)
             self.assertEqual([str(finding) for finding in told.findings if finding.id.startswith("count")], [], name)
+
+    def test_an_export_that_was_stopped_is_none(self):
+        scene = stages.stage()
+        with mock.patch.object(walk, "have_rendered"), self.assertRaisesRegex(export.NotExportable, "0 of 6"):
+            export.exported(scene, self.path)
+        self.assertFalse(self.path.exists())
+        self.assertNotEqual(scene.render.engine, "SUNFLECK_WALK")
 
     def test_the_command_says_what_there_is(self):
         scene = stages.stage((1, 2))

@@ -46,22 +46,30 @@ def export(scene, path, only=None):
         if moment == 0.0:
             library.see(graph, frame)
 
-    walk.walk(scene, wanted, shutter, visit, Smoothness(record).is_enough)
-    record.finish()
-    assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted))
-    library.start(assembly.document, assembly.clock)
     try:
+        # Nothing is to be made while Blender renders.
+        for material in list(bpy.data.materials):
+            library.look(material)
+        walk.walk(scene, wanted, shutter, visit, Smoothness(record).is_enough)
+        record.finish()
+        assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted))
+        library.start(assembly.document, assembly.clock)
         assembly.add(library, values, lambda thing: properties(thing, path))
-        assembly.document.scene_extras = custom(scene)
-        settle_frames(assembly, only)
-        assembly.add_view(values)
-        assembly.tracks.write()
-        values.write(assembly)
-        assembly.document.asset_extras = {"materials": library.words()}
+        finish(scene, assembly, library, values, only)
         assembly.document.write(path)
         return Exported(wanted, record, assembly, library)
     finally:
         library.close()
+
+
+def finish(scene, assembly, library, values, only):
+    """What belongs to the scene, and keys of everything."""
+    assembly.document.scene_extras = custom(scene)
+    settle_frames(assembly, only)
+    assembly.add_view(values)
+    assembly.tracks.write()
+    values.write(assembly)
+    assembly.document.asset_extras = {"materials": library.words()}
 
 
 def settle_frames(assembly, only):

@@ -15,12 +15,16 @@ from . import simulations
 ASIDE = {"engine": "SUNFLECK_WALK", "use_compositing": False, "use_sequencer": False, "use_multiview": False}
 
 
+class Stopped(Exception):
+    """Someone stopped Blender before it had been through all frames."""
+
+
 def walk(scene, frames, shutter, visit, is_smooth):
     """Calls `visit(graph, frame, moment)`, of every frame first the frame itself, in order: simulations know no other. Further
     moments of an open shutter are looked at until `is_smooth()`."""
     layer = view_layer(scene)
     is_simulated = simulations.any_in(scene)
-    failed = []
+    failed, seen = [], set()
 
     def look(engine, graph):
         try:
@@ -35,6 +39,7 @@ def walk(scene, frames, shutter, visit, is_smooth):
                         whole = math.floor(frame + moment)
                         engine.frame_set(whole, frame + moment - whole)
                         visit(graph, frame, moment)
+                seen.add(frame)
         except Exception as error:  # Blender would print it and go on.
             failed.append(error)
 
@@ -50,9 +55,16 @@ def walk(scene, frames, shutter, visit, is_smooth):
         stack.enter_context(a_camera(scene))
         if is_simulated:
             stack.enter_context(simulations.run(scene, layer, range(scene.frame_start, frames[-1] + 1)))
-        bpy.ops.render.render(layer=layer.name, scene=scene.name)
+        have_rendered(scene, layer)
     if failed:
         raise failed[0]
+    if len(seen) < len(frames):
+        raise Stopped(f"export was stopped after {len(seen)} of {len(frames)} frames")
+
+
+def have_rendered(scene, layer):
+    """Blender calls the engine."""
+    bpy.ops.render.render(layer=layer.name, scene=scene.name)
 
 
 def view_layer(scene):
