@@ -5,6 +5,7 @@ object, what instances it, and its persistent id among the instances; a geometry
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy
 
@@ -85,6 +86,16 @@ class Here:
         return key if count == 0 else (*key[:4], count)
 
 
+class Seen(NamedTuple):
+    """An instance of the graph, while it is at hand."""
+
+    row: int
+    instance: object
+    thing: object
+    source: Source
+    here: Here
+
+
 def kind_of(thing):
     """What becomes of an object: portals only tell Cycles where light comes from."""
     is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
@@ -123,26 +134,27 @@ class Record:
             here.count(instance)
             if source.kind == "SURFACE":
                 for part, shown in self.capture.shown(thing, source, instance):
-                    self.add(here.key(row, source, part), row, thing, source, shown, instance, here)
+                    self.add(here.key(row, source, part), Seen(row, instance, thing, source, here), shown)
                     rows.append((row, shown[0]))
             elif source.kind is not None and instance.show_self:
                 key = here.key(row, source, "")
-                self.add(key, row, thing, source, None, instance, here)
+                self.add(key, Seen(row, instance, thing, source, here), None)
                 here.lamps += source.kind == "LIGHT"
                 if offset == 0.0:
                     self.watch(key, thing, frame)
         self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
         self.lamps.append(here.lamps)
 
-    def add(self, key, row, thing, source, shown, instance, here):
+    def add(self, key, seen, shown):
+        """Something is there at this moment."""
         found = self.things.get(key)
         if found is None:
-            name = f"{thing.name} {key[2]}" if key[2] else thing.name
-            found = self.things[key] = Thing(name, source.kind, source.original, source.parent)
+            name, source = seen.thing.name, seen.source
+            found = self.things[key] = Thing(f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent)
             if source.kind == "SURFACE":
-                found.facts = instances.facts(instance, thing, here.attributes(instance))
+                found.facts = instances.facts(seen.instance, seen.thing, seen.here.attributes(seen.instance))
         found.moments.append(len(self.moments) - 1)
-        found.rows.append(self.first_rows[-1] + row)
+        found.rows.append(self.first_rows[-1] + seen.row)
         found.shown.append(shown)
 
     def places(self, thing):
