@@ -80,6 +80,48 @@ def rectangle(scene):
     lamp(scene, "AREA", energy=60.0, shape="RECTANGLE", size=0.8, size_y=0.4)
 
 
+def noisy(scene):
+    """A floor of nodes that are baked."""
+    tree = bpy.data.materials["floor"].node_tree
+    noise, ramp = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeValToRGB")
+    noise.inputs["Scale"].default_value = 3.0
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.8, 0.3, 0.05, 1.0), (0.1, 0.4, 0.1, 1.0)
+    tree.links.new(noise.outputs["Fac"], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    scenes.sun(scene)
+
+
+def lit_from_behind(scene):
+    """A wall of Diffuse and Translucent BSDF, mixed by a number, before a sun."""
+    tree = bpy.data.materials["wall"].node_tree
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    mix.inputs[0].default_value = 0.4
+    for number, kind, color in ((1, "Diffuse", (0.2, 0.5, 0.1, 1.0)), (2, "Translucent", (0.6, 0.8, 0.2, 1.0))):
+        shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+        shader.inputs["Color"].default_value = color
+        tree.links.new(shader.outputs[0], mix.inputs[number])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    scenes.sun(scene, towards=(0.2, -0.8, -0.6))
+
+
+def scattered(scene):
+    """Leaves of geometry nodes, each in its own random colour."""
+    leaf = scenes.quad(scene, "leaf", 0.25, scenes.material("leaf", (0.5, 0.5, 0.1)))
+    leaf.hide_render = True
+    tree = leaf.data.materials[0].node_tree
+    info, ramp = tree.nodes.new("ShaderNodeObjectInfo"), tree.nodes.new("ShaderNodeValToRGB")
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.8, 0.1, 0.0, 1.0), (0.1, 0.6, 0.1, 1.0)
+    tree.links.new(info.outputs["Random"], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    emitter = scenes.quad(scene, "emitter", 4.0, scenes.material("emitter", (0.5, 0.5, 0.5)), (0.0, 0.0, 1.2))
+    settings = emitter.modifiers.new("fall", "PARTICLE_SYSTEM").particle_system.settings
+    settings.count, settings.frame_start, settings.frame_end, settings.lifetime = 60, 0, 0, 50
+    settings.render_type, settings.instance_object, settings.particle_size = "OBJECT", leaf, 1.0
+    settings.normal_factor, settings.effector_weights.gravity = 0.0, 0.0
+    emitter.show_instancer_for_render = False
+    scenes.sun(scene)
+
+
 SCENES = {
     "sun": scenes.sun,
     "sun, a disc of 10 deg": lambda scene: scenes.sun(scene, angle=math.radians(10.0)),
@@ -92,6 +134,9 @@ SCENES = {
     ),
     "area, rectangle": rectangle,
     "area, disk": lambda scene: lamp(scene, "AREA", energy=60.0, shape="DISK", size=0.6),
+    "material, baked": noisy,
+    "material, lit from behind": lit_from_behind,
+    "particles, random colours": scattered,
     "sun in fog": lambda scene: (scenes.sun(scene), fog(scene)),
     "point in fog": lambda scene: (lamp(scene, "POINT", energy=100.0, shadow_soft_size=0.0), fog(scene)),
     "spot in fog": lambda scene: (

@@ -7,6 +7,8 @@ use crate::description::gltf::report::Report;
 use crate::diagnostic::Diagnostic;
 use crate::scene::FrameRate;
 
+/// Larger frame numbers leave no sub-frame digits in single precision.
+const MAX_FRAME: f64 = 1e7;
 /// Frames a second of a file that does not say.
 const DEFAULT_FPS: u32 = 24;
 /// Frame rates as near to a fraction as this are that fraction: Blender stores them in single precision.
@@ -17,6 +19,8 @@ pub(super) struct Clock {
     pub(super) frame_rate: FrameRate,
     /// Frames a second by which the exporter divided, if that was the wrong number.
     exporter_fps: Option<f64>,
+    /// The frame at second 0 of the file, whose keys have no times before it.
+    frame_at_zero: f64,
 }
 
 impl Clock {
@@ -27,7 +31,7 @@ impl Clock {
         default: FrameRate,
         report: &mut Report,
     ) -> Self {
-        let none = Self { frame_rate: default, exporter_fps: None };
+        let none = Self { frame_rate: default, exporter_fps: None, frame_at_zero: 0.0 };
         let extras = format!("scenes[{}].extras", source.scene);
         let Some(fps) = sunfleck.fps else {
             let found =
@@ -52,7 +56,13 @@ impl Clock {
                 "Blender's exporter multiplies by fps_base where it should divide: key times are put right",
             ));
         }
-        Self { frame_rate, exporter_fps: is_wrong.then_some(fps * fps_base) }
+        let frame_at_zero = sunfleck.frame_at_zero.unwrap_or(0.0);
+        if frame_at_zero.fract() != 0.0 || frame_at_zero.abs() > MAX_FRAME {
+            let found = format!("{frame_at_zero} is no frame to count from");
+            report.error(format!("{extras}.sunfleck.frame_at_zero"), found, "a whole number");
+            return none;
+        }
+        Self { frame_rate, exporter_fps: is_wrong.then_some(fps * fps_base), frame_at_zero }
     }
 
     /// First and last frame that a key is on; frame 1 if nothing moves.
@@ -72,11 +82,17 @@ impl Clock {
     /// The true time of a key, seconds.
     pub(super) fn seconds(&self, key_time_s: f32) -> f64 {
         let time_s = f64::from(key_time_s);
-        let Some(exporter_fps) = self.exporter_fps else { return time_s };
-        let frame = time_s * exporter_fps;
+        let rate = f64::from(self.frame_rate.numerator) / f64::from(self.frame_rate.denominator);
+        let frames_per_s = match self.exporter_fps {
+            Some(exporter_fps) => exporter_fps,
+            None if self.frame_at_zero != 0.0 => rate,
+            None => return time_s,
+        };
+        let frame = time_s * frames_per_s;
         let whole = frame.round();
         let rounding = 4.0 * f64::from(f32::EPSILON) * whole.abs();
-        self.frame_rate.seconds(if (frame - whole).abs() <= rounding { whole } else { frame })
+        let frame = if (frame - whole).abs() <= rounding { whole } else { frame };
+        self.frame_rate.seconds(frame + self.frame_at_zero)
     }
 }
 
@@ -136,10 +152,20 @@ mod tests {
     fn keys_on_whole_frames_get_the_frames_own_time() {
         let frame_rate = FrameRate { numerator: 24000, denominator: 1001 };
         let base = f64::from(1.001_f32);
-        let clock = Clock { frame_rate, exporter_fps: Some(24.0 * base) };
+        let clock = Clock { frame_rate, exporter_fps: Some(24.0 * base), frame_at_zero: 0.0 };
         for frame in (0..100_000).step_by(37) {
             let frame = f64::from(frame);
             assert_eq!(clock.seconds((frame / (24.0 * base)) as f32), frame_rate.seconds(frame));
+        }
+    }
+
+    #[test]
+    fn frames_may_be_counted_from_below_zero() {
+        let frame_rate = FrameRate { numerator: 24000, denominator: 1001 };
+        let clock = Clock { frame_rate, exporter_fps: None, frame_at_zero: -100.0 };
+        for frame in -100..1000 {
+            let key_time_s = frame_rate.seconds(f64::from(frame + 100)) as f32;
+            assert_eq!(clock.seconds(key_time_s), frame_rate.seconds(f64::from(frame)));
         }
     }
 }

@@ -27,6 +27,7 @@ pub(super) struct Sunfleck {
     pub(super) fps_base: Option<f64>,
     pub(super) frame_start: Option<f64>,
     pub(super) frame_end: Option<f64>,
+    pub(super) frame_at_zero: Option<f64>,
     pub(super) resolution: Option<[f64; 2]>,
     pub(super) camera: Option<String>,
     pub(super) light_units: Option<String>,

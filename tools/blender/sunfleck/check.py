@@ -1,105 +1,187 @@
-"""What of a scene will be lost on the way to sunfleck, or cannot be exported at all.
+"""What of a scene will be lost on the way to sunfleck, as far as its settings tell.
 
-In goes a scene, out come findings; an error stands in the way of export, a warning does not.
+In goes a scene, out come findings (`losses`); what only the export itself finds out, it adds. Invariant: whatever Blender renders
+and sunfleck does not is among them.
 """
 
-from dataclasses import dataclass
-
 from . import world
-
-LOST_SHADERS = {
-    "BSDF_TRANSLUCENT": "a translucent BSDF: mark the material as a leaf in the panel instead",
-    "SUBSURFACE_SCATTERING": "subsurface scattering",
-    "HOLDOUT": "a holdout",
-    "BSDF_HAIR": "a hair BSDF",
-    "BSDF_HAIR_PRINCIPLED": "a hair BSDF",
-    "BSDF_TOON": "a toon BSDF",
-}
-
-
-@dataclass
-class Finding:
-    severity: str  # "ERROR" or "WARNING", as Blender's reports
-    message: str
+from .evaluated import walk
+from .losses import Finding, ordered
+from .materials import colours, principled, sockets
 
 
 def check(scene):
     """Everything found, errors first."""
-    found = [*of_scene(scene)]
+    found = [*of_scene(scene), *of_cameras(scene)]
     materials = set()
-    for thing in scene.objects:
-        if thing.hide_render and not is_hidden_at_times(thing):
-            continue
-        found += of_object(thing)
-        materials.update(slot.material for slot in thing.material_slots if slot.material)
-        if thing.type == "MESH" and not thing.sunfleck_settings.is_fog and any(
-            slot.material and has_volume(slot.material) for slot in thing.material_slots
-        ):
-            yes = f"`{thing.name}` has a volume material, which becomes an opaque box: tick Holds fog in its panel"
-            found.append(Finding("ERROR", yes))
-    for material in materials:
+    for thing in rendered(scene):
+        found += of_object(thing, scene.render.use_motion_blur)
+        if not thing.sunfleck_settings.is_fog:
+            materials.update(slot.material for slot in thing.material_slots if slot.material)
+    for collection in walk.layer_collections(walk.view_layer(scene).layer_collection):
+        found += of_collection(collection)
+    for material in sorted(materials, key=lambda material: material.name):
         found += of_material(material)
-    return sorted(found, key=lambda finding: finding.severity != "ERROR")
+    return ordered(found)
 
 
-def warn(message):
-    return Finding("WARNING", message)
+def rendered(scene):
+    """Objects that render at some frame, and those of instanced collections."""
+    seen, waiting = set(), list(scene.objects)
+    while waiting:
+        thing = waiting.pop(0)
+        if thing in seen or (thing.hide_render and not is_hidden_at_times(thing)):
+            continue
+        seen.add(thing)
+        yield thing
+        if thing.instance_type == "COLLECTION" and thing.instance_collection:
+            waiting += thing.instance_collection.all_objects
 
 
 def of_scene(scene):
-    if scene.camera is None:
-        yield warn("the scene has no active camera: sunfleck takes the first, or makes one up")
-    if abs(scene.unit_settings.scale_length - 1.0) > 1e-6:
-        yield warn("the unit scale is not exported: one Blender unit is one metre")
+    render = scene.render
+    said = {
+        "no-camera": scene.camera is None,
+        "unit-scale": abs(scene.unit_settings.scale_length - 1.0) > 1e-6,
+        "border": render.use_border,
+        "pixel-aspect": render.pixel_aspect_x != render.pixel_aspect_y,
+        "film-exposure": abs(film_exposure(scene) - 1.0) > 1e-6,
+        "film-transparent": render.film_transparent,
+        "frame-step": scene.frame_step != 1,
+        "view-layers": sum(layer.use for layer in scene.view_layers) > 1,
+        "stereo": render.use_multiview,
+        "compositor": render.use_compositing and getattr(scene, "compositing_node_group", None) is not None,
+        "sequencer": render.use_sequencer and bool(scene.sequence_editor and scene.sequence_editor.strips_all),
+        "freestyle": render.use_freestyle,
+        "color-overrides": walk.view_layer(scene).material_override is not None,
+        "world-volume": world.has_volume(scene),
+        "world-rays": bool(scene.world) and not all(of_cycles(scene.world, rays, True, "cycles_visibility") for rays in WORLD_RAYS),
+        "shutter-shape": render.use_motion_blur and not is_box(scene),
+        "working-space": colours.working_space() != "Linear Rec.709",
+    }
+    yield from (Finding(id) for id, is_so in said.items() if is_so)
     own = scene.sunfleck_settings
     if own.use_world:
-        yield from map(warn, world.losses(scene))
+        if world.is_baked(scene):
+            yield Finding("world-baked")
+        if world.changes(scene):
+            yield Finding("world-changes")
     elif own.background_strength == 0.0 and world.shines(scene):
-        yield warn("the world is not exported: tick World as sky in the panel, or give a background and a sun for its light")
+        yield Finding("world-not-exported")
 
 
-def of_object(thing):
+WORLD_RAYS = ("camera", "diffuse", "glossy", "transmission", "scatter")
+
+
+def is_box(scene):
+    """Whether the shutter is open or closed and never in between."""
+    curve = scene.render.motion_blur_shutter_curve
+    curve.initialize()
+    values = [curve.evaluate(curve.curves[0], 0.05 + 0.1 * step) for step in range(10)]
+    return min(values) > 0.99 and of_cycles(scene, "rolling_shutter_type", "NONE") == "NONE"
+
+
+def film_exposure(scene):
+    """Cycles' own, which multiplies what it writes."""
+    return of_cycles(scene, "film_exposure", 1.0) if scene.render.engine == "CYCLES" else 1.0
+
+
+def of_cycles(owner, name, default, group="cycles"):
+    """A property of Cycles, which may be switched off."""
+    return getattr(getattr(owner, group, None), name, default)
+
+
+def of_cameras(scene):
+    bound = [marker.camera for marker in scene.timeline_markers if marker.camera]
+    lenses = {(eye.data.type, eye.data.shift_x, eye.data.shift_y, eye.data.clip_start, eye.data.clip_end) for eye in bound}
+    if len(lenses) > 1:
+        yield Finding("camera-cuts", more=", ".join(sorted({f"`{eye.name}`" for eye in bound})))
+
+
+RAYS = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter")
+
+
+def of_object(thing, is_blurred):
     name = f"`{thing.name}`"
     if thing.type == "LIGHT":
-        yield from of_light(name, thing.data)
-    if thing.type == "CAMERA" and thing.data.type not in {"PERSP", "ORTHO"}:
-        yield warn(f"{name}: panoramic cameras are not exported")
-    if thing.type == "VOLUME":
-        yield warn(f"{name}: volumes from files are not exported")
-    if any(system.settings.render_type in {"OBJECT", "COLLECTION"} for system in thing.particle_systems):
-        yield warn(f"{name}: particle instances are not exported: make them real (Object > Apply > Make Instances Real)")
-    for constraint in thing.constraints:
-        if constraint.type == "CHILD_OF" and not constraint.mute and not is_uniform(constraint.target):
-            yield warn(f"{name}: a Child Of constraint to an uneven scale shears, which is not exported: parent it instead")
+        yield from of_light(name, thing)
+        return
+    if thing.type == "CAMERA":
+        if thing.data.type not in {"PERSP", "ORTHO"}:
+            yield Finding("camera-panoramic", name)
+        if any(curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"} for curve in curves_of(thing.data)):
+            yield Finding("camera-values", name)
+        dof = thing.data.dof
+        if dof.use_dof and (dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)):
+            yield Finding("camera-aperture", name)
+        return
+    if thing.sunfleck_settings.is_fog:
+        return
+    said = {
+        "volume": thing.type == "VOLUME",
+        "grease-pencil": thing.type in {"GPENCIL", "GREASEPENCIL"},
+        "point-cloud": thing.type == "POINTCLOUD",
+        "hair": thing.type == "CURVES" or any(shows_hair(system.settings) for system in thing.particle_systems),
+        "holdout": thing.is_holdout,
+        "shadow-catcher": thing.is_shadow_catcher,
+        "camera-invisible": not thing.visible_camera,
+        "shadow-invisible": not thing.visible_shadow,
+        "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
+        "light-linking": is_linked(thing),
+        "motion-blur-off": is_blurred and not of_cycles(thing, "use_motion_blur", True),
+    }
+    if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:
+        yield from (Finding(id, name) for id, is_so in said.items() if is_so)
 
 
-def is_uniform(target):
-    if target is None:
-        return True
-    x, y, z = target.matrix_world.to_scale()
-    return max(x, y, z) - min(x, y, z) < 1e-6
+def shows_hair(settings):
+    return settings.type == "HAIR" and settings.render_type == "PATH"
 
 
-def of_light(name, light):
-    # The exporter fails on both of these.
-    if light.use_temperature:
-        yield Finding("ERROR", f"{name}: Blender's exporter fails on a colour temperature: set the colour instead")
-    if not light.normalize:
-        yield Finding("ERROR", f"{name}: Blender's exporter fails on lights that are not normalised: tick Normalize")
-    if light.energy < 0.0:
-        yield Finding("ERROR", f"{name}: a light's power is negative")
-    if light.type == "AREA" and light.spread < 3.14:
-        yield warn(f"{name}: the spread of an area light is not honoured")
-    if light.node_tree and light.use_nodes and any(node.type != "OUTPUT_LIGHT" for node in light.node_tree.nodes):
-        yield warn(f"{name}: light nodes are exported only in part: use the light's own power and colour")
+def is_linked(thing):
+    linking = getattr(thing, "light_linking", None)
+    return bool(linking and (linking.receiver_collection or linking.blocker_collection))
+
+
+def of_collection(collection):
+    name = f"the collection `{collection.name}`"
+    if collection.exclude:
+        return
+    if collection.holdout:
+        yield Finding("holdout", name)
+    if collection.indirect_only:
+        yield Finding("indirect-only", name)
+
+
+def of_light(name, thing):
+    light = thing.data
+    own_nodes = light.node_tree and light.use_nodes and any(node.type not in {"OUTPUT_LIGHT", "EMISSION"} for node in light.node_tree.nodes)
+    is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
+    has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
+    said = {
+        "light-power": light.energy < 0.0,
+        "light-spread": light.type == "AREA" and light.spread < 3.14,
+        "light-square": light.type == "SPOT" and light.use_square,
+        "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,
+        "light-nodes": bool(own_nodes),
+        "light-shadowless": not light.use_shadow,
+        "light-seen": has_size and thing.visible_camera,
+        "light-rays": not all(getattr(thing, rays) for rays in RAYS),
+        "light-linking": is_linked(thing),
+        "light-portal": is_portal,
+    }
+    yield from (Finding(id, name) for id, is_so in said.items() if is_so)
 
 
 def of_material(material):
     name = f"the material `{material.name}`"
-    for node in nodes_of(material):
-        lost = LOST_SHADERS.get(node.type)
-        if lost and not (node.type == "BSDF_TRANSLUCENT" and material.sunfleck_settings.is_leaf):
-            yield warn(f"{name} loses {lost}")
+    output = principled.output_of(material.node_tree) if material.node_tree else None
+    if output is None:
+        return
+    if sockets.link_to(output.inputs["Volume"]):
+        yield Finding("volume-beside-surface" if sockets.link_to(output.inputs["Surface"]) else "volume-material", name)
+    if sockets.link_to(output.inputs["Displacement"]) and material.displacement_method != "BUMP":
+        yield Finding("displacement", name)
 
 
 def changes(material):
@@ -109,18 +191,12 @@ def changes(material):
     return any(one.action or one.drivers for one in data)
 
 
-def nodes_of(material):
-    return material.node_tree.nodes if material.node_tree else []
-
-
-def has_volume(material):
-    outputs = [node for node in nodes_of(material) if node.type == "OUTPUT_MATERIAL"]
-    return any(node.inputs["Volume"].is_linked and not node.inputs["Surface"].is_linked for node in outputs)
-
-
 def is_hidden_at_times(thing):
-    data = thing.animation_data
-    return bool(data and any(curve.data_path == "hide_render" for curve in curves(data)))
+    return any(curve.data_path == "hide_render" for curve in curves_of(thing))
+
+
+def curves_of(owner):
+    return curves(owner.animation_data) if owner.animation_data else ()
 
 
 def curves(animation_data):

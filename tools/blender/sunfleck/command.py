@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from . import check, export, program, render
+from . import export, program, render
 
 _handle = None
 
@@ -38,14 +38,19 @@ def main(arguments):
 
 
 def do_check(scene, _known, _others):
-    for finding in check.check(scene):
-        print(f"{finding.severity.lower()}: {finding.message}")
+    told = export.checked(scene)
+    for frame, counted in told.counts.of:
+        print(f"frame {frame}: {counted}")
+    for name, word in told.materials.items():
+        print(f"material `{name}`: {word}")
+    for finding in told.findings:
+        print(f"{finding.severity.lower()}{finding}")
     return 0
 
 
 def do_export(scene, known, _others):
-    for warning in export.export(scene, known.output):
-        print(f"warning: {warning}", file=sys.stderr)
+    for finding in export.exported(scene, known.output).findings:
+        print(f"{finding.severity.lower()}{finding}", file=sys.stderr)
     return 0
 
 
@@ -58,8 +63,10 @@ def do_render(scene, known, others):
     folder.mkdir(parents=True, exist_ok=True)
     glb = folder / f"{folder.name}.glb"
     for warning in export.export(scene, glb):
-        print(f"warning: {warning}", file=sys.stderr)
-    run = render.Run(executable, glb, folder, others)
+        print(f"warning{warning}", file=sys.stderr)
+    asked = {word.split("=")[0] for word in others}
+    own = [flag for flag in render.flags(scene, animation=True) if flag.split("=")[0] not in asked]
+    run = render.Run(executable, glb, folder, [*own, *others])
     code = run.wait()
     for news in run.news():
         if news["event"] in {"frame_written", "finished"}:

@@ -1,55 +1,52 @@
-"""A scene to a .glb file that sunfleck reads: checked, custom properties written, with the right options."""
+"""A scene to a .glb file that sunfleck reads: checked, custom properties written, then as it is evaluated."""
 
 import re
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import check, controls, extras
+from . import check, extras
+from .evaluated import scenes, walk
+from .evaluated.readback import File
+from .losses import ordered
 
 
 class NotExportable(Exception):
     """Something stands in the way; the message says what."""
 
 
-def export(scene, path):
-    """Writes the file; what was found on the way comes back as warnings."""
+def export(scene, path, only=None):
+    """Writes the file, of all frames or of one alone; what was found on the way comes back as warnings."""
+    return [str(finding) for finding in exported(scene, path, only).findings if finding.severity == "WARNING"]
+
+
+@dataclass
+class Told:
+    """What was found, what is visible at each frame, and what became of materials."""
+
+    findings: list
+    counts: object
+    # A word on each.
+    materials: dict
+
+
+def exported(scene, path, only=None):
+    """Writes the file, and reads it back."""
     findings = check.check(scene)
-    errors = [finding.message for finding in findings if finding.severity == "ERROR"]
+    errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotExportable("; ".join(errors))
     extras.store(scene, path)
-    with controls.empties(scene):
-        bpy.ops.export_scene.gltf(filepath=str(path), **options(scene))
-    return [finding.message for finding in findings]
-
-
-def options(scene):
-    """The exporter's options. Those that differ from its defaults: docs/blender.md says why."""
-    has_shape_keys = any(thing.type == "MESH" and thing.data.shape_keys for thing in scene.objects)
-    return {
-        "export_format": "GLB",
-        "use_active_scene": True,
-        "use_renderable": not any(check.is_hidden_at_times(thing) for thing in scene.objects),
-        "export_cameras": True,
-        "export_lights": True,
-        "export_import_convert_lighting_mode": "SPEC",
-        "export_extras": True,
-        # Applying modifiers would take the shape keys away.
-        "export_apply": not has_shape_keys,
-        "export_gn_mesh": True,
-        "export_gpu_instances": False,
-        "export_image_format": "AUTO",
-        "export_draco_mesh_compression_enable": False,
-        "export_animation_mode": "SCENE",
-        "export_anim_scene_split_object": False,
-        "export_force_sampling": True,
-        # Empties of ours carry lights and lenses; Blender writes those in wrong units.
-        "export_pointer_animation": any(check.changes(material) for material in bpy.data.materials),
-        "export_yup": True,
-    }
+    try:
+        made = scenes.export(scene, path, only)
+    except walk.Stopped as stopped:
+        raise NotExportable(str(stopped)) from stopped
+    expected, differences = made.compared(File(path))
+    return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
 
 
 class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
@@ -63,29 +60,39 @@ class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
 
     def execute(self, context):
         try:
-            warnings = export(context.scene, self.filepath)
+            findings = exported(context.scene, self.filepath).findings
         except NotExportable as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for warning in warnings:
-            self.report({"WARNING"}, warning)
+        for finding in findings:
+            self.report({finding.severity}, str(finding))
         self.report({"INFO"}, f"wrote {self.filepath}")
         return {"FINISHED"}
 
 
 class SUNFLECK_OT_check(bpy.types.Operator):
-    """Say what of this scene would be lost"""
+    """Say what of this scene would be lost, and compare what a file would show with what Blender shows"""
 
     bl_idname = "sunfleck.check"
     bl_label = "Check for sunfleck"
 
     def execute(self, context):
-        findings = check.check(context.scene)
-        for finding in findings:
-            self.report({finding.severity}, finding.message)
-        if not findings:
+        try:
+            told = checked(context.scene)
+        except NotExportable as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for finding in told.findings:
+            self.report({finding.severity}, str(finding))
+        if not told.findings:
             self.report({"INFO"}, "nothing will be lost")
         return {"FINISHED"}
+
+
+def checked(scene):
+    """The same of a file that does not stay."""
+    with tempfile.TemporaryDirectory() as folder:
+        return exported(scene, Path(folder) / "scene.glb")
 
 
 def default_folder(scene):

@@ -8,6 +8,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from . import world
+from .evaluated import lights
+from .materials.colours import rec709
 
 # sunfleck's shape of each of Blender's area lights.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
@@ -23,12 +25,14 @@ def of_scene(scene, path=None):
         "fps_base": float(render.fps_base),
         "frame_start": scene.frame_start,
         "frame_end": scene.frame_end,
-        "resolution": [max(1, round(side * percent)) for side in (render.resolution_x, render.resolution_y)],
+        # Pixels are square: those of another aspect are so many more or fewer across.
+        "resolution": [max(1, round(side * percent)) for side in picture_sides(scene)],
         "light_units": "spec",
         "filter": own.filter,
         "exposure": scene.view_settings.exposure,
         "seed": own.seed,
         "passes": sorted(own.passes),
+        "bounces": "all" if own.all_bounces else own.bounces,
         "shutter": 0.0,
     }
     if own.use_samples:
@@ -52,7 +56,7 @@ def of_scene(scene, path=None):
     if own.use_world:
         sky = world.of_world(scene, path)
     elif own.background_strength > 0.0:
-        sky = {"color": list(own.background_color), "strength": own.background_strength}
+        sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     if sky:
         written["sunfleck_env"] = {**sky, "lights": own.sky_lights}
     return written
@@ -69,16 +73,16 @@ def of_object(thing, path=None):
     if own.use_leaf_id:
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
-        written["sunfleck_light"] = {**plain(thing.get("sunfleck_light")), **light(thing.data, own)}
+        written["sunfleck_light"] = {**plain(thing.get("sunfleck_light")), **light(thing.data, own, thing.matrix_world.to_scale())}
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name)
             written["sunfleck_light"]["image"] = quote(name)
     return written
 
 
-def light(data, own):
+def light(data, own, scale=(1.0, 1.0, 1.0)):
     """What glTF does not say of a light."""
-    strength = data.energy * 2.0**data.exposure
+    strength = lights.power_w(data, scale)
     if data.type == "SUN":
         said = {"angle": data.angle, "strength_w_m2": strength, **sun_disc(own)}
         return {**said, "visible_to_camera": True} if own.visible_to_camera else said
@@ -86,7 +90,7 @@ def light(data, own):
         height = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
         return {
             "type": "area", "shape": AREA_SHAPES[data.shape], "size": [data.size, height], "power_w": strength,
-            "color": list(data.color), "spread": data.spread,
+            "color": list(lights.color(data)), "spread": data.spread,
         }
     return {"radius": data.shadow_soft_size, "power_w": strength}
 
@@ -103,15 +107,15 @@ def sun_disc(own):
     return said
 
 
-def of_camera(data, scene):
-    """What glTF does not say of a camera."""
+def of_camera(data, scene, eye=None):
+    """What glTF does not say of a camera; `eye` is its object, if that is known."""
     written = {"sensor_width_mm": sensor_width_mm(data, scene)}
     shift = shift_of_longer_side(data, scene)
     if shift != [0.0, 0.0]:
         written["shift"] = shift
     if data.dof.use_dof:
         written["fstop"] = data.dof.aperture_fstop
-        written["focus_distance"] = focus_distance(data, scene)
+        written["focus_distance"] = focus_distance(data, scene, eye)
         if data.dof.aperture_blades >= 3:
             written["blades"] = data.dof.aperture_blades
     return {"sunfleck_camera": written}
@@ -144,10 +148,10 @@ def shift_of_longer_side(data, scene):
     return [data.shift_x * scale, data.shift_y * scale]
 
 
-def focus_distance(data, scene):
+def focus_distance(data, scene, eye=None):
     """Along the view, to the plane in focus, metres."""
     target = data.dof.focus_object
-    eye = next((thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None)
+    eye = eye or next((thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None)
     if target is None or eye is None:
         return data.dof.focus_distance
     return max(1e-6, -(eye.matrix_world.normalized().inverted() @ target.matrix_world.translation).z)
@@ -186,5 +190,8 @@ def store(scene, path=None):
 
 
 def put(owner, written):
+    """What a library holds is not ours to write."""
+    if owner.library is not None:
+        return
     for name, value in written.items():
         owner[name] = value

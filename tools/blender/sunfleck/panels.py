@@ -35,6 +35,9 @@ class SUNFLECK_PT_render(ScenePanel, bpy.types.Panel):
         column.prop(own, "use_samples")
         column.prop(own, "samples" if own.use_samples else "tolerance")
         column.prop(own, "filter")
+        column.prop(own, "all_bounces")
+        if not own.all_bounces:
+            column.prop(own, "bounces")
         column.prop(own, "seed")
         column.prop(own, "passes")
         row = self.layout.row(align=True)

@@ -6,6 +6,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 PASSES = [
     ("shafts", "Shafts", "Light scattered in the fog"),
     ("transmittance", "Transmittance", "What the fog lets through"),
+    ("indirect", "Indirect", "Of the picture, what surfaces show of indirect light"),
+    ("indirect-shafts", "Indirect shafts", "Of the shafts, what fog scatters of it"),
     ("depth", "Depth", "Distance along the view"),
     ("normal", "Normal", "Shading normal"),
     ("position", "Position", "Place in the world"),
@@ -74,6 +76,10 @@ class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
         name="Filter", description="By what weights a pixel is the mean of the picture around it", items=FILTERS,
         default="box",
     )
+    bounces: IntProperty(
+        name="Bounces", default=0, min=0, max=64, description="How often light is scattered beyond direct light and single scattering"
+    )
+    all_bounces: BoolProperty(name="All light", description="Light is scattered until nothing is left of it")
     seed: IntProperty(name="Seed", default=0, min=0)
     passes: EnumProperty(name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"shafts", "depth", "leaf-id"})
     use_fog: BoolProperty(name="Fog everywhere", description="Fog without bounds that thins out with height")

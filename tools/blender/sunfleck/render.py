@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
-from . import export, program
+from . import export, extras, program
 
 # How often the window looks for news, seconds.
 LOOK_S = 0.2
@@ -69,6 +69,21 @@ class Run:
         return "" if self.process.poll() == 0 else "".join(self.complaints).strip() or "sunfleck failed"
 
 
+def flags(scene, animation):
+    """What Blender renders of the file: this frame or those of the step, and within the border."""
+    found = [f"--frames={scene.frame_current}"]
+    if animation:
+        found = [] if scene.frame_step == 1 else [f"--frames={scene.frame_start}..{scene.frame_end}:{scene.frame_step}"]
+    render = scene.render
+    if not render.use_border:
+        return found
+    width, height = extras.of_scene(scene)["sunfleck"]["resolution"]
+    left, right = (round(width * edge) for edge in (render.border_min_x, render.border_max_x))
+    # Blender counts from the bottom.
+    top, bottom = (round(height * (1.0 - edge)) for edge in (render.border_max_y, render.border_min_y))
+    return [*found, f"--crop={left},{top},{max(right, left + 1)},{max(bottom, top + 1)}"]
+
+
 class SUNFLECK_OT_render(bpy.types.Operator):
     """Export this scene and render it with sunfleck; Esc stops it and keeps whole frames"""
 
@@ -87,13 +102,12 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         folder.mkdir(parents=True, exist_ok=True)
         glb = folder / f"{folder.name}.glb"
         try:
-            for warning in export.export(scene, glb):
+            for warning in export.export(scene, glb, None if self.animation else scene.frame_current):
                 self.report({"WARNING"}, warning)
         except export.NotExportable as error:
             self.report({"ERROR"}, str(error))
             return False
-        frames = [] if self.animation else ["--frames", str(scene.frame_current)]
-        self.run, self.folder, self.total = Run(executable, glb, folder, frames), folder, 1
+        self.run, self.folder, self.total = Run(executable, glb, folder, flags(scene, self.animation)), folder, 1
         self.done, self.shown = 0, 0.0
         return True
 

@@ -1,5 +1,6 @@
 """The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose image then
-lies beside the exported file, as images on suns do. Invariant: what the world shows and the property cannot say is among the losses.
+lies beside the exported file, as images on suns do, or a picture of whatever else its nodes show. Invariant: the sky is the world as
+it is at the frame at hand.
 """
 
 import math
@@ -9,6 +10,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 import bpy
+
+from . import world_picture
+from .materials.colours import rec709
 
 # Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi
@@ -31,42 +35,55 @@ def shines(scene):
     )
 
 
-def losses(scene):
-    """Why the world cannot be the sky; nothing if it can."""
+def has_volume(scene):
+    """Whether the world is full of something."""
+    tree = scene.world and scene.world.node_tree
+    output = tree.get_output_node("CYCLES") if tree else None
+    return bool(output and output.inputs["Volume"].is_linked)
+
+
+def is_plain(scene):
+    """Whether it is one colour or one environment texture all around, which needs no baking."""
     shaders = backgrounds(scene)
-    if len(shaders) != 1:
-        return ["the world has not one background shader: it is not exported"]
-    color, strength = shaders[0].inputs["Color"], shaders[0].inputs["Strength"]
-    lost = []
-    if strength.is_linked:
-        lost.append("the strength of the world's background comes from nodes: its own value is exported")
-    data = scene.world.node_tree.animation_data
-    if data and (data.action or data.drivers):
-        lost.append("the world changes: it is exported as it is now")
+    output = scene.world.node_tree.get_output_node("CYCLES") if shaders else None
+    if len(shaders) != 1 or output is None or not output.inputs["Surface"].is_linked:
+        return False
+    if output.inputs["Surface"].links[0].from_node != shaders[0] or shaders[0].inputs["Strength"].is_linked:
+        return False
+    if not shaders[0].inputs["Color"].is_linked:
+        return True
     texture = environment(shaders[0])
-    if color.is_linked and texture is None:
-        return ["the world's colour comes from nodes other than an environment texture: it is not exported", *lost]
-    if texture is not None:
-        if texture.projection != "EQUIRECTANGULAR":
-            lost.append("the world's environment texture is not equirectangular: it is exported as if it were")
-        if turn(texture) is None:
-            lost.append("of the world's mapping only a turn about Z is exported")
-    return lost
+    return texture is not None and texture.projection == "EQUIRECTANGULAR" and turn(texture) is not None
+
+
+def is_baked(scene):
+    """Whether its nodes are more than that."""
+    tree = scene.world and scene.world.node_tree
+    output = tree.get_output_node("CYCLES") if tree else None
+    return bool(output and output.inputs["Surface"].is_linked) and not is_plain(scene)
+
+
+def changes(scene):
+    """Whether it is keyed or driven."""
+    world = scene.world
+    owners = [owner for owner in (world, world and world.node_tree) if owner]
+    return any(owner.animation_data and (owner.animation_data.action or owner.animation_data.drivers) for owner in owners)
 
 
 def of_world(scene, path):
-    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if the world cannot be exported."""
-    shaders = backgrounds(scene)
-    if len(shaders) != 1:
-        return None
-    color, strength = shaders[0].inputs["Color"], shaders[0].inputs["Strength"].default_value
+    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if there is none or nowhere to write it."""
+    if not is_plain(scene):
+        if path is None or not is_baked(scene):
+            return None
+        return {"image": quote(world_picture.beside(scene.world, Path(path))), "strength": 1.0, "rotation": 0.0}
+    shader = backgrounds(scene)[0]
+    color, strength = shader.inputs["Color"], shader.inputs["Strength"].default_value
     if not color.is_linked:
-        return {"color": list(color.default_value[:3]), "strength": strength}
-    texture = environment(shaders[0])
-    if texture is None or path is None:
+        return {"color": list(rec709(tuple(color.default_value[:3]))), "strength": strength}
+    if path is None:
         return None
-    rotation = QUARTER_TURN + (turn(texture) or 0.0)
-    return {"image": quote(written(texture.image, Path(path))), "strength": strength, "rotation": rotation}
+    texture = environment(shader)
+    return {"image": quote(written(texture.image, Path(path))), "strength": strength, "rotation": QUARTER_TURN + turn(texture)}
 
 
 def environment(background):

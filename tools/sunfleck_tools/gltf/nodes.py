@@ -27,6 +27,8 @@ class Node:
     rest: dict[str, np.ndarray]
     curves: dict[str, Curve] = field(default_factory=dict)
     weights: Curve | None = None
+    # Whether it and what is below it is shown: 0 is not.
+    shown: Curve | None = None
     children: list[Node] = field(default_factory=list)
 
     @property
@@ -139,6 +141,7 @@ def read_animations(document: Value, nodes: list[Node], accessors: Accessors) ->
         for channel in animation.items("channels"):
             target = channel.need("target")
             if (of := target.member("node")) is None:
+                _read_visibility(target, samplers[channel.need("sampler").index(samplers, "sampler")], by_index, accessors)
                 continue
             node = by_index.get(of.index(sources, "node"))
             path = target.text_at("path")
@@ -149,6 +152,17 @@ def read_animations(document: Value, nodes: list[Node], accessors: Accessors) ->
                 node.weights = _curve(sampler, accessors, 1, turns=False)
             elif path in PATHS:
                 node.curves[path] = _curve(sampler, accessors, PATHS[path], turns=path == "rotation")
+
+
+def _read_visibility(target: Value, sampler: Value, by_index: dict[int, Node], accessors: Accessors) -> None:
+    """What a pointer says of a node's visibility; other pointers are passed over."""
+    said = target.member("extensions")
+    pointer = said.member("KHR_animation_pointer") if said is not None else None
+    steps = pointer.text_at("pointer").split("/") if pointer is not None else []
+    if len(steps) == 6 and steps[1] == "nodes" and steps[3:] == ["extensions", "KHR_node_visibility", "visible"] and steps[2].isdigit():
+        if (node := by_index.get(int(steps[2]))) is not None:
+            curve = _curve(sampler, accessors, 1, turns=False)
+            node.shown = Curve(curve.times_s, curve.values, "STEP", turns=False)
 
 
 def _curve(sampler: Value, accessors: Accessors, width: int, turns: bool) -> Curve:

@@ -68,6 +68,11 @@ class Gltf:
         """Blender multiplies by fps_base where it should divide."""
         sunfleck = self.extras.group("sunfleck")
         base = sunfleck.number_at("fps_base", 1.0, 1e-6, 1e6)
+        if (first := sunfleck.number_at("frame_at_zero", 0.0, -1e7, 1e7)) != 0.0:
+            seconds = first * base / sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6)
+            for node in self.nodes:
+                node.curves = {path: _later(curve, seconds) for path, curve in node.curves.items()}
+                node.weights, node.shown = (curve and _later(curve, seconds) for curve in (node.weights, node.shown))
         generator = self.document.need("asset").text_at("generator")
         if base == 1.0 or "Blender" not in generator or sunfleck.member("fps") is None:
             return
@@ -133,6 +138,12 @@ class Gltf:
     def unused(self) -> list[str]:
         """Targets of values that were carried and nobody asked for."""
         return sorted(self.controls.keys() - self._used)
+
+
+def _later(curve: Curve, seconds: float) -> Curve:
+    """The same keys so much later."""
+    times_s = (curve.times_s.astype(np.float64) + seconds).astype(np.float32)
+    return Curve(times_s, curve.values, curve.interpolation, curve.turns)
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,8 @@ class _Reader:
         above: Node | None = node
         while above is not None:
             visibility = above.source.extension("KHR_node_visibility")
-            if visibility is not None and visibility.raw.get("visible", True) is False:
+            still = visibility is None or visibility.raw.get("visible", True) is not False
+            if not (still if above.shown is None else above.shown.at(self.time_s)[0, 0] >= 0.5):
                 return False
             above = above.parent
         return True

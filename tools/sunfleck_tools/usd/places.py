@@ -65,10 +65,11 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     if hidden is not None and (said := hidden.member("visible")) is not None and said.raw is False:
         prim.set("visibility", Types.Token, "invisible")
     control = gltf.control(node.name, "sunfleck_node.visible")
-    if control is None:
+    if control is None and node.shown is None:
         return False
-    codes = sampler.codes(control.curve)
-    codes, rows = thinned(codes, control.at(sampler.seconds(codes))[:, :1] >= 0.5)
+    curve, at = (node.shown, node.shown.at) if control is None else (control.curve, control.at)
+    codes = sampler.codes(curve)
+    codes, rows = thinned(codes, at(sampler.seconds(codes))[:, :1] >= 0.5)
     shown = rows[:, 0].tolist()
     prim.animate("visibility", Types.Token, codes, ["inherited" if each else "invisible" for each in shown])
     if not for_blender or len(codes) == 1:

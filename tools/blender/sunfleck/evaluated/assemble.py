@@ -1,0 +1,190 @@
+"""The record of a scene as a glTF document.
+
+In go a record, materials and values that change, out comes the document. Invariant: every thing that was seen at a frame is a node
+that shows at that frame, where it was, and at no other frame.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy
+
+from . import places
+from .document import Document
+from .meshes import Meshes
+from .shapes import Bend
+from .tracks import Tracks
+
+
+@dataclass
+class United:
+    """Shapes by moment, and what becomes of them."""
+
+    shapes: dict = field(default_factory=dict)
+    bend: object = None
+
+
+class Assembly:
+    """Turns things into nodes, one after the other; `tracks.write` makes channels of what moves at the end."""
+
+    def __init__(self, record, frames, shutter, clock):
+        self.record, self.frames, self.shutter, self.clock = record, frames, shutter, clock
+        self.document = Document()
+        self.tracks = Tracks(self.document, clock)
+        self.times = numpy.array([frame + offset for frame, offset in record.moments])
+        self.is_frame = numpy.array([offset == 0.0 for _, offset in record.moments])
+        self.frame_of = numpy.array([frame for frame, _ in record.moments])
+        self.names, self.bends, self.lamps, self.lenses = {}, {}, {}, {}
+        self.nodes = {}
+
+    def name(self, thing):
+        """Of an object its own; of an instance a number more."""
+        wanted = thing.name if thing.instancer in (None, thing.object) else f"{thing.name} of {thing.instancer.name}"
+        self.names[wanted] = count = self.names.get(wanted, 0) + 1
+        if thing.instancer in (None, thing.object) and count == 1:
+            return wanted
+        return f"{wanted} {count}"
+
+    def add(self, materials, values, custom):
+        """All things, in the order in which they were first seen; objects before instances, whose names give way."""
+        self.meshes, self.materials = Meshes(self.document, materials), materials
+        things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
+        slots = {(material, thing.facts) for _, thing in things for shown in set(thing.shown) if shown for material in shown[1]}
+        materials.prepare(slots)
+        for _, thing in things:
+            self.unite_shapes(thing)
+        for key, thing in things:
+            self.add_thing(key, thing, values, custom)
+
+    def add_thing(self, key, thing, values, custom):
+        there = self.is_frame[thing.moments]
+        if not there.any():
+            return
+        node = {"name": self.name(thing)}
+        number = self.nodes[key] = self.document.add("nodes", node)
+        written = custom(thing)
+        if written:
+            node["extras"] = written
+        looks = thing.kind in {"LIGHT", "CAMERA"}
+        parts = places.parts(places.in_gltf(self.record.places(thing), looks))
+        times = self.times[thing.moments]
+        holder = number
+        if parts.inner is not None:
+            # The named node is the inner one: its place is the thing's.
+            holder = self.document.add("nodes", {"name": f"{node['name']} (shear)", "children": [number]})
+            inner = places.Places(0.0 * parts.translation, parts.inner, 0.0 * parts.scale + 1.0)
+            self.tracks.place(number, times, inner, self.reach(thing))
+        self.tracks.place(holder, times, parts, self.reach(thing))
+        seen = set(self.frame_of[thing.moments][there].tolist())
+        self.tracks.visible(holder, self.frames, [frame in seen for frame in self.frames], self.shutter.switch)
+        if thing.kind == "SURFACE":
+            self.show(number, thing)
+        elif thing.kind == "LIGHT":
+            self.shine(node, thing, values.lights[key])
+        elif thing.kind == "CAMERA":
+            self.look(node, thing, values.cameras[key])
+
+    def node_name(self, key):
+        """Of a thing's node; None if it has none."""
+        return self.document.lists["nodes"][self.nodes[key]]["name"] if key in self.nodes else None
+
+    def reach(self, thing):
+        """How far from its origin a thing has anything."""
+        shown = {shown[0] for shown in thing.shown if shown is not None}
+        return max((self.record.capture.reach(number) for number in shown), default=1.0)
+
+    # Surfaces.
+
+    def groups(self, thing):
+        """What a thing shows by topology and materials: moments and geometries; only what it shows at a frame itself."""
+        groups = {}
+        for moment, (geometry, materials) in zip(thing.moments, thing.shown):
+            groups.setdefault((self.record.geometries[geometry].topology, materials), {})[moment] = geometry
+        return {key: group for key, group in groups.items() if any(self.is_frame[moment] for moment in group)}
+
+    def unite_shapes(self, thing):
+        """Things that show the same object's shapes at the same moments bend alike, whenever each of them is there."""
+        if thing.kind != "SURFACE":
+            return
+        for key, group in self.groups(thing).items():
+            if len(set(group.values())) == 1:
+                continue
+            united = self.bends.setdefault((thing.object, key), [])
+            fitting = (one for one in united if all(one.shapes.get(moment, shape) == shape for moment, shape in group.items()))
+            found = next(fitting, None)
+            if found is None:
+                united.append(found := United())
+            found.shapes.update(group)
+
+    def show(self, number, thing):
+        """One mesh, or several that take turns where the topology or the materials change."""
+        groups = self.groups(thing)
+        name = self.document.lists["nodes"][number]["name"]
+        for index, (key, group) in enumerate(groups.items()):
+            child = number
+            if len(groups) > 1:
+                child = self.document.add("nodes", {"name": f"{name} ({index + 1})"})
+                self.document.lists["nodes"][number].setdefault("children", []).append(child)
+                there = {self.frame_of[moment] for moment in group if self.is_frame[moment]}
+                self.tracks.visible(child, self.frames, [frame in there for frame in self.frames], self.shutter.switch)
+            materials = tuple(self.materials.on_instance(material, thing.facts) for material in key[1])
+            self.show_group(child, materials, group, self.bend(thing, key, group))
+
+    def show_group(self, node, materials, group, bend):
+        said = self.document.lists["nodes"][node]
+        first = self.record.geometries[next(iter(group.values()))]
+        mesh = self.meshes.number(bend.base if bend else first, materials, bend)
+        if mesh is None:
+            return
+        said["mesh"] = mesh
+        if bend is None:
+            return
+        times, weights = bend.keys()
+        self.document.lists["meshes"][mesh]["weights"] = weights[0].tolist()
+        if len(times) > 1:
+            self.document.node_channel(node, "weights", self.clock.seconds(times), weights.ravel())
+
+    def bend(self, thing, key, group):
+        """How a thing's mesh bends; None if it keeps its shape."""
+        if len(set(group.values())) == 1:
+            return None
+        fits = lambda one: all(one.shapes.get(moment) == shape for moment, shape in group.items())
+        united = next(filter(fits, self.bends[thing.object, key]))
+        if united.bend is None:
+            moments = sorted(united.shapes, key=lambda moment: self.times[moment])
+            united.bend = Bend(self.times[moments], [united.shapes[moment] for moment in moments], self.record.geometries)
+        return united.bend
+
+    # What lights, and what looks.
+
+    def shine(self, node, thing, said):
+        if said.punctual is None:
+            return
+        key = repr(said.punctual)
+        if key not in self.lamps:
+            self.lamps[key] = self.document.light(said.punctual)
+        node.setdefault("extensions", {})["KHR_lights_punctual"] = {"light": self.lamps[key]}
+
+    def add_view(self, values):
+        """A camera that is at each moment the one that renders, if that is not one node all the time."""
+        views = sorted(values.views, key=lambda view: view.time)
+        eyes = {view.eye for view in views}
+        if not eyes or views[0].said.camera is None:
+            return
+        names = {thing.object: self.node_name(key) for key, thing in self.record.things.items() if thing.instancer is None}
+        if len(eyes) == 1 and names.get(views[0].eye):
+            return
+        node = {"name": "camera of markers" if len(eyes) > 1 else views[0].eye.name}
+        number = self.nodes["view"] = self.document.add("nodes", node)
+        matrices = numpy.stack([view.matrix for view in views])
+        times = numpy.array([view.time for view in views])
+        self.tracks.place(number, times, places.parts(places.in_gltf(matrices, looks=True)), 1.0)
+        self.look(node, None, views[0].said)
+        for view in views:
+            values.see("view", view.time, view.fields)
+        self.document.scene_extras.setdefault("sunfleck", {})["camera"] = node["name"]
+
+    def look(self, node, thing, said):
+        if said.camera is None:
+            return
+        written = {**said.camera, "extras": said.extras} if said.extras else said.camera
+        node["camera"] = self.document.once("cameras", written)

@@ -1,0 +1,151 @@
+"""Geometries of what the graph holds, each there once.
+
+In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant: what cannot change is looked at
+once; what has no surface to see is None, and its name is kept.
+"""
+
+import bpy
+import numpy
+
+from . import geometry, strands
+
+
+class Capture:
+    """Of a record."""
+
+    def __init__(self, library):
+        # `library` knows what materials look at.
+        self.library = library
+        self.geometries, self.known, self.reaches = [], {}, {}
+        # What was found in this moment, and what cannot change.
+        self.here, self.still = {}, {}
+        # Where the camera was at first, in the space of each object with hair.
+        self.eye, self.eyes = None, {}
+        # Names of what has no surface.
+        self.unseen = set()
+
+    def begin(self, graph):
+        """A new moment."""
+        self.here = {}
+        if self.eye is None:
+            camera = graph.scene.camera
+            self.eye = numpy.array(camera.evaluated_get(graph).matrix_world.translation if camera else (0.0, 0.0, 1e3), float)
+
+    def shown(self, thing, source, instance):
+        """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair that of its system."""
+        if instance.show_self:
+            found = self.surface(thing, source)
+            if found is not None:
+                yield "", found
+        if instance.show_particles and thing.particle_systems:
+            for system in thing.particle_systems:
+                if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+                    found = self.hair(thing, source, system)
+                    if found is not None:
+                        yield system.name, found
+
+    def surface(self, thing, source):
+        """The number of what an object shows and its materials; None for nothing."""
+        data = thing.data
+        key = (data, source)
+        if key in self.here:
+            return self.here[key]
+        is_still = cannot_change(source.original, data)
+        kept = (source.original.data, own_materials(thing)) if is_still else None
+        if is_still and kept in self.still:
+            found = self.still[kept]
+        else:
+            found = self.captured(thing, source)
+        if is_still:
+            self.still[kept] = found
+        self.here[key] = found
+        return found
+
+    def captured(self, thing, source):
+        data = thing.data
+        materials = [material.original if material else None for material in materials_of(thing, data)]
+        if thing.type == "CURVES":
+            made = strands.of_curves(data, self.eye_in(thing, source))
+        elif thing.type == "POINTCLOUD":
+            made = strands.of_points(data)
+        else:
+            colors = {name for material in materials for name in self.library.colors_of(material)}
+            made = geometry.of_mesh(data, sorted(colors))
+        return self.kept(made, materials, source)
+
+    def hair(self, thing, source, system):
+        """Of a particle system; strands that are not simulated keep still on a mesh that cannot change."""
+        key = (source, system.name)
+        if key in self.here:
+            return self.here[key]
+        others = [modifier for modifier in source.original.modifiers if modifier.type != "PARTICLE_SYSTEM"]
+        is_still = not system.use_hair_dynamics and not others and source.original.data.shape_keys is None
+        kept = (source.original, system.name)
+        if is_still and kept in self.still:
+            found = self.still[kept]
+        else:
+            materials = [material.original if material else None for material in materials_of(thing, thing.data)]
+            slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
+            made = strands.of_particles(thing, system, self.eye_in(thing, source))
+            found = self.still[kept] = self.kept(made, materials[slot : slot + 1] if materials else [], source)
+        self.here[key] = found
+        return found
+
+    def eye_in(self, thing, source):
+        if source.original not in self.eyes:
+            local = numpy.array(thing.matrix_world.inverted_safe(), float)
+            self.eyes[source.original] = local[:3, :3] @ self.eye + local[:3, 3]
+        return self.eyes[source.original]
+
+    def kept(self, made, materials, source):
+        """The number of a geometry; None if there is nothing to see."""
+        if made is None:
+            return None
+        slots = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)} if materials else set()
+        if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
+            self.unseen.add(source.original.name)
+            return None
+        if any(self.library.wants_atlas(material, made) for material in materials):
+            made = made.unwrapped()
+        number = self.known.setdefault(made.known_by(), len(self.geometries))
+        if number == len(self.geometries):
+            self.geometries.append(made)
+        return number, tuple(materials)
+
+    def reach(self, number):
+        """How far a geometry reaches from its origin."""
+        if number not in self.reaches:
+            positions = self.geometries[number].positions
+            self.reaches[number] = float(numpy.linalg.norm(positions, axis=1).max(initial=0.0))
+        return self.reaches[number]
+
+
+def cannot_change(original, data):
+    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made for instances may be any."""
+    handlers = bpy.app.handlers
+    return (
+        original.type == "MESH"
+        and not (handlers.frame_change_pre or handlers.frame_change_post)
+        and not original.modifiers
+        and original.data.shape_keys is None
+        and original.data.animation_data is None
+        and data.name == original.data.name
+    )
+
+
+def own_materials(thing):
+    """Of the slots that are the object's and not the mesh's."""
+    return tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
+
+
+def materials_of(thing, data):
+    """Of each slot: the object's own where it says so, else the mesh's."""
+    slots, of_data = thing.material_slots, list(data.materials)
+    found = []
+    for index in range(max(len(slots), len(of_data))):
+        slot = slots[index] if index < len(slots) else None
+        if slot is not None and (slot.link == "OBJECT" or index >= len(of_data)):
+            found.append(slot.material)
+        else:
+            found.append(of_data[index])
+    return found

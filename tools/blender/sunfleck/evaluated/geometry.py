@@ -1,0 +1,131 @@
+"""An evaluated mesh as arrays, told apart from others by what it holds.
+
+In go Blender's meshes, out comes a `Geometry`. Invariant: two with the same `topology` have the same triangles, corners, texture
+coordinates, colours and material slots, and may differ in where their vertices are; two with the same `shape` too do not differ.
+"""
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy
+
+
+# The name of texture coordinates that are made for baking.
+ATLAS = "sunfleck bake"
+
+
+@dataclass
+class Geometry:
+    """Corners are what Blender calls loops; all in Blender's axes."""
+
+    name: str
+    positions: numpy.ndarray
+    corner_vertices: numpy.ndarray
+    triangles: numpy.ndarray
+    slots: numpy.ndarray
+    # "FACE", "POINT" or "CORNER": what normals belong to; one a face, vertex or corner, none of faces.
+    normals_of: str
+    normals: numpy.ndarray
+    uvs: dict = field(default_factory=dict)
+    colors: dict = field(default_factory=dict)
+    topology: bytes = b""
+    shape: bytes = b""
+
+    def known_by(self):
+        return self.topology + self.shape
+
+    def fingerprint(self):
+        """Finds out what it is known by."""
+        of_corners = [self.corner_vertices, self.triangles, self.slots]
+        names = repr((len(self.positions), self.normals_of, list(self.uvs), list(self.colors)))
+        self.topology = digest(names.encode(), *of_corners, *self.uvs.values(), *self.colors.values())
+        self.shape = digest(self.positions, self.normals)
+        return self
+
+    def unwrapped(self):
+        """The same with corners of their own for each triangle, and texture coordinates in which none covers another."""
+        corners = self.triangles.ravel()
+        # Two triangles to a square of a grid, a little apart.
+        count = len(self.triangles)
+        columns = max(1, int(numpy.ceil(numpy.sqrt(numpy.ceil(count / 2)))))
+        cells = numpy.arange(count) // 2
+        origin = numpy.stack([cells % columns, cells // columns], axis=1)[:, None, :]
+        apart = 0.06
+        lower = numpy.array([[apart, apart], [1.0 - 3.0 * apart, apart], [apart, 1.0 - 3.0 * apart]])
+        inner = numpy.where((numpy.arange(count) % 2 == 0)[:, None, None], lower, 1.0 - lower)
+        atlas = ((origin + inner) / columns).reshape(-1, 2).astype("f4")
+        return Geometry(
+            name=self.name, positions=self.positions, corner_vertices=self.corner_vertices[corners],
+            triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=self.slots, normals_of=self.normals_of,
+            normals=self.normals[corners] if self.normals_of == "CORNER" else self.normals,
+            uvs={**{name: uv[corners] for name, uv in self.uvs.items()}, ATLAS: atlas},
+            colors={name: color[corners] for name, color in self.colors.items()},
+        ).fingerprint()
+
+
+def digest(*pieces):
+    """Of bytes and arrays."""
+    made = hashlib.blake2b(digest_size=16)
+    for piece in pieces:
+        made.update(piece if isinstance(piece, bytes) else numpy.ascontiguousarray(piece).data.cast("B") if piece.size else b"")
+    return made.digest()
+
+
+def of_mesh(mesh, colors=()):
+    """What there is to see of a mesh, with the colours that its materials ask for; None without a face."""
+    if not mesh.polygons:
+        return None
+    mesh.calc_loop_triangles()
+    corners, triangles = len(mesh.loops), len(mesh.loop_triangles)
+    faces = numbers(mesh.loop_triangles, "polygon_index", triangles, "i4")
+    slots = numbers(mesh.polygons, "material_index", len(mesh.polygons), "i4")[faces]
+    normals_of, normals = normals_and_owner(mesh)
+    return Geometry(
+        name=mesh.name,
+        positions=numbers(mesh.vertices, "co", (len(mesh.vertices), 3), "f4"),
+        corner_vertices=numbers(mesh.loops, "vertex_index", corners, "i4"),
+        triangles=numbers(mesh.loop_triangles, "loops", (triangles, 3), "i4"),
+        slots=slots,
+        normals_of=normals_of,
+        normals=normals,
+        uvs={layer.name: numbers(layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)},
+        colors={name: found for name in colors if (found := corner_colors(mesh, name)) is not None},
+    ).fingerprint()
+
+
+def numbers(owner, name, shape, kind):
+    """All of a property of everything in a collection."""
+    found = numpy.empty(shape, kind)
+    owner.foreach_get(name, found.ravel())
+    return found
+
+
+def normals_and_owner(mesh):
+    if mesh.normals_domain == "FACE":
+        return "FACE", numpy.empty((0, 3), "f4")
+    if mesh.normals_domain == "POINT":
+        return "POINT", numbers(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), "f4")
+    return "CORNER", numbers(mesh.corner_normals, "vector", (len(mesh.loops), 3), "f4")
+
+
+def ordered_uvs(mesh):
+    """The one that renders first, which textures without a name of their own take."""
+    layers = list(mesh.uv_layers)
+    return sorted(layers, key=lambda layer: not layer.active_render)
+
+
+def corner_colors(mesh, name):
+    """Linear colours by corner; the empty name is the one that renders. None if the mesh has none of that name."""
+    attributes = mesh.attributes
+    name = name or attributes.default_color_name
+    attribute = attributes.get(name) if name else None
+    if attribute is None or attribute.data_type not in {"FLOAT_COLOR", "BYTE_COLOR", "FLOAT_VECTOR"}:
+        return None
+    if attribute.data_type == "FLOAT_VECTOR":
+        found = numbers(attribute.data, "vector", (len(attribute.data), 3), "f4")
+        found = numpy.concatenate([found, numpy.ones((len(found), 1), "f4")], axis=1)
+    else:
+        found = numbers(attribute.data, "color", (len(attribute.data), 4), "f4")
+    if attribute.domain == "POINT":
+        return found[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
+    return found if attribute.domain == "CORNER" else None

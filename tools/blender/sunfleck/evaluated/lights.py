@@ -1,0 +1,52 @@
+"""Lights in glTF's units: KHR_lights_punctual, an area light as a node with `sunfleck_light`.
+
+In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as Blender's exporter has it.
+"""
+
+import math
+
+from ..materials.colours import rec709
+
+LUMENS_PER_WATT = 683.0
+
+
+def power_w(light, scale=(1.0, 1.0, 1.0)):
+    """Blender's watts, or of a sun W/m2, as if the light were normalised: exposure and size counted in."""
+    power = light.energy * 2.0**light.exposure
+    return power if light.normalize else power * extent(light, scale)
+
+
+def extent(light, scale):
+    """What the power of a light that is not normalised counts for: its area, m2, or of a sun's disc at distance 1."""
+    if light.type == "SUN":
+        return math.pi * math.tan(0.5 * light.angle) ** 2 or 1.0
+    if light.type == "AREA":
+        width, height = area_size(light)
+        shape = math.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else 1.0
+        return width * height * scale[0] * scale[1] * shape
+    return math.pi * light.shadow_soft_size**2 or 1.0
+
+
+def area_size(light):
+    return light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+
+
+def color(light):
+    """With what its temperature makes of it, in linear Rec. 709."""
+    warmth = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
+    return rec709(tuple(a * b for a, b in zip(light.color, warmth)))
+
+
+def punctual(light):
+    """Of glTF; None for area lights."""
+    if light.type == "AREA":
+        return None
+    unit = LUMENS_PER_WATT if light.type == "SUN" else LUMENS_PER_WATT / (4.0 * math.pi)
+    channels = [max(0.0, channel) for channel in color(light)]
+    # glTF's colours end at 1.
+    largest = max(1.0, *channels)
+    said = {"name": light.name, "color": [channel / largest for channel in channels], "intensity": max(0.0, power_w(light)) * largest * unit}
+    if light.type == "SPOT":
+        outer = min(0.5 * light.spot_size, math.pi / 2.0)
+        return {**said, "type": "spot", "spot": {"innerConeAngle": outer * (1.0 - light.spot_blend), "outerConeAngle": outer}}
+    return {**said, "type": "directional" if light.type == "SUN" else "point"}

@@ -1,0 +1,112 @@
+"""Geometries as meshes of the file: corners that are alike become one vertex, and each material slot a primitive.
+
+In go a geometry and how it bends, out comes the number of a glTF mesh. Invariant: vertices stand in the file's axes, y up.
+"""
+
+import numpy
+
+from ..materials.colours import rec709
+from .document import INDICES, VERTICES
+
+
+def turned(vectors):
+    """Blender's (x, y, z) in glTF's axes."""
+    return numpy.stack([vectors[..., 0], vectors[..., 2], -vectors[..., 1]], axis=-1)
+
+
+class Layout:
+    """Which corners share a vertex, for every shape of a topology."""
+
+    def __init__(self, geometry, is_bent):
+        vertices = geometry.corner_vertices
+        keys = [vertices.reshape(-1, 1), *geometry.uvs.values(), *geometry.colors.values()]
+        if geometry.normals_of == "CORNER":
+            # Of what bends, normals that are alike now may not be so later.
+            corners = numpy.arange(len(vertices), dtype="i4").reshape(-1, 1)
+            keys.append(corners if is_bent else geometry.normals)
+        rows = numpy.concatenate([numpy.ascontiguousarray(key).view("i4").reshape(len(vertices), -1) for key in keys], axis=1)
+        self.corners, self.vertex_of_corner = unique_rows(rows)
+
+    def positions(self, geometry):
+        return turned(geometry.positions[geometry.corner_vertices[self.corners]])
+
+    def normals(self, geometry):
+        if geometry.normals_of == "FACE":
+            return None
+        of_corners = geometry.normals if geometry.normals_of == "CORNER" else geometry.normals[geometry.corner_vertices]
+        normals = turned(of_corners[self.corners]).astype(float)
+        lengths = numpy.linalg.norm(normals, axis=1, keepdims=True)
+        up = numpy.array([0.0, 1.0, 0.0])
+        return numpy.where(lengths > 1e-6, normals / numpy.maximum(lengths, 1e-6), up).astype("f4")
+
+
+def unique_rows(rows):
+    """The first of each kind of row, in their order, and of which kind each row is."""
+    if rows.shape[1] == 1:
+        keys = rows[:, 0]
+    else:
+        keys = numpy.ascontiguousarray(rows).view(numpy.dtype((numpy.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
+    _, first, kind = numpy.unique(keys, return_index=True, return_inverse=True)
+    order = numpy.argsort(first, kind="stable")
+    rank = numpy.empty(len(order), int)
+    rank[order] = numpy.arange(len(order))
+    return first[order], rank[kind.ravel()]
+
+
+class Meshes:
+    """Meshes of a document, each there once. `materials` is a library."""
+
+    def __init__(self, document, materials):
+        self.document, self.materials, self.known = document, materials, {}
+
+    def number(self, geometry, materials, bend=None):
+        """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of positions and normals."""
+        key = (geometry.known_by(), materials, None if bend is None else id(bend))
+        if key not in self.known:
+            self.known[key] = self.made(geometry, materials, bend), bend
+        return self.known[key][0]
+
+    def made(self, geometry, materials, bend):
+        """None if all of its materials let all light through."""
+        layout = bend.layout if bend else Layout(geometry, False)
+        attributes, colors = self.attributes(geometry, layout), {}
+        targets = bend.targets(self.document) if bend else []
+        primitives = []
+        for slot in numpy.unique(geometry.slots):
+            material = materials[min(max(int(slot), 0), len(materials) - 1)] if materials else None
+            if not self.materials.is_seen(material):
+                continue
+            corners = geometry.triangles[geometry.slots == slot]
+            indices = layout.vertex_of_corner[corners].ravel()
+            small = len(layout.corners) < 65535
+            primitive = {
+                "attributes": {**attributes, **self.colors(geometry, layout, material, colors)},
+                "indices": self.document.accessor(indices.astype("u2" if small else "u4"), INDICES),
+                "material": self.materials.number(material, geometry),
+            }
+            primitives.append({**primitive, "targets": targets} if targets else primitive)
+        return self.document.add("meshes", {"name": geometry.name, "primitives": primitives}) if primitives else None
+
+    def attributes(self, geometry, layout):
+        add = self.document.accessor
+        found = {"POSITION": add(layout.positions(geometry), VERTICES, bounds=True)}
+        normals = layout.normals(geometry)
+        if normals is not None:
+            found["NORMAL"] = add(normals, VERTICES)
+        for number, uv in enumerate(geometry.uvs.values()):
+            # From the bottom in Blender, from the top in glTF.
+            found[f"TEXCOORD_{number}"] = add((uv * [1, -1] + [0, 1]).astype("f4")[layout.corners], VERTICES)
+        return found
+
+    def colors(self, geometry, layout, material, known):
+        """COLOR_0: what multiplies this material's base colour and alpha."""
+        wanted = self.materials.color_attribute(material, geometry)
+        if wanted is None:
+            return {}
+        if wanted not in known:
+            name, part = wanted
+            values = geometry.colors[name][layout.corners]
+            rgb = rec709(values[:, :3]) if part != "a" else numpy.ones_like(values[:, :3])
+            rows = numpy.clip(rgb if part == "rgb" else numpy.concatenate([rgb, values[:, 3:]], axis=1), 0.0, 1.0)
+            known[wanted] = self.document.accessor(rows.astype("f4"), VERTICES)
+        return {"COLOR_0": known[wanted]}

@@ -1,0 +1,74 @@
+"""The moments that a render looks at: every frame, and while the shutter is open as many as motion asks for.
+
+In go Blender's settings, out come times in frames. Invariant: switches of visibility lie halfway between two frames' shutters.
+"""
+
+import math
+from dataclasses import dataclass
+
+# Halved so often at most: 33 moments.
+MOST_HALVINGS = 4
+# Longer shutters overlap with those of the next frames.
+OFFSETS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}
+
+
+@dataclass(frozen=True)
+class Shutter:
+    """Both in frames; the opening counts from the frame."""
+
+    length: float
+    opening: float
+
+    @classmethod
+    def of(cls, scene):
+        render = scene.render
+        if not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
+            return cls(0.0, 0.0)
+        length = render.motion_blur_shutter
+        return cls(length, OFFSETS[render.motion_blur_position] * length)
+
+    def rounds(self):
+        """From the frame: the frame itself, the ends and the middle, then what lies halfway between those before."""
+        yield [0.0]
+        if self.length == 0.0:
+            return
+        known, share = {0.0}, [0.0, 0.5, 1.0]
+        for halvings in range(MOST_HALVINGS + 1):
+            found = [moment for moment in (round(self.opening + self.length * at, 9) for at in share) if moment not in known]
+            known.update(found)
+            yield found
+            pieces = 4 << halvings
+            share = [at / pieces for at in range(1, pieces, 2)]
+
+    @property
+    def switch(self):
+        """Where, from a frame, what is seen from this frame on begins to be: between the shutters."""
+        return self.opening + 0.5 * (self.length - 1.0)
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some moments are negative."""
+
+    seconds_a_frame: float
+    first: int
+
+    @classmethod
+    def of(cls, scene, frames):
+        shutter = Shutter.of(scene)
+        earliest = frames[0] + min(shutter.opening, shutter.switch)
+        return cls(seconds_a_frame(scene.render), math.floor(earliest) if earliest < 0.0 else 0)
+
+    def seconds(self, frames):
+        return (frames - self.first) * self.seconds_a_frame
+
+
+def seconds_a_frame(render):
+    """Blender has 1.001 in single precision, and means it."""
+    base = render.fps_base
+    return (1.001 if abs(base - 1.001) < 1e-6 else base) / render.fps
+
+
+def frames(scene, only=None):
+    """All of them, whatever the step, as simulations want every one; or one alone."""
+    return range(scene.frame_start, scene.frame_end + 1) if only is None else range(only, only + 1)

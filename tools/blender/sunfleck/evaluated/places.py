@@ -1,0 +1,122 @@
+"""Where things are, as glTF says it: translation, rotation and scale.
+
+In go matrices of Blender, (rows, 4, 4), out come those of glTF and their parts. Invariant: the parts together give the matrix, to
+single precision; where a matrix shears, an inner rotation before the scale makes up for it.
+"""
+
+from dataclasses import dataclass
+
+import numpy
+
+# glTF's axes from Blender's.
+TURN = numpy.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)
+# Single precision leaves axes at right angles to within a few of these.
+SQUARE = 3e-6
+
+
+@dataclass
+class Places:
+    """Parts of matrices, a row each; `inner` is None where nothing shears."""
+
+    translation: numpy.ndarray
+    rotation: numpy.ndarray
+    scale: numpy.ndarray
+    inner: numpy.ndarray | None = None
+
+
+def in_gltf(matrices, looks):
+    """The same places in glTF's axes. What looks along its -z (cameras, lights) does so in both; what has a shape is turned with it."""
+    return TURN @ matrices if looks else TURN @ matrices @ TURN.T
+
+
+def parts(matrices):
+    """Of the matrices of one thing as it moves, in the order of time."""
+    linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
+    lengths = numpy.linalg.norm(linear, axis=1)
+    axes = linear / numpy.where(lengths > 0.0, lengths, 1.0)[:, None, :]
+    products = numpy.abs(numpy.swapaxes(axes, 1, 2) @ axes)
+    products[:, range(3), range(3)] = 0.0
+    if products.max(initial=0.0) > SQUARE:
+        return sheared(linear, translation)
+    axes = filled(axes, lengths)
+    mirrored = numpy.linalg.det(axes) < 0.0
+    sign = numpy.where(mirrored, -1.0, 1.0)
+    return Places(translation, smooth(quaternions(axes * sign[:, None, None])), lengths * sign[:, None])
+
+
+def filled(axes, lengths):
+    """Axes at right angles also where a scale of 0 leaves none: what was there a row before, or any."""
+    flat = numpy.flatnonzero((lengths <= 0.0).any(axis=1))
+    if len(flat) == 0:
+        return axes
+    axes = axes.copy()
+    whole = (lengths > 0.0).all(axis=1)
+    for row in flat:
+        missing = lengths[row] <= 0.0
+        earlier = numpy.flatnonzero(whole[:row])
+        if missing.all():
+            axes[row] = axes[earlier[-1]] if len(earlier) else numpy.eye(3)
+            continue
+        # What spans the rest, by Gram and Schmidt.
+        left, _, right = numpy.linalg.svd(numpy.where(missing, 0.0, axes[row]))
+        nearest = left @ right
+        axes[row][:, missing] = nearest[:, missing]
+        if numpy.linalg.det(axes[row]) < 0.0:
+            axes[row][:, numpy.flatnonzero(missing)[0]] *= -1.0
+    return axes
+
+
+def sheared(linear, translation):
+    """Left rotation, scales and right rotation (the singular values), each as near as can be to those of the row before."""
+    left, scale, right = numpy.linalg.svd(linear)
+    mirrored = numpy.linalg.det(left @ right) < 0.0
+    for row in range(len(linear)):
+        if numpy.linalg.det(right[row]) < 0.0:
+            left[row], right[row] = -left[row], -right[row]
+        if row:
+            left[row], scale[row], right[row] = nearest_to(right[row - 1], left[row], scale[row], right[row])
+    left[mirrored], scale[mirrored] = -left[mirrored], -scale[mirrored]
+    return Places(translation, smooth(quaternions(left)), scale, smooth(quaternions(right)))
+
+
+def nearest_to(before, left, scale, right):
+    """The same matrix with its singular vectors named and signed so that the right ones are nearest to those before."""
+    best = None
+    for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
+        rows = right[list(order)]
+        signs = numpy.where((rows * before).sum(axis=1) < 0.0, -1.0, 1.0)
+        if numpy.linalg.det(rows * signs[:, None]) < 0.0:
+            weakest = int(numpy.argmin(numpy.abs((rows * before).sum(axis=1))))
+            signs[weakest] *= -1.0
+        alike = float((rows * signs[:, None] * before).sum())
+        if best is None or alike > best[0] + 1e-9:
+            best = (alike, left[:, list(order)] * signs, scale[list(order)], rows * signs[:, None])
+    return best[1:]
+
+
+def quaternions(rotations):
+    """(x, y, z, w) of rotation matrices; by the largest of the four, after Shepperd (1978)."""
+    m = rotations
+    trace = m[:, 0, 0] + m[:, 1, 1] + m[:, 2, 2]
+    squares = numpy.stack([m[:, 0, 0], m[:, 1, 1], m[:, 2, 2], trace], axis=1)
+    largest = squares.argmax(axis=1)
+    found = numpy.empty((len(m), 4))
+    for axis in range(3):
+        at = largest == axis
+        i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
+        found[at, i] = 1.0 + m[at, i, i] - m[at, j, j] - m[at, k, k]
+        found[at, j] = m[at, i, j] + m[at, j, i]
+        found[at, k] = m[at, i, k] + m[at, k, i]
+        found[at, 3] = m[at, k, j] - m[at, j, k]
+    at = largest == 3
+    found[at, 0], found[at, 1], found[at, 2] = m[at, 2, 1] - m[at, 1, 2], m[at, 0, 2] - m[at, 2, 0], m[at, 1, 0] - m[at, 0, 1]
+    found[at, 3] = 1.0 + trace[at]
+    return found / numpy.linalg.norm(found, axis=1, keepdims=True)
+
+
+def smooth(found):
+    """Of the two quaternions of each rotation the one nearer to the row before."""
+    if len(found) > 1:
+        flips = numpy.where((found[1:] * found[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
+        found[1:] *= numpy.cumprod(flips)[:, None]
+    return found

@@ -1,0 +1,177 @@
+"""What was seen at every moment: where each thing was and which geometry it showed.
+
+In go graphs, out comes a `Record` of things by key. Invariant: a thing is the same from moment to moment if Blender says so: its
+object, what instances it, and its persistent id among the instances; a geometry that several things show is there once.
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy
+
+from ..materials import instances
+from .capture import Capture
+
+# Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
+KINDS = {"MESH": "SURFACE", "CURVES": "SURFACE", "POINTCLOUD": "SURFACE", "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
+
+
+@dataclass
+class Thing:
+    """Something that is placed; parallel lists tell of every moment at which it is there."""
+
+    name: str
+    kind: str
+    # The object in the file, and the one that instances it, if any.
+    object: object
+    instancer: object
+    moments: list = field(default_factory=list)
+    rows: list = field(default_factory=list)
+    # Numbers of geometries, with the materials of their slots.
+    shown: list = field(default_factory=list)
+    # What materials may ask of it.
+    facts: object = None
+
+
+@dataclass(eq=False)
+class Source:
+    """What of an instance goes for all that share object and instancer: asking Blender takes its time."""
+
+    kind: str | None
+    original: object
+    parent: object
+
+    def __post_init__(self):
+        self.names = (self.original.name_full, self.parent.name_full if self.parent else "")
+
+
+class Here:
+    """What is known within one moment."""
+
+    def __init__(self, ids, names):
+        self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
+        self.sources, self.shown = {}, {}
+        # Attributes of instances that materials ask for; of each instancer how many instances came, and theirs.
+        self.names, self.orders, self.tables = names, {}, {}
+        # How many have the same key, as realised groups may.
+        self.seen, self.lamps = {}, 0
+
+    def source(self, instance, thing):
+        if not instance.is_instance:
+            return Source(kind_of(thing), thing.original, None)
+        key = (instance.instance_object, instance.parent, thing.type)
+        found = self.sources.get(key)
+        if found is None:
+            original = (instance.instance_object or thing).original
+            found = self.sources[key] = Source(kind_of(thing), original, instance.parent.original)
+        return found
+
+    def count(self, instance):
+        if self.names and instance.is_instance:
+            self.orders[instance.parent] = self.orders.get(instance.parent, -1) + 1
+
+    def attributes(self, instance):
+        """Names and values of an instance's; instances come in the order in which their geometry has them."""
+        if not self.names or not instance.is_instance:
+            return ()
+        parent = instance.parent
+        if parent not in self.tables:
+            self.tables[parent] = instances.attributes_of(parent, self.names)
+        table, order = self.tables[parent], self.orders[parent]
+        return table[order] if table and order < len(table) else ()
+
+    def key(self, row, source, part):
+        key = (*source.names, part, self.ids[row] if source.parent else b"", 0)
+        count = self.seen[key] = self.seen.get(key, -1) + 1
+        return key if count == 0 else (*key[:4], count)
+
+
+class Seen(NamedTuple):
+    """An instance of the graph, while it is at hand."""
+
+    row: int
+    instance: object
+    thing: object
+    source: Source
+    here: Here
+
+
+def kind_of(thing):
+    """What becomes of an object: portals only tell Cycles where light comes from."""
+    is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
+    return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
+
+
+class Record:
+    """Grows as the graph is walked."""
+
+    def __init__(self, library, watch):
+        """`library` knows what materials look at; `watch` is told what is no surface."""
+        self.capture, self.watch, self.attributes = Capture(library), watch, library.attributes_of_instances()
+        self.things = {}
+        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show which geometry, and lights.
+        self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
+
+    @property
+    def geometries(self):
+        return self.capture.geometries
+
+    def visit(self, graph, frame, offset):
+        seen = graph.object_instances
+        count = len(seen)
+        matrices, ids = numpy.empty((count, 16), "f4"), numpy.empty((count, 8), "i4")
+        seen.foreach_get("matrix_world", matrices.ravel())
+        seen.foreach_get("persistent_id", ids.ravel())
+        self.first_rows.append(self.first_rows[-1] + len(self.matrices[-1]) if self.moments else 0)
+        self.moments.append((frame, offset))
+        self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
+        here = Here(ids, self.attributes)
+        self.capture.begin(graph)
+        rows = []
+        for row, instance in enumerate(seen):
+            thing = instance.object
+            source = here.source(instance, thing)
+            here.count(instance)
+            if source.kind == "SURFACE":
+                for part, shown in self.capture.shown(thing, source, instance):
+                    self.add(here.key(row, source, part), Seen(row, instance, thing, source, here), shown)
+                    rows.append((row, shown[0]))
+            elif source.kind is not None and instance.show_self:
+                key = here.key(row, source, "")
+                self.add(key, Seen(row, instance, thing, source, here), None)
+                here.lamps += source.kind == "LIGHT"
+                if offset == 0.0:
+                    self.watch(key, thing, frame)
+        self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
+        self.lamps.append(here.lamps)
+
+    def add(self, key, seen, shown):
+        """Something is there at this moment."""
+        found = self.things.get(key)
+        if found is None:
+            name, source = seen.thing.name, seen.source
+            found = self.things[key] = Thing(f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent)
+            if source.kind == "SURFACE":
+                found.facts = instances.facts(seen.instance, seen.thing, seen.here.attributes(seen.instance))
+        found.moments.append(len(self.moments) - 1)
+        found.rows.append(self.first_rows[-1] + seen.row)
+        found.shown.append(shown)
+
+    def places(self, thing):
+        """Of each moment, (moments, 4, 4)."""
+        return self.all_matrices[thing.rows].astype(float)
+
+    def finish(self):
+        """Puts the places of all moments together, and moments into the order of time: a frame itself is seen first."""
+        for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
+            order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
+            for name in ("moments", "rows", "shown"):
+                values = getattr(thing, name)
+                setattr(thing, name, [values[at] for at in order])
+        self.all_matrices = numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
+        self.matrices = []
+
+
+def holds_fog(thing):
+    """Its mesh, if it has one, only shows its author where the fog is."""
+    return thing.type in {"EMPTY", "MESH"} and (thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing)

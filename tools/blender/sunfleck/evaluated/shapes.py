@@ -1,0 +1,79 @@
+"""Meshes that bend: shapes over time as morph targets and their weights.
+
+In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within the tolerance of where
+it was. Shapes that are mixtures of a few (shape keys, a hinge's small turn) need only those few; others are targets each.
+"""
+
+import numpy
+
+from . import thinning
+from .meshes import Layout, turned
+
+TOLERANCE_M = 5e-6
+# Of more independent shapes than these, each is a target.
+MOST_MIXED = 24
+
+
+class Bend:
+    """Of one topology: `times` are frames with offset, `shapes` the number of the shape at each, among `geometries`."""
+
+    def __init__(self, times, shapes, geometries):
+        self.times = numpy.asarray(times, float)
+        distinct, self.of_time = numpy.unique(numpy.asarray(shapes), return_inverse=True)
+        self.geometries = [geometries[shape] for shape in distinct]
+        self.base = geometries[shapes[0]]
+        self.layout = Layout(self.base, True)
+        moved = numpy.stack([shape.positions - self.base.positions for shape in self.geometries]).reshape(len(distinct), -1)
+        self.chosen = mixed_from(moved)
+        self.weights = weights(moved, self.chosen)
+        if self.weights is None:
+            self.chosen = [index for index in range(len(distinct)) if numpy.any(moved[index])]
+            self.weights = numpy.eye(len(distinct))[:, self.chosen]
+
+    def targets(self, document):
+        positions = [self.geometries[index].positions - self.base.positions for index in self.chosen]
+        vertices = self.base.corner_vertices[self.layout.corners]
+        found = [{"POSITION": document.accessor(turned(moved[vertices]).astype("f4"), bounds=True)} for moved in positions]
+        for target, normals in zip(found, self.normals()):
+            target["NORMAL"] = document.accessor(normals.astype("f4"))
+        return found
+
+    def normals(self):
+        """Differences of normals, of each target, so that mixtures are as near as can be to what they were at all times."""
+        at_rest = self.layout.normals(self.base)
+        if at_rest is None:
+            return []
+        moved = numpy.stack([self.layout.normals(shape) - at_rest for shape in self.geometries])
+        fitted, *_ = numpy.linalg.lstsq(self.weights, moved.reshape(len(moved), -1).astype(float), rcond=None)
+        return fitted.reshape(len(self.chosen), -1, 3)
+
+    def keys(self):
+        """Times and weights of the targets there, those that straight lines give left out."""
+        values = self.weights[self.of_time]
+        largest = max(1e-9, max(float(numpy.abs(self.geometries[index].positions - self.base.positions).max()) for index in self.chosen))
+        stays = thinning.straight(self.times[None], values[None], numpy.array([len(self.times)]), 0.2 * TOLERANCE_M / largest)[0]
+        return self.times[stays], values[stays]
+
+
+def mixed_from(moved):
+    """Rows that all others are mixtures of: again and again the one that is farthest from any mixture of those before."""
+    left, chosen = moved.astype(float), []
+    while len(chosen) < min(MOST_MIXED, len(moved)):
+        farthest = numpy.abs(left).max(axis=1)
+        row = int(farthest.argmax())
+        if farthest[row] < 0.5 * TOLERANCE_M:
+            break
+        chosen.append(row)
+        direction = left[row] / numpy.linalg.norm(left[row])
+        left -= numpy.outer(left @ direction, direction)
+    return chosen
+
+
+def weights(moved, chosen):
+    """How each row is mixed from those; None if it is not."""
+    if not chosen:
+        return None
+    basis = moved[chosen].astype(float)
+    found = numpy.linalg.lstsq(basis.T, moved.T.astype(float), rcond=None)[0].T
+    off = float(numpy.abs(found.astype("f4").astype(float) @ basis - moved).max())
+    return found if off < TOLERANCE_M else None

@@ -1,0 +1,83 @@
+"""Simulations: which scenes have any, and how their caches are filled.
+
+A graph of what renders reads the caches of simulations and never steps them; the viewport's graph steps them, frame by frame. So
+all frames are shown to it first, with what simulates made visible to it. Invariant: what was hidden is hidden again afterwards.
+"""
+
+from contextlib import contextmanager
+
+PHYSICS = {"CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "EXPLODE"}
+
+
+def any_in(scene):
+    world = scene.rigidbody_world
+    return bool(world and world.enabled) or any(True for _ in objects(scene))
+
+
+def objects(scene):
+    """What simulates, in the scene and in the collections that it instances."""
+    seen = set()
+    waiting = list(scene.objects)
+    while waiting:
+        thing = waiting.pop()
+        if thing in seen:
+            continue
+        seen.add(thing)
+        if thing.instance_type == "COLLECTION" and thing.instance_collection:
+            waiting += thing.instance_collection.all_objects
+        if simulates(thing):
+            yield thing
+
+
+def simulates(thing):
+    return any(modifier.type in PHYSICS or is_stepped(modifier) for modifier in thing.modifiers)
+
+
+def is_stepped(modifier):
+    return modifier.type == "NODES" and modifier.node_group is not None and has_zone(modifier.node_group, set())
+
+
+def has_zone(tree, seen):
+    """Whether a tree of nodes, or one within, has a simulation zone."""
+    if tree in seen:
+        return False
+    seen.add(tree)
+    return any(
+        node.bl_idname == "GeometryNodeSimulationOutput" or (getattr(node, "node_tree", None) and has_zone(node.node_tree, seen))
+        for node in tree.nodes
+    )
+
+
+@contextmanager
+def run(scene, layer, frames):
+    """Caches are full within; whatever is shown again or hidden would have Blender empty them."""
+    switched = []
+
+    def switch(owner, name, value):
+        if getattr(owner, name) != value:
+            switched.append((owner, name, getattr(owner, name)))
+            setattr(owner, name, value)
+
+    try:
+        for thing in objects(scene):
+            switch(thing, "hide_viewport", False)
+            for modifier in thing.modifiers:
+                if modifier.show_render and (modifier.type in PHYSICS or is_stepped(modifier)):
+                    switch(modifier, "show_viewport", True)
+            for collection in thing.users_collection:
+                switch(collection, "hide_viewport", False)
+        for collection in layer_collections(layer.layer_collection):
+            if any(simulates(thing) for thing in collection.collection.objects):
+                switch(collection, "hide_viewport", False)
+        for frame in frames:
+            scene.frame_set(frame)
+        yield
+    finally:
+        for owner, name, value in reversed(switched):
+            setattr(owner, name, value)
+
+
+def layer_collections(top):
+    yield top
+    for child in top.children:
+        yield from layer_collections(child)

@@ -1,0 +1,123 @@
+"""Numbers that change: of lights, lenses, fog and the scene, frame by frame.
+
+In go evaluated objects, out come values by what they belong to. Invariant: what is written once is the value at the first frame;
+what changes is carried by nodes `ctl_...` whose translation it is (docs/scene-format.md, "Values that change").
+"""
+
+from types import SimpleNamespace
+
+import numpy
+
+from .. import extras
+from ..materials.library import custom
+from . import cameras, lights, thinning
+
+# Share of a value, beside 6e-8 of single precision.
+TOLERANCE = 1e-6
+
+
+class View:
+    """The camera that renders at a moment: markers switch between cameras, and what is hidden renders all the same."""
+
+    def __init__(self, time, eye, evaluated, scene):
+        self.time, self.eye = time, eye
+        self.matrix = numpy.array(evaluated.matrix_world, float)
+        self.said = lens(evaluated, scene)
+        self.fields = camera(evaluated, scene)
+
+
+class Values:
+    """What is seen of them, and when."""
+
+    def __init__(self, scene):
+        self.scene = scene
+        self.lights, self.cameras = {}, {}
+        # What Blender renders through at each moment: see `View`.
+        self.views = []
+        # Of owner (a thing's key, or "scene") and field: frames and values.
+        self.tracks = {}
+
+    def see_scene(self, graph, frame, offset):
+        eye = self.scene.camera
+        if eye is not None and eye.type == "CAMERA":
+            self.views.append(View(frame + offset, eye, eye.evaluated_get(graph), self.scene))
+        own = graph.scene_eval.sunfleck_settings
+        if own.use_fog and offset == 0.0:
+            self.see("scene", frame, {**fog("sunfleck_fog", own), "sunfleck_fog.scale_height": own.scale_height})
+
+    def watch(self, key, thing, frame):
+        """An evaluated object that is no surface."""
+        own = thing.sunfleck_settings
+        if own.is_fog:
+            found = fog("sunfleck_fog_volume", own)
+            self.see(key, frame, {**found, "sunfleck_fog_volume.scale_height": own.scale_height} if own.thins_out else found)
+        if thing.type == "LIGHT":
+            self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data)))
+            self.see(key, frame, light(thing, own))
+        if thing.type == "CAMERA":
+            self.cameras.setdefault(key, lens(thing, self.scene))
+            self.see(key, frame, camera(thing, self.scene))
+
+    def see(self, owner, frame, values):
+        for field, value in values.items():
+            self.tracks.setdefault((owner, field), []).append((frame, value))
+
+    def changing(self):
+        """Owner, field, frames and values (frames, 1 or 3) of what changes."""
+        for (owner, field), track in self.tracks.items():
+            if any(value != track[0][1] for _, value in track):
+                frames = numpy.array([frame for frame, _ in track], float)
+                yield owner, field, frames, numpy.array([value for _, value in track], float).reshape(len(track), -1)
+
+    def write(self, assembly):
+        """Nodes that carry what changes."""
+        document = assembly.document
+        for owner, field, frames, values in self.changing():
+            name = owner if owner == "scene" else assembly.node_name(owner)
+            if name is None:
+                continue
+            channel = "translation" if values.shape[1] == 3 else "translation.x"
+            said = {"target": f"{name}.{field}", "channel": channel}
+            node = document.add("nodes", {"name": f"ctl_{name}.{field}", "extras": {"sunfleck_ctl": said}})
+            places = values if values.shape[1] == 3 else numpy.pad(values, ((0, 0), (0, 2)))
+            tolerance = numpy.array([TOLERANCE * max(1e-12, float(numpy.abs(values).max()))])
+            stays = thinning.straight(frames[None], places[None], numpy.array([len(frames)]), tolerance)[0]
+            document.node_channel(node, "translation", assembly.clock.seconds(frames[stays]), places[stays])
+
+
+def lens(thing, scene):
+    """What glTF says of a camera, and the custom properties beside."""
+    own = {**custom(thing.data), **extras.of_camera(thing.data, scene, thing)}
+    return SimpleNamespace(camera=cameras.camera(thing.data, scene), extras=own)
+
+
+def fog(owner, own):
+    return {f"{owner}.density": own.density, f"{owner}.albedo": tuple(own.albedo), f"{owner}.anisotropy": own.anisotropy}
+
+
+def light(thing, own):
+    data, said = thing.data, extras.light(thing.data, own, thing.matrix_world.to_scale())
+    field = "strength_w_m2" if data.type == "SUN" else "power_w"
+    found = {f"sunfleck_light.{field}": tuple(said[field] * channel for channel in lights.color(data))}
+    for number in ("angle", "radius", "picture_rotation"):
+        if number in said:
+            found[f"sunfleck_light.{number}"] = said[number]
+    for part in ("real", "imaginary") if "fractal" in said else ():
+        found[f"sunfleck_light.fractal_{part}"] = said["fractal"][part]
+    if data.type == "SPOT":
+        found["sunfleck_light.outer_angle"], found["sunfleck_light.blend"] = 0.5 * data.spot_size, data.spot_blend
+    if data.type == "AREA":
+        found["sunfleck_light.width"], found["sunfleck_light.height"] = lights.area_size(data)
+    return found
+
+
+def camera(thing, scene):
+    data, found = thing.data, {}
+    if data.type == "PERSP":
+        if data.dof.use_dof:
+            found["sunfleck_camera.fstop"] = data.dof.aperture_fstop
+            found["sunfleck_camera.focus_distance"] = extras.focus_distance(data, scene, thing)
+        found["sunfleck_camera.yfov"] = cameras.field_of_view(data, scene)
+    if data.type == "ORTHO":
+        found["sunfleck_camera.height"] = 2.0 * cameras.camera(data, scene)["orthographic"]["ymag"]
+    return found

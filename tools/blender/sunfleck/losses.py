@@ -1,0 +1,103 @@
+"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning (docs/blender-scenes.md).
+
+An error stands in the way of export; of a warning something is lost; news (`INFO`) say what was done instead.
+"""
+
+from dataclasses import dataclass
+
+ERROR, WARNING, INFO = "ERROR", "WARNING", "INFO"
+
+LOSSES = {
+    # The scene.
+    "no-camera": (WARNING, "the scene has no active camera: sunfleck takes the first, or makes one up"),
+    "unit-scale": (WARNING, "the unit scale is not exported: one Blender unit is one metre"),
+    "world-not-exported": (WARNING, "the world is not exported: tick World as sky in the panel, or give a background and a sun for its light"),
+    "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
+    "world-changes": (WARNING, "the world changes: it is exported as it is now"),
+    "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
+    "world-volume": (WARNING, "the world's volume is not exported: tick Fog everywhere in the panel"),
+    "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
+    "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a screen with pixels of its aspect"),
+    "film-exposure": (WARNING, "the film's exposure is not 1: frames are in W/(m2 sr), without it"),
+    "film-transparent": (WARNING, "the film is transparent: alpha is 1 wherever a sky is"),
+    "frame-step": (WARNING, "every frame is in the file: Animation renders those of the step alone"),
+    "view-layers": (WARNING, "one view layer is exported, the others that render are not"),
+    "stereo": (WARNING, "views of stereoscopy are not exported: there is one camera"),
+    "compositor": (WARNING, "the compositor is not run"),
+    "sequencer": (WARNING, "strips of the sequencer are not rendered"),
+    "freestyle": (WARNING, "Freestyle's lines are not drawn"),
+    "working-space": (INFO, "colours of the working space are converted to linear Rec. 709"),
+    "color-overrides": (WARNING, "material overrides of view layers are not honoured"),
+    # Cameras.
+    "camera-panoramic": (WARNING, "panoramic cameras are not exported"),
+    "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those of the first camera stay"),
+    "camera-values": (WARNING, "shift and clipping of a camera do not change: they stay as in the first frame"),
+    "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched"),
+    "shutter-shape": (WARNING, "the shutter opens and closes at once, and everywhere at the same time"),
+    "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest"),
+    # Lights.
+    "light-power": (ERROR, "a light's power is negative"),
+    "light-spread": (WARNING, "the spread of an area light is not honoured"),
+    "light-square": (WARNING, "a square spot is round"),
+    "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it lights"),
+    "light-nodes": (WARNING, "light nodes are exported only in part: use the light's own power and colour"),
+    "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
+    "light-seen": (WARNING, "Cycles' camera sees lights that have a size; here it sees none but suns"),
+    "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
+    "light-linking": (WARNING, "light and shadow linking is not honoured: lights light everything"),
+    "light-portal": (WARNING, "portals light nothing and are not exported"),
+    # Things.
+    "volume": (WARNING, "volumes are not rendered"),
+    "volume-material": (WARNING, "a volume material without a surface is not rendered, nor an opaque box: tick Holds fog in its panel"),
+    "volume-beside-surface": (WARNING, "of a material with a surface and a volume only the surface is rendered"),
+    "holdout": (WARNING, "holdouts are rendered like other surfaces"),
+    "shadow-catcher": (WARNING, "shadow catchers are rendered like other surfaces"),
+    "camera-invisible": (WARNING, "what is invisible to the camera alone is seen"),
+    "shadow-invisible": (WARNING, "what casts no shadow casts one here"),
+    "indirect-only": (WARNING, "what a collection shows indirectly alone is seen"),
+    "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured"),
+    "hair": (INFO, "hair is exported as ribbons that face the camera of the first frame"),
+    "point-cloud": (INFO, "points are exported as spheres of 20 sides"),
+    "grease-pencil": (WARNING, "grease pencil is not rendered"),
+    "displacement": (WARNING, "true displacement by materials is not rendered"),
+    # Materials.
+    "material-baked": (INFO, "the material is baked"),
+    "material-not-honoured": (WARNING, "the material is not honoured"),
+    "material-lost": (WARNING, "of the material something is lost"),
+    "material-changes": (WARNING, "the material changes in a way that is not honoured"),
+    "instance-colors": (INFO, "colours that differ from instance to instance are rounded to a number of them"),
+    # Counts after export.
+    "count-instances": (WARNING, "the file shows another number of instances than Blender"),
+    "count-area": (WARNING, "what the file shows has another area than in Blender"),
+    "count-bounds": (WARNING, "what the file shows reaches elsewhere than in Blender"),
+    "count-lights": (WARNING, "the file has another number of lights than Blender"),
+    "count-materials": (WARNING, "the file shows other materials than Blender"),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Of one thing, or of the scene if it has no name."""
+
+    id: str
+    of: str = ""
+    more: str = ""
+
+    @property
+    def severity(self):
+        return LOSSES[self.id][0]
+
+    @property
+    def message(self):
+        sentence = LOSSES[self.id][1]
+        told = f"{self.of}: {sentence}" if self.of else sentence
+        return f"{told}: {self.more}" if self.more else told
+
+    def __str__(self):
+        return f"[{self.id}] {self.message}"
+
+
+def ordered(findings):
+    """Errors first, each once."""
+    order = (ERROR, WARNING, INFO)
+    return sorted(dict.fromkeys(findings), key=lambda finding: order.index(finding.severity))

@@ -1,0 +1,285 @@
+"""Materials that are no simple mixture, baked by Cycles to pictures of what they show.
+
+In go a material and a mesh to bake it on, out comes a `Surface` of baked pictures. Invariant: nothing of the scene changes: all that
+is made for baking is removed; what was baked of the same material, on the same geometry, at the same size, is taken from the folder.
+"""
+
+import os
+from pathlib import Path
+
+import bpy
+import numpy
+
+from ..evaluated.geometry import digest
+from . import principled, sockets
+from .colours import rec709, working_space
+from .channels import COLORS, NUMBERS, Channels, is_socket
+from .fingerprint import of_tree
+from .principled import WHITE, Surface
+from .sockets import NotSimple, Picture, Source
+from .written import DEFAULTS
+
+SAMPLES = 4
+MARGIN_TEXELS = 4
+# An alpha is a mask if so few texels are in between.
+SOFT_SHARE = 0.02
+
+
+class Pixels:
+    """A picture that was baked: what a Blender image is asked for."""
+
+    def __init__(self, name, values):
+        self.name, self.values_of_texels = name, values
+        self.size = (values.shape[1], values.shape[0])
+
+
+class Baker:
+    """Bakes materials of a document; `target` is a mesh made for it, or None for the unit square."""
+
+    def __init__(self, material, geometry, size, uv):
+        self.material, self.geometry, self.size, self.uv = material, geometry, size, uv
+        self.losses = []
+
+    def surface(self):
+        copy = self.material.copy()
+        try:
+            tree = copy.node_tree
+            output = principled.output_of(tree)
+            channels = Channels(tree)
+            parts = channels.of(sockets.link_to(output.inputs["Surface"]).from_socket)
+            self.losses += sorted(f"nearly-{kind}" for kind in channels.nearly)
+            bends = channels.bends or sockets.link_to(output.inputs["Displacement"]) is not None
+            pictures = self.pictures(copy, parts, bends)
+            return self.put_together(pictures, channels.principled)
+        finally:
+            trees = inner_trees(copy.node_tree)
+            bpy.data.materials.remove(copy)
+            for tree in trees:
+                if tree.users == 0:
+                    bpy.data.node_groups.remove(tree)
+
+    def pictures(self, copy, parts, bends):
+        """Of each part, constant or baked: (rows, columns, 3) or three numbers."""
+        numbers = [parts[name] for name in NUMBERS]
+        wanted = {name: parts[name] for name in COLORS}
+        found = {name: spread(part) for name, part in wanted.items() if not is_socket(part)}
+        found.update({name: spread(part) for name, part in zip(NUMBERS, numbers) if not is_socket(part)})
+        baked = [name for name in COLORS if name not in found]
+        if any(map(is_socket, numbers)):
+            baked.append("numbers")
+        if bends:
+            baked.append("normal")
+        if not baked:
+            return found
+        on_mesh = self.geometry.known_by() if self.geometry else b""
+        how = repr((self.size, self.uv, SAMPLES, working_space(), bpy.app.version)).encode()
+        key = digest(of_tree(self.material.node_tree), on_mesh, how)
+        kept = folder() / f"{key.hex()}.npz"
+        if kept.is_file():
+            with numpy.load(kept) as file:
+                made = {name: file[name] for name in file.files}
+        else:
+            with Stage(copy, self.geometry, self.size, self.uv) as stage:
+                made = {name: self.baked(stage, copy, name, parts) for name in baked}
+            keep(kept, made)
+        if "numbers" in made:
+            packed = made.pop("numbers")
+            found.update({name: packed[..., at : at + 1].repeat(3, axis=-1) for at, name in enumerate(NUMBERS) if name not in found})
+        return {**found, **made}
+
+    def baked(self, stage, copy, name, parts):
+        if name == "normal":
+            return stage.bake("NORMAL")
+        tree = copy.node_tree
+        emission = tree.nodes.new("ShaderNodeEmission")
+        output = principled.output_of(tree)
+        before = sockets.link_to(output.inputs["Surface"]).from_socket
+        if name == "numbers":
+            combine = tree.nodes.new("ShaderNodeCombineColor")
+            for socket, part in zip(combine.inputs, (parts[number] for number in NUMBERS)):
+                Channels(tree).give(socket, part)
+            tree.links.new(combine.outputs[0], emission.inputs["Color"])
+        else:
+            tree.links.new(parts[name], emission.inputs["Color"])
+        tree.links.new(emission.outputs[0], output.inputs["Surface"])
+        found = stage.bake("EMIT")
+        tree.links.new(before, output.inputs["Surface"])
+        return found
+
+    def put_together(self, pictures, shaders):
+        """The surface of the pictures; what shines of a Principled BSDF keeps its other numbers."""
+        cover = pictures["cover"]
+        there = numpy.maximum(cover, 1e-4)
+        emission = pictures["emission"]
+        strength = float(emission.max()) or 0.0
+        surface = Surface({
+            "base": self.source("base", numpy.minimum(pictures["reflected"] / there, 1.0)),
+            "roughness": self.source("roughness", pictures["roughness"] / there),
+            "metallic": self.source("metallic", pictures["metallic"] / there),
+            "emission": self.source("emission", emission / strength if strength else emission),
+            "emission_strength": Source((strength,) * 3),
+        })
+        if pictures["through"].max() > 1e-4:
+            surface.sources["through"] = self.source("through", numpy.minimum(pictures["through"] / there, 1.0))
+        surface.alpha = self.source("alpha", cover)
+        if not surface.alpha.is_constant() and float(((cover > 0.02) & (cover < 0.98)).mean()) < SOFT_SHARE:
+            surface.cutoff = 0.5
+        if "normal" in pictures:
+            surface.normal = (self.picture("normal", 0.5 + 0.5 * pictures["normal"]), 1.0)
+        self.add_shine(surface, shaders)
+        surface.losses = list(self.losses)
+        return surface
+
+    def add_shine(self, surface, shaders):
+        if len(shaders) != 1:
+            metallic = surface.sources["metallic"]
+            is_metal = not metallic.is_constant() or metallic.number() > 0.0
+            surface.sources["specular"] = Source((0.5 if shaders or is_metal else 0.0,) * 3)
+            return
+        for name, socket in principled.SOCKETS.items():
+            if name in surface.sources:
+                continue
+            try:
+                source = sockets.of(shaders[0].inputs[socket])
+                surface.sources[name] = source if source.is_constant() else DEFAULTS[name]
+            except NotSimple:
+                source = None
+            if source is None or not source.is_constant():
+                self.losses.append(f"texture-of-{name.replace('_', '-')}")
+
+    def source(self, name, values):
+        """A constant where all texels are alike."""
+        if values.ndim == 1 or float(numpy.ptp(values, axis=(0, 1)).max()) < 1.0 / 512.0:
+            return Source(tuple(float(value) for value in (values if values.ndim == 1 else values.mean(axis=(0, 1)))))
+        values = rec709(values) if name not in {"roughness", "metallic", "alpha"} else values
+        largest = float(values.max())
+        return Source((largest,) * 3, self.picture(name, values / largest))
+
+    def picture(self, name, values):
+        pixels = numpy.concatenate([values, numpy.ones((*values.shape[:2], 1))], axis=-1).astype("f4")
+        return Picture(Pixels(f"{self.material.name} {name}", pixels), self.uv, extension="EXTEND" if self.geometry else "REPEAT")
+
+
+def size_of(image):
+    """Texels of a side, on the unit square: of the largest image within."""
+    return min(2048, max(512, 1 << max(0, int(image) - 1).bit_length()))
+
+
+def size_on(geometry):
+    """On a mesh: 24 texels for each side of its triangles' cells."""
+    columns = int(numpy.ceil(numpy.sqrt(numpy.ceil(len(geometry.triangles) / 2))))
+    return min(2048, max(256, 1 << (24 * columns - 1).bit_length()))
+
+
+def mean_of(surface):
+    """The same in the mean colours of its pictures, without a mask or a normal map."""
+
+    def mean(source):
+        if source.picture is None:
+            return source
+        pixels = source.picture.image.values_of_texels[..., :3].mean(axis=(0, 1))
+        return Source(tuple(float(factor * pixel) for factor, pixel in zip(source.factor, pixels)))
+
+    sources = {name: mean(source) for name, source in surface.sources.items()}
+    return Surface(sources, alpha=mean(surface.alpha), losses=list(surface.losses))
+
+
+def spread(part):
+    return numpy.array(part if isinstance(part, tuple) else (part,) * 3, float)
+
+
+class Stage:
+    """A scene of its own with the mesh, or the unit square, and an image to bake into."""
+
+    def __init__(self, material, geometry, size, uv):
+        self.material, self.geometry, self.size, self.uv = material, geometry, size, uv
+
+    def __enter__(self):
+        self.scene = bpy.data.scenes.new("sunfleck bake")
+        self.scene.render.engine = "CYCLES"
+        self.scene.cycles.samples, self.scene.cycles.use_denoising = SAMPLES, False
+        self.scene.render.bake.margin = MARGIN_TEXELS
+        self.mesh = square(self.uv) if self.geometry is None else mesh_of(self.geometry, self.uv)
+        self.mesh.materials.append(self.material)
+        self.thing = bpy.data.objects.new("sunfleck bake", self.mesh)
+        self.scene.collection.objects.link(self.thing)
+        self.layer = self.scene.view_layers[0]
+        self.layer.objects.active = self.thing
+        self.thing.select_set(True, view_layer=self.layer)
+        self.image = bpy.data.images.new("sunfleck bake", self.size, self.size, float_buffer=True, alpha=False)
+        self.image.colorspace_settings.name = "Non-Color"
+        nodes = self.material.node_tree.nodes
+        node = nodes.new("ShaderNodeTexImage")
+        node.image = self.image
+        nodes.active = node
+        return self
+
+    def bake(self, kind):
+        """(rows from the bottom, columns, 3); normals from -1 to 1."""
+        with bpy.context.temp_override(
+            scene=self.scene, view_layer=self.layer, active_object=self.thing, object=self.thing, selected_objects=[self.thing]
+        ):
+            bpy.ops.object.bake(type=kind)
+        pixels = numpy.empty(self.size * self.size * 4, "f4")
+        self.image.pixels.foreach_get(pixels)
+        found = pixels.reshape(self.size, self.size, 4)[..., :3].copy()
+        return 2.0 * found - 1.0 if kind == "NORMAL" else found
+
+    def __exit__(self, *_):
+        bpy.data.objects.remove(self.thing)
+        bpy.data.meshes.remove(self.mesh)
+        bpy.data.images.remove(self.image)
+        bpy.data.scenes.remove(self.scene)
+
+
+def square(uv):
+    """From 0 to 1, as texture coordinates are."""
+    mesh = bpy.data.meshes.new("sunfleck bake")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
+    mesh.uv_layers.new(name=uv or "UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+    return mesh
+
+
+def mesh_of(geometry, uv):
+    """A geometry as a mesh of Blender, with its coordinates and colours, to be baked into those of a name."""
+    mesh = bpy.data.meshes.new("sunfleck bake")
+    corners = geometry.triangles.ravel()
+    vertices = geometry.corner_vertices[corners]
+    mesh.from_pydata(geometry.positions.tolist(), [], vertices.reshape(-1, 3).tolist())
+    for name, values in geometry.uvs.items():
+        mesh.uv_layers.new(name=name).uv.foreach_set("vector", numpy.ascontiguousarray(values[corners], "f4").ravel())
+    first = next((name for name in geometry.uvs if name != uv), uv)
+    mesh.uv_layers[first].active_render = True
+    mesh.uv_layers.active = mesh.uv_layers[uv]
+    for name, values in geometry.colors.items():
+        attribute = mesh.attributes.new(name or "color", "FLOAT_COLOR", "CORNER")
+        attribute.data.foreach_set("color", numpy.ascontiguousarray(values[corners], "f4").ravel())
+    if geometry.normals_of != "FACE":
+        normals = geometry.normals[corners] if geometry.normals_of == "CORNER" else geometry.normals[vertices]
+        mesh.normals_split_custom_set(normals.tolist())
+    return mesh
+
+
+def inner_trees(tree):
+    """All groups below a tree."""
+    found = []
+    for node in tree.nodes:
+        inner = getattr(node, "node_tree", None)
+        if inner and inner not in found:
+            found += [inner, *inner_trees(inner)]
+    return found
+
+
+def folder():
+    """Where what was baked is kept."""
+    named = os.environ.get("SUNFLECK_BAKES")
+    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sunfleck" / "bakes"
+    base.mkdir(parents=True, exist_ok=True)
+    return base
+
+
+def keep(path, made):
+    """Whole or not there."""
+    beside = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
+    numpy.savez_compressed(beside, **made)
+    beside.replace(path)

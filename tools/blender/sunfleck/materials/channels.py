@@ -1,0 +1,170 @@
+"""What a tree of shaders shows, as colours that a node tree can compute: for baking.
+
+In go a copy of a node tree and a shader's output in it, out come parts, each a constant or a socket. Invariant: parts are weighted
+by how much of the surface is there ("cover"), so that mixtures of shaders are mixtures of parts.
+"""
+
+from .sockets import NotSimple, link_to
+
+COLORS = ("reflected", "through", "emission")
+NUMBERS = ("cover", "roughness", "metallic")
+NOTHING = {**dict.fromkeys(COLORS, (0.0, 0.0, 0.0)), **dict.fromkeys(NUMBERS, 0.0)}
+# Shaders of one colour: which part it is, and how rough and metallic they are (None: as their socket says).
+PLAIN = {
+    "BSDF_DIFFUSE": ("reflected", 1.0, 0.0),
+    "SUBSURFACE_SCATTERING": ("reflected", 1.0, 0.0),
+    "BSDF_SHEEN": ("reflected", 1.0, 0.0),
+    "BSDF_VELVET": ("reflected", 1.0, 0.0),
+    "BSDF_TOON": ("reflected", 1.0, 0.0),
+    "BSDF_HAIR": ("reflected", 1.0, 0.0),
+    "BSDF_TRANSLUCENT": ("through", 1.0, 0.0),
+    "BSDF_GLOSSY": ("reflected", None, 1.0),
+    "BSDF_ANISOTROPIC": ("reflected", None, 1.0),
+    "BSDF_METALLIC": ("reflected", None, 1.0),
+    "BSDF_GLASS": ("reflected", None, 0.0),
+}
+# Of these less is kept than their name says.
+NEARLY = {"SUBSURFACE_SCATTERING", "BSDF_SHEEN", "BSDF_VELVET", "BSDF_TOON", "BSDF_HAIR", "BSDF_METALLIC", "BSDF_GLASS"}
+
+
+class Channels:
+    """Computes parts in one tree."""
+
+    def __init__(self, tree):
+        self.tree, self.nearly, self.bends, self.principled = tree, set(), False, []
+
+    def of(self, output):
+        """The parts of a shader's output."""
+        node = output.node
+        if node.mute:
+            raise NotSimple(node)
+        if node.type == "GROUP":
+            return self.of_group(node, output)
+        if node.type == "MIX_SHADER":
+            return self.mixed(self.value(node.inputs[0]), self.of_input(node.inputs[1]), self.of_input(node.inputs[2]))
+        if node.type == "ADD_SHADER":
+            a, b = self.of_input(node.inputs[0]), self.of_input(node.inputs[1])
+            found = {name: self.sum(a[name], b[name]) for name in NOTHING}
+            return {**found, "cover": self.most(a["cover"], b["cover"])}
+        if node.type == "BSDF_TRANSPARENT":
+            return dict(NOTHING)
+        if node.type == "EMISSION":
+            return {**NOTHING, "emission": self.product(self.value(node.inputs["Color"]), self.value(node.inputs["Strength"])), "cover": 1.0}
+        if node.type == "BSDF_PRINCIPLED":
+            return self.of_principled(node)
+        return self.of_plain(node)
+
+    def of_input(self, socket):
+        link = link_to(socket)
+        return self.of(link.from_socket) if link else dict(NOTHING)
+
+    def of_plain(self, node):
+        if node.type not in PLAIN:
+            raise NotSimple(node)
+        part, roughness, metallic = PLAIN[node.type]
+        if node.type in NEARLY:
+            self.nearly.add(node.type)
+        color = next(socket for socket in node.inputs if socket.name in {"Color", "Base Color"})
+        self.note_normal(node)
+        found = {**NOTHING, part: self.value(color), "cover": 1.0, "metallic": metallic}
+        return {**found, "roughness": self.value(node.inputs["Roughness"]) if roughness is None else roughness}
+
+    def of_principled(self, node):
+        self.principled.append(node)
+        self.note_normal(node)
+        cover = self.value(node.inputs["Alpha"])
+        emission = self.product(self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"]))
+        return {
+            "reflected": self.product(self.value(node.inputs["Base Color"]), cover), "through": (0.0, 0.0, 0.0),
+            "emission": self.product(emission, cover), "cover": cover,
+            "roughness": self.product(self.value(node.inputs["Roughness"]), cover),
+            "metallic": self.product(self.value(node.inputs["Metallic"]), cover),
+        }
+
+    def note_normal(self, node):
+        self.bends |= any(socket.name in {"Normal", "Coat Normal"} and link_to(socket) is not None for socket in node.inputs)
+
+    def of_group(self, node, output):
+        """A group computes its parts within and gives them out."""
+        node.node_tree = inner = node.node_tree.copy()
+        end = next((one for one in inner.nodes if one.type == "GROUP_OUTPUT" and one.is_active_output), None)
+        within = Channels(inner)
+        link = link_to(end.inputs[list(node.outputs).index(output)]) if end else None
+        parts = within.of(link.from_socket) if link else dict(NOTHING)
+        self.nearly |= within.nearly
+        self.bends |= within.bends
+        found = {}
+        for name, part in parts.items():
+            if not is_socket(part):
+                found[name] = part
+                continue
+            kind = "NodeSocketColor" if name in COLORS else "NodeSocketFloat"
+            inner.interface.new_socket(f"sunfleck {name}", in_out="OUTPUT", socket_type=kind)
+            inner.links.new(part, end.inputs[f"sunfleck {name}"])
+            found[name] = node.outputs[f"sunfleck {name}"]
+        return found
+
+    # Arithmetic of constants and sockets.
+
+    @staticmethod
+    def value(socket):
+        link = link_to(socket)
+        if link:
+            return link.from_socket
+        value = socket.default_value
+        return tuple(value[:3]) if hasattr(value, "__len__") else float(value)
+
+    def mixed(self, share, a, b):
+        return {name: self.mix(share, a[name], b[name]) for name in NOTHING}
+
+    def mix(self, share, a, b):
+        if not is_socket(share):
+            share = min(1.0, max(0.0, share if isinstance(share, float) else share[0]))
+            if share in (0.0, 1.0):
+                return b if share else a
+        return a if same(a, b) else self.node("MIX", a, b, share)
+
+    def product(self, a, b):
+        if same(a, 1.0):
+            return b
+        if same(b, 1.0):
+            return a
+        return 0.0 if same(a, 0.0) or same(b, 0.0) else self.node("MULTIPLY", a, b)
+
+    def sum(self, a, b):
+        if same(a, 0.0):
+            return b
+        return a if same(b, 0.0) else self.node("ADD", a, b)
+
+    def most(self, a, b):
+        return 1.0 if same(a, 1.0) or same(b, 1.0) else self.node("LIGHTEN", a, b)
+
+    def node(self, blend, a, b, share=1.0):
+        made = self.tree.nodes.new("ShaderNodeMix")
+        made.data_type, made.blend_type, made.clamp_result = "RGBA", blend, False
+        inputs = {socket.identifier: socket for socket in made.inputs}
+        for name, value in (("Factor_Float", share), ("A_Color", a), ("B_Color", b)):
+            self.give(inputs[name], value)
+        return next(socket for socket in made.outputs if socket.identifier == "Result_Color")
+
+    def give(self, socket, value):
+        """Links a socket, or sets it."""
+        if is_socket(value):
+            self.tree.links.new(value, socket)
+        elif hasattr(socket.default_value, "__len__"):
+            color = tuple(value) if isinstance(value, tuple) else (value,) * 3
+            socket.default_value = (*color, 1.0)
+        else:
+            socket.default_value = value[0] if isinstance(value, tuple) else value
+
+
+def is_socket(value):
+    return not isinstance(value, (float, tuple))
+
+
+def same(value, other):
+    """Whether a constant is a number, or two are the same."""
+    if is_socket(value) or is_socket(other):
+        return value == other
+    spread = lambda one: one if isinstance(one, tuple) else (one,) * 3
+    return spread(value) == spread(other)

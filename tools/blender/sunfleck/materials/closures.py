@@ -1,0 +1,129 @@
+"""Shaders that are mixed, where glTF can say the mixture exactly: with what is transparent, with what shines through, with light.
+
+In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exactly raises `NotSimple`, and is baked.
+"""
+
+from dataclasses import replace
+
+from . import principled, sockets
+from .principled import WHITE, Surface
+from .sockets import NotSimple, Source
+
+BLACK = Source((0.0, 0.0, 0.0))
+
+
+def read(link):
+    """The surface of a link to a shader."""
+    node = link.from_node
+    if node.mute:
+        raise NotSimple(node)
+    if node.type == "MIX_SHADER":
+        return mixed(node)
+    if node.type == "ADD_SHADER":
+        return added(node)
+    if node.type == "BSDF_TRANSPARENT":
+        return transparent(node)
+    if node.type == "BSDF_TRANSLUCENT":
+        return translucent(node)
+    return principled.read(node)
+
+
+def of_input(node, number):
+    link = sockets.link_to(node.inputs[number])
+    if link is None:
+        raise NotSimple(node)
+    return read(link)
+
+
+def transparent(node):
+    color = sockets.of(node.inputs["Color"])
+    if not (color.is_constant() and min(color.factor) > 1.0 - 1e-6):
+        raise NotSimple(node)
+    return Surface({"base": BLACK, "specular": BLACK, "roughness": WHITE}, alpha=BLACK)
+
+
+def translucent(node):
+    """Lambert's surface from behind."""
+    surface = Surface({"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])})
+    surface.normal = principled.normal(node.inputs["Normal"])
+    return surface
+
+
+def is_nothing(surface):
+    return surface.alpha.is_constant() and surface.alpha.number() == 0.0 and not glows(surface)
+
+
+def glows(surface):
+    strength = surface.sources.get("emission_strength", BLACK)
+    return not (strength.is_constant() and strength.number() == 0.0)
+
+
+def is_matte(surface):
+    """Neither a shine nor a light, and opaque."""
+    specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
+    has_shine = specular is None or not specular.is_constant() or specular.number() > 0.0 or not metallic.is_constant() or metallic.number() > 0.0
+    return not has_shine and not glows(surface) and surface.alpha == WHITE
+
+
+def mixed(node):
+    share = sockets.of(node.inputs[0])
+    a, b = of_input(node, 1), of_input(node, 2)
+    if share.is_constant():
+        value = min(1.0, max(0.0, share.number()))
+        if value in (0.0, 1.0):
+            return b if value else a
+    if is_nothing(a) or is_nothing(b):
+        return covered(node, share, a, b)
+    if not share.is_constant() or a.normal != b.normal or not (is_matte(a) and is_matte(b)):
+        raise NotSimple(node)
+    return matte(node, value, a, b)
+
+
+def covered(node, share, a, b):
+    """One of both lets all light through: the share is coverage."""
+    there = b if is_nothing(a) else a
+    if is_nothing(there):
+        return there
+    if is_nothing(b):
+        if not share.is_constant():
+            share = inverted(node, share)
+        else:
+            share = Source((1.0 - share.number(),) * 3)
+    if glows(there) or there.cutoff is not None or there.alpha != WHITE:
+        raise NotSimple(node)
+    return replace(there, alpha=share)
+
+
+def inverted(node, share):
+    """1 - share, of a picture's alpha or channel: not without a picture of its own."""
+    raise NotSimple(node)
+
+
+def matte(node, share, a, b):
+    """Two matte surfaces: what is reflected and what goes through each in one colour."""
+    base = blended(node, share, a.sources["base"], b.sources["base"])
+    through = blended(node, share, a.sources.get("through", BLACK), b.sources.get("through", BLACK))
+    return Surface({"base": base, "specular": BLACK, "roughness": WHITE, "through": through}, normal=a.normal)
+
+
+def blended(node, share, a, b):
+    if a == BLACK or b == BLACK:
+        there, weight = (b, share) if a == BLACK else (a, 1.0 - share)
+        return replace(there, factor=tuple(weight * channel for channel in there.factor))
+    if replace(a, factor=b.factor) == b:
+        return replace(a, factor=tuple((1.0 - share) * x + share * y for x, y in zip(a.factor, b.factor)))
+    raise NotSimple(node)
+
+
+def added(node):
+    """Light upon a surface."""
+    a, b = of_input(node, 0), of_input(node, 1)
+    light, surface = (a, b) if is_light(a) else (b, a)
+    if not is_light(light) or glows(surface) or surface.alpha != WHITE:
+        raise NotSimple(node)
+    kept = {name: light.sources[name] for name in ("emission", "emission_strength")}
+    return replace(surface, sources={**surface.sources, **kept})
+
+
+def is_light(surface):
+    return surface.sources.get("base") == BLACK and "through" not in surface.sources and glows(surface) and surface.alpha == WHITE

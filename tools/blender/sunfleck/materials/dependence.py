@@ -1,0 +1,93 @@
+"""What a node tree looks at: texture coordinates alone, or the surface that it is on, or the instance.
+
+In go trees, out come names. Invariant: only nodes that the output is made of count.
+"""
+
+from . import principled
+
+# Of these every texture without linked coordinates takes those that Blender generates for the mesh.
+PROCEDURAL = {
+    "TEX_NOISE", "TEX_VORONOI", "TEX_WAVE", "TEX_MAGIC", "TEX_CHECKER", "TEX_BRICK", "TEX_GRADIENT", "TEX_WHITE_NOISE", "TEX_GABOR",
+    "TEX_MUSGRAVE", "TEX_ENVIRONMENT", "TEX_SKY", "TEX_IES",
+}
+OF_SURFACES = {"NEW_GEOMETRY", "VERTEX_COLOR", "BEVEL", "AMBIENT_OCCLUSION", "WIREFRAME", "CURVE_INFO", "HAIR_INFO", "POINT_INFO", "TEX_ENVIRONMENT"}
+OF_INSTANCES = {"OBJECT_INFO", "PARTICLE_INFO"}
+OF_VIEWS = {"FRESNEL", "LAYER_WEIGHT", "CAMERA", "LIGHT_PATH"}
+
+
+def nodes_of(material):
+    """Those that the surface is made of, in groups too."""
+    output = principled.output_of(material.node_tree) if material.node_tree else None
+    found = []
+
+    def follow(node):
+        if node in found:
+            return
+        found.append(node)
+        for socket in node.inputs:
+            for link in socket.links:
+                follow(link.from_node)
+        if node.type == "GROUP" and node.node_tree:
+            for inner in node.node_tree.nodes:
+                if inner.type == "GROUP_OUTPUT":
+                    follow(inner)
+
+    if output:
+        follow(output)
+    return found
+
+
+def is_of_surface(material):
+    """Whether it looks different from place to place of a surface that has the same texture coordinates."""
+    uvs = set()
+    for node in nodes_of(material):
+        if node.type in OF_SURFACES or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY"):
+            return True
+        if node.type in PROCEDURAL and "Vector" in node.inputs and not node.inputs["Vector"].is_linked:
+            return True
+        if node.type == "TEX_COORD" and any(output.is_linked and output.name != "UV" for output in node.outputs):
+            return True
+        if node.type == "UVMAP":
+            uvs.add(node.uv_map)
+        if (node.type == "TEX_COORD" and node.outputs["UV"].is_linked) or (node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked):
+            uvs.add("")
+        if node.type == "TEX_IMAGE" and node.projection != "FLAT":
+            return True
+    return len(uvs) > 1
+
+
+def uv_of(material):
+    """The one set of texture coordinates that it looks at."""
+    return next((node.uv_map for node in nodes_of(material) if node.type == "UVMAP"), "")
+
+
+def colors_of(material):
+    """Names of the colour attributes that it looks at."""
+    found = set()
+    for node in nodes_of(material):
+        if node.type == "VERTEX_COLOR":
+            found.add(node.layer_name)
+        if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY":
+            found.add(node.attribute_name)
+    return found
+
+
+def is_of_instance(material):
+    return any(
+        node.type in OF_INSTANCES or (node.type == "ATTRIBUTE" and node.attribute_type in {"INSTANCER", "OBJECT"})
+        for node in nodes_of(material)
+    )
+
+
+def is_of_view(material):
+    return any(node.type in OF_VIEWS for node in nodes_of(material))
+
+
+def is_of_film(material):
+    """Whether an image of it changes from frame to frame."""
+    return any(getattr(node, "image", None) and node.image.source in {"SEQUENCE", "MOVIE"} for node in nodes_of(material))
+
+
+def largest_image(material):
+    sizes = [max(node.image.size) for node in nodes_of(material) if node.type == "TEX_IMAGE" and node.image]
+    return max(sizes, default=0)

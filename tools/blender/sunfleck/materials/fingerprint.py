@@ -1,0 +1,65 @@
+"""A node tree as bytes that change whenever what it shows may.
+
+In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ramps, curves, links, groups and images is among them.
+"""
+
+import bpy
+import numpy
+
+from ..evaluated.geometry import digest
+
+PASSED_OVER = {
+    "rna_type", "location", "location_absolute", "width", "height", "width_hidden", "dimensions", "select", "color", "use_custom_color",
+    "show_options", "show_preview", "show_texture", "hide", "parent", "internal_links", "inputs", "outputs", "warning_propagation", "name",
+    "image_user", "texture_mapping", "color_mapping", "color_tag", "debug_zone_body_lazy_function_graph", "debug_zone_lazy_function_graph",
+}
+
+
+def of_tree(tree, seen=()):
+    names = {node.name: number for number, node in enumerate(tree.nodes)}
+    told = [(node.bl_idname, [*settings(node, (*seen, tree))], [*values(node)]) for node in tree.nodes]
+    links = sorted(
+        (names[link.from_node.name], link.from_socket.identifier, names[link.to_node.name], link.to_socket.identifier, link.is_muted)
+        for link in tree.links
+    )
+    return repr((told, links)).encode()
+
+
+def settings(node, seen):
+    """What is set in a node."""
+    for prop in node.bl_rna.properties:
+        if prop.identifier in PASSED_OVER or prop.identifier.startswith("bl_"):
+            continue
+        yield prop.identifier, told(getattr(node, prop.identifier), seen)
+
+
+def told(value, seen):
+    if isinstance(value, (bool, int, float, str, type(None))):
+        return value
+    if isinstance(value, bpy.types.Image):
+        return of_image(value)
+    if isinstance(value, bpy.types.NodeTree):
+        return "again" if value in seen else of_tree(value, seen)
+    if isinstance(value, bpy.types.ColorRamp):
+        return [(stop.position, *stop.color) for stop in value.elements], value.interpolation, value.color_mode, value.hue_interpolation
+    if isinstance(value, bpy.types.CurveMapping):
+        return [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
+    if isinstance(value, bpy.types.ID):
+        return value.name_full
+    return tuple(value) if hasattr(value, "__len__") and not hasattr(value, "bl_rna") else None
+
+
+def values(node):
+    for socket in node.inputs:
+        value = getattr(socket, "default_value", None)
+        yield socket.identifier, tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else told(value, ())
+    if node.type in {"RGB", "VALUE"}:
+        value = node.outputs[0].default_value
+        yield "value", tuple(value) if hasattr(value, "__len__") else value
+
+
+def of_image(image):
+    pixels = numpy.empty(image.size[0] * image.size[1] * 4 if image.channels else 0, "f4")
+    if len(pixels):
+        image.pixels.foreach_get(pixels)
+    return digest(pixels).hex(), image.colorspace_settings.name, image.alpha_mode, image.source

@@ -1,0 +1,146 @@
+"""Pictures of the file: Blender's images as they are where PNG, JPEG or WebP can say it, else written anew.
+
+In go images and channels of images, out come numbers of glTF images. Invariant: colours are in sRGB, numbers as they are; what is
+written anew has 16 bits a channel unless its source has 8.
+"""
+
+import struct
+import zlib
+from pathlib import Path
+
+import bpy
+import numpy
+
+from ..evaluated.document import Document
+from . import sockets
+from .colours import rec709
+
+KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+# As Blender names them: what holds colours in sRGB's curve, and what holds plain numbers.
+IN_SRGB = {"sRGB"}
+PLAIN = {"Non-Color"}
+
+
+class Images:
+    """Those of a document, each there once."""
+
+    def __init__(self, document: Document):
+        self.document, self.known, self.pixels_of = document, {}, {}
+
+    def whole(self, image, is_color):
+        """An image with all its channels, colours or numbers; None if it cannot be read."""
+        key = (image, is_color)
+        if key not in self.known:
+            is_baked = hasattr(image, "values_of_texels")
+            data = None if is_baked else self.own_bytes(image, is_color)
+            if data is None:
+                pixels = self.pixels(image)
+                data = None if pixels is None else self.encoded(pixels, is_color, not is_baked and is_deep(image, is_color))
+            self.known[key] = None if data is None else self.add(image.name, data)
+        return self.known[key]
+
+    def composed(self, name, pixels, is_deep=False):
+        """Pixels (rows from the bottom, columns, 3 or 4), in the values that the file is to hold."""
+        return self.add(name, png(pixels, is_deep))
+
+    def add(self, name, data):
+        kind = next((kind for start, kind in KINDS.items() if data.startswith(start)), "image/webp")
+        if kind == "image/webp":
+            self.document.extensions.add("EXT_texture_webp")
+        key = ("image", data)
+        if key not in self.known:
+            said = {"name": name, "mimeType": kind, "bufferView": self.document.view(data)}
+            self.known[key] = self.document.add("images", said), kind
+        return self.known[key]
+
+    def own_bytes(self, image, is_color):
+        """The image's own file, if it holds what is wanted in the way that glTF reads it."""
+        space = image.colorspace_settings.name
+        if image.is_dirty or image.source != "FILE" or space not in (IN_SRGB if is_color else PLAIN | IN_SRGB):
+            return None
+        if not is_color and space not in PLAIN:
+            return None
+        if image.alpha_mode not in {"STRAIGHT", "CHANNEL_PACKED"}:
+            return None
+        data = packed(image)
+        return data if data and (any(map(data.startswith, KINDS)) or data[8:12] == b"WEBP") else None
+
+    def pixels(self, image):
+        """Scene-linear or plain values, rows from the bottom; None if there are none."""
+        if hasattr(image, "values_of_texels"):
+            return image.values_of_texels
+        if image not in self.pixels_of:
+            width, height = image.size
+            found = None
+            if width and height and image.channels:
+                found = numpy.empty(width * height * 4, "f4")
+                image.pixels.foreach_get(found)
+                found = found.reshape(height, width, 4)
+                # Byte images are given as they are stored.
+                if not image.is_float and image.colorspace_settings.name in IN_SRGB:
+                    found = numpy.concatenate([linear(found[..., :3]), found[..., 3:]], axis=-1)
+                elif image.is_float and image.colorspace_settings.name not in PLAIN:
+                    found = numpy.concatenate([rec709(found[..., :3]), found[..., 3:]], axis=-1)
+            self.pixels_of[image] = found
+        return self.pixels_of[image]
+
+    def encoded(self, pixels, is_color, deep):
+        values = numpy.concatenate([srgb(pixels[..., :3]), pixels[..., 3:]], axis=-1) if is_color else pixels
+        return png(values[..., :3] if numpy.all(values[..., 3] >= 1.0) else values, deep)
+
+
+def is_plain(image):
+    """Whether its file holds numbers as they are."""
+    return not hasattr(image, "values_of_texels") and image.colorspace_settings.name in PLAIN
+
+
+def is_deep(image, is_color):
+    """Whether 8 bits a channel are too few."""
+    return image.is_float or image.depth > 32 or (is_color and image.colorspace_settings.name not in IN_SRGB)
+
+
+def packed(image):
+    if image.packed_file:
+        return bytes(image.packed_file.data)
+    path = Path(bpy.path.abspath(image.filepath, library=image.library)) if image.filepath else None
+    return path.read_bytes() if path and path.is_file() else None
+
+
+def srgb(values):
+    values = numpy.clip(values, 0.0, 1.0)
+    return numpy.where(values <= 0.0031308, 12.92 * values, 1.055 * numpy.maximum(values, 1e-12) ** (1.0 / 2.4) - 0.055)
+
+
+def linear(values):
+    return numpy.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4).astype("f4")
+
+
+def png(pixels, is_deep):
+    """A PNG file of values from 0 to 1, rows from the bottom, with three or four channels of 8 or 16 bits."""
+    height, width, channels = pixels.shape
+    largest, kind = (65535.0, ">u2") if is_deep else (255.0, "u1")
+    values = numpy.rint(numpy.clip(pixels[::-1], 0.0, 1.0) * largest).astype(kind)
+    rows = values.reshape(height, -1).view("u1")
+    # Each row less the one above ("Up"): what pictures are made of compresses better so.
+    above = numpy.concatenate([numpy.zeros((1, rows.shape[1]), "u1"), rows[:-1]])
+    data = numpy.concatenate([numpy.full((height, 1), 2, "u1"), rows - above], axis=1).tobytes()
+    header = struct.pack(">IIBBBBB", width, height, 16 if is_deep else 8, 6 if channels == 4 else 2, 0, 0, 0)
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(data, 6)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body)) for name, body in chunks
+    )
+
+
+FILTERS = {"Closest": 9728}
+WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071, "MIRROR": 33648}
+
+
+def texture(document, image, picture: sockets.Picture):
+    """The number of a texture that shows a picture's image as its node does; `image` is a number and a kind."""
+    number, kind = image
+    wrap = WRAPS[picture.extension]
+    sampler = {"magFilter": FILTERS.get(picture.interpolation, 9729), "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
+    said = {"sampler": document.once("samplers", sampler)}
+    if kind == "image/webp":
+        return document.once("textures", {**said, "extensions": {"EXT_texture_webp": {"source": number}}})
+    return document.once("textures", {**said, "source": number})

@@ -1,0 +1,290 @@
+"""Materials of the file by number, one for each of Blender's and each set of names that meshes have for its texture coordinates.
+
+In go materials and the geometries that show them, out come numbers. Invariant: of every material that was asked for there is a
+word: exact, or what of it is lost.
+"""
+
+import json
+from dataclasses import dataclass, field
+
+import bpy
+import numpy
+
+from .. import extras
+from ..losses import Finding
+from ..evaluated.geometry import ATLAS
+from . import bake, closures, dependence, instances, principled, sockets
+from .images import Images
+from .principled import WHITE, Surface
+from .sockets import NotSimple, Source
+from .written import Writer, of_surface
+
+# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces change in every frame.
+MOST_MESHES = 64
+# Of animated numbers: pointers behind the material's, or none.
+POINTERS = {
+    "base": "pbrMetallicRoughness/baseColorFactor", "metallic": "pbrMetallicRoughness/metallicFactor",
+    "roughness": "pbrMetallicRoughness/roughnessFactor", "emission": "emissiveFactor",
+    "emission_strength": "extensions/KHR_materials_emissive_strength/emissiveStrength", "normal_scale": "normalTexture/scale",
+}
+# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material without a shader does.
+DEFAULT = Surface({"base": Source((0.8,) * 3)})
+NOTHING = Surface({"base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
+
+
+@dataclass
+class Look:
+    """What a material is: a surface, or none where it lets all light through; and what of it is lost."""
+
+    surface: Surface | None
+    losses: list = field(default_factory=list)
+    # Why it has to be baked; the surface is then that of each bake.
+    baked: str = ""
+    sizes: set = field(default_factory=set)
+    bakes: int = 0
+    mean: Surface | None = None
+    failed: str = ""
+
+
+class Library:
+    """Of a document."""
+
+    def __init__(self):
+        self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
+        # Of materials that differ from instance to instance: copies by facts, and how many levels facts are rounded to.
+        self.of_instances, self.copies, self.levels = {}, {}, {}
+
+    def start(self, document, clock):
+        """Materials go into this document from now on, their keys by this clock."""
+        self.document, self.clock, self.images = document, clock, Images(document)
+
+    def look(self, material):
+        if material not in self.looks:
+            if self.differs(material):
+                # As good as any instance's.
+                one = self.copies[material, instances.Facts()] = instances.copy(material, instances.Facts(), f"{material.name} 0")
+                self.looks[one] = self.looks[material] = looked_at(one)
+            else:
+                self.looks[material] = looked_at(material)
+        return self.looks[material]
+
+    # What differs from instance to instance.
+
+    def differs(self, material):
+        if material not in self.of_instances:
+            self.of_instances[material] = material is not None and dependence.is_of_instance(material)
+        return self.of_instances[material]
+
+    @staticmethod
+    def attributes_of_instances():
+        """Names of the attributes that any material asks instances for."""
+        nodes = (node for material in bpy.data.materials for node in dependence.nodes_of(material) if node.type == "ATTRIBUTE")
+        return {node.attribute_name for node in nodes if node.attribute_type == "INSTANCER"}
+
+    def prepare(self, shown):
+        """Finds out into how many levels facts have to be rounded, of materials and the facts of each instance."""
+        found = {}
+        for material, facts in shown:
+            if self.differs(material):
+                found.setdefault(material, set()).add(instances.used(facts, material))
+        for material, all_facts in found.items():
+            most = instances.MOST_BAKED if self.look(material).baked else instances.MOST
+            if len(all_facts) > most:
+                self.levels[material] = most
+
+    def on_instance(self, material, facts):
+        """The material as it is on one."""
+        if not self.differs(material):
+            return material
+        own = instances.used(facts, material)
+        if material in self.levels:
+            own = instances.rounded(own, self.levels[material])
+        key = (material, own)
+        if key not in self.copies:
+            self.copies[key] = instances.copy(material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}")
+        return self.copies[key]
+
+    def close(self):
+        """Takes away what was made."""
+        for made in self.copies.values():
+            instances.remove(made)
+
+    def is_seen(self, material):
+        return self.look(material).surface is not None
+
+    def attribute(self, material):
+        """The colour attribute that a material looks at and its part ("rgb", "rgba" or "a"); None for none."""
+        surface = self.look(material).surface
+        if surface is None:
+            return None
+        base, alpha = surface.sources.get("base", WHITE), surface.alpha
+        if base.attribute is not None:
+            return base.attribute, "rgba" if alpha.attribute == base.attribute else "rgb"
+        return (alpha.attribute, "a") if alpha.attribute is not None else None
+
+    def colors_of(self, material):
+        """The names of the colour attributes that meshes have to bring."""
+        if self.look(material).baked:
+            return sorted(dependence.colors_of(material))
+        found = self.attribute(material)
+        return [] if found is None else [found[0]]
+
+    def color_attribute(self, material, geometry):
+        """That attribute, if the mesh has it; else Blender takes black, and here is nothing."""
+        found = self.attribute(material)
+        return found if found is not None and found[0] in geometry.colors else None
+
+    def wants_atlas(self, material, geometry):
+        """Whether it is baked on the mesh itself, for which that needs coordinates of its own."""
+        look = self.look(material)
+        if not look.baked:
+            return False
+        uv = geometry.uvs.get(dependence.uv_of(material)) if dependence.uv_of(material) else next(iter(geometry.uvs.values()), None)
+        return uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
+
+    def number(self, material, geometry):
+        """Of the file's material."""
+        order = tuple(geometry.uvs)
+        on_mesh = geometry if self.wants_atlas(material, geometry) else None
+        key = (material, order, on_mesh.known_by() if on_mesh else None)
+        if key not in self.numbers:
+            self.numbers[key] = self.made(material, order, on_mesh)
+        return self.numbers[key]
+
+    def made(self, material, order, on_mesh):
+        look = self.look(material)
+        writer = Writer(self.document, self.images, lambda name: order.index(name) if name in order else 0)
+        surface = self.baked(material, look, on_mesh) if look.baked else look.surface
+        said = writer.material(material.name if material else "default", surface)
+        look.losses = sorted({*look.losses, *writer.losses})
+        if material is not None:
+            written = {**custom(material), **extras.of_material(material)}
+            if written:
+                said["extras"] = written
+        number = self.document.add("materials", said)
+        if material in self.changing and material in self.tracks:
+            self.animate(number, said, self.tracks[material])
+        return number
+
+    def baked(self, material, look, on_mesh):
+        """What it looks like on a mesh, or on the unit square of its texture coordinates."""
+        if on_mesh and look.bakes >= MOST_MESHES:
+            look.losses = sorted({*look.losses, "mean-colours"})
+            return look.mean
+        size = bake.size_on(on_mesh) if on_mesh else bake.size_of(dependence.largest_image(material))
+        uv = ATLAS if on_mesh else dependence.uv_of(material)
+        try:
+            surface = bake.Baker(material, on_mesh, size, uv).surface()
+        except (NotSimple, RuntimeError, TypeError) as error:
+            look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
+            return DEFAULT
+        look.sizes.add(size)
+        look.bakes, look.mean = look.bakes + 1, look.mean or bake.mean_of(surface)
+        return surface
+
+    def words(self):
+        """A word on every material that is shown: exact, baked at so many texels, or not honoured."""
+        found = {}
+        for material, look in self.looks.items():
+            if material is None or not any(key[0] == material for key in self.numbers):
+                continue
+            texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
+            word = "not honoured" if look.failed else f"baked at {texels} texels" if look.baked else "exact"
+            found[material.name] = f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
+        return found
+
+    def findings(self):
+        """A word on every material that is not exact. Remembers the names of all."""
+        self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
+        yield from (Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels") for material, levels in self.levels.items())
+        for material, look in self.looks.items():
+            if material is None or (look.surface is None and not look.baked) or not any(key[0] == material for key in self.numbers):
+                continue
+            name = f"the material `{material.name}`"
+            if look.failed:
+                yield Finding("material-not-honoured", name, f"grey instead, for its node {look.failed}")
+            elif look.baked:
+                texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
+                yield Finding("material-baked", name, f"at {texels} texels, for its {look.baked}")
+            if look.losses:
+                yield Finding("material-lost", name, ", ".join(look.losses))
+            if material in self.changing and (look.baked or material not in self.tracks):
+                yield Finding("material-changes", name)
+
+    # What changes.
+
+    def watch(self, materials):
+        """Those that are keyed or driven are looked at in every frame."""
+        from .. import check
+
+        self.changing = {material for material in materials if check.changes(material)}
+
+    def see(self, graph, frame):
+        for material in self.changing:
+            try:
+                link = principled.surface_link(material.evaluated_get(graph))
+                numbers = of_surface(closures.read(link)) if link else None
+            except NotSimple:
+                numbers = None
+            if numbers:
+                self.tracks.setdefault(material, []).append((frame, numbers))
+
+    def animate(self, number, said, track):
+        """Pointers to every number that changes."""
+        changed = {name for name in POINTERS if any(numbers[name] != track[0][1][name] for _, numbers in track)}
+        if changed & {"emission", "emission_strength"}:
+            changed |= {"emission", "emission_strength"}
+            # A pointer needs something to point at.
+            said.setdefault("emissiveFactor", track[0][1]["emission"])
+            strength = {"emissiveStrength": max(track[0][1]["emission_strength"], 0.0)}
+            said.setdefault("extensions", {}).setdefault("KHR_materials_emissive_strength", strength)
+            self.document.extensions.add("KHR_materials_emissive_strength")
+        frames = numpy.array([frame for frame, _ in track], float)
+        for name in sorted(changed):
+            values = numpy.array([numbers[name] for _, numbers in track], float).reshape(len(track), -1)
+            self.document.pointer_channel(f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values)
+
+
+def looked_at(material):
+    if material is None:
+        return Look(DEFAULT)
+    link = principled.surface_link(material)
+    if link is None:
+        return Look(None if is_volume(material) else NOTHING)
+    try:
+        surface = closures.read(link)
+        check_attributes(surface)
+        return Look(surface)
+    except NotSimple as more:
+        node = more.args[0] if more.args else None
+        losses = [loss for loss, is_so in {
+            "depends-on-view": dependence.is_of_view(material), "image-sequence": dependence.is_of_film(material)
+        }.items() if is_so]
+        return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
+
+
+def check_attributes(surface):
+    """glTF has one colour of vertices, for the base colour, and its alpha for alpha."""
+    base, alpha = surface.sources.get("base", WHITE), surface.alpha
+    others = [source for name, source in surface.sources.items() if name != "base"]
+    two = None not in (base.attribute, alpha.attribute) and base.attribute != alpha.attribute
+    swapped = (base.attribute is not None and base.attribute_channel == 3) or (alpha.attribute is not None and alpha.attribute_channel != 3)
+    if two or swapped or any(source.attribute is not None for source in others):
+        raise NotSimple(None)
+
+
+def is_volume(material):
+    output = principled.output_of(material.node_tree) if material.node_tree else None
+    return bool(output and sockets.link_to(output.inputs["Volume"]))
+
+
+def custom(owner):
+    """Its custom properties that JSON can hold."""
+    found = {}
+    for name, value in owner.items():
+        value = value.to_dict() if hasattr(value, "to_dict") else value.to_list() if hasattr(value, "to_list") else value
+        try:
+            found[name] = json.loads(json.dumps(value, allow_nan=False))
+        except (TypeError, ValueError):
+            continue
+    return found

@@ -1,0 +1,145 @@
+"""A Principled BSDF as a glTF material says it.
+
+In goes a node tree, out comes a `Surface`: sources by what they are for. Invariant: what glTF has no word for is among `losses`, by
+an id; what a socket has that is no source raises `NotSimple`.
+"""
+
+from dataclasses import dataclass, field
+
+from . import sockets
+from .sockets import NotSimple, Source
+
+# Blender's sockets by what we call them.
+SOCKETS = {
+    "base": "Base Color", "metallic": "Metallic", "roughness": "Roughness", "ior": "IOR", "specular": "Specular IOR Level",
+    "specular_tint": "Specular Tint", "transmission": "Transmission Weight", "coat": "Coat Weight", "coat_roughness": "Coat Roughness",
+    "sheen": "Sheen Weight", "sheen_roughness": "Sheen Roughness", "sheen_tint": "Sheen Tint", "emission": "Emission Color",
+    "emission_strength": "Emission Strength",
+}
+# Whatever is not 0 here is lost.
+LOST = {
+    "Subsurface Weight": "subsurface", "Anisotropic": "anisotropy", "Thin Film Thickness": "thin-film",
+    "Diffuse Roughness": "diffuse-roughness",
+}
+WHITE = Source((1.0, 1.0, 1.0))
+
+
+@dataclass
+class Surface:
+    """Sources by name, and how alpha counts."""
+
+    sources: dict = field(default_factory=dict)
+    alpha: Source = WHITE
+    # None is coverage; else what has less alpha is not there.
+    cutoff: float | None = None
+    # Picture and strength.
+    normal: tuple | None = None
+    coat_normal: tuple | None = None
+    losses: list = field(default_factory=list)
+
+    def share_through(self):
+        """Of the light that is not absorbed what goes through, so that both colours stay within 1."""
+        through = self.sources.get("through")
+        if through is None or max(through.factor) == 0.0:
+            return 0.0
+        base = self.sources.get("base", WHITE)
+        return max(through.factor) / max(max(through.factor) + max(base.factor), max(through.factor) / 0.999)
+
+
+def output_of(tree):
+    """The node that renders: Cycles' own if there is one."""
+    return tree.get_output_node("CYCLES")
+
+
+def surface_link(material):
+    """What gives a material's surface; None for nothing."""
+    output = output_of(material.node_tree) if material.node_tree else None
+    return sockets.link_to(output.inputs["Surface"]) if output else None
+
+
+def read(shader):
+    """A Principled BSDF, or a bare diffuse one, as a surface."""
+    if shader.type == "BSDF_DIFFUSE":
+        return diffuse(shader)
+    if shader.type == "EMISSION":
+        return emission(shader)
+    if shader.type != "BSDF_PRINCIPLED" or shader.mute:
+        raise NotSimple(shader)
+    surface = Surface({name: sockets.of(shader.inputs[socket]) for name, socket in SOCKETS.items()})
+    surface.alpha, surface.cutoff = alpha(shader.inputs["Alpha"])
+    surface.normal, surface.coat_normal = normal(shader.inputs["Normal"]), normal(shader.inputs["Coat Normal"])
+    if shader.inputs["Coat Normal"].is_linked is False:
+        surface.coat_normal = None
+    for name, lost in LOST.items():
+        if not is_zero(shader.inputs[name]):
+            surface.losses.append(lost)
+    coat = surface.sources["coat"]
+    is_coated = not (coat.is_constant() and coat.number() == 0.0)
+    if is_coated and (abs(shader.inputs["Coat IOR"].default_value - 1.5) > 1e-6 or not is_white(shader.inputs["Coat Tint"])):
+        surface.losses.append("coat-tint")
+    return surface
+
+
+def is_zero(socket):
+    return not socket.is_linked and socket.default_value == 0.0
+
+
+def is_white(socket):
+    return not socket.is_linked and min(socket.default_value[:3]) > 1.0 - 1e-6
+
+
+def diffuse(shader):
+    """Lambert's surface: a Principled BSDF without a reflection."""
+    surface = Surface({"base": sockets.of(shader.inputs["Color"]), "specular": Source((0.0,) * 3), "roughness": WHITE})
+    surface.normal = normal(shader.inputs["Normal"])
+    if not is_zero(shader.inputs["Roughness"]):
+        surface.losses.append("diffuse-roughness")
+    return surface
+
+
+def emission(shader):
+    """Light alone, of a surface that reflects none."""
+    sources = {"emission": sockets.of(shader.inputs["Color"]), "emission_strength": sockets.of(shader.inputs["Strength"])}
+    return Surface({**sources, "base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
+
+
+def alpha(socket):
+    """Its source and, of a mask, the alpha from which on there is something."""
+    link = sockets.link_to(socket)
+    node = link.from_node if link else None
+    if node is None or node.type != "MATH" or node.mute:
+        return sockets.of(socket), None
+    if node.operation == "ROUND":
+        return sockets.of(node.inputs[0]), 0.5
+    if node.operation == "GREATER_THAN":
+        return sockets.of(node.inputs[0]), still(node, node.inputs[1])
+    if node.operation == "LESS_THAN" and not sockets.link_to(node.inputs[0]):
+        return sockets.of(node.inputs[1]), still(node, node.inputs[0])
+    if node.operation == "SUBTRACT" and not sockets.link_to(node.inputs[0]) and node.inputs[0].default_value == 1.0:
+        inner = sockets.link_to(node.inputs[1])
+        if inner and inner.from_node.type == "MATH" and inner.from_node.operation == "LESS_THAN":
+            return sockets.of(inner.from_node.inputs[0]), still(node, inner.from_node.inputs[1])
+    return sockets.of(socket), None
+
+
+def still(node, socket):
+    source = sockets.of(socket)
+    if not source.is_constant():
+        raise NotSimple(node)
+    return source.number()
+
+
+def normal(socket):
+    """Picture and strength of a normal map in tangent space; None if nothing bends the normal."""
+    link = sockets.link_to(socket)
+    if link is None:
+        return None
+    node = link.from_node
+    if node.type != "NORMAL_MAP" or node.space != "TANGENT" or node.mute:
+        raise NotSimple(node)
+    source = sockets.of(node.inputs["Color"])
+    if source.picture is None or source.channel != "rgb" or source.factor != (1.0, 1.0, 1.0) or source.attribute is not None:
+        raise NotSimple(node)
+    if node.uv_map and source.picture.uv not in {"", node.uv_map}:
+        raise NotSimple(node)
+    return source.picture, still(node, node.inputs["Strength"])

@@ -1,0 +1,266 @@
+"""What gives a socket's value, where that is simple: a constant, a picture, a colour attribute, or a product of those.
+
+In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is `NotSimple`, by the node's name.
+"""
+
+import colorsys
+import math
+from dataclasses import dataclass, replace
+
+CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
+
+
+class NotSimple(Exception):
+    """The node that is more than glTF has words for."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image as a node shows it."""
+
+    image: object
+    # Where it is looked up: the name of texture coordinates ("" for those that render), and glTF's transform of them.
+    uv: str
+    offset: tuple = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple = (1.0, 1.0)
+    extension: str = "REPEAT"
+    interpolation: str = "Linear"
+
+    def place(self):
+        return (self.uv, self.offset, self.rotation, self.scale, self.extension, self.interpolation)
+
+
+@dataclass(frozen=True)
+class Source:
+    """`factor` (three numbers) times a picture's channel ("rgb", 0, 1, 2 or 3 for alpha) times a colour attribute's."""
+
+    factor: tuple
+    picture: Picture | None = None
+    channel: object = "rgb"
+    attribute: str | None = None
+    attribute_channel: object = "rgb"
+
+    def is_constant(self):
+        return self.picture is None and self.attribute is None
+
+    def number(self):
+        """Of a constant: Blender makes numbers of colours by their brightness."""
+        r, g, b = self.factor
+        return r if r == g == b else 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+
+def of(socket):
+    """What gives an input's value."""
+    link = link_to(socket)
+    return constant(socket) if link is None else of_output(link.from_socket)
+
+
+def link_to(socket):
+    """The link that counts; reroutes are passed through."""
+    while socket.is_linked and socket.links and not socket.links[0].is_muted:
+        link = socket.links[0]
+        if link.from_node.type != "REROUTE":
+            return link
+        socket = link.from_node.inputs[0]
+    return None
+
+
+def constant(socket):
+    value = getattr(socket, "default_value", 0.0)
+    return Source(tuple(value[:3]) if hasattr(value, "__len__") else (float(value),) * 3)
+
+
+def of_output(output):
+    node = output.node
+    if node.mute:
+        raise NotSimple(node)
+    read = READERS.get(node.type)
+    if read is None:
+        raise NotSimple(node)
+    return read(node, output)
+
+
+def product(node, a, b):
+    """Both factors; at most one picture and one attribute among them."""
+    if (a.picture and b.picture) or (a.attribute is not None and b.attribute is not None):
+        raise NotSimple(node)
+    with_picture, with_attribute = (a if a.picture else b), (a if a.attribute is not None else b)
+    return Source(
+        tuple(x * y for x, y in zip(a.factor, b.factor)), with_picture.picture, with_picture.channel,
+        with_attribute.attribute, with_attribute.attribute_channel,
+    )
+
+
+def read_image(node, output):
+    if node.image is None or node.projection != "FLAT" or node.image.source not in {"FILE", "GENERATED"}:
+        raise NotSimple(node)
+    picture = Picture(node.image, extension=node.extension, interpolation=node.interpolation, **coordinates(node.inputs["Vector"]))
+    return Source((1.0, 1.0, 1.0), picture, 3 if output.name == "Alpha" else "rgb")
+
+
+def coordinates(socket):
+    """Which texture coordinates, and how they are moved about."""
+    link = link_to(socket)
+    if link is None:
+        return {"uv": ""}
+    node = link.from_node
+    if node.type == "UVMAP" and not node.from_instancer:
+        return {"uv": node.uv_map}
+    if node.type == "TEX_COORD" and link.from_socket.name == "UV" and not node.from_instancer:
+        return {"uv": ""}
+    if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY" and link.from_socket.name == "Vector":
+        return {"uv": node.attribute_name}
+    if node.type != "MAPPING" or node.mute:
+        raise NotSimple(node)
+    return {**coordinates(node.inputs["Vector"]), **mapped(node)}
+
+
+def mapped(node):
+    """A Mapping node as KHR_texture_transform, which turns about the top left corner and has v downwards."""
+    inner = link_to(node.inputs["Vector"])
+    if inner is None or inner.from_node.type == "MAPPING" or node.vector_type != "POINT":
+        raise NotSimple(node)
+    if any(link_to(node.inputs[name]) for name in ("Location", "Rotation", "Scale")):
+        raise NotSimple(node)
+    location, rotation, scale = (node.inputs[name].default_value for name in ("Location", "Rotation", "Scale"))
+    if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
+        raise NotSimple(node)
+    angle = rotation[2]
+    # Blender: p = R(angle) S uv + location, v upwards. With v' = 1 - v the same is R(-angle) S uv' + offset in v downwards.
+    offset = (
+        location[0] - scale[1] * math.sin(angle),
+        1.0 - location[1] - scale[1] * math.cos(angle),
+    )
+    return {"offset": offset, "rotation": angle, "scale": (scale[0], scale[1])}
+
+
+def read_mix(node, output):
+    if node.data_type != "RGBA" or node.blend_type not in {"MULTIPLY", "MIX"}:
+        raise NotSimple(node)
+    factor, a, b = (next(socket for socket in node.inputs if socket.enabled and socket.name == name) for name in ("Factor", "A", "B"))
+    return mixed(node, of(factor), of(a), of(b))
+
+
+def read_mix_legacy(node, output):
+    if node.blend_type not in {"MULTIPLY", "MIX"} or node.use_clamp:
+        raise NotSimple(node)
+    return mixed(node, of(node.inputs["Fac"]), of(node.inputs["Color1"]), of(node.inputs["Color2"]))
+
+
+def mixed(node, factor, a, b):
+    if not factor.is_constant():
+        raise NotSimple(node)
+    share = min(1.0, max(0.0, factor.number()))
+    if node.blend_type == "MULTIPLY":
+        if share == 1.0:
+            return product(node, a, b)
+        if b.is_constant():
+            return product(node, a, Source(tuple(1.0 - share + share * value for value in b.factor)))
+    elif share in (0.0, 1.0):
+        return b if share else a
+    elif a.is_constant() and b.is_constant():
+        return Source(tuple((1.0 - share) * x + share * y for x, y in zip(a.factor, b.factor)))
+    raise NotSimple(node)
+
+
+def read_separate(node, output):
+    if getattr(node, "mode", "RGB") != "RGB":
+        raise NotSimple(node)
+    inner = of(node.inputs[0])
+    channel = CHANNELS[output.name]
+    if inner.is_constant():
+        return Source((inner.factor[channel],) * 3)
+    if inner.channel != "rgb" or inner.attribute is not None:
+        raise NotSimple(node)
+    return replace(inner, factor=(inner.factor[channel],) * 3, channel=channel)
+
+
+def read_math(node, output):
+    a, b = of(node.inputs[0]), of(node.inputs[1])
+    if node.operation == "MULTIPLY" and not node.use_clamp:
+        return product(node, a, b)
+    if not (a.is_constant() and b.is_constant()) or node.operation not in ARITHMETIC:
+        raise NotSimple(node)
+    value = ARITHMETIC[node.operation](a.number(), b.number())
+    return Source((min(1.0, max(0.0, value)) if node.use_clamp else value,) * 3)
+
+
+def read_ramp(node, output):
+    value = of(node.inputs[0])
+    if not value.is_constant():
+        raise NotSimple(node)
+    color = node.color_ramp.evaluate(value.number())
+    return Source((color[3],) * 3 if output.name == "Alpha" else tuple(color[:3]))
+
+
+def read_hue(node, output):
+    """Of constants alone."""
+    hue, saturation, value, share = (of(node.inputs[name]) for name in ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor"))
+    color = of(node.inputs["Color"])
+    if not all(source.is_constant() for source in (hue, saturation, value, share, color)):
+        raise NotSimple(node)
+    h, s, v = colorsys.rgb_to_hsv(*color.factor)
+    turned = colorsys.hsv_to_rgb((h + hue.number() + 0.5) % 1.0, min(1.0, max(0.0, s * saturation.number())), v * value.number())
+    weight = share.number()
+    return Source(tuple(max(0.0, (1.0 - weight) * old + weight * new) for old, new in zip(color.factor, turned)))
+
+
+def read_range(node, output):
+    if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
+        raise NotSimple(node)
+    names = ("Value", "From Min", "From Max", "To Min", "To Max")
+    sources = [of(next(socket for socket in node.inputs if socket.enabled and socket.name == name)) for name in names]
+    if not all(source.is_constant() for source in sources):
+        raise NotSimple(node)
+    value, from_low, from_high, low, high = (source.number() for source in sources)
+    share = (value - from_low) / (from_high - from_low) if from_high != from_low else 0.0
+    share = min(1.0, max(0.0, share)) if node.clamp else share
+    return Source((low + share * (high - low),) * 3)
+
+
+def read_combine(node, output):
+    """Three constants."""
+    if getattr(node, "mode", "RGB") != "RGB":
+        raise NotSimple(node)
+    sources = [of(socket) for socket in list(node.inputs)[:3]]
+    if not all(source.is_constant() for source in sources):
+        raise NotSimple(node)
+    return Source(tuple(source.number() for source in sources))
+
+
+def read_attribute(node, output):
+    """Colours of vertices; which of them a mesh has is seen there."""
+    if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
+        raise NotSimple(node)
+    name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
+    if output.name not in {"Color", "Alpha"}:
+        raise NotSimple(node)
+    return Source((1.0, 1.0, 1.0), attribute=name, attribute_channel=3 if output.name == "Alpha" else "rgb")
+
+
+ARITHMETIC = {
+    "ADD": lambda a, b: a + b,
+    "SUBTRACT": lambda a, b: a - b,
+    "DIVIDE": lambda a, b: a / b if b else 0.0,
+    "MINIMUM": min,
+    "MAXIMUM": max,
+}
+READERS = {
+    "TEX_IMAGE": read_image,
+    "MIX": read_mix,
+    "MIX_RGB": read_mix_legacy,
+    "SEPARATE_COLOR": read_separate,
+    "SEPRGB": read_separate,
+    "SEPXYZ": read_separate,
+    "MATH": read_math,
+    "VERTEX_COLOR": read_attribute,
+    "ATTRIBUTE": read_attribute,
+    "VALTORGB": read_ramp,
+    "HUE_SAT": read_hue,
+    "MAP_RANGE": read_range,
+    "COMBINE_COLOR": read_combine,
+    "COMBXYZ": read_combine,
+    "RGB": lambda node, output: constant(output),
+    "VALUE": lambda node, output: constant(output),
+}

@@ -1,0 +1,268 @@
+"""A `Surface` in glTF's words.
+
+In go sources, out comes a material of the file. Invariant: factors lie in glTF's ranges; sources of one texture that stand in
+different pictures are put together in a new one, texel by texel.
+"""
+
+import numpy
+
+from . import images as files
+from .colours import rec709
+from .principled import WHITE, Surface
+from .sockets import NotSimple, Source
+
+BLACK = Source((0.0, 0.0, 0.0))
+DEFAULTS = {
+    "base": WHITE, "metallic": BLACK, "roughness": Source((0.5,) * 3), "ior": Source((1.5,) * 3), "specular": Source((0.5,) * 3),
+    "specular_tint": WHITE, "transmission": BLACK, "coat": BLACK, "coat_roughness": BLACK, "sheen": BLACK, "sheen_roughness": BLACK,
+    "sheen_tint": WHITE, "emission": WHITE, "emission_strength": BLACK,
+}
+
+
+class Writer:
+    """Writes materials of a document. `uv_number` gives the set of texture coordinates of a name."""
+
+    def __init__(self, document, images, uv_number):
+        self.document, self.images, self.uv_number = document, images, uv_number
+        self.losses = []
+
+    def material(self, name, surface: Surface):
+        """The material, without extras."""
+        self.surface = surface
+        self.losses = list(surface.losses)
+        numbers = of_surface(surface)
+        pbr = {"baseColorFactor": numbers["base"], "metallicFactor": numbers["metallic"], "roughnessFactor": numbers["roughness"]}
+        said = {"name": name, "pbrMetallicRoughness": pbr, "doubleSided": True}
+        self.put(pbr, "baseColorTexture", self.base_texture())
+        self.put(pbr, "metallicRoughnessTexture", self.metallic_roughness())
+        self.put(said, "normalTexture", self.normal(surface.normal))
+        self.put_emission(said, numbers)
+        self.put_alpha(said, surface)
+        extensions = dict(self.extensions())
+        self.document.extensions.update(extensions)
+        if extensions:
+            said["extensions"] = extensions
+        return said
+
+    @staticmethod
+    def put(owner, name, value):
+        if value is not None:
+            owner[name] = value
+
+    def source(self, name):
+        return self.surface.sources.get(name, DEFAULTS[name])
+
+    def number(self, name):
+        """Of what glTF has one number for; a picture counts by its mean."""
+        return number_of(self.flat(name))
+
+    def flat(self, name):
+        source = self.source(name)
+        if source.is_constant():
+            return source
+        self.losses.append(f"texture-of-{name.replace('_', '-')}")
+        mean = 1.0
+        if source.picture:
+            pixels = self.images.pixels(source.picture.image)
+            mean = 1.0 if pixels is None else channel_of(pixels, source.channel).mean(axis=(0, 1))
+        return Source(tuple(numpy.broadcast_to(numpy.array(source.factor) * mean, 3).tolist()))
+
+    # Textures.
+
+    def info(self, picture, image, **more):
+        """A texture info; None without an image."""
+        if image is None:
+            self.losses.append("image-unreadable")
+            return None
+        if picture.extension == "CLIP":
+            self.losses.append("texture-clip")
+        said = {"index": files.texture(self.document, image, picture), "texCoord": self.uv_number(picture.uv), **more}
+        moved = {"offset": list(picture.offset), "rotation": picture.rotation, "scale": list(picture.scale)}
+        rest = {"offset": [0.0, 0.0], "rotation": 0.0, "scale": [1.0, 1.0]}
+        if moved != rest:
+            self.document.extensions.add("KHR_texture_transform")
+            said["extensions"] = {"KHR_texture_transform": moved}
+        return said
+
+    def base_texture(self):
+        base, alpha = self.source("base"), self.surface.alpha
+        if base.picture is None and alpha.picture is None:
+            return None
+        fits = base.channel == "rgb" and (alpha.picture is None or (alpha.picture == base.picture and alpha.channel == 3))
+        if base.picture and fits:
+            return self.info(base.picture, self.images.whole(base.picture.image, is_color=True))
+        width, height = self.common_size(base, alpha)
+        pixels = numpy.ones((height, width, 4), "f4")
+        if base.picture:
+            pixels[..., :3] = files.srgb(self.texels(base, width, height))
+        if alpha.picture:
+            pixels[..., 3] = self.texels(alpha, width, height, is_number=True)[..., 0]
+        picture = base.picture or alpha.picture
+        return self.info(picture, self.images.composed("base", pixels if alpha.picture else pixels[..., :3]))
+
+    def metallic_roughness(self):
+        metallic, roughness = self.source("metallic"), self.source("roughness")
+        if metallic.picture is None and roughness.picture is None:
+            return None
+        picture = roughness.picture or metallic.picture
+        usual = (roughness.picture is None or roughness.channel == 1) and (metallic.picture is None or metallic.channel == 2)
+        same = metallic.picture is None or roughness.picture is None or metallic.picture == roughness.picture
+        if usual and same and metallic.picture and roughness.picture and files.is_plain(picture.image):
+            return self.info(picture, self.images.whole(picture.image, is_color=False))
+        width, height = self.common_size(metallic, roughness)
+        pixels = numpy.ones((height, width, 3), "f4")
+        for channel, source in ((1, roughness), (2, metallic)):
+            if source.picture:
+                pixels[..., channel] = self.texels(source, width, height, is_number=True)[..., 0]
+        return self.info(picture, self.images.composed("metallic roughness", pixels))
+
+    def common_size(self, *sources):
+        """Of the pictures of sources that one texture is to hold."""
+        pictures = [source.picture for source in sources if source.picture]
+        if any(picture.place() != pictures[0].place() for picture in pictures):
+            raise NotSimple(None)
+        return max(picture.image.size[0] for picture in pictures), max(picture.image.size[1] for picture in pictures)
+
+    def texels(self, source, width, height, is_number=False):
+        """A source's picture at a size: each texel the nearest one."""
+        pixels = self.images.pixels(source.picture.image)
+        if pixels is None:
+            return numpy.ones((height, width, 3), "f4")
+        found = channel_of(pixels, source.channel)
+        if is_number and found.shape[-1] == 3:
+            found = (found @ numpy.array([0.2126, 0.7152, 0.0722], "f4"))[..., None]
+        rows = ((numpy.arange(height) + 0.5) * found.shape[0] / height).astype(int)
+        columns = ((numpy.arange(width) + 0.5) * found.shape[1] / width).astype(int)
+        return found[rows][:, columns]
+
+    def normal(self, found):
+        if found is None:
+            return None
+        picture, strength = found
+        return self.info(picture, self.images.whole(picture.image, is_color=False), scale=strength)
+
+    # The rest.
+
+    def put_emission(self, said, numbers):
+        emission, strength = numbers["emission"], numbers["emission_strength"]
+        if not self.source("emission_strength").is_constant():
+            raise NotSimple(None)
+        source = self.source("emission")
+        if strength == 0.0 or max(emission) == 0.0:
+            return
+        if source.picture:
+            picture = source.picture
+            if source.channel != "rgb":
+                raise NotSimple(None)
+            self.put(said, "emissiveTexture", self.info(picture, self.images.whole(picture.image, is_color=True)))
+        said["emissiveFactor"] = emission
+
+    def put_alpha(self, said, surface):
+        if surface.cutoff is not None:
+            said["alphaMode"], said["alphaCutoff"] = "MASK", surface.cutoff
+        elif not (surface.alpha.is_constant() and surface.alpha.number() >= 1.0):
+            said["alphaMode"] = "BLEND"
+
+    def extensions(self):
+        """Name and values of those that differ from what goes without saying."""
+        yield from self.strong_emission()
+        ior = self.number("ior")
+        if abs(ior - 1.5) > 1e-6:
+            yield "KHR_materials_ior", {"ior": max(1.0, ior)}
+        yield from self.specular()
+        transmission = self.number("transmission")
+        if transmission > 0.0:
+            yield "KHR_materials_transmission", {"transmissionFactor": min(1.0, transmission)}
+        yield from self.coat()
+        yield from self.sheen()
+        yield from self.through()
+
+    def strong_emission(self):
+        numbers = of_surface(self.surface)
+        if numbers["emission_strength"] not in (0.0, 1.0) and max(numbers["emission"]) > 0.0:
+            yield "KHR_materials_emissive_strength", {"emissiveStrength": numbers["emission_strength"]}
+
+    def specular(self):
+        """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing angles all is
+        reflected; with the level 0 nothing is."""
+        level, tint = self.number("specular"), rec709(self.flat("specular_tint").factor)
+        if level == 0.0:
+            yield "KHR_materials_specular", {"specularFactor": 0.0}
+        elif level != 0.5 or tuple(tint) != (1.0, 1.0, 1.0):
+            yield "KHR_materials_specular", {"specularColorFactor": [2.0 * level * channel for channel in tint]}
+
+    def coat(self):
+        coat, roughness = self.source("coat"), self.source("coat_roughness")
+        if coat.is_constant() and coat.number() == 0.0:
+            return
+        said = {"clearcoatFactor": min(1.0, max(0.0, self.number("coat"))), "clearcoatRoughnessFactor": min(1.0, self.number("coat_roughness"))}
+        for name, source, channel in (("clearcoatTexture", coat, 0), ("clearcoatRoughnessTexture", roughness, 1)):
+            if source.picture and source.attribute is None:
+                self.losses.remove("texture-of-coat" if channel == 0 else "texture-of-coat-roughness")
+                width, height = source.picture.image.size
+                pixels = numpy.ones((height, width, 3), "f4")
+                pixels[..., channel] = self.texels(source, width, height, is_number=True)[..., 0]
+                factor = "clearcoatFactor" if channel == 0 else "clearcoatRoughnessFactor"
+                said[factor] = min(1.0, number_of(source))
+                self.put(said, name, self.info(source.picture, self.images.composed(name, pixels)))
+        self.put(said, "clearcoatNormalTexture", self.normal(self.surface.coat_normal))
+        yield "KHR_materials_clearcoat", said
+
+    def sheen(self):
+        weight = self.number("sheen")
+        if weight > 0.0:
+            tint = rec709(self.flat("sheen_tint").factor)
+            color = [min(1.0, weight * channel) for channel in tint]
+            yield "KHR_materials_sheen", {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))}
+
+
+    def through(self):
+        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what is not that share."""
+        through = self.surface.sources.get("through")
+        if through is None:
+            return
+        share = self.surface.share_through()
+        said = {"diffuseTransmissionFactor": share, "diffuseTransmissionColorFactor": [unit(c / share) for c in rec709(through.factor)]}
+        if through.attribute is not None or through.channel != "rgb":
+            raise NotSimple(None)
+        if through.picture:
+            image = self.images.whole(through.picture.image, is_color=True)
+            self.put(said, "diffuseTransmissionColorTexture", self.info(through.picture, image))
+        yield "KHR_materials_diffuse_transmission", said
+
+
+def channel_of(pixels, channel):
+    """(rows, columns, 3), or 1 of a single channel."""
+    return pixels[..., :3] if channel == "rgb" else pixels[..., channel : channel + 1]
+
+
+def number_of(source):
+    return float(source.number())
+
+
+def unit(value):
+    return min(1.0, max(0.0, value))
+
+
+def of_surface(surface):
+    """The numbers of a material that may change."""
+    source = lambda name: surface.sources.get(name, DEFAULTS[name])
+    # Of what goes through glTF takes its share from what is reflected.
+    left = 1.0 - surface.share_through()
+    color = [unit(channel / left) for channel in rec709(source("base").factor)]
+    emission = [max(0.0, channel) for channel in rec709(source("emission").factor)]
+    strength = max(0.0, number_of(source("emission_strength")))
+    # What glTF has a factor of at most 1 for is scaled down, its strength up; weak light needs no strength.
+    largest = max(emission)
+    if largest * strength <= 1.0:
+        emission, strength = [channel * strength for channel in emission], 1.0 if strength else 0.0
+    elif largest > 0.0:
+        emission, strength = [channel / largest for channel in emission], strength * largest
+    return {
+        "base": [*color, unit(number_of(surface.alpha))],
+        "metallic": unit(number_of(source("metallic"))),
+        "roughness": unit(number_of(source("roughness"))),
+        "emission": emission,
+        "emission_strength": strength,
+        "normal_scale": surface.normal[1] if surface.normal else None,
+    }

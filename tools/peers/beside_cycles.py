@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""Any .blend beside Cycles: one frame by both, with no bounces, the ratio of the means, of blocks, and a picture of three.
+
+    PYTHONPATH=tools .venv/bin/python tools/peers/beside_cycles.py scene.blend --frame 12 --sunfleck target/release/sunfleck --picture three.png
+
+The picture shows sunfleck's, Cycles' and ten times their difference. The world is the sky here, and lights surfaces and fog, as in
+Cycles. Simulations are run from the first frame. Exits with 1 if the means differ by more than the bar.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "blender")]
+
+import bpy
+import numpy
+
+import sunfleck
+from sunfleck import export
+from sunfleck.materials.images import png, srgb
+from sunfleck_tools.peers import cycles
+
+BLOCKS = 8
+
+
+def pixels_of(path):
+    """Colours, rows from the top."""
+    image = bpy.data.images.load(str(path), check_existing=False)
+    width, height = image.size
+    found = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return found
+
+
+def render(scene, arguments, folder):
+    """Both pictures; the order matters: the export runs the simulations that Cycles then reads."""
+    scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
+    frame = scene.frame_current if arguments.frame is None else arguments.frame
+    size = [max(1, round(side * arguments.scale)) for side in (scene.render.resolution_x, scene.render.resolution_y)]
+    cycles.settings(scene, size)
+    for finding in export.exported(scene, folder / "scene.glb").findings:
+        print(f"{finding.severity.lower()}{finding}")
+    command = [arguments.sunfleck, "render", folder / "scene.glb", f"--frames={frame}", "--samples", arguments.samples, "--passes", "none"]
+    subprocess.run([*map(str, command), "--out", str(folder / "ours.exr")], check=True, capture_output=True)
+    scene.cycles.samples, scene.render.filepath = arguments.cycles_samples, str(folder / "cycles.exr")
+    scene.frame_set(frame)
+    bpy.ops.render.render(write_still=True)
+    return pixels_of(folder / "ours.exr"), pixels_of(folder / "cycles.exr")
+
+
+def ratios_of_blocks(ours, theirs):
+    """Of the means of blocks that are not next to black."""
+    rows, columns = (numpy.linspace(0, side, BLOCKS + 1).astype(int) for side in theirs.shape[:2])
+    for top, bottom in zip(rows, rows[1:]):
+        for left, right in zip(columns, columns[1:]):
+            mean = theirs[top:bottom, left:right].mean()
+            if mean > 0.01 * theirs.mean():
+                yield ours[top:bottom, left:right].mean() / mean
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("blend", type=Path)
+    parser.add_argument("--frame", type=int, help="else the one that was saved")
+    parser.add_argument("--scale", type=float, default=1.0, help="of the picture's sides")
+    parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
+    parser.add_argument("--samples", type=int, default=64, help="of sunfleck")
+    parser.add_argument("--cycles-samples", type=int, default=256)
+    parser.add_argument("--bar", type=float, default=0.005, help="largest difference of the ratio of means from 1")
+    parser.add_argument("--picture", type=Path, help="a PNG of three")
+    arguments = parser.parse_args()
+    sunfleck.register()
+    bpy.ops.wm.open_mainfile(filepath=str(arguments.blend.resolve()))
+    with tempfile.TemporaryDirectory() as folder:
+        ours, theirs = render(bpy.context.scene, arguments, Path(folder))
+    ratio, blocks = ours.mean() / theirs.mean(), sorted(ratios_of_blocks(ours, theirs))
+    print(f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to {blocks[-1]:.4f}")
+    if arguments.picture:
+        three = numpy.concatenate([ours, theirs, 10.0 * numpy.abs(ours - theirs)], axis=1)
+        arguments.picture.write_bytes(png(srgb(three[::-1] / max(1e-9, numpy.quantile(theirs, 0.98))), False))
+    return int(abs(ratio - 1.0) > arguments.bar)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
