@@ -141,9 +141,9 @@ mod tests {
             for &(hue, weight, shines, is_fresh) in &points {
                 let sample = sample(shafts, lit, Rgb::splat(shines), Rgb::from_array(hue));
                 if is_fresh {
-                    film.add_fresh(&Splat { pixel: (0, 0), weight: weight, from_centre_px: 0.0 }, &sample);
+                    film.add_fresh(&Splat { pixel: (0, 0), weight, from_centre_px: 0.0 }, &sample);
                 } else {
-                    film.add(&Splat { pixel: (0, 0), weight: weight, from_centre_px: 0.0 }, &sample);
+                    film.add(&Splat { pixel: (0, 0), weight, from_centre_px: 0.0 }, &sample);
                 }
                 (own, weights) = (own + weight * shines, weights + weight);
             }

@@ -163,8 +163,8 @@ proptest! {
         let mut one = Film::new(SIZE, whole(), &ALL);
         for (id, &(x, y, weight, distance, radiance)) in samples.iter().enumerate() {
             let sample = leaf(radiance, radiance + 1.0, id as u32 + 1);
-            one.add(&Splat { pixel: (x, y), weight: weight, from_centre_px: distance }, &sample);
-            parts.iter_mut().for_each(|part| part.add(&Splat { pixel: (x, y), weight: weight, from_centre_px: distance }, &sample));
+            one.add(&Splat { pixel: (x, y), weight, from_centre_px: distance }, &sample);
+            parts.iter_mut().for_each(|part| part.add(&Splat { pixel: (x, y), weight, from_centre_px: distance }, &sample));
         }
         for order in [[0, 1], [1, 0]] {
             let mut pasted = Film::new(SIZE, whole(), &ALL);

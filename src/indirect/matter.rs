@@ -222,8 +222,8 @@ impl Matter {
     pub(super) fn scatter(&self, light: &Moments) -> Moments {
         let mut sources = Moments::zero(self.leaves_of.len());
         for channel in 0..3 {
-            for index in 0..COUNT {
-                let share = &self.fog_scattering[channel][DEGREE[index]];
+            for (index, degree) in DEGREE.into_iter().enumerate() {
+                let share = &self.fog_scattering[channel][degree];
                 let into = sources.channel_mut(channel, index);
                 for ((into, light), share) in into.iter_mut().zip(light.channel(channel, index)).zip(share) {
                     *into = share * light;
