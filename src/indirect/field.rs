@@ -1,7 +1,8 @@
 //! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a [`Field`] that tells irradiance on surfaces and
 //! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
-use super::first_light::{FirstLight, Glow, radiance};
+use super::first_light::FirstLight;
+use super::fluence::Glow;
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, basis, irradiance_lobe};
 use super::matter::Matter;
@@ -10,13 +11,14 @@ use super::ordinates::Ordinates;
 use super::surroundings::Surroundings;
 use super::sweep::{Sources, Sweeper};
 use super::swept_fog::SweptFog;
+use super::wall_light::WallLight;
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::math::kronecker;
 use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Nodes of a grid, about.
 const NODES: f64 = 30_000.0;
@@ -70,7 +72,8 @@ impl Field {
         let sweeper =
             Sweeper { grid: &grid, matter: &matter, walls: &walls, ordinates: &ordinates, cancelled };
         let (first_sources, glows) = first.sources();
-        let (light, unseen_by_fog) = Rounds { sweeper, first, first_sources, snapshot }.run(bounces);
+        let wall_light = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls };
+        let (light, unseen_by_fog) = Rounds { sweeper, wall_light, first_sources, snapshot }.run(bounces);
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();
             seen.add(&unseen, [-1.0; 3]);
@@ -174,7 +177,7 @@ fn rung(cell_m: f64) -> f64 {
 /// What is done from round to round.
 struct Rounds<'a> {
     sweeper: Sweeper<'a>,
-    first: FirstLight<'a>,
+    wall_light: WallLight<'a>,
     first_sources: Moments,
     snapshot: &'a Snapshot<'a>,
 }
@@ -201,7 +204,7 @@ impl Rounds<'_> {
         sources.add(&self.first_sources, [1.0; 3]);
         matter.emit(&mut sources);
         for ((sum, patch), irradiance) in
-            of_walls.iter_mut().zip(&walls.patches).zip(self.first.irradiances())
+            of_walls.iter_mut().zip(&walls.patches).zip(self.wall_light.irradiances())
         {
             *sum += radiance(patch.scatters.reflectance * irradiance) + patch.scatters.emission;
         }
@@ -282,4 +285,9 @@ fn rest(before: [f64; 3], total: [f64; 3]) -> [f64; 3] {
 
 fn by_channel(colors: &[Rgb]) -> [Vec<f32>; 3] {
     [0, 1, 2].map(|channel| colors.iter().map(|color| color[channel] as f32).collect())
+}
+
+/// A wall's radiosity, as radiance.
+fn radiance(radiosity: Rgb) -> Rgb {
+    radiosity / PI
 }

@@ -1,44 +1,28 @@
-//! Where light of lamps and suns is scattered first. In go a snapshot and its lights, out come sources on the grid and the irradiance on walls. Invariant: rays are tied to the
-//! world and to the lights, never to leaves, so what a leaf gets changes evenly as it moves.
+//! Where light of lamps and suns is scattered first by leaves and fog. In go a snapshot and rays of its lights, out come sources on the grid. Invariant: power is
+//! conserved; what a ray carries lands where the ray does.
 
-use super::grid::{Corners, Grid};
+use super::fluence::{Fluence, Glow};
+use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, basis, cosine_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
+use super::power_rays::{Emitters, PowerRay, of_lamp};
 use super::swept_fog::SweptFog;
-use super::walls::{Patch, Walls};
+use super::walls::Walls;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::exp_minus;
-use crate::light::Emission;
-use crate::math::{Ray, kronecker};
-use crate::snapshot::{FrozenLight, Luminaire, Snapshot, SurfacePoint};
+use crate::math::Ray;
+use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::f64::consts::FRAC_1_PI;
 
-/// Rays of a sun that go through a cell, along each side.
-const RAYS_PER_CELL: f64 = 8.0;
-/// Of a sun.
-const MOST_RAYS: f64 = 100_000.0;
-/// Of a lamp.
-const LAMP_RAYS: usize = 40_000;
 /// Places along a ray where fog takes its share, per cell.
 const STEPS_PER_CELL: f64 = 1.0;
 /// Groups of rays whose sums are added up in order.
 const CHUNKS: usize = 8;
-/// Shadow rays to a patch of wall, along each side.
-const SHADOW_RAYS: usize = 6;
-
-/// A ray that carries power.
-struct PowerRay {
-    ray: Ray,
-    /// Before any fog, W.
-    power: Rgb,
-    /// Optical depth before its start, of fog without its forward peaks and of all of it.
-    depths: [Rgb; 2],
-}
 
 /// What a leaf gets.
 struct Landing {
@@ -52,24 +36,6 @@ struct Landing {
     transmitted: Rgb,
 }
 
-/// A sun's light that fog has scattered, but nearly straight ahead: it still goes as the sun's own does.
-#[derive(Clone, Debug)]
-pub(super) struct Glow {
-    /// Direction of travel.
-    pub(super) travel: DVec3,
-    /// Irradiance on a plane that faces it, by node, W/m^2.
-    pub(super) irradiance: Vec<[f32; 3]>,
-}
-
-impl Glow {
-    /// On the mean of eight nodes.
-    pub(super) fn mean(&self, corners: &Corners) -> Rgb {
-        let at =
-            |(&node, &weight): (&usize, &f64)| weight * Rgb::from_array(self.irradiance[node].map(f64::from));
-        corners.nodes.iter().zip(&corners.weights).map(at).sum()
-    }
-}
-
 pub(super) struct FirstLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) fog: &'a SweptFog<'a>,
@@ -77,7 +43,7 @@ pub(super) struct FirstLight<'a> {
     pub(super) matter: &'a Matter,
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
     pub(super) walls: &'a Walls,
-    /// Triangles that are walls: their light is told by [`FirstLight::irradiances`].
+    /// Triangles that are walls: their light is another matter, see `wall_light.rs`.
     pub(super) are_walls: HashSet<PrimitiveId>,
 }
 
@@ -86,86 +52,20 @@ impl FirstLight<'_> {
     pub(super) fn sources(&self) -> (Moments, Vec<Glow>) {
         let mut sources = Moments::zero(self.grid.count());
         let mut glows = Vec::new();
+        let emitters = Emitters { snapshot: self.snapshot, grid: self.grid, fog: self.fog };
         for light in &self.snapshot.lights {
             match light.centre() {
                 FrozenLight::Sun { to_light, .. } => {
-                    let rays = self.sun_rays(light, to_light);
+                    let rays = emitters.of_sun(light, to_light);
                     let glow = self.add_rays(&rays, Some(-to_light), &mut sources);
                     glows.extend(glow);
                 }
                 FrozenLight::Point { .. } => {
-                    self.add_rays(&self.lamp_rays(light), None, &mut sources);
+                    self.add_rays(&of_lamp(light), None, &mut sources);
                 }
             }
         }
         (sources, glows)
-    }
-
-    /// Evenly spaced across the sun's direction; where they lie depends on nothing but that.
-    fn sun_rays(&self, light: &Luminaire, to_light: DVec3) -> Vec<PowerRay> {
-        let (low, high) = self.grid.volume();
-        let (right, up) = to_light.any_orthonormal_pair();
-        let corners = (0..8).map(|corner| {
-            DVec3::new(
-                if corner & 1 == 0 { low.x } else { high.x },
-                if corner & 2 == 0 { low.y } else { high.y },
-                if corner & 4 == 0 { low.z } else { high.z },
-            )
-        });
-        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in corners {
-            let place = DVec3::new(corner.dot(right), corner.dot(up), corner.dot(to_light));
-            (least, most) = (least.min(place), most.max(place));
-        }
-        let span = most - least;
-        let spacing = (self.grid.cell_m / RAYS_PER_CELL).max((span.x * span.y / MOST_RAYS).sqrt());
-        let irradiance = mean_irradiance(light);
-        let eye = self.snapshot.view.eye;
-        let boxes = [self.snapshot.tree.bounds(), self.snapshot.blended.bounds()].into_iter().flatten();
-        let farthest =
-            boxes.map(|(low, high)| DVec3::select(to_light.cmpgt(DVec3::ZERO), high, low).dot(to_light));
-        let start = farthest.fold(most.z - eye.dot(to_light), f64::max) + self.grid.cell_m;
-        let first = [least.x, least.y].map(|least| (least / spacing).floor() as i64);
-        let last = [most.x, most.y].map(|most| (most / spacing).ceil() as i64);
-        let mut rays = Vec::new();
-        for row in first[1]..=last[1] {
-            for column in first[0]..=last[0] {
-                let across = (column as f64 + 0.5) * spacing * right + (row as f64 + 0.5) * spacing * up;
-                let across = across - across.dot(to_light) * to_light;
-                let relative = across - (eye - eye.dot(to_light) * to_light);
-                let origin = relative + start * to_light;
-                let depths = [&self.fog.dimming, &self.snapshot.medium]
-                    .map(|medium| medium.optical_depth(origin, to_light, f64::INFINITY));
-                let ray = Ray { origin, direction: -to_light };
-                rays.push(PowerRay { ray, power: spacing * spacing * irradiance, depths });
-            }
-        }
-        rays
-    }
-
-    /// Evenly spread over the directions in which the lamp shines.
-    fn lamp_rays(&self, light: &Luminaire) -> Vec<PowerRay> {
-        let FrozenLight::Point { emission, .. } = light.centre() else { return Vec::new() };
-        let (axis, least_cos) = match &emission {
-            Emission::Even => (DVec3::Y, -1.0),
-            Emission::Spot(cone) => (cone.axis, cone.cos_outer),
-            Emission::Flat { normal } => (*normal, 0.0),
-        };
-        let (right, up) = axis.any_orthonormal_pair();
-        let solid_angle = TAU * (1.0 - least_cos) / LAMP_RAYS as f64;
-        let ray = |number: usize| {
-            let along = 1.0 - (1.0 - least_cos) * (number as f64 + 0.5) / LAMP_RAYS as f64;
-            let (sin, cos) = (TAU * kronecker(0.0, number)).sin_cos();
-            let across = (1.0 - along * along).max(0.0).sqrt();
-            let direction = along * axis + across * (cos * right + sin * up);
-            let point = light.point([0.37, 0.11, 0.73].map(|phase| kronecker(phase, number * 7)));
-            let FrozenLight::Point { position, intensity, emission } = point else {
-                unreachable!("a lamp is one all over")
-            };
-            let power = solid_angle * intensity * emission.share(direction);
-            PowerRay { ray: Ray { origin: position, direction }, power, depths: [Rgb::ZERO; 2] }
-        };
-        (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
     }
 
     /// `travel` is the direction of all of them, if it is the same.
@@ -316,64 +216,6 @@ impl FirstLight<'_> {
             }
         }
     }
-
-    /// The irradiance of all lights on each patch of wall, W/m^2.
-    pub(super) fn irradiances(&self) -> Vec<Rgb> {
-        self.walls
-            .patches
-            .par_iter()
-            .map(|patch| self.snapshot.lights.iter().map(|light| self.irradiance(light, patch)).sum())
-            .collect()
-    }
-
-    fn irradiance(&self, light: &Luminaire, patch: &Patch) -> Rgb {
-        let (right, up) = patch.normal.any_orthonormal_pair();
-        // About the middle of the patch's cell, on its plane: where it is depends on no leaf.
-        let middle =
-            self.grid.position(self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal));
-        let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
-        let step = self.grid.cell_m / SHADOW_RAYS as f64;
-        let off_wall = 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
-        let (mut sum, mut count) = (Rgb::ZERO, 0.0);
-        for number in 0..SHADOW_RAYS * SHADOW_RAYS {
-            let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
-            let place = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
-            let (seen, origin) = (patch.position + off_wall, place + off_wall);
-            let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
-            // Beyond a corner the wall goes on in another plane.
-            if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(patch.primitive)) {
-                continue;
-            }
-            count += 1.0;
-            let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, number)));
-            let (to_light, distance, arriving) = point.arriving_at(origin);
-            let cos = to_light.dot(patch.normal);
-            if cos > 0.0 && arriving != Rgb::ZERO {
-                let ray = Ray { origin, direction: to_light };
-                sum += cos * arriving * self.reaching(&ray, distance, patch.primitive);
-            }
-        }
-        sum / f64::max(count, 1.0)
-    }
-
-    /// What is left of light that comes along a ray from a distance.
-    fn reaching(&self, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
-        let snapshot = self.snapshot;
-        if snapshot.tree.any_hit(ray, distance, Some(from)) {
-            return Rgb::ZERO;
-        }
-        let mut through = self.fog.dimming.transmittance(ray.origin, ray.direction, distance);
-        if snapshot.has_blended() {
-            let (mut at, mut leaving) = (0.0, Some(from));
-            while through.max_element() > 1e-6 {
-                let rest = Ray { origin: ray.at(at), direction: ray.direction };
-                let Some(hit) = snapshot.blended.nearest_hit(&rest, distance - at, leaving) else { break };
-                through *= snapshot.surface(&rest, &hit).see_through;
-                (at, leaving) = (at + hit.t, Some(hit.primitive));
-            }
-        }
-        through
-    }
 }
 
 /// Off a surface, so that rounding does not put it behind a wall that it lies on.
@@ -390,67 +232,4 @@ impl Landing {
             transmitted: power * scatters.transmittance,
         }
     }
-}
-
-/// Power times way, by node: of one direction alone, or by harmonics of the direction.
-struct Fluence {
-    nodes: usize,
-    harmonics: usize,
-    values: Vec<f32>,
-    /// Of one direction, that part of it that fog has scattered nearly straight ahead.
-    glow: Vec<f32>,
-}
-
-impl Fluence {
-    fn zero(nodes: usize, has_directions: bool) -> Self {
-        let harmonics = if has_directions { COUNT } else { 1 };
-        let glow = if has_directions { Vec::new() } else { vec![0.0; 3 * nodes] };
-        Self { nodes, harmonics, values: vec![0.0; 3 * harmonics * nodes], glow }
-    }
-
-    fn glow(&self, channel: usize) -> &[f32] {
-        &self.glow[channel * self.nodes..][..self.nodes]
-    }
-
-    fn of(&self, channel: usize, index: usize) -> &[f32] {
-        &self.values[(channel * self.harmonics + index) * self.nodes..][..self.nodes]
-    }
-
-    fn add(&mut self, corners: &Corners, direction: DVec3, amount: Rgb, glow: Rgb) {
-        let basis = if self.harmonics == 1 { [1.0; COUNT] } else { basis(direction) };
-        for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
-            for channel in 0..3 {
-                for (index, value) in basis[..self.harmonics].iter().enumerate() {
-                    let place = (channel * self.harmonics + index) * self.nodes + node;
-                    self.values[place] += (weight * amount[channel] * value) as f32;
-                }
-                if let Some(sum) = self.glow.get_mut(channel * self.nodes + node) {
-                    *sum += (weight * glow[channel]) as f32;
-                }
-            }
-        }
-    }
-}
-
-/// Of all of a sun's disc, on a plane that faces it.
-fn mean_irradiance(light: &Luminaire) -> Rgb {
-    const POINTS: usize = 64;
-    if light.is_delta() {
-        let FrozenLight::Sun { irradiance, .. } = light.centre() else { return Rgb::ZERO };
-        return irradiance;
-    }
-    let irradiance = |number: usize| match light.point([
-        (number as f64 + 0.5) / POINTS as f64,
-        kronecker(0.0, number),
-        0.5,
-    ]) {
-        FrozenLight::Sun { irradiance, .. } => irradiance,
-        FrozenLight::Point { .. } => Rgb::ZERO,
-    };
-    (0..POINTS).map(irradiance).sum::<Rgb>() / POINTS as f64
-}
-
-/// A wall's radiosity, as radiance.
-pub(super) fn radiance(radiosity: Rgb) -> Rgb {
-    radiosity / PI
 }

@@ -6,15 +6,18 @@
 
 mod field;
 mod first_light;
+mod fluence;
 mod grid;
 mod harmonics;
 mod matter;
 mod moments;
 mod ordinates;
+mod power_rays;
 mod surroundings;
 mod sweep;
 mod swept_fog;
 mod view;
+mod wall_light;
 mod walls;
 
 pub use field::Field;

@@ -1,0 +1,80 @@
+//! Light of lamps and suns on walls. In go patches of walls, out comes the irradiance on each. Invariant: where its shadow rays start depends on the wall and the grid alone.
+
+use super::grid::Grid;
+use super::swept_fog::SweptFog;
+use super::walls::{Patch, Walls};
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::math::{Ray, kronecker};
+use crate::snapshot::{Luminaire, Snapshot};
+use rayon::prelude::*;
+
+/// Shadow rays to a patch of wall, along each side.
+const SHADOW_RAYS: usize = 6;
+
+pub(super) struct WallLight<'a> {
+    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) grid: &'a Grid,
+    pub(super) fog: &'a SweptFog<'a>,
+    pub(super) walls: &'a Walls,
+}
+
+impl WallLight<'_> {
+    /// The irradiance of all lights on each patch of wall, W/m^2.
+    pub(super) fn irradiances(&self) -> Vec<Rgb> {
+        self.walls
+            .patches
+            .par_iter()
+            .map(|patch| self.snapshot.lights.iter().map(|light| self.irradiance(light, patch)).sum())
+            .collect()
+    }
+
+    fn irradiance(&self, light: &Luminaire, patch: &Patch) -> Rgb {
+        let (right, up) = patch.normal.any_orthonormal_pair();
+        // About the middle of the patch's cell, on its plane: where it is depends on no leaf.
+        let middle =
+            self.grid.position(self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal));
+        let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
+        let step = self.grid.cell_m / SHADOW_RAYS as f64;
+        let off_wall = 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
+        let (mut sum, mut count) = (Rgb::ZERO, 0.0);
+        for number in 0..SHADOW_RAYS * SHADOW_RAYS {
+            let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
+            let place = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
+            let (seen, origin) = (patch.position + off_wall, place + off_wall);
+            let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
+            // Beyond a corner the wall goes on in another plane.
+            if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(patch.primitive)) {
+                continue;
+            }
+            count += 1.0;
+            let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, number)));
+            let (to_light, distance, arriving) = point.arriving_at(origin);
+            let cos = to_light.dot(patch.normal);
+            if cos > 0.0 && arriving != Rgb::ZERO {
+                let ray = Ray { origin, direction: to_light };
+                sum += cos * arriving * self.reaching(&ray, distance, patch.primitive);
+            }
+        }
+        sum / f64::max(count, 1.0)
+    }
+
+    /// What is left of light that comes along a ray from a distance.
+    fn reaching(&self, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
+        let snapshot = self.snapshot;
+        if snapshot.tree.any_hit(ray, distance, Some(from)) {
+            return Rgb::ZERO;
+        }
+        let mut through = self.fog.dimming.transmittance(ray.origin, ray.direction, distance);
+        if snapshot.has_blended() {
+            let (mut at, mut leaving) = (0.0, Some(from));
+            while through.max_element() > 1e-6 {
+                let rest = Ray { origin: ray.at(at), direction: ray.direction };
+                let Some(hit) = snapshot.blended.nearest_hit(&rest, distance - at, leaving) else { break };
+                through *= snapshot.surface(&rest, &hit).see_through;
+                (at, leaving) = (at + hit.t, Some(hit.primitive));
+            }
+        }
+        through
+    }
+}
