@@ -300,9 +300,9 @@ fn exp_minus_and_mean(x: f32) -> (f32, f32) {
     let root = (even - 0.5 * z) / (even + 0.5 * z);
     let fourth = (root * root) * (root * root);
     let power = (fourth * fourth) * (fourth * fourth);
-    // Below 1e-2 the difference to 1 loses digits, and the series has them.
-    let series = 1.0 - bounded * (0.5 - bounded * (1.0 / 6.0));
-    let mean = if x < 1e-2 { series } else { (1.0 - power) / x };
+    // Below .05 the difference to 1 loses digits, and the series has them.
+    let series = 1.0 - bounded * (0.5 - bounded * (1.0 / 6.0 - bounded * (1.0 / 24.0)));
+    let mean = if x < 0.05 { series } else { (1.0 - power) / x };
     (power, mean)
 }
 
