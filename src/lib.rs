@@ -183,5 +183,5 @@ pub use diagnostic::{Diagnostic, Diagnostics, Loss, Place, Severity};
 pub use frame_file::FrameFileError;
 pub use passes::Pass;
 pub use render::{Method, Progress, Statistics};
-pub use scene::{FrameRate, LightUnits, PixelFilter, Size, Window};
+pub use scene::{Bounces, FrameRate, LightUnits, PixelFilter, Size, Window};
 pub use transport::MarchSteps;

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 use sunfleck::{
-    Animated, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light, Material, Method,
-    NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting, Shape, Sky, SkyLight,
-    Species, Sun, Triangles, Wind, Window,
+    Animated, Bounces, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light, Material,
+    Method, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting, Shape, Sky,
+    SkyLight, Species, Sun, Triangles, Wind, Window,
 };
 
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
@@ -58,7 +58,8 @@ fn small(scene: &Scene) -> Renderer<'_> {
 #[test]
 fn every_pass_that_is_asked_for_has_its_values() {
     let scene = built(tile());
-    let frame = small(&scene).frame(2).passes(Pass::ALL.iter().copied()).render().expect("a frame");
+    let renderer = small(&scene).frame(2).passes(Pass::ALL.iter().copied());
+    let frame = renderer.bounces(Bounces::All).render().expect("a frame");
     for &pass in Pass::ALL {
         let array = frame.pass(pass).unwrap_or_else(|| panic!("{pass:?} is there"));
         assert_eq!((array.width, array.height), (16, 9));
