@@ -212,7 +212,7 @@ fn leaves500_is_what_mitsuba_makes_of_it() {
     for (name, bounces, first) in [("depth 3", Bounces::UpTo(1), 0), ("depth 16", Bounces::All, 6)] {
         let (ratio, error) = truth(first).judge(&picture(&scene, bounces, Method::Auto));
         println!("{name}: mean {ratio:.4}, blocks {:.2} %", 100.0 * error);
-        assert!((ratio - 1.0).abs() < 0.02, "{name}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.01, "{name}: {ratio}");
         assert!(error < 0.015, "{name}: {error}");
     }
 }

@@ -225,7 +225,7 @@ class Rendered(unittest.TestCase):
                     np.testing.assert_allclose(*tiles, atol=0.03 * ours.mean(), rtol=0.01)
 
     def check_bounces(self, renderer: str, samples: int) -> None:
-        """Light of all orders: two leaves' worth of a scene under a sun, a lamp and a sky, and a canopy."""
+        """Light of all orders, by its mean: a leaf over a ground under a sun and a lamp, a card under a sky, a canopy."""
         sky = SKIES["gradient"]
         scenes = {
             "sun": (SCENE.format(lamp=LAMPS["sun"], fog=FOG), 0.03),
