@@ -207,7 +207,7 @@ fn examples_show_the_face_alone() {
     let mut files = Vec::new();
     source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples"), &mut files);
     // The face's own test is one more program that uses it.
-    files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/face.rs"));
+    files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/library/face.rs"));
     assert!(files.len() > 3, "examples are found");
     for file in files {
         let text = code(&fs::read_to_string(&file).expect("readable"));

@@ -216,7 +216,7 @@ impl<'a> NearLight<'a> {
 /// A pole may be as near as rounding puts it; no step is shorter.
 const SHORTEST_STEP: f64 = 1e-6;
 
-/// Nodes for a step of that width, with a relative error below 1e-7 (`tests/near_light.rs`).
+/// Nodes for a step of that width, with a relative error below 1e-7 (`tests/library/near_light.rs`).
 fn order_for(width: f64) -> usize {
     match width {
         w if w < 0.06 => 2,

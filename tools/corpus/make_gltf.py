@@ -3,7 +3,7 @@
 
     python3 tools/corpus/make_gltf.py tests/data/valid/gltf/same
 
-Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring; tests/gltf_valid.rs renders them all.
+Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring; tests/library/gltf_valid.rs renders them all.
 No library is used: what is written is what the specification says, not what a library makes of it.
 """
 

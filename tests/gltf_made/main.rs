@@ -1,8 +1,0 @@
-//! Small glTF files made here, one question each: values that change, bodies that bend, cameras of every kind.
-#![allow(clippy::unwrap_used)]
-
-mod bending;
-mod cameras;
-mod file;
-mod materials;
-mod pointers;

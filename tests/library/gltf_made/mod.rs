@@ -1,0 +1,7 @@
+//! Small glTF files made here, one question each: values that change, bodies that bend, cameras of every kind.
+
+mod bending;
+mod cameras;
+mod file;
+mod materials;
+mod pointers;

@@ -1,0 +1,237 @@
+//! Light of all orders against closed forms, and against a path tracer that others wrote.
+
+use crate::common::{INSTANT, add_fog, add_light, camera_at, place};
+use glam::{DAffine3, DVec3};
+use std::path::Path;
+use sunfleck::color::Rgb;
+use sunfleck::description;
+use sunfleck::film::Frame;
+use sunfleck::indirect::Indirect;
+use sunfleck::math::{Ray, Sampler};
+use sunfleck::render::{Job, Method, Watch, render};
+use sunfleck::scene::{
+    self, Bounces, Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Sky, SkyPicture,
+    Triangle, Window,
+};
+use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
+use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
+
+const EVEN_SKY: SkyPicture = SkyPicture::Gradient { zenith: Rgb::ONE, horizon: Rgb::ONE, ground: Rgb::ONE };
+
+/// A box with its faces outwards.
+fn add_box(scene: &mut Scene, low: DVec3, high: DVec3, material: Material) {
+    scene.materials.push(material);
+    let corner = |number: usize| {
+        DVec3::new(
+            if number & 1 == 0 { low.x } else { high.x },
+            if number & 2 == 0 { low.y } else { high.y },
+            if number & 4 == 0 { low.z } else { high.z },
+        )
+        .as_vec3()
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let material = scene.materials.len() - 1;
+    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+    scene.meshes.push(Mesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: triangles.map(|vertices| Triangle { vertices, material }).collect(),
+        ..Mesh::default()
+    });
+    add_instance(scene);
+}
+
+fn add_instance(scene: &mut Scene) {
+    let node = place(scene, DAffine3::IDENTITY);
+    let (mesh, leaf_id) = (scene.meshes.len() - 1, scene.instances.len() as u32 + 1);
+    scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation: None });
+}
+
+/// Square leaves of .2 m, turned and placed by a sequence without a pattern, in a cube of 4 m before the camera.
+fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
+    scene.materials.push(material);
+    let material = scene.materials.len() - 1;
+    let mut sampler = Sampler::new(7, 0, 0, 0);
+    for _ in 0..count {
+        let place = 4.0 * (DVec3::from(sampler.next_3d()) - 0.5) - 5.0 * DVec3::Z;
+        let normal = (DVec3::from(sampler.next_3d()) - 0.5).normalize();
+        let (right, up) = normal.any_orthonormal_pair();
+        let corner = |x: f64, y: f64| (place + 0.1 * (x * right + y * up)).as_vec3();
+        scene.meshes.push(Mesh {
+            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+            triangles: [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec(),
+            ..Mesh::default()
+        });
+        add_instance(scene);
+    }
+}
+
+/// Radiance of camera rays on a grid over the picture.
+fn radiances(scene: &Scene, bounces: Bounces) -> Vec<Rgb> {
+    let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
+    let indirect = Indirect::new(&snapshot, bounces, 1.0, &|| false);
+    let transport = Transport {
+        volume: VolumeMethod::Segments,
+        mirror_depth: 0,
+        indirect: indirect.as_ref(),
+        features: true,
+    };
+    let ray = |number: usize| -> Ray {
+        let along = |index: usize| ((index % 16) as f64 + 0.5) / 16.0;
+        snapshot.view.ray(along(number), along(number / 16))
+    };
+    (0..256)
+        .map(|number| {
+            let mut sampler = Sampler::new(0, 0, 0, 0);
+            radiance(&snapshot, &transport, &ray(number), &mut sampler, &mut Scratch::default()).radiance
+        })
+        .collect()
+}
+
+fn worst_from(radiances: &[Rgb], expected: f64) -> f64 {
+    radiances.iter().map(|radiance| (*radiance - expected).abs().max_element()).fold(0.0, f64::max)
+}
+
+/// What absorbs nothing, in even light from all sides, cannot be seen.
+#[test]
+fn white_fog_in_a_furnace_is_not_seen() {
+    for (density, g) in [(0.1, 0.0), (0.5, 0.6), (1.5, 0.3)] {
+        let mut scene = camera_at(DVec3::ZERO);
+        let middle = -5.0 * DVec3::Z;
+        add_fog(&mut scene, middle - 2.0, middle + 2.0, Rgb::splat(density), Rgb::ONE, g);
+        scene.sky = Sky::new(EVEN_SKY);
+        let worst = worst_from(&radiances(&scene, Bounces::All), 1.0);
+        println!("fog of {density} /m, g {g}: worst {worst:.2e}");
+        assert!(worst < 1e-3, "{density}: {worst}");
+    }
+}
+
+#[test]
+fn white_leaves_in_a_furnace_are_not_seen() {
+    for (count, reflectance) in [(200, 1.0), (800, 0.5)] {
+        let mut scene = camera_at(DVec3::ZERO);
+        let leaf = Material {
+            base_color: Rgb::splat(reflectance),
+            transmission: Rgb::splat(1.0 - reflectance),
+            ..Material::default()
+        };
+        add_leaves(&mut scene, count, leaf);
+        scene.sky = Sky::new(EVEN_SKY);
+        let worst = worst_from(&radiances(&scene, Bounces::All), 1.0);
+        println!("{count} leaves that reflect {reflectance}: worst {worst:.2e}");
+        assert!(worst < 1e-3, "{count}: {worst}");
+    }
+}
+
+/// Walls of 2 cm, a sky and a sun outside, fog inside and out.
+#[test]
+fn no_light_gets_through_the_walls_of_a_closed_room() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let (low, high, thick) = (DVec3::splat(-2.3), DVec3::splat(2.3), 0.02);
+    add_box(&mut scene, low, high, Material::default());
+    add_box(&mut scene, low + thick, high - thick, Material::default());
+    add_fog(&mut scene, 2.0 * low, 2.0 * high, Rgb::splat(0.1), Rgb::splat(0.9), 0.2);
+    scene.sky = Sky::new(EVEN_SKY);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.4), Rgb::splat(10.0));
+    let worst = worst_from(&radiances(&scene, Bounces::All), 0.0);
+    println!("in the dark room: {worst:.2e}");
+    assert!(worst < 1e-3, "{worst}");
+}
+
+const SIZE: Size = Size { width: 240, height: 135 };
+
+fn leaves500() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
+}
+
+fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame {
+    let aspect = SIZE.width as f64 / SIZE.height as f64;
+    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
+    let job = Job {
+        size: SIZE,
+        window: Window::whole(SIZE),
+        passes: vec![],
+        sampling: Sampling::Exactly(4),
+        filter: PixelFilter::Box,
+        seed: 0,
+        mirror_depth: 0,
+        bounces,
+        method,
+    };
+    render(&exposure, &job, &Watch::NOBODY).frame
+}
+
+/// Means of blocks of 10x10 pixels, and the standard errors of those.
+struct Truth {
+    blocks: Vec<(Rgb, Rgb)>,
+}
+
+/// The orders of which the file's columns from `first` on tell.
+fn truth(first: usize) -> Truth {
+    let text = include_str!("../data/leaves500/orders.txt");
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    let blocks = lines.map(|line| {
+        let numbers: Vec<f64> = line.split(' ').map(|number| number.parse().expect("a number")).collect();
+        (Rgb::from_slice(&numbers[first..]), Rgb::from_slice(&numbers[first + 3..]))
+    });
+    Truth { blocks: blocks.collect() }
+}
+
+impl Truth {
+    /// Mean ratio, and the root mean square of what blocks differ by, as a share of the mean, without the truth's own noise.
+    fn judge(&self, frame: &Frame) -> (f64, f64) {
+        let columns = SIZE.width / 10;
+        let (mut ours, mut theirs, mut square) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);
+        for (number, (truth, error)) in self.blocks.iter().enumerate() {
+            let (x, y) = (10 * (number % columns), 10 * (number / columns));
+            let pixels = (0..100).map(|pixel| beauty(frame, x + pixel % 10, y + pixel / 10));
+            let block = pixels.sum::<Rgb>() / 100.0;
+            ours += block;
+            theirs += *truth;
+            square += (block - truth) * (block - truth) - *error * *error;
+        }
+        let mean = theirs.element_sum() / (3 * self.blocks.len()) as f64;
+        let error = (square.element_sum() / (3 * self.blocks.len()) as f64).max(0.0).sqrt();
+        (ours.element_sum() / theirs.element_sum(), error / mean)
+    }
+}
+
+fn beauty(frame: &Frame, x: usize, y: usize) -> Rgb {
+    let channel =
+        |name: &str| f64::from(frame.channel(name).expect("there is a beauty").pixels[y * SIZE.width + x]);
+    Rgb::new(channel("R"), channel("G"), channel("B"))
+}
+
+#[test]
+fn leaves500_is_what_mitsuba_makes_of_it() {
+    let scene = leaves500();
+    for (name, bounces, first) in [("depth 3", Bounces::UpTo(1), 0), ("depth 16", Bounces::All, 6)] {
+        let (ratio, error) = truth(first).judge(&picture(&scene, bounces, Method::Auto));
+        println!("{name}: mean {ratio:.4}, blocks {:.2} %", 100.0 * error);
+        assert!((ratio - 1.0).abs() < 0.01, "{name}: {ratio}");
+        assert!(error < 0.015, "{name}: {error}");
+    }
+}
+
+#[test]
+fn slices_and_rays_see_the_same_light() {
+    let scene = leaves500();
+    let mean = |method| {
+        let frame = picture(&scene, Bounces::All, method);
+        let pixels =
+            (0..SIZE.width * SIZE.height).map(|pixel| beauty(&frame, pixel % SIZE.width, pixel / SIZE.width));
+        pixels.sum::<Rgb>().element_sum()
+    };
+    let ratio = mean(Method::Slices) / mean(Method::Segments);
+    assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+}
+
+#[test]
+fn threads_do_not_reach_it() {
+    let scene = leaves500();
+    let by = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| picture(&scene, Bounces::All, Method::Auto))
+    };
+    assert_eq!(by(1), by(3));
+}

@@ -1,0 +1,52 @@
+//! The library against closed forms, brute force and other people's renderers, and its files there and back. One
+//! crate, as each would be linked with all of the library; a module is run by `cargo test --test library indirect::`.
+#![allow(missing_docs, clippy::unwrap_used)]
+#![allow(clippy::print_stdout, reason = "with --nocapture the tests show what they measure")]
+
+mod accel;
+mod airlight;
+mod blended;
+mod blender;
+mod camera;
+mod clipping;
+mod common;
+mod deformation;
+mod depth;
+mod energy;
+mod export;
+mod export_keys;
+mod export_meshes;
+mod exposure;
+mod face;
+mod falling;
+mod frame_file;
+mod fuzzed;
+mod gltf;
+mod gltf_cases;
+mod gltf_compressed;
+mod gltf_invalid;
+mod gltf_made;
+mod gltf_valid;
+mod height_fog;
+mod indirect;
+mod invalid_input;
+mod lights;
+mod masks;
+mod mattes;
+mod motion_vectors;
+mod near_light;
+mod normal_maps;
+mod numerics;
+mod obj;
+mod outline;
+mod pixel_filter;
+mod repetition;
+mod scanline;
+mod scene_format;
+mod sequence;
+mod shiny;
+mod sky;
+mod slices;
+mod spots;
+mod tolerance;
+mod translucent;
