@@ -263,7 +263,11 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
 /// does not have it already.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
     let lights = (0..exposure.middle().lights.len()).map(Component::Light);
-    lights.chain((exposure.has_sky_light() && indirect.is_none()).then_some(Component::Sky)).collect()
+    lights
+        .chain(
+            (exposure.has_sky_light() && !indirect.is_some_and(Indirect::has_sky)).then_some(Component::Sky),
+        )
+        .collect()
 }
 
 /// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.

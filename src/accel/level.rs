@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
-use super::simd::{Kernel, Portable};
+use super::simd::{Kernel, Portable, Simd};
 
 /// Which implementation serves this processor.
 #[derive(Clone, Copy, Debug)]
@@ -32,5 +32,26 @@ impl Level {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(simd) => simd.run(kernel),
         }
+    }
+}
+
+/// Loops over slices that are worth compiling for the widest vectors there are. Everything below `run` has to be inlined into it, and no sum may depend on the width.
+pub trait Vectorized {
+    /// Does it.
+    fn run(self);
+}
+
+/// Does it by the vectors of this processor.
+pub fn vectorized(work: impl Vectorized) {
+    Level::detect().run(Loops(work));
+}
+
+struct Loops<W>(W);
+
+impl<W: Vectorized> Kernel for Loops<W> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        self.0.run();
     }
 }

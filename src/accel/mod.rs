@@ -35,6 +35,7 @@ pub use each_shadow::TriangleShadow;
 pub use hit::{Hit, PrimitiveId};
 pub use instance::PlacedMesh;
 pub use instance_tree::InstanceTree;
+pub use level::{Vectorized, vectorized};
 pub use light_plane::LightPlane;
 pub use mesh_tree::MeshTree;
 pub use slice_query::{Cut, HalfPlane};

@@ -84,6 +84,20 @@ impl Texels {
         }
     }
 
+    /// Several of them.
+    ///
+    /// # Panics
+    /// If one of them does not exist.
+    #[inline]
+    pub fn get_all<const N: usize>(&self, indices: [usize; N]) -> [[f32; 4]; N] {
+        match &self.0 {
+            Stored::Bytes { codes, curve } => {
+                indices.map(|index| light(&codes[4 * index..4 * index + 4], curve))
+            }
+            _ => indices.map(|index| self.get(index)),
+        }
+    }
+
     /// All of them.
     pub fn iter(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         (0..self.len()).map(|index| self.get(index))

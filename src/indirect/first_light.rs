@@ -2,11 +2,13 @@
 //! conserved; what a ray carries lands where the ray does.
 
 use super::fluence::{Fluence, Glow};
-use super::grid::Grid;
+use super::grid::{Grid, Stretch};
 use super::harmonics::{COUNT, DEGREE, basis, cosine_lobe};
 use super::matter::Matter;
-use super::moments::Moments;
+use super::moments::{Moments, NodeMoments};
+use super::occluders::OFF_WALL;
 use super::power_rays::{Emitters, PowerRay, of_lamp};
+use super::surroundings::scatters_of;
 use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::accel::PrimitiveId;
@@ -19,21 +21,15 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::FRAC_1_PI;
 
-/// Places along a ray where fog takes its share, per cell.
-const STEPS_PER_CELL: f64 = 1.0;
 /// Groups of rays whose sums are added up in order.
 const CHUNKS: usize = 8;
 
-/// What a leaf gets.
-struct Landing {
-    /// In world space.
-    position: DVec3,
-    /// The same, on the light's side.
-    seen_from: DVec3,
-    /// Towards the light.
-    normal: DVec3,
-    reflected: Rgb,
-    transmitted: Rgb,
+/// What a group of rays leaves on its way.
+struct Left {
+    /// In fog.
+    fluence: Fluence,
+    /// What leaves scatter of it, as sources.
+    scattered: NodeMoments,
 }
 
 pub(super) struct FirstLight<'a> {
@@ -72,23 +68,25 @@ impl FirstLight<'_> {
     fn add_rays(&self, rays: &[PowerRay], travel: Option<DVec3>, sources: &mut Moments) -> Option<Glow> {
         let count = self.grid.count();
         let chunk = rays.len().div_ceil(CHUNKS).max(1);
-        let fluences: Vec<(Fluence, Vec<Landing>)> = rays
+        let groups: Vec<Left> = rays
             .par_chunks(chunk)
             .map(|rays| {
-                let mut fluence = Fluence::zero(count, travel.is_none());
-                let mut landings = Vec::new();
+                let mut left = Left {
+                    fluence: Fluence::zero(count, travel.is_none()),
+                    scattered: NodeMoments::zero(count),
+                };
                 for ray in rays {
                     if (self.cancelled)() {
                         break;
                     }
-                    self.follow(ray, &mut fluence, &mut landings);
+                    self.follow(ray, &mut left);
                 }
-                (fluence, landings)
+                left
             })
             .collect();
         let volume = self.grid.cell_volume();
         let basis = travel.map(basis);
-        for (fluence, landings) in &fluences {
+        for Left { fluence, scattered } in &groups {
             for channel in 0..3 {
                 for index in 0..COUNT {
                     let shares = self.matter.fog_scattering(channel, DEGREE[index]);
@@ -103,11 +101,11 @@ impl FirstLight<'_> {
                     }
                 }
             }
-            landings.iter().for_each(|landing| self.land(landing, sources));
+            sources.add_nodes(scattered);
         }
         let travel = travel.filter(|_| !self.snapshot.medium.is_empty())?;
         let mut irradiance = vec![[0.0; 3]; count];
-        for (fluence, _) in &fluences {
+        for Left { fluence, .. } in &groups {
             for (channel, values) in (0..3).map(|channel| (channel, fluence.glow(channel))) {
                 for (sum, value) in irradiance.iter_mut().zip(values) {
                     sum[channel] += value / volume as f32;
@@ -118,12 +116,7 @@ impl FirstLight<'_> {
     }
 
     /// Leaves its light in fog and on leaves, up to where it ends.
-    fn follow(
-        &self,
-        PowerRay { ray, power, depths }: &PowerRay,
-        fluence: &mut Fluence,
-        landings: &mut Vec<Landing>,
-    ) {
+    fn follow(&self, PowerRay { ray, power, depths }: &PowerRay, left: &mut Left) {
         let snapshot = self.snapshot;
         let opaque = snapshot.tree.nearest_hit(ray, f64::INFINITY, None);
         let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
@@ -147,12 +140,12 @@ impl FirstLight<'_> {
         let mut power = *power;
         let mut from = enter;
         for (t, point) in stops.iter().map(|(t, point)| (*t, Some(point))).chain([(f64::INFINITY, None)]) {
-            self.light_fog(ray, (from, t.min(leave)), power, depths, fluence);
+            self.light_fog(ray, (from, t.min(leave)), power, depths, &mut left.fluence);
             from = from.max(t);
             let Some(point) = point.filter(|_| from <= leave + self.grid.cell_m) else { break };
             if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
                 let fog = exp_minus(depths[0] + self.fog.dimming.optical_depth(ray.origin, ray.direction, t));
-                landings.push(Landing::of(snapshot, point, power * fog * point.alpha));
+                self.land(point, power * fog * point.alpha, &mut left.scattered);
             }
             power *= point.see_through;
             if power == Rgb::ZERO {
@@ -183,53 +176,59 @@ impl FirstLight<'_> {
         if start >= end || self.snapshot.medium.is_empty() {
             return;
         }
-        let steps = ((end - start) * STEPS_PER_CELL / self.grid.cell_m).ceil();
-        let step = (end - start) / steps;
         let media = [&self.fog.dimming, &self.snapshot.medium];
-        // To the middle of each step by the fog at the middles, which is all that the grid tells of it.
-        let mut before =
-            [0, 1].map(|which| depths[which] + media[which].optical_depth(ray.origin, ray.direction, start));
-        for number in 0..steps as usize {
-            let place = ray.at(start + (number as f64 + 0.5) * step);
+        let mut left = [0, 1].map(|which| {
+            power * exp_minus(depths[which] + media[which].optical_depth(ray.origin, ray.direction, start))
+        });
+        let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
+        // To the middle of each stretch by the fog at the middles, which is all that the grid tells of it.
+        for Stretch { node, from, to } in self.grid.stretches(&in_world, start, end) {
+            let (length, middle) = (to - from, 0.5 * (from + to));
             let here = [0, 1].map(|which| {
-                let half = 0.5 * step * media[which].extinction_at(place);
-                let here = power * exp_minus(before[which] + half);
-                before[which] += 2.0 * half;
+                let through = exp_minus_little(0.5 * length * media[which].extinction_at(ray.at(middle)));
+                let here = left[which] * through;
+                left[which] = here * through;
                 here
             });
-            let place = self.snapshot.world_from_relative(place);
-            let corners = self.walls.corners(self.grid, place, place);
-            fluence.add(&corners, ray.direction, step * here[0], step * (here[0] - here[1]));
-        }
-    }
-
-    fn land(&self, landing: &Landing, sources: &mut Moments) {
-        let corners = self.walls.corners(self.grid, landing.position, landing.seen_from);
-        let (before, behind) = (cosine_lobe(landing.normal), cosine_lobe(-landing.normal));
-        for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
-            let factor = weight * FRAC_1_PI / self.grid.cell_volume();
-            for channel in 0..3 {
-                let (reflected, transmitted) = (landing.reflected[channel], landing.transmitted[channel]);
-                let sum = sources.at(channel, node);
-                let added = |index: usize| factor * (reflected * before[index] + transmitted * behind[index]);
-                sources.set(channel, node, &std::array::from_fn(|index| sum[index] + added(index) as f32));
+            let (amount, glow) = (length * here[0], length * (here[0] - here[1]));
+            if self.walls.occluders.are_near(node) {
+                let place = in_world.at(middle);
+                let corners = self.walls.occluders.corners(self.grid, place, place);
+                fluence.add(corners.iter(), ray.direction, amount, glow);
+            } else {
+                fluence.add(std::iter::once((node, 1.0)), ray.direction, amount, glow);
             }
         }
     }
+
+    /// What a leaf makes of power that meets it.
+    fn land(&self, point: &SurfacePoint, power: Rgb, scattered: &mut NodeMoments) {
+        let scatters = scatters_of(point);
+        let normal = point.geometric_normal;
+        let [position, seen_from] = [0.0, OFF_WALL * self.grid.cell_m]
+            .map(|off| self.snapshot.world_from_relative(point.position + off * normal));
+        let corners = self.walls.occluders.corners(self.grid, position, seen_from);
+        let (before, behind) = (cosine_lobe(normal), cosine_lobe(-normal));
+        let factor = FRAC_1_PI / self.grid.cell_volume();
+        let (reflected, transmitted) =
+            (factor * power * scatters.reflectance, factor * power * scatters.transmittance);
+        scattered.add(
+            &corners,
+            &[0, 1, 2].map(|channel| {
+                std::array::from_fn(|index| {
+                    reflected[channel] * before[index] + transmitted[channel] * behind[index]
+                })
+            }),
+        );
+    }
 }
 
-/// Off a surface, so that rounding does not put it behind a wall that it lies on.
-const LITTLE_M: f64 = 1e-6;
-
-impl Landing {
-    fn of(snapshot: &Snapshot, point: &SurfacePoint, power: Rgb) -> Self {
-        let scatters = super::surroundings::scatters_of(point);
-        Self {
-            position: snapshot.world_from_relative(point.position),
-            seen_from: snapshot.world_from_relative(point.position + LITTLE_M * point.geometric_normal),
-            normal: point.geometric_normal,
-            reflected: power * scatters.reflectance,
-            transmitted: power * scatters.transmittance,
-        }
+/// `exp(-x)`; where x is little by Padé's approximation, within 2e-6.
+fn exp_minus_little(x: Rgb) -> Rgb {
+    const LITTLE: f64 = 0.25;
+    if x.max_element() > LITTLE {
+        return exp_minus(x);
     }
+    let even = Rgb::ONE + x * x / 12.0;
+    (even - 0.5 * x) / (even + 0.5 * x)
 }

@@ -24,41 +24,66 @@ impl Glow {
     }
 }
 
-/// Power times way, by node: of one direction alone, or by harmonics of the direction.
+/// Power times way, by node: of one direction alone, or by harmonics of the direction. All numbers of a node lie side by side.
 pub(super) struct Fluence {
-    nodes: usize,
     harmonics: usize,
     values: Vec<f32>,
-    /// Of one direction, that part of it that fog has scattered nearly straight ahead.
-    glow: Vec<f32>,
 }
+
+/// Of one direction: by channel all of it, then that part that fog has scattered nearly straight ahead.
+const OF_BEAM: usize = 6;
+const OF_ALL: usize = 3 * COUNT;
 
 impl Fluence {
     pub(super) fn zero(nodes: usize, has_directions: bool) -> Self {
         let harmonics = if has_directions { COUNT } else { 1 };
-        let glow = if has_directions { Vec::new() } else { vec![0.0; 3 * nodes] };
-        Self { nodes, harmonics, values: vec![0.0; 3 * harmonics * nodes], glow }
+        let per_node = if has_directions { OF_ALL } else { OF_BEAM };
+        Self { harmonics, values: vec![0.0; per_node * nodes] }
     }
 
-    pub(super) fn glow(&self, channel: usize) -> &[f32] {
-        &self.glow[channel * self.nodes..][..self.nodes]
+    /// Of one direction that part that goes on nearly straight, by node.
+    pub(super) fn glow(&self, channel: usize) -> impl Iterator<Item = f32> {
+        self.values.chunks_exact(OF_BEAM).map(move |node| node[3 + channel])
     }
 
-    pub(super) fn of(&self, channel: usize, index: usize) -> &[f32] {
-        &self.values[(channel * self.harmonics + index) * self.nodes..][..self.nodes]
+    /// By node; of one direction alone there is one harmonic.
+    pub(super) fn of(&self, channel: usize, index: usize) -> impl Iterator<Item = f32> {
+        let (per_node, place) = match self.harmonics {
+            1 => (OF_BEAM, channel),
+            _ => (OF_ALL, channel * COUNT + index),
+        };
+        self.values.chunks_exact(per_node).map(move |node| node[place])
     }
 
-    pub(super) fn add(&mut self, corners: &Corners, direction: DVec3, amount: Rgb, glow: Rgb) {
-        let basis = if self.harmonics == 1 { [1.0; COUNT] } else { basis(direction) };
-        for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
-            for channel in 0..3 {
-                for (index, value) in basis[..self.harmonics].iter().enumerate() {
-                    let place = (channel * self.harmonics + index) * self.nodes + node;
-                    self.values[place] += (weight * amount[channel] * value) as f32;
-                }
-                if let Some(sum) = self.glow.get_mut(channel * self.nodes + node) {
-                    *sum += (weight * glow[channel]) as f32;
-                }
+    pub(super) fn add(
+        &mut self,
+        shares: impl Iterator<Item = (usize, f64)>,
+        direction: DVec3,
+        amount: Rgb,
+        glow: Rgb,
+    ) {
+        if self.harmonics == 1 {
+            let of_beam: [f64; OF_BEAM] =
+                std::array::from_fn(|place| if place < 3 { amount[place] } else { glow[place - 3] });
+            self.add_to_nodes(shares, &of_beam);
+        } else {
+            let basis = basis(direction);
+            let of_all: [f64; OF_ALL] =
+                std::array::from_fn(|place| amount[place / COUNT] * basis[place % COUNT]);
+            self.add_to_nodes(shares, &of_all);
+        }
+    }
+
+    fn add_to_nodes<const N: usize>(
+        &mut self,
+        shares: impl Iterator<Item = (usize, f64)>,
+        values: &[f64; N],
+    ) {
+        let values = values.map(|value| value as f32);
+        let (nodes, _) = self.values.as_chunks_mut::<N>();
+        for (node, weight) in shares {
+            for (sum, value) in nodes[node].iter_mut().zip(&values) {
+                *sum += weight as f32 * value;
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their weights. Invariant: cells lie at
 //! whole multiples of their side in world space, whatever moves and wherever the camera is; so a field never pulses with either.
 
+use crate::math::Ray;
 use glam::{DVec3, I64Vec3};
 
 /// Nodes in equal steps along the world's axes. Each is the middle of a cell.
@@ -19,6 +20,21 @@ pub(super) struct Grid {
 pub(super) struct Corners {
     pub(super) nodes: [usize; 8],
     pub(super) weights: [f64; 8],
+}
+
+impl Corners {
+    /// Nodes with their weights.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.nodes.into_iter().zip(self.weights)
+    }
+}
+
+/// The part of a ray that lies in the cell of a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    pub(super) node: usize,
+    pub(super) from: f64,
+    pub(super) to: f64,
 }
 
 impl Grid {
@@ -89,6 +105,42 @@ impl Grid {
         x + row * y + layer * z
     }
 
+    /// The cells that a part of a ray of world space runs through, one after the other, if all of it lies within the grid's (Amanatides & Woo 1987, "A fast voxel
+    /// traversal algorithm for ray tracing").
+    pub(super) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {
+        let strides = self.strides();
+        let origin = ray.origin / self.cell_m - self.first.as_dvec3();
+        let step_m = self.cell_m / ray.direction.abs();
+        let begin = origin + start / self.cell_m * ray.direction;
+        let mut cell = [0; 3];
+        let mut next = [f64::INFINITY; 3];
+        for axis in 0..3 {
+            cell[axis] = begin[axis].clamp(0.0, self.size[axis] as f64 - 0.5) as usize;
+            if ray.direction[axis] != 0.0 {
+                let border = cell[axis] + usize::from(ray.direction[axis] > 0.0);
+                next[axis] = (border as f64 - origin[axis]) * self.cell_m / ray.direction[axis];
+            }
+        }
+        let (mut from, forwards, size) = (start, ray.direction.cmpgt(DVec3::ZERO), self.size);
+        std::iter::from_fn(move || {
+            if from >= end {
+                return None;
+            }
+            let axis = if next[0] <= next[1].min(next[2]) { 0 } else { 1 + usize::from(next[2] < next[1]) };
+            let node = (0..3).map(|axis| cell[axis] * strides[axis]).sum();
+            let stretch = Stretch { node, from, to: next[axis].clamp(from, end) };
+            from = next[axis].max(from);
+            next[axis] += step_m[axis];
+            match forwards.test(axis) {
+                true if cell[axis] + 1 < size[axis] => cell[axis] += 1,
+                false if cell[axis] > 0 => cell[axis] -= 1,
+                // Rounding: nothing is beyond the last.
+                _ => from = end,
+            }
+            Some(stretch)
+        })
+    }
+
     /// The nodes about a place of world space; outside, those about the nearest place inside.
     pub(super) fn corners(&self, world: DVec3) -> Corners {
         let (lowest, beyond) = self.place(world);
@@ -120,6 +172,23 @@ mod tests {
             (corners.nodes.map(|node| grid.position(node)), corners.weights)
         };
         assert_eq!(about(&small), about(&large));
+    }
+
+    #[test]
+    fn a_ray_is_shared_out_among_the_cells_that_it_crosses() {
+        let grid = Grid::covering(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0), 0.3);
+        for direction in [DVec3::new(0.3, 0.8, -0.5).normalize(), DVec3::X, -DVec3::Z] {
+            let ray = Ray { origin: DVec3::new(0.7, 0.2, 0.9), direction };
+            let stretches: Vec<Stretch> = grid.stretches(&ray, 0.1, 0.8).collect();
+            let mut at = 0.1;
+            for Stretch { node, from, to } in stretches {
+                assert!((from - at).abs() < 1e-12 && to >= from, "{from} {at} {to}");
+                let away = (ray.at(0.5 * (from + to)) - grid.position(node)).abs();
+                assert!(away.max_element() <= 0.15 + 1e-9, "{away}");
+                at = to;
+            }
+            assert!((at - 0.8).abs() < 1e-12, "{at}");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Real spherical harmonics up to l = 2: how radiance at a point differs by direction. In go directions, out come nine numbers.
 //! Invariant: the basis is orthonormal over the sphere.
 
+use crate::color::Rgb;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -43,6 +44,15 @@ pub(super) fn cosine_lobe(normal: DVec3) -> [f64; COUNT] {
 /// What irradiance on a surface that faces `normal` is of the moments of radiance by the direction of *travel*.
 pub(super) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
+}
+
+/// What a lobe gathers of moments, by channel; nothing where harmonics cut short would have less.
+#[inline]
+pub(super) fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
+    let lobe = lobe.map(|value| value as f32);
+    let of_channel =
+        |channel: usize| -> f32 { (0..COUNT).map(|index| lobe[index] * moments[channel][index]).sum() };
+    Rgb::new(f64::from(of_channel(0)), f64::from(of_channel(1)), f64::from(of_channel(2))).max(Rgb::ZERO)
 }
 
 #[cfg(test)]

@@ -7,11 +7,13 @@
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::moments::Moments;
+use super::occluders::OFF_WALL;
 use super::surroundings::Surfel;
 use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::color::Rgb;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
 /// Of the harmonics those that are the same for a direction and its opposite, and those that change sign.
@@ -20,8 +22,6 @@ const ODD: [usize; 3] = [1, 2, 3];
 /// Products of two of them, each pair once.
 const EVEN_PAIRS: usize = 21;
 const ODD_PAIRS: usize = 6;
-/// Off a wall that a leaf may lie on.
-const LITTLE_M: f64 = 1e-6;
 const NO_LEAVES: u32 = u32::MAX;
 
 /// What fills the cells of a grid.
@@ -34,6 +34,31 @@ pub(super) struct Matter {
     leaves_of: Vec<u32>,
     /// Nodes that have leaves, with those.
     pub(super) leaves: Vec<Leaves>,
+    /// What they take of light, in the same order.
+    pub(super) shades: Vec<Shade>,
+}
+
+/// Extinction of a node's leaves, by direction.
+pub(super) struct Shade([f32; 8]);
+
+impl Shade {
+    /// Of leaf area by volume: `3/16` of it, and `15/16` of the outer products of normals.
+    fn of(leaves: &Leaves) -> Self {
+        let [xx, yy, zz, xy, yz, zx] = leaves.density_by_normal.map(|density| 15.0 / 16.0 * density);
+        Self([3.0 / 16.0 * leaves.density, xx, yy, zz, 2.0 * xy, 2.0 * yz, 2.0 * zx, 0.0])
+    }
+
+    /// What a direction of travel makes of them; see [`Shade::along`].
+    pub(super) fn products(DVec3 { x, y, z }: DVec3) -> [f32; 8] {
+        [1.0, x * x, y * y, z * z, x * y, y * z, z * x, 0.0].map(|product| product as f32)
+    }
+
+    /// Extinction of light, 1/m, by the products of its direction of travel.
+    #[inline]
+    pub(super) fn along(&self, products: &[f32; 8]) -> f32 {
+        let [a, b, c, d, e, f, g, h]: [f32; 8] = std::array::from_fn(|index| self.0[index] * products[index]);
+        (a + e) + (b + f) + ((c + g) + (d + h))
+    }
 }
 
 /// The leaves of a node.
@@ -61,13 +86,6 @@ impl Leaves {
             odd: [[0.0; ODD_PAIRS]; 3],
             emitted: [[0.0; COUNT]; 3],
         }
-    }
-
-    /// Extinction of light that travels in a direction, 1/m.
-    pub(super) fn extinction(&self, DVec3 { x, y, z }: DVec3) -> f32 {
-        let products = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * y * z, 2.0 * z * x];
-        let along: f64 = (0..6).map(|index| products[index] * f64::from(self.density_by_normal[index])).sum();
-        (3.0 / 16.0 * f64::from(self.density) + 15.0 / 16.0 * along) as f32
     }
 
     fn add(&mut self, surfel: &SurfelTerms, density: f32) {
@@ -172,6 +190,7 @@ impl Matter {
             fog_scattering: [channels(), channels(), channels()],
             leaves_of: vec![NO_LEAVES; count],
             leaves: Vec::new(),
+            shades: Vec::new(),
         };
         if !fog.dimming.is_empty() {
             matter.add_fog(grid, fog, eye);
@@ -179,6 +198,7 @@ impl Matter {
         for surfel in surfels {
             matter.add_leaf(grid, walls, surfel);
         }
+        matter.shades = matter.leaves.iter().map(Shade::of).collect();
         matter
     }
 
@@ -188,8 +208,11 @@ impl Matter {
     }
 
     fn add_fog(&mut self, grid: &Grid, fog: &SweptFog, eye: DVec3) {
-        for node in 0..grid.count() {
-            let mean = mean_fog(fog, grid.position(node) - eye, grid.cell_m);
+        let means: Vec<MeanFog> = (0..grid.count())
+            .into_par_iter()
+            .map(|node| mean_fog(fog, grid.position(node) - eye, grid.cell_m))
+            .collect();
+        for (node, mean) in means.iter().enumerate() {
             for channel in 0..3 {
                 self.fog_extinction[channel][node] = mean.extinction[channel] as f32;
                 for degree in 0..3 {
@@ -201,7 +224,11 @@ impl Matter {
 
     fn add_leaf(&mut self, grid: &Grid, walls: &Walls, surfel: &Surfel) {
         let terms = SurfelTerms::of(surfel);
-        let corners = walls.corners(grid, surfel.position, surfel.position + LITTLE_M * surfel.normal);
+        let corners = walls.occluders.corners(
+            grid,
+            surfel.position,
+            surfel.position + OFF_WALL * grid.cell_m * surfel.normal,
+        );
         for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
             if weight > 0.0 {
                 let density = (weight * surfel.area / grid.cell_volume()) as f32;

@@ -4,25 +4,32 @@
 //! Direct light and single scattering stay exact, in `transport`. What comes after is solved on a world grid by discrete ordinates (Chandrasekhar 1950, "Radiative
 //! Transfer"), leaves and fog together as one turbid medium: `field.rs` is the loop over orders.
 
+mod carrier;
 mod field;
 mod first_light;
 mod fluence;
 mod grid;
 mod harmonics;
+mod leaf_light;
 mod matter;
 mod moments;
+mod occluders;
 mod ordinates;
+mod planes;
 mod power_rays;
+mod rounds;
 mod surroundings;
 mod sweep;
+mod sweep_kernels;
 mod swept_fog;
 mod view;
 mod wall_light;
 mod walls;
 
-pub use field::Field;
-pub use view::ViewedFog;
-
+use self::field::Field;
+use self::leaf_light::LeafLight;
+use self::surroundings::Surroundings;
+use self::view::ViewedFog;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scene::Bounces;
@@ -33,6 +40,7 @@ use std::f64::consts::FRAC_1_PI;
 /// Indirect light of a shutter interval.
 pub struct Indirect {
     field: Field,
+    leaves: LeafLight,
     fog: Option<ViewedFog>,
 }
 
@@ -44,28 +52,40 @@ impl Indirect {
         aspect: f64,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let field = Field::new(snapshot, bounces, cancelled)?;
+        let surroundings = Surroundings::of(snapshot);
+        let field = Field::new(snapshot, &surroundings, bounces, cancelled)?;
+        let leaves = LeafLight::new(&field, snapshot, &surroundings.leaves(field.cell_m()));
         let fog = ViewedFog::new(&field, snapshot, aspect);
-        Some(Self { field, fog })
+        Some(Self { field, leaves, fog })
+    }
+
+    /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the sky is as bright as a sun, whose shadows have borders.
+    pub fn has_sky(&self) -> bool {
+        self.field.has_sky
     }
 
     /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
+        let leaf = self.leaves.of(snapshot, point.primitive);
+        let irradiance = |normal: DVec3| match &leaf {
+            Some(leaf) => leaf.irradiance(&self.field, normal),
+            None => self.field.irradiance(world, normal),
+        };
         let normal = point.shading_normal;
         let mut radiance = Rgb::ZERO;
         let shine = point.gloss.as_ref().map(|gloss| gloss.albedo(normal.dot(point.to_eye).max(0.0)));
         let beneath = Rgb::ONE - shine.unwrap_or(Rgb::ZERO);
         if point.albedo != Rgb::ZERO {
-            radiance += FRAC_1_PI * beneath * point.albedo * self.field.irradiance(world, normal);
+            radiance += FRAC_1_PI * beneath * point.albedo * irradiance(normal);
         }
         if point.transmission != Rgb::ZERO {
-            radiance += FRAC_1_PI * beneath * point.transmission * self.field.irradiance(world, -normal);
+            radiance += FRAC_1_PI * beneath * point.transmission * irradiance(-normal);
         }
         if let Some(shine) = shine {
             // A lobe about the mirrored direction, as wide as a cosine.
             let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
-            radiance += FRAC_1_PI * shine * self.field.irradiance(world, mirrored);
+            radiance += FRAC_1_PI * shine * irradiance(mirrored);
         }
         radiance
     }

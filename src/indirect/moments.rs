@@ -16,6 +16,11 @@ impl Moments {
         Self { nodes, values: vec![0.0; 3 * COUNT * nodes] }
     }
 
+    /// As many, of nothing.
+    pub(super) fn emptied(&self) -> Self {
+        Self::zero(self.nodes)
+    }
+
     fn range(&self, channel: usize, index: usize) -> std::ops::Range<usize> {
         let start = (channel * COUNT + index) * self.nodes;
         start..start + self.nodes
@@ -48,6 +53,14 @@ impl Moments {
         }
     }
 
+    /// Each harmonic by itself.
+    pub(super) fn map(&self, of_harmonic: impl Fn(&[f32]) -> Vec<f32>) -> Self {
+        Self {
+            nodes: self.nodes,
+            values: self.values.chunks_exact(self.nodes).flat_map(of_harmonic).collect(),
+        }
+    }
+
     /// `self += factor * other`, the factor by channel.
     pub(super) fn add(&mut self, other: &Self, factor: [f32; 3]) {
         let length = COUNT * self.nodes;
@@ -55,6 +68,18 @@ impl Moments {
             let range = channel * length..(channel + 1) * length;
             for (sum, value) in self.values[range.clone()].iter_mut().zip(&other.values[range]) {
                 *sum += factor * value;
+            }
+        }
+    }
+
+    /// `self += other`.
+    pub(super) fn add_nodes(&mut self, other: &NodeMoments) {
+        for channel in 0..3 {
+            for index in 0..COUNT {
+                let sums = self.channel_mut(channel, index).iter_mut();
+                for (sum, node) in sums.zip(&other.0) {
+                    *sum += node[channel * COUNT + index];
+                }
             }
         }
     }
@@ -73,6 +98,21 @@ pub(super) struct NodeMoments(Vec<[f32; PER_NODE]>);
 const PER_NODE: usize = 28;
 
 impl NodeMoments {
+    pub(super) fn zero(nodes: usize) -> Self {
+        Self(vec![[0.0; PER_NODE]; nodes])
+    }
+
+    /// Adds to eight nodes, to each its share; `values` by channel, then by harmonic.
+    pub(super) fn add(&mut self, corners: &Corners, values: &[[f64; COUNT]; 3]) {
+        let values = values.map(|channel| channel.map(|value| value as f32));
+        for (&node, &weight) in corners.nodes.iter().zip(&corners.weights) {
+            let sums = self.0[node].iter_mut();
+            for (sum, value) in sums.zip(values.as_flattened()) {
+                *sum += weight as f32 * value;
+            }
+        }
+    }
+
     pub(super) fn of(moments: &Moments) -> Self {
         let mut nodes = vec![[0.0; PER_NODE]; moments.nodes];
         for channel in 0..3 {

@@ -4,8 +4,10 @@
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::snapshot::{DrawnMesh, MeshPart, Snapshot, SurfacePoint};
+use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot, SurfacePoint};
 use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// A piece of a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +21,7 @@ pub(super) struct Surfel {
 }
 
 /// What becomes of light that meets a surface, and what it adds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Scatters {
     /// Share that comes back.
     pub(super) reflectance: Rgb,
@@ -36,16 +38,63 @@ pub(super) struct Scatters {
 pub(super) struct WallTriangle {
     /// In world space.
     pub(super) corners: [DVec3; 3],
+    /// Unit length; zero if it has no area.
+    pub(super) normal: DVec3,
     pub(super) primitive: PrimitiveId,
 }
+
+impl WallTriangle {
+    /// Of a place, above the triangle's plane.
+    #[inline]
+    pub(super) fn height(&self, place: DVec3) -> f64 {
+        (place - self.corners[0]).dot(self.normal)
+    }
+}
+
+/// Parts that look alike wherever they are: mesh, material, and the part's number.
+type Looks = ((usize, Option<usize>), usize);
+
+/// What a part does to light.
+struct PartScatters {
+    /// At each of its places.
+    places: Vec<Scatters>,
+    /// All over.
+    mean: Scatters,
+}
+
+/// Parts that are longer, in cells, are looked at in all of their places.
+const SMALL_CELLS: f64 = 1.0;
 
 /// A part of a mesh where it is placed.
 struct PlacedPart<'a> {
     mesh: DrawnMesh<'a>,
+    mesh_number: usize,
     part: &'a MeshPart,
+    number: usize,
     /// Of its sides the second longest: how wide a leaf is, or a trunk, or a wall; metres.
     width_m: f64,
+    /// The longest.
+    length_m: f64,
 }
+
+impl PlacedPart<'_> {
+    fn looks(&self) -> Looks {
+        (self.mesh.looks(), self.number)
+    }
+}
+
+/// A small part that has two sides.
+pub(super) struct Leaf {
+    /// The number of the mesh, and of the part among its mesh's.
+    pub(super) mesh: usize,
+    pub(super) part: usize,
+    /// In world space, of all of it.
+    pub(super) position: DVec3,
+    pub(super) normal: DVec3,
+}
+
+/// Of a leaf's area so much faces one way at least; a body's faces all ways.
+const FLAT: f64 = 0.5;
 
 /// The parts that a snapshot shows.
 pub(super) struct Surroundings<'a> {
@@ -55,17 +104,17 @@ pub(super) struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     pub(super) fn of(snapshot: &'a Snapshot) -> Self {
-        let meshes = (0..snapshot.mesh_count()).map(|number| snapshot.mesh(number));
-        let placed = |mesh: DrawnMesh<'a>| {
+        let placed = |mesh_number: usize| {
+            let mesh = snapshot.mesh(mesh_number);
             let axes = mesh.relative_from_mesh.matrix3;
             let scale = DVec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
-            mesh.parts().iter().map(move |part| {
+            mesh.parts().iter().enumerate().map(move |(number, part)| {
                 let mut sides = ((part.high - part.low) * scale).to_array();
                 sides.sort_by(f64::total_cmp);
-                PlacedPart { mesh, part, width_m: sides[1] }
+                PlacedPart { mesh, mesh_number, part, number, width_m: sides[1], length_m: sides[2] }
             })
         };
-        Self { snapshot, parts: meshes.flat_map(placed).collect() }
+        Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
     }
 
     /// The box about all parts of at most that width, in world space; `None` if there is none.
@@ -86,13 +135,61 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Small things: parts narrower than `width_m`.
-    pub(super) fn surfels(&self, width_m: f64) -> Vec<Surfel> {
-        let leaves = self.parts.iter().filter(|part| part.width_m < width_m);
+    pub(super) fn surfels(&self, width_m: f64, cell_m: f64) -> Vec<Surfel> {
+        let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| part.width_m < width_m).collect();
+        let mut scatters: HashMap<Looks, PartScatters> = HashMap::new();
+        for leaf in &leaves {
+            scatters.entry(leaf.looks()).or_insert_with(|| self.part_scatters(leaf));
+        }
         leaves
-            .flat_map(|leaf| {
-                leaf.part.places.iter().filter_map(|place| self.surfel(leaf, place.triangle, place.share))
+            .par_iter()
+            .flat_map_iter(|leaf| {
+                let PartScatters { places, mean } = &scatters[&leaf.looks()];
+                let is_small = leaf.length_m < SMALL_CELLS * cell_m;
+                let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
+                chosen.iter().zip(0..).filter_map(move |(place, number): (&PartPlace, usize)| {
+                    self.surfel(leaf, place, if is_small { mean } else { &places[number] })
+                })
             })
             .collect()
+    }
+
+    /// Parts no longer than a cell that have two sides, in the order of their meshes.
+    pub(super) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
+        let small =
+            self.parts.par_iter().filter(|part| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed);
+        small.filter_map(|part| self.leaf(part)).collect()
+    }
+
+    fn leaf(&self, part: &PlacedPart) -> Option<Leaf> {
+        let (mut position, mut facing, mut all) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for place in &part.part.few_places {
+            let [a, b, c] = self.world_corners(part.mesh.primitive(place.triangle)?);
+            let area_normal = place.share * 0.5 * (b - a).cross(c - a);
+            let area = area_normal.length();
+            position += area * (a + b + c) / 3.0;
+            facing += area_normal;
+            all += area;
+        }
+        let is_flat = all > 0.0 && facing.length() > FLAT * all;
+        is_flat.then(|| Leaf {
+            mesh: part.mesh_number,
+            part: part.number,
+            position: position / all,
+            normal: facing.normalize(),
+        })
+    }
+
+    fn part_scatters(&self, leaf: &PlacedPart) -> PartScatters {
+        let at = |place: &PartPlace| {
+            let Some(primitive) = leaf.mesh.primitive(place.triangle) else { return Scatters::default() };
+            let [a, b, c] = self.world_corners(primitive);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            scatters(self.snapshot, primitive, (a + b + c) / 3.0, normal)
+        };
+        let places: Vec<Scatters> = leaf.part.places.iter().map(at).collect();
+        let mean = mean(leaf.part, &places);
+        PartScatters { places, mean }
     }
 
     /// All else.
@@ -100,7 +197,9 @@ impl<'a> Surroundings<'a> {
         let walls = self.parts.iter().filter(|part| part.width_m >= width_m);
         let triangle = |wall: &PlacedPart<'a>, triangle: u32| {
             let primitive = wall.mesh.primitive(triangle)?;
-            Some(WallTriangle { corners: self.world_corners(primitive), primitive })
+            let corners = self.world_corners(primitive);
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+            Some(WallTriangle { corners, normal, primitive })
         };
         walls
             .flat_map(|wall| wall.part.triangles.iter().filter_map(move |&number| triangle(wall, number)))
@@ -124,16 +223,35 @@ impl<'a> Surroundings<'a> {
         self.snapshot.corners(primitive).map(|corner| self.snapshot.world_from_relative(corner))
     }
 
-    fn surfel(&self, leaf: &PlacedPart, triangle: u32, share: f64) -> Option<Surfel> {
-        let primitive = leaf.mesh.primitive(triangle)?;
+    fn surfel(&self, leaf: &PlacedPart, place: &PartPlace, scatters: &Scatters) -> Option<Surfel> {
+        let primitive = leaf.mesh.primitive(place.triangle)?;
         let [a, b, c] = self.world_corners(primitive);
         let area_normal = 0.5 * (b - a).cross(c - a);
         let normal = area_normal.try_normalize()?;
-        let position = (a + b + c) / 3.0;
-        let scatters = scatters(self.snapshot, primitive, position, normal);
         let sides = if leaf.part.is_closed { 0.5 } else { 1.0 };
-        let area = sides * share * area_normal.length() * scatters.cover;
-        Some(Surfel { position, normal, area, scatters })
+        let area = sides * place.share * area_normal.length() * scatters.cover;
+        Some(Surfel { position: (a + b + c) / 3.0, normal, area, scatters: *scatters })
+    }
+}
+
+/// What all places do together, each as much as it covers.
+fn mean(part: &MeshPart, places: &[Scatters]) -> Scatters {
+    let mut mean = Scatters::default();
+    let mut all = 0.0;
+    for (place, scatters) in part.places.iter().zip(places) {
+        let weight = place.area * scatters.cover;
+        mean.reflectance += weight * scatters.reflectance;
+        mean.transmittance += weight * scatters.transmittance;
+        mean.emission += weight * scatters.emission;
+        mean.cover += weight;
+        all += place.area;
+    }
+    let [per_cover, per_area] = [mean.cover, all].map(|sum| if sum > 0.0 { 1.0 / sum } else { 0.0 });
+    Scatters {
+        reflectance: per_cover * mean.reflectance,
+        transmittance: per_cover * mean.transmittance,
+        emission: per_cover * mean.emission,
+        cover: per_area * mean.cover,
     }
 }
 

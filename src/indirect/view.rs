@@ -17,7 +17,7 @@ const MOST_STEPS: usize = 160;
 ///
 /// What is looked up is the mean radiance of all fog before a distance, by how much of it is seen; how much fog a ray really goes through it tells itself. So the
 /// borders of fog are as sharp as they are, and fog in even light is as bright as that everywhere.
-pub struct ViewedFog {
+pub(super) struct ViewedFog {
     columns: usize,
     rows: usize,
     /// Of each ray.
@@ -28,18 +28,14 @@ pub struct ViewedFog {
     sums: Vec<Seen>,
 }
 
-/// What is seen of fog before a distance, by channel.
+/// What is seen of fog before a distance: its mean radiance by channel, weighed by what it takes of light behind it, and that weight.
 #[derive(Clone, Copy, Default)]
-struct Seen {
-    /// Radiance.
-    light: [f32; 3],
-    /// What the fog takes of light behind it.
-    lost: [f32; 3],
-}
+#[repr(align(16))]
+struct Seen([f32; 4]);
 
 impl ViewedFog {
     /// `aspect` is width / height of the picture; `None` where there is no fog.
-    pub fn new(field: &Field, snapshot: &Snapshot, aspect: f64) -> Option<Self> {
+    pub(super) fn new(field: &Field, snapshot: &Snapshot, aspect: f64) -> Option<Self> {
         if snapshot.medium.is_empty() {
             return None;
         }
@@ -50,7 +46,7 @@ impl ViewedFog {
         // Nearest and farthest place of the grid.
         let start_m = low.max(-high).max(DVec3::ZERO).length();
         let end_m = low.abs().max(high.abs()).length();
-        let steps = (2.0 * (end_m - start_m) / field.cell_m()).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
+        let steps = ((end_m - start_m) / field.cell_m()).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
         let step_m = (end_m - start_m) / steps as f64;
         let mut sums = vec![Seen::default(); (columns + 1) * (rows + 1) * (steps + 1)];
         sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
@@ -58,14 +54,17 @@ impl ViewedFog {
             let ray = snapshot.view.ray(place[0] / columns as f64, place[1] / rows as f64);
             let mut walk = Walk::new(field, snapshot, ray);
             for (step, sum) in sums.iter_mut().enumerate() {
-                *sum = walk.to(start_m + step as f64 * step_m);
+                let end = start_m + step as f64 * step_m;
+                // In halves: light differs within a cell.
+                walk.to(end - 0.5 * step_m);
+                *sum = walk.to(end);
             }
         });
         Some(Self { columns, rows, steps, start_m, step_m, sums })
     }
 
     /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1, if fog lets `through` of what is behind it.
-    pub fn before(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
+    pub(super) fn before(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
         let place = if distance.is_finite() {
             snapshot.view.film_place(ray.at(distance))
         } else {
@@ -78,22 +77,22 @@ impl ViewedFog {
         let cell = [(at.x as usize).min(self.columns - 1), (at.y as usize).min(self.rows - 1)];
         let step = (depth as usize).min(self.steps - 1);
         let beyond = [at.x - cell[0] as f64, at.y - cell[1] as f64, depth - step as f64];
-        let (mut light, mut lost) = ([0.0; 3], [0.0; 3]);
+        let mut sum = [0.0; 4];
         for corner in 0..8 {
             let is_far = [corner & 1, corner >> 1 & 1, corner >> 2];
             let part = |axis: usize| if is_far[axis] == 1 { beyond[axis] } else { 1.0 - beyond[axis] };
             let share = (part(0) * part(1) * part(2)) as f32;
             let ray = cell[0] + is_far[0] + (self.columns + 1) * (cell[1] + is_far[1]);
             let seen = &self.sums[ray * (self.steps + 1) + step + is_far[2]];
-            for channel in 0..3 {
-                light[channel] += share * seen.light[channel];
-                lost[channel] += share * seen.lost[channel];
+            for (sum, value) in sum.iter_mut().zip(seen.0) {
+                *sum += share * value;
             }
         }
-        let mean = |channel: usize| {
-            if lost[channel] > 0.0 { f64::from(light[channel] / lost[channel]) } else { 0.0 }
-        };
-        (Rgb::ONE - through) * Rgb::new(mean(0), mean(1), mean(2))
+        let [red, green, blue, weight] = sum.map(f64::from);
+        if weight <= 0.0 {
+            return Rgb::ZERO;
+        }
+        (Rgb::ONE - through) * Rgb::new(red, green, blue) / weight
     }
 }
 
@@ -147,8 +146,12 @@ impl<'a> Walk<'a> {
             }
         }
         self.at = self.at.max(distance);
-        let single = |color: Rgb| color.to_array().map(|value| value as f32);
-        Seen { light: single(self.light), lost: single(Rgb::ONE - self.through) }
+        let lost = Rgb::ONE - self.through;
+        let weight = lost.element_sum() / 3.0;
+        let weighed = |channel: usize| {
+            if lost[channel] > 0.0 { (weight * self.light[channel] / lost[channel]) as f32 } else { 0.0 }
+        };
+        Seen([weighed(0), weighed(1), weighed(2), weight as f32])
     }
 
     /// The source in the middle of a step; just behind a wall that before it.

@@ -10,7 +10,7 @@ use crate::snapshot::{Luminaire, Snapshot};
 use rayon::prelude::*;
 
 /// Shadow rays to a patch of wall, along each side.
-const SHADOW_RAYS: usize = 6;
+const SHADOW_RAYS: usize = 4;
 
 pub(super) struct WallLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,

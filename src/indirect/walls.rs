@@ -1,7 +1,8 @@
 //! Walls between the nodes of a grid: ground, trunks, rooms. In go triangles, out come the links from node to node that they cut, and the patches that are seen
 //! instead. Invariant: no light goes along a link that a wall cuts, however thin it is.
 
-use super::grid::{Corners, Grid};
+use super::grid::Grid;
+use super::occluders::{CLEAR, CellTriangle, Occluders};
 use super::surroundings::{Scatters, WallTriangle, scatters};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -60,82 +61,23 @@ type PatchKey = (usize, u8, u32);
 /// All walls about a grid's nodes.
 pub(super) struct Walls {
     nodes: Vec<WalledNode>,
-    /// Numbers in `nodes` by axis and plane.
-    by_plane: [Vec<Vec<u32>>; 3],
     pub(super) patches: Vec<Patch>,
-    pub(super) triangles: Vec<WallTriangle>,
-    /// The triangles about each cell of eight nodes; of the cell after node N they end where those of N + 1 begin.
-    about_cell: Vec<u32>,
-    starts: Vec<u32>,
+    pub(super) occluders: Occluders,
 }
 
 impl Walls {
-    pub(super) fn new(grid: &Grid, snapshot: &Snapshot, triangles: Vec<WallTriangle>) -> Self {
+    pub(super) fn new(grid: &Grid, snapshot: &Snapshot, triangles: &[WallTriangle]) -> Self {
         let mut building = Building::new(grid, snapshot);
-        for (number, triangle) in triangles.iter().enumerate() {
-            building.add(triangle, number as u32);
+        for triangle in triangles {
+            building.add(triangle);
         }
-        let Building { nodes, patches, mut about_cell, .. } = building;
-        // Sorted by cell, and within one still by number.
-        about_cell.sort_by_key(|(node, _)| *node);
-        let starts = (0..=grid.count() as u32)
-            .map(|node| about_cell.partition_point(|(of, _)| *of < node) as u32)
-            .collect();
-        let about_cell = about_cell.into_iter().map(|(_, triangle)| triangle).collect();
-        let mut by_plane = [0, 1, 2].map(|axis| vec![Vec::new(); grid.size[axis]]);
-        for (number, walled) in nodes.iter().enumerate() {
-            let cell = grid.cell_of(walled.node);
-            for axis in 0..3 {
-                by_plane[axis][cell[axis]].push(number as u32);
-            }
-        }
-        Self { nodes, by_plane, patches, triangles, about_cell, starts }
+        let Building { nodes, patches, about_cell, .. } = building;
+        Self { nodes, patches, occluders: Occluders::new(grid, about_cell) }
     }
 
-    pub(super) fn of_plane(&self, axis: usize, plane: usize) -> &[u32] {
-        self.by_plane[axis].get(plane).map_or(&[], Vec::as_slice)
-    }
-
-    pub(super) fn node(&self, number: u32) -> &WalledNode {
-        &self.nodes[number as usize]
-    }
-
-    /// The nodes about a place without those that walls hide from `seen_from`, which lies among them.
-    #[inline]
-    pub(super) fn corners(&self, grid: &Grid, place: DVec3, seen_from: DVec3) -> Corners {
-        let mut corners = grid.corners(place);
-        if !self.about(corners.nodes[0]).is_empty() {
-            self.hide_nodes(grid, &mut corners, seen_from);
-        }
-        corners
-    }
-
-    fn hide_nodes(&self, grid: &Grid, corners: &mut Corners, seen_from: DVec3) {
-        let lowest = corners.nodes[0];
-        let is_seen = corners
-            .nodes
-            .map(|node| if self.hide(lowest, seen_from, grid.position(node)) { 0.0 } else { 1.0 });
-        let share: f64 = (0..8).map(|corner| is_seen[corner] * corners.weights[corner]).sum();
-        corners.weights = if share > 1e-3 {
-            std::array::from_fn(|corner| is_seen[corner] * corners.weights[corner] / share)
-        } else {
-            // Between walls closer than a cell: whatever is seen at all.
-            let open: f64 = is_seen.iter().sum();
-            is_seen.map(|is_seen| is_seen / open.max(1.0))
-        };
-    }
-
-    /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest` is the first of them.
-    pub(super) fn about(&self, lowest: usize) -> &[u32] {
-        &self.about_cell[self.starts[lowest] as usize..self.starts[lowest + 1] as usize]
-    }
-
-    /// Whether a wall of a cell stands between two places.
-    pub(super) fn hide(&self, lowest: usize, from: DVec3, to: DVec3) -> bool {
-        self.about(lowest).iter().any(|&number| {
-            let crossing = crossing(&self.triangles[number as usize].corners, from, to);
-            crossing.is_some()
-        })
+    /// Those some of whose neighbours are behind walls.
+    pub(super) fn nodes(&self) -> &[WalledNode] {
+        &self.nodes
     }
 }
 
@@ -147,7 +89,7 @@ struct Building<'a> {
     patches: Vec<Patch>,
     patch_of: HashMap<PatchKey, u32>,
     /// Cells, by their lowest node, and triangles about them.
-    about_cell: Vec<(u32, u32)>,
+    about_cell: Vec<(u32, CellTriangle)>,
 }
 
 impl<'a> Building<'a> {
@@ -164,10 +106,12 @@ impl<'a> Building<'a> {
     }
 
     /// Cuts the links that a triangle crosses, and notes the cells that it touches.
-    fn add(&mut self, triangle: &WallTriangle, number: u32) {
+    fn add(&mut self, triangle: &WallTriangle) {
         let grid = self.grid;
         let [a, b, c] = triangle.corners;
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return };
+        if triangle.normal == DVec3::ZERO {
+            return;
+        }
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let ((grid_low, _), (grid_high, _)) = (grid.place(low), grid.place(high));
         let (lowest, highest) = (grid.place(grid.position(0)).0, grid.size);
@@ -180,13 +124,13 @@ impl<'a> Building<'a> {
                     let [_, row, layer] = grid.strides();
                     let node = x + row * y + layer * z;
                     let position = grid.position(node);
-                    if (position - a).dot(normal).abs() > reach {
+                    if triangle.height(position).abs() > reach {
                         continue;
                     }
-                    self.cut_links(triangle, normal, [x, y, z], node);
+                    self.cut_links(triangle, [x, y, z], node);
                     let is_lowest = (0..3).all(|axis| [x, y, z][axis] + 1 < grid.size[axis]);
-                    if is_lowest && touches(&triangle.corners, position, grid.cell_m) {
-                        self.about_cell.push((node as u32, number));
+                    if is_lowest && CellTriangle::is_about(triangle, position, grid.cell_m) {
+                        self.about_cell.push((node as u32, CellTriangle::new(triangle, grid, node)));
                     }
                 }
             }
@@ -194,8 +138,9 @@ impl<'a> Building<'a> {
     }
 
     /// Of links that lead from a node to neighbours that come after it.
-    fn cut_links(&mut self, triangle: &WallTriangle, normal: DVec3, cell: [usize; 3], node: usize) {
-        let grid = self.grid;
+    fn cut_links(&mut self, triangle: &WallTriangle, cell: [usize; 3], node: usize) {
+        let (grid, normal) = (self.grid, triangle.normal);
+        let height = triangle.height(grid.position(node)) / grid.cell_m;
         for link in LINKS / 2 + 1..LINKS {
             let step = [link % 3, link / 3 % 3, link / 9].map(|digit| digit as i32 - 1);
             let other = [0, 1, 2].map(|axis| cell[axis] as i32 + step[axis]);
@@ -204,6 +149,11 @@ impl<'a> Building<'a> {
             }
             let [_, row, layer] = grid.strides().map(|stride| stride as i32);
             let neighbour = (node as i32 + step[0] + row * step[1] + layer * step[2]) as usize;
+            let on_the_way = DVec3::from_array(step.map(f64::from)).dot(normal);
+            let (least, most) = (height.min(height + on_the_way), height.max(height + on_the_way));
+            if least > CLEAR.into() || most < (-CLEAR).into() {
+                continue;
+            }
             let (from, to) = (grid.position(node), grid.position(neighbour));
             let Some(at) = crossing(&triangle.corners, from, to) else { continue };
             let facing = if (to - from).dot(normal) < 0.0 { normal } else { -normal };
@@ -303,15 +253,4 @@ fn crossing([a, b, c]: &[DVec3; 3], from: DVec3, to: DVec3) -> Option<f64> {
     }
     let t = ac.dot(along) / determinant;
     (0.0..1.0).contains(&t).then_some(t)
-}
-
-/// Whether a triangle's box touches the cube that begins at a place, and its plane cuts it.
-fn touches(corners: &[DVec3; 3], lowest: DVec3, side: f64) -> bool {
-    let [a, b, c] = *corners;
-    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let slack = 1e-6 * side;
-    let overlaps = low.cmple(lowest + side + slack).all() && high.cmpge(lowest - slack).all();
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    let middle = lowest + 0.5 * side;
-    overlaps && (middle - a).dot(normal).abs() <= 0.5 * side * normal.abs().element_sum() + slack
 }

@@ -8,6 +8,7 @@ use crate::math::{SquareDistribution, sphere_from_square, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::sync::OnceLock;
 
 /// The sky, at every time.
 #[derive(Clone, Debug)]
@@ -16,6 +17,8 @@ pub struct Sky {
     picture: SkyPicture,
     /// Where it is bright; `None` if it is the same everywhere.
     table: Option<SquareDistribution>,
+    /// Mean radiances, once they are asked for.
+    means: OnceLock<Vec<Rgb>>,
     /// Multiplies the picture.
     pub strength: Track<Rgb>,
     /// How far it is turned about +Y, anticlockwise as seen from above, radians.
@@ -59,6 +62,18 @@ const CELLS: usize = 256;
 /// An image is looked up at so many places across, or at each of its texels if those are more, to fill the table.
 const LOOKED_UP: usize = 1024;
 
+/// Cells for means: of even height, and of even longitude, so that all are of one size.
+const MEAN_ROWS: usize = 64;
+const MEAN_COLUMNS: usize = 32;
+
+/// The direction of a place within a cell, `[0, 1]^2`.
+fn direction_in(cell: usize, within: DVec2) -> DVec3 {
+    let y = 1.0 - 2.0 * ((cell / MEAN_COLUMNS) as f64 + within.y) / MEAN_ROWS as f64;
+    let (sin, cos) = (TAU * ((cell % MEAN_COLUMNS) as f64 + within.x) / MEAN_COLUMNS as f64).sin_cos();
+    let across = (1.0 - y * y).sqrt();
+    DVec3::new(across * sin, y, -across * cos)
+}
+
 impl Sky {
     /// A sky that lights all; `None` if it is black, or not finite.
     pub fn new(picture: SkyPicture) -> Option<Self> {
@@ -73,7 +88,8 @@ impl Sky {
             SkyPicture::Image(image) => Some(table_of(image)?),
         };
         let (strength, rotation) = (Track::from(Rgb::ONE), Track::from(0.0));
-        Some(Self { picture, table, strength, rotation, lights: SkyLight::default() })
+        let (means, lights) = (OnceLock::new(), SkyLight::default());
+        Some(Self { picture, table, means, strength, rotation, lights })
     }
 
     /// The same with other strength, rotation and light.
@@ -94,6 +110,25 @@ impl Sky {
     /// Whether some of it is brighter than the rest, so that [`Sky::pick`] picks directions.
     pub fn is_uneven(&self) -> bool {
         self.table.is_some()
+    }
+
+    /// Whether much of its light comes from a small part of it, so that things cast shadows with borders in it.
+    pub fn has_sun(&self) -> bool {
+        /// So many times as bright as the mean.
+        const BRIGHT: f64 = 16.0;
+        const MUCH: f64 = 0.05;
+        let Some(table) = &self.table else { return false };
+        let densities = (0..CELLS * CELLS).map(|cell| table.density(cell));
+        densities.filter(|density| *density > BRIGHT).sum::<f64>() > MUCH * (CELLS * CELLS) as f64
+    }
+
+    /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles, before the picture is turned.
+    pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
+        let means = self.means.get_or_init(|| {
+            let cells = 0..MEAN_ROWS * MEAN_COLUMNS;
+            cells.into_par_iter().map(|cell| self.picture.mean(cell)).collect()
+        });
+        means.iter().enumerate().map(|(cell, mean)| (direction_in(cell, DVec2::splat(0.5)), *mean))
     }
 
     /// A direction that two uniform numbers pick, about as densely as the picture is bright; `None` if
@@ -123,6 +158,25 @@ impl SkyPicture {
         let negative = negative.count();
         let wrap = [Wrap::Repeat, Wrap::Clamp];
         (Self::Image(Texture { name, width, height, texels: texels.into(), wrap }), negative)
+    }
+
+    /// On the mean of one of the cells for means; what is not finite does not count.
+    fn mean(&self, cell: usize) -> Rgb {
+        // Of images about every texel.
+        let side = match self {
+            Self::Even(radiance) => return *radiance,
+            Self::Gradient { .. } => 8,
+            Self::Image(image) => (2 * image.width / MEAN_COLUMNS).clamp(4, 128),
+        };
+        let along = |number: usize| {
+            let within = (DVec2::new((number % side) as f64, (number / side) as f64) + 0.5) / side as f64;
+            self.along(direction_in(cell, within))
+        };
+        let (sum, count) = (0..side * side)
+            .map(along)
+            .filter(|radiance| radiance.is_finite())
+            .fold((Rgb::ZERO, 0.0), |(sum, count), radiance| (sum + radiance, count + 1.0));
+        sum / f64::max(count, 1.0)
     }
 
     /// Radiance seen in the direction of a unit vector.
@@ -232,6 +286,21 @@ mod tests {
             let there = direction_of(place);
             let back = DVec2::new(0.5 + there.x.atan2(-there.z) / TAU, there.y.acos() / PI);
             assert!(back.distance(place) < 1e-9, "{place} {back}");
+        }
+    }
+
+    #[test]
+    fn means_hold_all_of_the_light_and_a_sun_is_one() {
+        let sun = (12, 4);
+        for (brightest, has_sun) in [(1e4, true), (2.0, false)] {
+            let sky = Sky::new(image(64, 32, |x, y| if (x, y) == sun { brightest } else { 1.0 })).unwrap();
+            assert_eq!(sky.has_sun(), has_sun);
+            let mean = sky.means().map(|(_, mean)| mean.x).sum::<f64>() / (MEAN_ROWS * MEAN_COLUMNS) as f64;
+            // Of one texel of 64 x 32, whose sides are 2 pi / 64 and pi / 32.
+            let down = PI * (sun.1 as f64 + 0.5) / 32.0;
+            let share = (TAU / 64.0) * (PI / 32.0) * down.sin() / (4.0 * PI);
+            let exact = 1.0 + (f64::from(brightest) - 1.0) * share;
+            assert!((mean / exact - 1.0).abs() < 0.02, "{mean} {exact}");
         }
     }
 

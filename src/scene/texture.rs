@@ -57,14 +57,14 @@ impl Texture {
         let y = uv.y * self.height as f32 - 0.5;
         let (column, row) = (x.floor(), y.floor());
         let (right, below) = (f64::from(x - column), f64::from(y - row));
-        let texel = |dx: i64, dy: i64| {
-            let column = self.wrap[0].index((column as i64).saturating_add(dx), self.width);
-            let row = self.wrap[1].index((row as i64).saturating_add(dy), self.height);
-            DVec4::from_array(self.texels.get(row * self.width + column).map(f64::from))
+        let next = |wrap: Wrap, place: f32, count: usize| {
+            [0, 1].map(|step| wrap.index((place as i64).saturating_add(step), count))
         };
-        let top = texel(0, 0).lerp(texel(1, 0), right);
-        let bottom = texel(0, 1).lerp(texel(1, 1), right);
-        top.lerp(bottom, below)
+        let [left, right_of_it] = next(self.wrap[0], column, self.width);
+        let [top, bottom] = next(self.wrap[1], row, self.height).map(|row| row * self.width);
+        let texels = [top + left, top + right_of_it, bottom + left, bottom + right_of_it];
+        let [a, b, c, d] = self.texels.get_all(texels).map(|texel| DVec4::from_array(texel.map(f64::from)));
+        a.lerp(b, right).lerp(c.lerp(d, right), below)
     }
 }
 

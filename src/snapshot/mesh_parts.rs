@@ -19,6 +19,8 @@ pub struct MeshPart {
     pub is_closed: bool,
     /// What stands for all of it.
     pub places: Vec<PartPlace>,
+    /// The same where it is small beside all that is asked of it.
+    pub few_places: Vec<PartPlace>,
 }
 
 /// A triangle that stands for a share of its part.
@@ -28,16 +30,27 @@ pub struct PartPlace {
     pub triangle: u32,
     /// How much of the part's area it stands for, by its own area in mesh space.
     pub share: f64,
+    /// The same in mesh space.
+    pub area: f64,
 }
 
 /// Places of a part that is as wide as it is long.
 const PLACES: f64 = 8.0;
-/// Of any part.
-const MOST_PLACES: f64 = 64.0;
+const FEW_PLACES: f64 = 2.0;
+/// A part that is longer has no more places.
+const MOST_SLENDER: f64 = 8.0;
 
 /// The parts of each of a scene's meshes, found when they are first asked for.
 #[derive(Debug, Default)]
-pub(super) struct MeshParts(Vec<OnceLock<Vec<MeshPart>>>);
+pub(super) struct MeshParts(Vec<OnceLock<Parts>>);
+
+/// The parts of a mesh.
+#[derive(Debug)]
+struct Parts {
+    parts: Vec<MeshPart>,
+    /// By triangle.
+    part_of: Vec<u32>,
+}
 
 impl MeshParts {
     pub(super) fn new(scene: &Scene) -> Self {
@@ -45,7 +58,23 @@ impl MeshParts {
     }
 
     pub(super) fn of(&self, (number, mesh): (usize, &Mesh)) -> &[MeshPart] {
-        self.0[number].get_or_init(|| parts(mesh))
+        &self.0[number].get_or_init(|| Parts::of(mesh)).parts
+    }
+
+    /// The part that a triangle belongs to.
+    pub(super) fn part_of(&self, (number, mesh): (usize, &Mesh), triangle: u32) -> usize {
+        self.0[number].get_or_init(|| Parts::of(mesh)).part_of[triangle as usize] as usize
+    }
+}
+
+impl Parts {
+    fn of(mesh: &Mesh) -> Self {
+        let parts = parts(mesh);
+        let mut part_of = vec![0; mesh.triangles.len()];
+        for (part, number) in parts.iter().zip(0..) {
+            part.triangles.iter().for_each(|&triangle| part_of[triangle as usize] = number);
+        }
+        Self { parts, part_of }
     }
 }
 
@@ -83,21 +112,26 @@ fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>) -> MeshPart {
         high = high.max(a).max(b).max(c);
         areas.push(0.5 * (b - a).cross(c - a).length());
     }
-    let places = places(&triangles, &areas, high - low);
+    let [places, few_places] =
+        [PLACES, FEW_PLACES].map(|count| places(&triangles, &areas, count * slenderness(high - low)));
     let is_closed = is_closed(mesh, names, &triangles);
-    MeshPart { triangles, low, high, is_closed, places }
+    MeshPart { triangles, low, high, is_closed, places, few_places }
 }
 
-/// Evenly spread over the area.
-fn places(triangles: &[u32], areas: &[f64], extent: DVec3) -> Vec<PartPlace> {
+/// The longest side by the next.
+fn slenderness(extent: DVec3) -> f64 {
+    let mut sides = extent.to_array();
+    sides.sort_by(f64::total_cmp);
+    (sides[2] / sides[1]).min(MOST_SLENDER)
+}
+
+/// So many, evenly spread over the area.
+fn places(triangles: &[u32], areas: &[f64], count: f64) -> Vec<PartPlace> {
     let whole: f64 = areas.iter().sum();
     if !(whole > 0.0 && whole.is_finite()) {
         return Vec::new();
     }
-    let mut sides = extent.to_array();
-    sides.sort_by(f64::total_cmp);
-    let slenderness = (sides[2] / sides[1]).min(MOST_PLACES);
-    let count = (PLACES * slenderness).min(MOST_PLACES).min(triangles.len() as f64).ceil() as usize;
+    let count = count.min(triangles.len() as f64).ceil() as usize;
     let step = whole / count as f64;
     let mut places = Vec::with_capacity(count);
     let mut so_far = 0.0;
@@ -107,7 +141,7 @@ fn places(triangles: &[u32], areas: &[f64], extent: DVec3) -> Vec<PartPlace> {
         // As many marks as lie on it, half a step after the start and then each step.
         let marks = (so_far / step + 0.5).floor() - (before / step + 0.5).floor();
         if marks > 0.0 && area > 0.0 {
-            places.push(PartPlace { triangle, share: marks * step / area });
+            places.push(PartPlace { triangle, share: marks * step / area, area: marks * step });
         }
     }
     places

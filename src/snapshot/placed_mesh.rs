@@ -27,6 +27,12 @@ impl Snapshot<'_> {
         self.placed.len()
     }
 
+    /// Which of its mesh's parts a triangle belongs to.
+    pub fn part_of(&self, primitive: PrimitiveId) -> usize {
+        let mesh = self.mesh(primitive.instance as usize);
+        self.parts.part_of(mesh.mesh(), primitive.triangle)
+    }
+
     /// One of them.
     pub fn mesh(&self, number: usize) -> DrawnMesh<'_> {
         let placed = &self.placed[number];
@@ -46,6 +52,12 @@ impl<'a> DrawnMesh<'a> {
     /// What it is made of, by its shape before it is bent.
     pub fn parts(self) -> &'a [MeshPart] {
         self.snapshot.parts.of(self.mesh())
+    }
+
+    /// The same for meshes that look the same in one snapshot, wherever they are: the numbers of mesh and material.
+    pub fn looks(self) -> (usize, Option<usize>) {
+        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
+        (instance.mesh, instance.material)
     }
 
     /// The mesh as it is in the scene, and its number there.

@@ -26,6 +26,17 @@ impl<'scene> FrozenSky<'scene> {
         self.strength * self.sky.picture().along(turned(direction, DVec2::new(self.turn.x, -self.turn.y)))
     }
 
+    /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles.
+    pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
+        let (turn, strength) = (self.turn, self.strength);
+        self.sky.means().map(move |(direction, mean)| (turned(direction, turn), strength * mean))
+    }
+
+    /// Whether much of its light comes from a small part of it.
+    pub fn has_sun(&self) -> bool {
+        self.sky.has_sun()
+    }
+
     /// Whether it lights surfaces.
     pub fn lights_surfaces(&self) -> bool {
         self.sky.lights != SkyLight::Nothing

@@ -108,6 +108,6 @@ impl<'a> Path<'a> {
 
     /// Whether light of the sky is found by a ray in a random direction: not if indirect light has it.
     pub(super) fn samples_sky(&self) -> bool {
-        self.light.sky && self.transport.indirect.is_none()
+        self.light.sky && !self.transport.indirect.is_some_and(Indirect::has_sky)
     }
 }

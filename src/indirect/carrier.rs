@@ -1,0 +1,241 @@
+//! Light of one channel along all ordinates that cross the same planes, one way and the other. In go sources, out come moments. Invariant: an ordinate and its opposite share
+//! what half a cell does to light.
+
+use super::grid::Grid;
+use super::harmonics::{COUNT, basis};
+use super::matter::{Matter, Shade};
+use super::ordinates::{Ordinate, Ordinates};
+use super::planes::{Layout, Planes};
+use super::sweep::Sources;
+use super::sweep_kernels::{Accumulate, CrossRows, Prepare};
+use super::walls::{WalledNode, Walls, link_of};
+use crate::accel::vectorized;
+use glam::DVec3;
+
+/// See the module.
+pub(super) struct Carrier<'a> {
+    pub(super) axis: usize,
+    pub(super) channel: usize,
+    /// By harmonic, then by node.
+    pub(super) moments: Vec<f32>,
+    cell_m: f64,
+    planes: Planes,
+    matter: &'a Matter,
+    /// Nodes with leaves, in the order of `Matter::leaves`.
+    leaf_nodes: Vec<usize>,
+    fog_extinction: Vec<f32>,
+    /// By plane.
+    walled: Vec<Vec<Walled<'a>>>,
+    pairs: Vec<Pair>,
+    /// Of each node for one pair: what half a cell lets through, what it adds, and the radiance in the middle.
+    leaf_extinction: Vec<f32>,
+    through: Vec<f32>,
+    added: [Vec<f32>; 2],
+    radiance: [Vec<f32>; 2],
+    /// What leaves the cells of a plane, with a rim of what comes from outside.
+    before: Vec<f32>,
+    behind: Vec<f32>,
+}
+
+/// An ordinate that goes forwards along the axis, and its opposite.
+struct Pair {
+    ordinate: Ordinate,
+    /// Their numbers.
+    numbers: [usize; 2],
+}
+
+/// A node some of whose neighbours are behind walls.
+struct Walled<'a> {
+    links: &'a WalledNode,
+    /// Among the nodes as they are laid, and in its plane.
+    node: usize,
+    here: usize,
+}
+
+/// The four cells that light comes from: steps along rows and columns, and shares.
+struct Taps {
+    /// Against the light's way along the planes.
+    backwards: i32,
+    steps: [i32; 2],
+    shares: [f32; 4],
+}
+
+impl Taps {
+    fn of(direction: DVec3, planes: &Planes) -> Self {
+        let along = direction[planes.axis].abs();
+        let back = [1, 2].map(|which| -direction[planes.axes[which]] / along);
+        let [row, column] = back.map(f64::abs);
+        let shares = [(1.0 - row) * (1.0 - column), (1.0 - row) * column, row * (1.0 - column), row * column];
+        Self {
+            backwards: -direction[planes.axis].signum() as i32,
+            steps: back.map(|back| back.signum() as i32),
+            shares: shares.map(|share| share as f32),
+        }
+    }
+
+    /// The step to one of them, along planes, rows and columns.
+    fn step(&self, tap: usize) -> [i32; 3] {
+        let [row, column] = self.steps;
+        [self.backwards, if tap & 2 != 0 { row } else { 0 }, if tap & 1 != 0 { column } else { 0 }]
+    }
+}
+
+impl<'a> Carrier<'a> {
+    pub(super) fn new(
+        grid: &Grid,
+        matter: &'a Matter,
+        (walls, ordinates): (&'a Walls, &Ordinates),
+        layout: Layout,
+        [axis, channel]: [usize; 2],
+    ) -> Self {
+        let planes = Planes::new(layout, axis);
+        let count = grid.count();
+        let rim = vec![0.0; (planes.count[1] + 2) * planes.row()];
+        let nodes = || vec![0.0; count];
+        Self {
+            axis,
+            channel,
+            moments: vec![0.0; COUNT * count],
+            cell_m: grid.cell_m,
+            planes,
+            matter,
+            leaf_nodes: matter.leaves.iter().map(|leaves| layout.node(leaves.node)).collect(),
+            fog_extinction: layout.of_grid(&matter.fog_extinction[channel]),
+            walled: walled(grid, walls, layout, &planes),
+            pairs: pairs(ordinates, axis),
+            leaf_extinction: nodes(),
+            through: nodes(),
+            added: [nodes(), nodes()],
+            radiance: [nodes(), nodes()],
+            before: rim.clone(),
+            behind: rim,
+        }
+    }
+
+    /// Along all of its ordinates.
+    pub(super) fn carry(&mut self, sources: &Sources, cancelled: &(dyn Fn() -> bool + Sync)) {
+        self.moments.fill(0.0);
+        for number in 0..self.pairs.len() {
+            if cancelled() {
+                return;
+            }
+            let Pair { ordinate, numbers } = self.pairs[number];
+            self.prepare(ordinate.direction, sources);
+            for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
+                let inflow = sources.inflow[numbers[side]][self.channel] as f32;
+                self.cross(side, &Taps::of(direction, &self.planes), (sources, inflow));
+            }
+            let factors = basis(ordinate.direction).map(|value| (ordinate.weight * value) as f32);
+            let [along, against] = &self.radiance;
+            vectorized(Accumulate { along, against, factors, moments: &mut self.moments });
+        }
+    }
+
+    fn prepare(&mut self, direction: DVec3, sources: &Sources) {
+        let products = Shade::products(direction);
+        for (shade, &node) in self.matter.shades.iter().zip(&self.leaf_nodes) {
+            self.leaf_extinction[node] = shade.along(&products);
+        }
+        let [along, against] = &mut self.added;
+        vectorized(Prepare {
+            sources: std::array::from_fn(|index| sources.of_matter.channel(self.channel, index)),
+            basis: &basis(direction).map(|value| value as f32),
+            fog_extinction: &self.fog_extinction,
+            leaf_extinction: &self.leaf_extinction,
+            half_way: (0.5 * self.cell_m / direction[self.axis].abs()) as f32,
+            through: &mut self.through,
+            added: [along, against],
+        });
+    }
+
+    /// Carries light from plane to plane.
+    fn cross(&mut self, side: usize, taps: &Taps, (sources, inflow): (&Sources, f32)) {
+        let planes = self.planes;
+        let row = planes.row();
+        self.before.fill(inflow);
+        self.behind.fill(inflow);
+        let here = row + 1;
+        let first = [0, 1, 2, 3].map(|tap| planes.shifted(here, taps.step(tap)));
+        for number in 0..planes.count[0] {
+            let plane = if taps.backwards < 0 { number } else { planes.count[0] - 1 - number };
+            let nodes = plane * planes.stride[0]..;
+            vectorized(CrossRows {
+                shares: taps.shares,
+                before: &self.before,
+                first,
+                behind: &mut self.behind,
+                here,
+                rows: planes.count[1],
+                row,
+                columns: planes.count[2],
+                through: &self.through[nodes.clone()],
+                added: &self.added[side][nodes.clone()],
+                radiance: &mut self.radiance[side][nodes],
+                stride: planes.stride[1],
+            });
+            self.past_walls((side, plane), taps, &sources.of_walls[self.channel]);
+            std::mem::swap(&mut self.before, &mut self.behind);
+        }
+    }
+
+    /// The same for nodes some of whose neighbours are behind walls: from there comes what the walls send out.
+    fn past_walls(&mut self, (side, plane): (usize, usize), taps: &Taps, of_walls: &[f32]) {
+        let planes = self.planes;
+        let steps = [0, 1, 2, 3].map(|tap| taps.step(tap));
+        let links = steps.map(|step| {
+            let mut of_axes = [0; 3];
+            (0..3).for_each(|which| of_axes[planes.axes[which]] = step[which]);
+            link_of(of_axes)
+        });
+        for &Walled { links: seen, node, here } in &self.walled[plane] {
+            let mut entering = 0.0;
+            for tap in 0..4 {
+                // A share of nothing may point beyond the rim.
+                if taps.shares[tap] > 0.0 {
+                    entering += taps.shares[tap]
+                        * match seen.wall_at(links[tap]) {
+                            Some(patch) => of_walls[patch],
+                            None => self.before[planes.shifted(here, steps[tap])],
+                        };
+                }
+            }
+            let (through, added) = (self.through[node], self.added[side][node]);
+            let middle = entering * through + added;
+            self.radiance[side][node] = middle;
+            self.behind[here] = middle * through + added;
+        }
+    }
+}
+
+/// Nodes near walls, by plane.
+fn walled<'a>(grid: &Grid, walls: &'a Walls, layout: Layout, planes: &Planes) -> Vec<Vec<Walled<'a>>> {
+    let mut walled: Vec<Vec<Walled>> = (0..planes.count[0]).map(|_| Vec::new()).collect();
+    for links in walls.nodes() {
+        let place = grid.cell_of(links.node);
+        let [plane, row, column] = planes.axes.map(|axis| place[axis]);
+        let here = (row + 1) * planes.row() + column + 1;
+        walled[plane].push(Walled { links, node: layout.node(links.node), here });
+    }
+    walled
+}
+
+/// The ordinates that go forwards along an axis more than along another.
+fn pairs(ordinates: &Ordinates, axis: usize) -> Vec<Pair> {
+    let forwards =
+        |ordinate: &Ordinate| main_axis(ordinate.direction) == axis && ordinate.direction[axis] > 0.0;
+    let numbered = ordinates.iter().enumerate().filter(|(_, ordinate)| forwards(ordinate));
+    numbered
+        .map(|(number, &ordinate)| Pair {
+            ordinate,
+            numbers: [number, ordinates.nearest(-ordinate.direction)],
+        })
+        .collect()
+}
+
+/// The one along which a direction goes most.
+fn main_axis(direction: DVec3) -> usize {
+    let along = direction.abs();
+    // Equal ones differ by rounding.
+    let most = along.max_element() - 1e-9;
+    (0..3).rev().find(|axis| along[*axis] >= most).expect("one is the largest")
+}

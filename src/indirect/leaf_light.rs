@@ -1,0 +1,68 @@
+//! Light that reaches leaves: gathered once a leaf and side, asked by every ray that meets one. In go a field and leaves, out comes irradiance. Invariant: a leaf is no longer
+//! than a cell, so that its middle stands for all of it.
+
+use super::field::{Field, Gathered};
+use super::surroundings::Leaf;
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Of more, each ray gathers by itself: memory.
+const MOST_LEAVES: usize = 200_000;
+const NO_LEAF: u32 = u32::MAX;
+
+/// What both sides of leaves get.
+pub(super) struct LeafLight {
+    /// Where the parts of each mesh begin in `leaf_of`; of the last they end with it.
+    starts: Vec<u32>,
+    leaf_of: Vec<u32>,
+    /// By leaf: its normal, and what comes to its side and to the other.
+    sides: Vec<(DVec3, [Gathered; 2])>,
+}
+
+impl LeafLight {
+    pub(super) fn new(field: &Field, snapshot: &Snapshot, leaves: &[Leaf]) -> Self {
+        let leaves = if leaves.len() > MOST_LEAVES { &[] } else { leaves };
+        let mut starts = vec![0; snapshot.mesh_count() + 1];
+        for leaf in leaves {
+            // Up to the last of its parts that is a leaf.
+            starts[leaf.mesh + 1] = leaf.part as u32 + 1;
+        }
+        for mesh in 0..snapshot.mesh_count() {
+            starts[mesh + 1] += starts[mesh];
+        }
+        let mut leaf_of = vec![NO_LEAF; starts[snapshot.mesh_count()] as usize];
+        for (leaf, number) in leaves.iter().zip(0..) {
+            leaf_of[starts[leaf.mesh] as usize + leaf.part] = number;
+        }
+        let gather = |leaf: &Leaf| {
+            let sides = [leaf.normal, -leaf.normal].map(|normal| field.gather(leaf.position, normal));
+            (leaf.normal, sides)
+        };
+        Self { starts, leaf_of, sides: leaves.par_iter().map(gather).collect() }
+    }
+
+    /// What the side of a leaf that `normal` faces has gathered; `None` where a triangle is part of none.
+    pub(super) fn of(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> Option<LeafSides<'_>> {
+        let mesh = primitive.instance as usize;
+        let parts = &self.leaf_of[self.starts[mesh] as usize..self.starts[mesh + 1] as usize];
+        if parts.is_empty() {
+            return None;
+        }
+        let leaf = *parts.get(snapshot.part_of(primitive))?;
+        (leaf != NO_LEAF).then(|| LeafSides(&self.sides[leaf as usize]))
+    }
+}
+
+/// Both sides of a leaf.
+pub(super) struct LeafSides<'a>(&'a (DVec3, [Gathered; 2]));
+
+impl LeafSides<'_> {
+    /// The irradiance on a place of it that faces `normal`, W/m^2.
+    pub(super) fn irradiance(&self, field: &Field, normal: DVec3) -> Rgb {
+        let (faces, sides) = self.0;
+        field.irradiance_of(&sides[usize::from(normal.dot(*faces) < 0.0)], normal)
+    }
+}

@@ -1,0 +1,160 @@
+//! From order to order: sweep, scatter, sweep again. In go first sources and the sky, out comes the light of all orders that are wanted. Invariant: a round adds
+//! one order of scattering, and what is left after the last is a geometric series.
+
+use super::harmonics::{by_lobe, irradiance_lobe};
+use super::matter::Matter;
+use super::moments::Moments;
+use super::ordinates::Ordinates;
+use super::sweep::{Sources, Sweeper};
+use super::walls::Walls;
+use crate::color::Rgb;
+use crate::scene::Bounces;
+use crate::snapshot::FrozenSky;
+use std::f64::consts::PI;
+
+/// Rounds when all of them are wanted.
+const MOST_ROUNDS: u32 = 24;
+const FEWEST_ROUNDS: u32 = 3;
+/// What is left after the last round, as a share of all light: a geometric series tells the rest well when it is small.
+const REST: f64 = 0.003;
+/// Of light that goes on and on: a closed scene that absorbs nothing has no end.
+const MOST_RATIO: f64 = 0.98;
+
+/// What is done from round to round.
+pub(super) struct Rounds<'a> {
+    pub(super) sweeper: Sweeper<'a>,
+    pub(super) scatterers: Scatterers<'a>,
+    pub(super) ordinates: &'a Ordinates,
+    pub(super) sky: Option<FrozenSky<'a>>,
+    /// Whether the sky's own light is part of the field, or only what becomes of it.
+    pub(super) has_sky: bool,
+    /// Whether nobody waits for the light any more.
+    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Where light goes on to.
+pub(super) struct Scatterers<'a> {
+    pub(super) matter: &'a Matter,
+    pub(super) walls: &'a Walls,
+}
+
+/// Light on its way to the next order: what matter sends out, per metre and steradian, and walls, as radiance.
+struct Leaving {
+    matter: Moments,
+    walls: Vec<Rgb>,
+}
+
+impl Rounds<'_> {
+    /// All light, and that part of it that fog is not to see. `on_walls` is what lamps and suns shine on each patch, W/m^2.
+    pub(super) fn run(
+        mut self,
+        bounces: Bounces,
+        first: Moments,
+        on_walls: &[Rgb],
+    ) -> (Moments, Option<Moments>) {
+        let mut leaving = Leaving { walls: vec![Rgb::ZERO; on_walls.len()], matter: first };
+        let mut light = leaving.matter.emptied();
+        let mut unseen_by_fog = None;
+        self.scatterers.matter.emit(&mut leaving.matter);
+        self.scatterers.add_first(on_walls, &mut leaving.walls);
+        if let Some(inflow) = self.inflow() {
+            let nothing = Leaving { matter: light.emptied(), walls: vec![Rgb::ZERO; on_walls.len()] };
+            let sky = self.sweep(&nothing, &inflow);
+            let of_sky = self.scatterers.scatter(&sky);
+            leaving.matter.add(&of_sky.matter, [1.0; 3]);
+            leaving.walls.iter_mut().zip(of_sky.walls).for_each(|(sum, added)| *sum += added);
+            if self.has_sky {
+                light.add(&sky, [1.0; 3]);
+                unseen_by_fog = self.sky.filter(|sky| !sky.lights_fog()).map(|_| sky);
+            }
+        }
+        self.go_on(bounces, leaving, &mut light);
+        (light, unseen_by_fog)
+    }
+
+    /// Adds order after order.
+    fn go_on(&mut self, bounces: Bounces, mut leaving: Leaving, light: &mut Moments) {
+        let rounds = match bounces {
+            Bounces::UpTo(count) => count,
+            Bounces::All => MOST_ROUNDS,
+        };
+        let dark = vec![Rgb::ZERO; self.ordinates.as_slice().len()];
+        let mut before: Option<[f64; 3]> = None;
+        for round in 1..=rounds {
+            if (self.cancelled)() {
+                break;
+            }
+            let next = self.sweep(&leaving, &dark);
+            light.add(&next, [1.0; 3]);
+            let total = next.total();
+            let rest = before.filter(|_| bounces == Bounces::All).map(|before| rest(before, total));
+            before = Some(total);
+            if let Some(rest) = rest {
+                let all = light.total();
+                let left =
+                    |channel: usize| rest[channel] * total[channel] / all[channel].max(f64::MIN_POSITIVE);
+                let is_little = (0..3).all(|channel| left(channel) < REST);
+                if round >= FEWEST_ROUNDS && is_little || round == rounds {
+                    light.add(&next, rest.map(|rest| rest as f32));
+                    break;
+                }
+            }
+            leaving = self.scatterers.scatter(&next);
+        }
+    }
+
+    fn sweep(&mut self, leaving: &Leaving, inflow: &[Rgb]) -> Moments {
+        let of_walls =
+            [0, 1, 2].map(|channel| leaving.walls.iter().map(|color| color[channel] as f32).collect());
+        let sources = Sources { of_matter: &leaving.matter, of_walls: &of_walls, inflow };
+        self.sweeper.sweep(&sources, self.cancelled)
+    }
+
+    /// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it.
+    fn inflow(&self) -> Option<Vec<Rgb>> {
+        let sky = self.sky.filter(|sky| sky.lights_surfaces())?;
+        let mut sums = vec![(Rgb::ZERO, 0.0); self.ordinates.as_slice().len()];
+        for (direction, radiance) in sky.means() {
+            let (sum, count) = &mut sums[self.ordinates.nearest(-direction)];
+            *sum += radiance;
+            *count += 1.0;
+        }
+        Some(sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect())
+    }
+}
+
+impl Scatterers<'_> {
+    fn scatter(&self, light: &Moments) -> Leaving {
+        let irradiances = self.walls.irradiances(|node, normal| {
+            by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, node)))
+        });
+        let patches = self.walls.patches.iter().zip(irradiances);
+        let walls =
+            patches.map(|(patch, irradiance)| radiance(patch.scatters.reflectance * irradiance)).collect();
+        Leaving { matter: self.matter.scatter(light), walls }
+    }
+
+    /// What walls make of lamps and suns, and what they emit.
+    fn add_first(&self, irradiances: &[Rgb], walls: &mut [Rgb]) {
+        for ((sum, patch), &irradiance) in walls.iter_mut().zip(&self.walls.patches).zip(irradiances) {
+            *sum += radiance(patch.scatters.reflectance * irradiance) + patch.scatters.emission;
+        }
+    }
+}
+
+/// What follows a round, in units of it, if it goes on as from the round before.
+fn rest(before: [f64; 3], total: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|channel| {
+        let ratio = if before[channel] > 0.0 {
+            (total[channel] / before[channel]).clamp(0.0, MOST_RATIO)
+        } else {
+            0.0
+        };
+        ratio / (1.0 - ratio)
+    })
+}
+
+/// A wall's radiosity, as radiance.
+fn radiance(radiosity: Rgb) -> Rgb {
+    radiosity / PI
+}
