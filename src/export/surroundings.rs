@@ -97,9 +97,8 @@ impl Writer<'_> {
             sunfleck["camera"] = json!(camera);
         }
         match settings.bounces {
-            Bounces::NONE => {}
+            Bounces::All => {}
             Bounces::UpTo(count) => sunfleck["bounces"] = json!(count),
-            Bounces::All => sunfleck["bounces"] = json!("all"),
         }
         if let Some(stops) = settings.exposure_stops {
             sunfleck["exposure"] = json!(stops);

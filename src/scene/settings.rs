@@ -241,7 +241,7 @@ impl Default for RenderSettings {
             shutter_position: 0.0,
             exposure_stops: None,
             mirror_depth: 4,
-            bounces: Bounces::NONE,
+            bounces: Bounces::All,
             march_depth_m: 10.0,
             march_step_m: 0.1,
         }
