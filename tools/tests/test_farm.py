@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 from .command import NO_PROGRAM, PROGRAM
 
@@ -128,7 +128,7 @@ class OpenJobDescription(WithShot):
         }
         job = create_job(job_template=template, job_parameter_values=values)
         rule = PathMappingRule(
-            source_path_format=PathFormat.WINDOWS, source_path=r"C:\The Shows", destination_path=str(self.folder)
+            source_path_format=PathFormat.WINDOWS, source_path=PureWindowsPath(r"C:\The Shows"), destination_path=self.folder
         )
         with Session(session_id="mapped", job_parameter_values=values, path_mapping_rules=[rule]) as session:
             chunk = ParameterValue(type=ParameterValueType.CHUNK_INT, value="1-2")
