@@ -7,8 +7,8 @@ use super::parse::{
     parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
 };
 pub(super) use super::words::{
-    CurveArgument, FilterArgument, LightUnitsArgument, MethodArgument, PassArgument, PreviewArgument,
-    ProgressArgument, QuantityArgument, SkipArgument, Switch, Volume, passes,
+    CurveArgument, FarmProfile, FilterArgument, LightUnitsArgument, MethodArgument, PassArgument,
+    PreviewArgument, ProgressArgument, QuantityArgument, SkipArgument, Switch, Volume, passes,
 };
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
@@ -38,6 +38,8 @@ pub(super) enum Command {
     Export(ExportArguments),
     /// Compare two EXR frames.
     Diff(DiffArguments),
+    /// Write a job for the manager of a render farm.
+    Farm(FarmArguments),
     /// Print a completion script for a shell.
     Completions {
         /// Which shell.
@@ -49,7 +51,7 @@ pub(super) enum Command {
 pub(super) struct RenderArguments {
     /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
     pub(super) input: PathBuf,
-    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists, @FILE [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
     /// Output: a folder, or a name with ####, %04d or $F4 [default: out/NAME/NAME.####.exr].
@@ -172,7 +174,7 @@ pub(super) struct DisplayArguments {
 pub(super) struct PreviewArguments {
     /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), or a folder of EXR frames.
     pub(super) input: PathBuf,
-    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all [default: all].
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists, @FILE [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
     /// A folder or NAME.####.png for a picture a frame, NAME.png for a contact sheet, NAME.webp or NAME.apng for an
@@ -204,6 +206,9 @@ pub(super) struct InspectArguments {
     /// As JSON, with every node's world matrix at each of `--frames`.
     #[arg(long)]
     pub(super) json: bool,
+    /// Only the files that the input consists of, a path a line.
+    #[arg(long, conflicts_with = "json")]
+    pub(super) dependencies: bool,
     /// Frames to look at; fractions are allowed [default: the first].
     #[arg(long, allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_frame)]
     pub(super) frames: Vec<f64>,
@@ -316,6 +321,27 @@ pub(super) struct DiffArguments {
     pub(super) reference_noise: f64,
     #[command(flatten)]
     pub(super) limits: LimitArguments,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct FarmArguments {
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
+    pub(super) input: PathBuf,
+    /// The job's folder; frames go to `frames` in it, baked falls to `bakes`.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists, @FILE [default: all].
+    #[arg(long, allow_hyphen_values = true)]
+    pub(super) frames: Option<String>,
+    /// Frames that a task renders, 1 to 150.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=150), allow_negative_numbers = true)]
+    pub(super) chunk: u32,
+    /// Whose job.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) profile: FarmProfile,
+    /// Flags of `render` for every task, after `--`.
+    #[arg(last = true, value_name = "FLAGS")]
+    pub(super) flags: Vec<String>,
 }
 
 /// Each may be given several times; of those that name a channel the last counts.

@@ -15,6 +15,7 @@ use crate::description;
 use crate::render::{Choice, choose};
 use crate::scene::{RenderSettings, Sampling, Scene};
 use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use std::path::PathBuf;
 
 /// An input, resolved.
 struct Inspected {
@@ -38,6 +39,9 @@ impl Inspected {
 
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     let description = description::load(&arguments.input)?;
+    if arguments.dependencies {
+        return answer(&dependencies(&description.files));
+    }
     let scene_hash = description.content_hash.clone();
     let (mut scene, mut settings) =
         loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
@@ -63,4 +67,10 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
         text::describe(&inspected, &frames)
     })?;
     arguments.scene.check(&inspected.scene.remarks)
+}
+
+/// A path a line, from the root of the file system.
+fn dependencies(files: &[PathBuf]) -> String {
+    let absolute = files.iter().map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone()));
+    absolute.map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n")
 }

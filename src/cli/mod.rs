@@ -10,6 +10,7 @@ mod diff;
 mod error;
 mod export;
 mod exposure;
+mod farm;
 mod inspect;
 mod live;
 mod loading;
@@ -56,6 +57,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),
+        Command::Farm(arguments) => farm::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();

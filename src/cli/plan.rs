@@ -6,13 +6,14 @@ use super::error::usage;
 use super::parse::{Crop, SizeArgument};
 use super::{CliError, loading};
 use crate::api::{self, Renderer, Scene};
-use crate::description;
+use crate::description::{self, LoadError};
 use crate::diagnostic::shown;
 use crate::frame_file;
 use crate::render::Method;
 use crate::scene::{self, RenderSettings, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::transport::MarchSteps;
+use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 
@@ -136,11 +137,23 @@ pub(super) fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<us
 
 pub(super) fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<FrameList, CliError> {
     let all = &settings.frames;
-    let frames = FrameList::parse(list.unwrap_or("all"), all.clone()).map_err(CliError::Usage)?;
+    let list = listed(list.unwrap_or("all"))?;
+    let frames = FrameList::parse(list.trim(), all.clone()).map_err(CliError::Usage)?;
     if settings.only_these_frames {
         frames.check_within(all).map_err(CliError::Usage)?;
     }
     Ok(frames)
+}
+
+/// A list of frames, or what the file holds that stands after `@`.
+fn listed(list: &str) -> Result<Cow<'_, str>, CliError> {
+    let Some(path) = list.strip_prefix('@') else { return Ok(list.into()) };
+    let bytes = description::read_regular(path.as_ref()).map_err(|source| LoadError::Io {
+        path: path.into(),
+        referrer: Some(String::from("--frames")),
+        source,
+    })?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned().into())
 }
 
 fn method(arguments: &RenderArguments, settings: &RenderSettings) -> Result<Method, CliError> {

@@ -29,6 +29,13 @@ pub(super) enum ProgressStyle {
     None,
 }
 
+/// Says on standard output why a task failed, in the line that Open Job Description reads.
+pub(super) fn fail(reason: &str) {
+    let reason = reason.lines().map(str::trim).collect::<Vec<_>>().join("; ");
+    // Who closed the pipe does not want to know; the error stream has it as well.
+    let _ = writeln!(std::io::stdout(), "openjd_fail: {}", reason.trim_start_matches("error: "));
+}
+
 /// Tells of a run as it goes.
 pub(super) struct Progress {
     style: ProgressStyle,

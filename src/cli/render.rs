@@ -5,7 +5,7 @@ use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipA
 use super::darkness::DarkFrames;
 use super::live::Live;
 use super::plan::{self, Plan};
-use super::progress::{Progress, ProgressStyle};
+use super::progress::{self, Progress, ProgressStyle};
 use super::signals::Stop;
 use super::stats::Stats;
 use super::{CliError, answer, exposure, tell};
@@ -28,6 +28,14 @@ struct Run<'a> {
 }
 
 pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
+    let result = render(arguments, stop);
+    if let (Err(error), ProgressArgument::Openjd) = (&result, arguments.progress) {
+        progress::fail(&error.to_string());
+    }
+    result
+}
+
+fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     let pool =
         rayon::ThreadPoolBuilder::new()
             .num_threads(arguments.threads.unwrap_or(0) as usize)

@@ -122,6 +122,17 @@ pub(super) enum ProgressArgument {
     None,
 }
 
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum FarmProfile {
+    /// Open Job Description, which AWS Deadline Cloud and `openjd` take.
+    #[default]
+    Openjd,
+    /// Blender's Flamenco.
+    Flamenco,
+    /// Thinkbox's Deadline, by its plug-in CommandLine.
+    Deadline,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PreviewArgument {
     /// PNG.

@@ -6,6 +6,7 @@ mod disks;
 mod documentation;
 mod extras;
 mod failures;
+mod farm;
 mod first_sight;
 mod frames;
 mod interruption;

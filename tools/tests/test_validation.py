@@ -73,6 +73,14 @@ class CommandLine(WithSequence):
         # tests/cli/frames.rs: `sunfleck render --frames none` ends well.
         self.assertEqual(run("validate", self.folder, "--list-missing")[:2], (0, "none\n"))
 
+    def test_a_list_that_was_asked_for_is_no_failure(self):
+        listed = self.folder.parent / "missing.txt"
+        frame_path(self.folder, 4).unlink()
+        code, out, _ = run("validate", self.folder, "--write-missing", listed)
+        self.assertEqual((code, listed.read_text()), (0, "4\n"))
+        self.assertIn("render again: 4", out)
+        self.assertEqual(run("validate", self.folder, "--list-missing", "--write-missing", listed.parent / "no" / "x")[0], 4)
+
     def test_warnings_fail_only_if_asked_to(self):
         rewrite(frame_path(self.folder, 4), texts={"seed": "3"})
         self.assertEqual(run("validate", self.folder)[0], 0)

@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stats", metavar="FILE", type=Path, help="what `sunfleck render --stats` wrote, for the page")
     parser.add_argument("--static", action="store_true", help="nothing moves: frames may be equal to the ones before")
     parser.add_argument("--list-missing", action="store_true", help="prints only the frames to render (again), or `none`")
+    parser.add_argument("--write-missing", metavar="FILE", type=Path, help="also writes them to FILE; findings are no failure then")
     parser.add_argument("--list-checks", action="store_true", help="prints all checks and exits")
     parser.add_argument("--processes", metavar="N", type=count, help="that decode (all processors)")
 
@@ -65,11 +66,16 @@ def run(arguments: argparse.Namespace) -> int:
     report = validate(arguments.target, options, Bar())
     if arguments.html is not None:
         write_whole(arguments.html, html_report(report).encode())
+    # `sunfleck render --frames none` renders nothing, and ends well.
+    missing = format_frames(report.rerender) or "none"
     if arguments.list_missing:
-        # `sunfleck render --frames none` renders nothing, and ends well.
-        print(format_frames(report.rerender) or "none")
+        print(missing)
     else:
         print(json_report(report) if arguments.json else text_report(report))
+    if arguments.write_missing is not None:
+        # Whoever asks for the list goes on with it, by `sunfleck render --frames @FILE`.
+        write_whole(arguments.write_missing, missing.encode() + b"\n")
+        return OK
     return FINDINGS if report.fails(Severity(arguments.fail_on)) else OK
 
 

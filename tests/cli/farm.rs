@@ -1,0 +1,130 @@
+//! `farm`: what a manager is given. That jobs run, tools/tests/test_farm.py shows.
+
+use crate::program::Studio;
+use serde_json::Value;
+
+fn json(studio: &Studio, name: &str) -> Value {
+    serde_json::from_slice(&studio.bytes(name)).unwrap()
+}
+
+fn text(studio: &Studio, name: &str) -> String {
+    String::from_utf8(studio.bytes(name)).unwrap()
+}
+
+#[test]
+fn a_bundle_names_no_path_of_this_machine_but_where_it_says_so() {
+    let studio = Studio::new();
+    studio.succeed("farm tiny.ron --out job --frames 1-9x2,12 --chunk 3 -- --samples 1");
+    let here = studio.path("").canonicalize().unwrap();
+    let template = text(&studio, "job/template.json");
+    assert!(!template.contains(here.to_str().unwrap()), "{template}");
+    let template = json(&studio, "job/template.json");
+    assert_eq!(template["extensions"], serde_json::json!(["TASK_CHUNKING"]));
+    assert_eq!(template["parameterDefinitions"][1]["default"], "1-9:2,12");
+    assert_eq!(template["parameterDefinitions"][2]["default"], 3);
+    let steps = template["steps"].as_array().unwrap();
+    let names: Vec<&str> = steps.iter().map(|step| step["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["Render", "Validate", "RenderAgain", "Check"]);
+    for (step, before) in steps[1..].iter().zip(names) {
+        assert_eq!(step["dependencies"][0]["dependsOn"], before);
+    }
+    assert_eq!(steps[0]["parameterSpace"]["taskParameterDefinitions"][0]["type"], "CHUNK[INT]");
+    let last = |step: &Value| step["script"]["actions"]["onRun"]["args"].as_array().unwrap().last().cloned();
+    assert_eq!(last(&steps[0]), Some("1".into()));
+    assert_eq!(last(&steps[2]), Some("1".into()));
+    let input = &json(&studio, "job/parameter_values.json")["parameterValues"][0];
+    assert!(input["value"].as_str().unwrap().ends_with("tiny.ron"), "{input}");
+}
+
+#[test]
+fn every_file_that_is_read_goes_along() {
+    let studio = Studio::new();
+    std::fs::create_dir(studio.path("parts")).unwrap();
+    std::fs::write(studio.path("parts/leaf.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let scene = text(&studio, "scene.ron")
+        .replace("Leaf(length_m: 0.8, width_m: 0.5, curl_deg: 30.0)", "Obj(\"parts/leaf.obj\")");
+    std::fs::write(studio.path("scene.ron"), scene).unwrap();
+    let told = studio.succeed("inspect tiny.ron --dependencies").out;
+    let told: Vec<&str> = told.lines().collect();
+    assert_eq!(told.len(), 3, "{told:?}");
+    for (path, name) in told.iter().zip(["tiny.ron", "scene.ron", "parts/leaf.obj"]) {
+        assert!(path.ends_with(name) && std::path::Path::new(path).is_absolute(), "{path}");
+    }
+    studio.succeed("farm tiny.ron --out job");
+    let references = json(&studio, "job/asset_references.json");
+    assert_eq!(references["assetReferences"]["inputs"]["filenames"], serde_json::json!(told));
+}
+
+#[test]
+fn flamenco_gets_a_job_type_and_a_job() {
+    let studio = Studio::new();
+    studio.succeed("farm tiny.ron --out job --profile flamenco --frames 1-5x2");
+    assert_eq!(studio.names("job"), ["bakes", "job.json", "sunfleck.js"]);
+    let job = json(&studio, "job/job.json");
+    assert_eq!(job["settings"]["frames"], "1,3,5");
+    let steps: Value = serde_json::from_str(job["settings"]["steps"].as_str().unwrap()).unwrap();
+    assert_eq!(steps[0]["exe"], "{sunfleck}");
+    assert_eq!(steps[0]["args"][2], "--frames=<chunk>");
+}
+
+#[test]
+fn deadline_renders_no_frame_that_is_not_asked_for() {
+    let studio = Studio::new();
+    studio.succeed("farm tiny.ron --out job --profile deadline --chunk 4");
+    let render = text(&studio, "job/render.job");
+    assert!(render.contains("\nFrames=1-12\nChunkSize=4\n"), "{render}");
+    let plugin = text(&studio, "job/render.plugin");
+    assert!(plugin.contains("<QUOTE>--frames=<STARTFRAME>-<ENDFRAME><QUOTE>"), "{plugin}");
+    assert_eq!(studio.names("job").len(), 9);
+    // Between first and last there would be others.
+    studio.succeed("farm tiny.ron --out job --profile deadline --chunk 4 --frames 1-9x2");
+    let render = text(&studio, "job/render.job");
+    assert!(render.contains("\nFrames=1-9x2\nChunkSize=1\n"), "{render}");
+}
+
+#[test]
+fn what_cannot_be_a_job_is_refused_and_leaves_no_file() {
+    let studio = Studio::new();
+    std::fs::write(studio.path("taken"), "").unwrap();
+    for (line, code, word) in [
+        ("farm none.ron --out job", 4, "none.ron"),
+        ("farm tiny.ron --out taken", 4, "taken"),
+        ("farm tiny.ron", 2, "--out"),
+        ("farm tiny.ron --out job --chunk 0", 2, "--chunk"),
+        ("farm tiny.ron --out job --chunk 151", 2, "--chunk"),
+        ("farm tiny.ron --out job --frames none", 2, "--frames"),
+        ("farm tiny.ron --out job --frames 1-99", 2, "frame 13"),
+        ("farm tiny.ron --out job --profile slurm", 2, "--profile"),
+        ("farm tiny.ron --out job -- --out elsewhere", 2, "--out"),
+        ("farm tiny.ron --out job -- --frames 1", 2, "--frames"),
+        ("farm tiny.ron --out job -- --dry-run", 2, "--dry-run"),
+        ("farm tiny.ron --out job -- --camera nobody", 2, "nobody"),
+        ("farm tiny.ron --out job -- --sample 4", 2, "--sample"),
+    ] {
+        let message = studio.fail(line, code);
+        assert!(message.contains(word), "{line}\n{message}");
+        assert!(studio.names("job").iter().all(|name| name == "bakes"), "{line}");
+    }
+}
+
+#[test]
+fn frames_can_be_listed_in_a_file() {
+    let studio = Studio::new();
+    std::fs::write(studio.path("missing.txt"), "2,5-6\n").unwrap();
+    studio.succeed("render tiny.ron --frames @missing.txt --out a/");
+    assert_eq!(studio.names("a"), ["tiny.0002.exr", "tiny.0005.exr", "tiny.0006.exr"]);
+    std::fs::write(studio.path("missing.txt"), "none\n").unwrap();
+    studio.succeed("render tiny.ron --frames @missing.txt --out b/");
+    assert!(studio.names("b").is_empty());
+    let message = studio.fail("render tiny.ron --frames @nowhere.txt --out b/", 4);
+    assert!(message.contains("nowhere.txt") && message.contains("--frames"), "{message}");
+}
+
+#[test]
+fn a_manager_is_told_why_a_task_failed() {
+    let studio = Studio::new();
+    let outcome = studio.run("render tiny.ron --frames 1-99 --out a/ --progress openjd");
+    assert_eq!(outcome.code, 2);
+    let line = outcome.out.lines().find(|line| line.starts_with("openjd_fail: ")).unwrap();
+    assert!(line.contains("frame 13 is not part of the sequence; expected: frames from 1 to 12"), "{line}");
+}
