@@ -1,7 +1,8 @@
 //! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of `f0` and of `f90` in the
-//! albedo; together they are that of a white coat, for light that is reflected once. Invariant: the table is made once, when it is first asked.
+//! albedo; together they are that of a white coat, for light that is reflected once. A third goes from the one to the other where
+//! Fresnel's equations take the place of Schlick's term. Invariant: the table is made once, when it is first asked.
 
-use super::ggx::{schlick, smith, visible_normal};
+use super::ggx::{fresnel, schlick, smith, visible_normal};
 use crate::math::gauss_legendre;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -37,12 +38,12 @@ impl CoatAlbedos {
     }
 
     /// For light from a direction.
-    pub(super) fn towards(self, cos: f64) -> [f64; 2] {
+    pub(super) fn towards(self, cos: f64) -> [f64; 3] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
         self.between_rows(|row| {
             let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
-            [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+            std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
         })
     }
 
@@ -51,10 +52,10 @@ impl CoatAlbedos {
         self.between_rows(|row| ALBEDOS.means[row])
     }
 
-    fn between_rows(self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    fn between_rows<const PARTS: usize>(self, row: impl Fn(usize) -> [f64; PARTS]) -> [f64; PARTS] {
         let (above, fraction) = split(self.row, LAST_ROW);
         let [a, b] = [above, above + 1].map(row);
-        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+        std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
     }
 }
 
@@ -69,7 +70,7 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 /// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the roughness,
 /// and columns in that of the cosine's root over it, plus one.
 struct Albedos {
-    directional: Vec<[[f64; 2]; LAST_COLUMN + 1]>,
+    directional: Vec<[[f64; 3]; LAST_COLUMN + 1]>,
     /// Over all directions, by their cosine.
     means: [[f64; 2]; LAST_ROW + 1],
 }
@@ -100,7 +101,7 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
         std::array::from_fn(|column| directional_albedo(roughness * roughness, cos(column), &around))
     };
-    let directional: Vec<[[f64; 2]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
+    let directional: Vec<[[f64; 3]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
@@ -123,10 +124,10 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
 
 /// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
 /// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
-fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2] {
+fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 3] {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
-    let mut sum = [0.0; 2];
+    let mut sum = [0.0; 3];
     for ring in 0..RINGS {
         for (step, &around) in around.iter().enumerate() {
             // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
@@ -138,9 +139,10 @@ fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2
             let cos_light = 2.0 * cos_half * half.z - cos;
             if cos_light > 0.0 {
                 let shown = 2.0 * left * 2.0 * cos_light / smith(alpha2, cos_light);
-                let fresnel = schlick(cos_half);
-                sum[0] += shown * (1.0 - fresnel);
-                sum[1] += shown * fresnel;
+                let risen = schlick(cos_half);
+                sum[0] += shown * (1.0 - risen);
+                sum[1] += shown * risen;
+                sum[2] += shown * (fresnel(cos_half) - risen);
             }
         }
     }
