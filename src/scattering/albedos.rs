@@ -2,7 +2,7 @@
 //! albedo; together they are that of a white coat, for light that is reflected once. A third goes from the one to the other where
 //! Fresnel's equations take the place of Schlick's term. Invariant: the table is made once, when it is first asked.
 
-use super::ggx::{fresnel, schlick, smith, visible_normal};
+use super::ggx::{Shadowing, fresnel, schlick, visible_normal};
 use crate::math::gauss_legendre;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -23,6 +23,7 @@ const STRIDE: usize = 7;
 /// Those of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoatAlbedos {
+    shadowing: Shadowing,
     /// As in glTF.
     roughness: f64,
     /// Its place in the table.
@@ -33,23 +34,37 @@ pub(super) struct CoatAlbedos {
 
 impl CoatAlbedos {
     /// Those of a roughness from [`LEAST_ROUGHNESS`] to 1.
-    pub(super) fn new(roughness: f64) -> Self {
-        Self { roughness, row: row_of(roughness), columns: columns_over(roughness) }
+    pub(super) fn new(roughness: f64, shadowing: Shadowing) -> Self {
+        Self { shadowing, roughness, row: row_of(roughness), columns: columns_over(roughness) }
+    }
+
+    /// Those of the same roughness where microfacets hide each other so.
+    pub(super) fn under(self, shadowing: Shadowing) -> Self {
+        Self { shadowing, ..self }
+    }
+
+    fn table(self) -> &'static Albedos {
+        match self.shadowing {
+            Shadowing::Separable => &SEPARABLE,
+            Shadowing::Correlated => &CORRELATED,
+        }
     }
 
     /// For light from a direction.
     pub(super) fn towards(self, cos: f64) -> [f64; 3] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
+        let table = self.table();
         self.between_rows(|row| {
-            let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
+            let [a, b] = [left, left + 1].map(|column| table.directional[row][column]);
             std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
         })
     }
 
     /// For light from everywhere.
     pub(super) fn mean(self) -> [f64; 2] {
-        self.between_rows(|row| ALBEDOS.means[row])
+        let table = self.table();
+        self.between_rows(|row| table.means[row])
     }
 
     fn between_rows<const PARTS: usize>(self, row: impl Fn(usize) -> [f64; PARTS]) -> [f64; PARTS] {
@@ -91,7 +106,10 @@ fn cos_of(column: f64, roughness: f64) -> f64 {
     (roughness * ((column / columns_over(roughness)).exp() - 1.0)).powi(2).min(1.0)
 }
 
-static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
+static SEPARABLE: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Separable));
+static CORRELATED: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Correlated));
+
+fn albedos(shadowing: Shadowing) -> Albedos {
     // Half of the circle: the other is its mirror image.
     let around: [DVec2; AROUND] =
         std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
@@ -99,7 +117,7 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
         let roughness = roughness_of(row);
         // At grazing angles it has a limit.
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
-        std::array::from_fn(|column| directional_albedo(roughness * roughness, cos(column), &around))
+        std::array::from_fn(|column| directional_albedo(shadowing, roughness * roughness, cos(column), &around))
     };
     let directional: Vec<[[f64; 3]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
@@ -120,11 +138,11 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
         })
     };
     Albedos { means: std::array::from_fn(mean), directional }
-});
+}
 
 /// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
-/// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
-fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 3] {
+/// reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
+fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 3] {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
     let mut sum = [0.0; 3];
@@ -138,7 +156,7 @@ fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 3
             let cos_half = to_eye.dot(half);
             let cos_light = 2.0 * cos_half * half.z - cos;
             if cos_light > 0.0 {
-                let shown = 2.0 * left * 2.0 * cos_light / smith(alpha2, cos_light);
+                let shown = 2.0 * left * 2.0 * cos_light / shadowing.smith_of_light(alpha2, cos, cos_light);
                 let risen = schlick(cos_half);
                 sum[0] += shown * (1.0 - risen);
                 sum[1] += shown * risen;

@@ -13,11 +13,11 @@
 //! it back as in Cycles: the BRDF is scaled up by what its albedo for the eye lacks (Turquin 2019, "Practical multiple
 //! scattering compensation for microfacet models", equation 16), tinted by further reflections.
 //!
-//! Of Blender's Principled BSDF the coat is as Cycles has it: Fresnel's equations take the place of Schlick's term, and what lies
-//! beneath is weighed by what the coat leaves towards the eye alone, which is not reciprocal.
+//! Of Blender's Principled BSDF the coat is as Cycles has it: Fresnel's equations take the place of Schlick's term, shadowing is
+//! correlated, and what lies beneath is weighed by what the coat leaves towards the eye alone, which is not reciprocal.
 
 use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
-use super::ggx::{distribution, fresnel, schlick, smith, visible_normal};
+use super::ggx::{Shadowing, distribution, fresnel, schlick, smith, visible_normal};
 use crate::color::Rgb;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -37,6 +37,7 @@ pub struct Gloss {
     principled: Option<Principled>,
     /// glTF's alpha, the square of its roughness.
     alpha: f64,
+    shadowing: Shadowing,
     albedos: CoatAlbedos,
 }
 
@@ -76,16 +77,26 @@ impl Gloss {
     pub fn new(f0: Rgb, f90: Rgb, roughness: f64) -> Self {
         let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
         let coat = Reflectance { f0, f90 };
-        let albedos = CoatAlbedos::new(roughness);
-        Self { all: coat, coat, repeated: None, principled: None, alpha: roughness * roughness, albedos }
+        let shadowing = Shadowing::Separable;
+        Self {
+            all: coat,
+            coat,
+            repeated: None,
+            principled: None,
+            alpha: roughness * roughness,
+            shadowing,
+            albedos: CoatAlbedos::new(roughness, shadowing),
+        }
     }
 
     /// The same as Cycles has it in its Principled BSDF.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
-        let further = self.further(f0 + (f90 - f0) * MEAN_FRESNEL);
+        let shadowing = Shadowing::Correlated;
+        let own = Self { shadowing, albedos: self.albedos.under(shadowing), ..self };
+        let further = own.further(f0 + (f90 - f0) * MEAN_FRESNEL);
         let repeated = Some(Reflectance { f0: further * f0, f90: further * f90 });
-        Self { principled: Some(Principled { share: 1.0, further }), repeated, ..self }
+        Self { principled: Some(Principled { share: 1.0, further }), repeated, ..own }
     }
 
     /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal reflects again is not lost.
@@ -133,7 +144,8 @@ impl Gloss {
             reflected += repeated.at(schlick) * lacking(self.albedos.towards(cos_eye));
         }
         // B.3.2: G / (4 n.v n.l).
-        reflected * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith(alpha2, cos_light))
+        let smith_of_light = self.shadowing.smith_of_light(alpha2, cos_eye, cos_light);
+        reflected * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith_of_light)
     }
 
     /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine: where a

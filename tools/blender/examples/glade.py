@@ -123,14 +123,15 @@ def falling(scene, twigs, solid, shades, rng):
 def light_and_fog(scene):
     """A low sun from the side, morning fog that thins out, a dim sky behind."""
     data = bpy.data.lights.new("sun", "SUN")
-    data.energy, data.color, data.angle = 16.0, (1.0, 0.62, 0.28), math.radians(1.2)
+    data.energy, data.color, data.angle = 28.0, (1.0, 0.62, 0.28), math.radians(1.2)
     sun = place(scene, "sun", data)
     sun.rotation_euler = mathutils.Vector((0.30, -0.80, -0.36)).to_track_quat("-Z", "Y").to_euler()
     settings = scene.sunfleck_settings
     fog = place(scene, "fog", None, (0.0, 20.0, 10.0))
     fog.scale = (24.0, 32.0, 13.0)
     holds = fog.sunfleck_settings
-    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.0085, (0.96, 0.92, 0.84), 0.8
+    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.007, (0.96, 0.92, 0.84), 0.75
+    holds.thins_out, holds.scale_height = True, 4.5
     settings.background_color, settings.background_strength = (0.50, 0.60, 0.72), 0.06
     settings.tolerance, settings.passes = 0.04, set()
 

@@ -91,7 +91,7 @@ def environment(background):
     """The environment texture that a background shows, if that is what it shows."""
     links = background.inputs["Color"].links
     node = links[0].from_node if links else None
-    return node if node and node.type == "TEX_ENVIRONMENT" and node.image else None
+    return node if node and node.type == "TEX_ENVIRONMENT" and node.image and 0 not in node.image.size else None
 
 
 def turn(texture):

@@ -269,6 +269,7 @@ def glowing(scene):
     """Alone, as without bounces what glows lights nothing here; in Cycles it does."""
     for name in ("floor", "wall"):
         bpy.data.objects[name].hide_render = True
+    bpy.data.objects["card"].rotation_euler.x = math.radians(60.0)
     shader = bpy.data.materials["card"].node_tree.nodes["Principled BSDF"]
     shader.inputs["Emission Color"].default_value, shader.inputs["Emission Strength"].default_value = (1.0, 0.4, 0.1, 1.0), 3.0
     scenes.sun(scene)
@@ -349,10 +350,12 @@ def camera_markers(scene):
 
 
 def border(scene):
+    """Of a size and with edges that are not whole pixels."""
     scenes.sun(scene)
     render = scene.render
+    render.resolution_x, render.resolution_y = SIZE[0] + 1, SIZE[1] + 1
     render.use_border = render.use_crop_to_border = True
-    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.0, 0.5
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.31, 0.77, 0.13, 0.61
 
 
 def pixel_aspect(scene):
