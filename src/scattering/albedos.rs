@@ -1,6 +1,7 @@
 //! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of `f0` and of `f90` in the
-//! albedo; together they are that of a white coat, for light that is reflected once. A third goes from the one to the other where
-//! Fresnel's equations take the place of Schlick's term. Invariant: the table is made once, when it is first asked.
+//! albedo; together they are that of a white coat, for light that is reflected once. Under Cycles' shadowing two more follow: what goes
+//! from the one to the other where Fresnel's equations take the place of Schlick's term, and those equations' mean over the microfacets that
+//! the eye sees and that mirror it upwards, each counted alike. Invariant: a table is made once, when it is first asked.
 
 use super::ggx::{Shadowing, fresnel, schlick, visible_normal};
 use crate::math::gauss_legendre;
@@ -51,7 +52,7 @@ impl CoatAlbedos {
     }
 
     /// For light from a direction.
-    pub(super) fn towards(self, cos: f64) -> [f64; 3] {
+    pub(super) fn towards(self, cos: f64) -> [f64; 4] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
         let table = self.table();
@@ -85,7 +86,7 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 /// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the roughness,
 /// and columns in that of the cosine's root over it, plus one.
 struct Albedos {
-    directional: Vec<[[f64; 3]; LAST_COLUMN + 1]>,
+    directional: Vec<[[f64; 4]; LAST_COLUMN + 1]>,
     /// Over all directions, by their cosine.
     means: [[f64; 2]; LAST_ROW + 1],
 }
@@ -119,7 +120,7 @@ fn albedos(shadowing: Shadowing) -> Albedos {
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
         std::array::from_fn(|column| directional_albedo(shadowing, roughness * roughness, cos(column), &around))
     };
-    let directional: Vec<[[f64; 3]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
+    let directional: Vec<[[f64; 4]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
@@ -142,10 +143,10 @@ fn albedos(shadowing: Shadowing) -> Albedos {
 
 /// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
 /// reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
-fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 3] {
+fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 4] {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
-    let mut sum = [0.0; 3];
+    let mut sum = [0.0; 4];
     for ring in 0..RINGS {
         for (step, &around) in around.iter().enumerate() {
             // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
@@ -160,7 +161,11 @@ fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec
                 let risen = schlick(cos_half);
                 sum[0] += shown * (1.0 - risen);
                 sum[1] += shown * risen;
-                sum[2] += shown * (fresnel(cos_half) - risen);
+                if matches!(shadowing, Shadowing::Correlated) {
+                    let fresnel = fresnel(cos_half);
+                    sum[2] += shown * (fresnel - risen);
+                    sum[3] += 2.0 * left * fresnel;
+                }
             }
         }
     }

@@ -179,7 +179,7 @@ impl Gloss {
         let [mean0, mean90] = self.albedos.mean();
         let left = Rgb::ONE - self.coat.albedo(mean0, mean90);
         let lets = |cos: f64| {
-            let [part0, part90, _] = self.albedos.towards(cos);
+            let [part0, part90, ..] = self.albedos.towards(cos);
             Rgb::ONE - self.coat.albedo(part0, part90)
         };
         // A coat that reflects all leaves nothing.
@@ -188,17 +188,18 @@ impl Gloss {
     }
 
     /// What a Principled BSDF's coat leaves of light towards the eye, in all colours what it leaves of the one that it reflects most
-    /// (Cycles 5.0, `closure_layering_weight`).
+    /// (Cycles 5.0, `closure_layering_weight`). What it reflects is estimated as there: microfacets count alike, however much
+    /// of their light others hide, and what is hidden is taken off all of it (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
-        let parts @ [part0, part90, beyond] = self.albedos.towards(cos);
-        let once = self.coat.albedo(part0, part90);
-        let reflected = once + (self.coat.f90 - self.coat.f0) * beyond + own.further * once * lacking(parts);
+        let [part0, part90, _, risen] = self.albedos.towards(cos);
+        let white = part0 + part90;
+        let reflected = self.coat.at(risen) * (white + own.further * (1.0 - white));
         (1.0 - reflected.max_element()).max(0.0)
     }
 
     /// Share of the light from a direction that the coat reflects, all directions together.
     pub fn albedo(&self, cos: f64) -> Rgb {
-        let parts @ [part0, part90, beyond] = self.albedos.towards(cos);
+        let parts @ [part0, part90, beyond, _] = self.albedos.towards(cos);
         let mut once = self.all.albedo(part0, part90);
         if let Some(own) = self.principled {
             once += own.share * (self.coat.f90 - self.coat.f0) * beyond;
@@ -208,7 +209,7 @@ impl Gloss {
 }
 
 /// What a white coat lacks of all that falls on it, over what it reflects, of which these are the parts.
-fn lacking([part0, part90, _]: [f64; 3]) -> f64 {
+fn lacking([part0, part90, ..]: [f64; 4]) -> f64 {
     (1.0 - part0 - part90) / (part0 + part90)
 }
 
@@ -351,16 +352,19 @@ mod tests {
         assert!(gain.x > gain.y && gain.y > gain.z && gain.z > 1.0, "{gain}");
     }
 
-    /// Of every roughness, at every angle: white under a Principled BSDF's coat gives back what it gets.
+    /// Of every roughness, at every angle: white under a Principled BSDF's coat gives back what it gets, but for what Cycles' estimate of
+    /// the coat is off by: 0.2 % from above, at grazing angles 1 %, and twice that along a smooth one.
     #[test]
-    fn a_principled_coat_adds_nothing() {
+    fn a_principled_coat_gives_back_about_all() {
         for roughness in [0.0, 0.1, 0.25, 0.5, 0.7, 1.0] {
             let gloss = Gloss::new(Rgb::splat(0.04), Rgb::ONE, roughness).principled();
             for cos in [0.002, 0.03, 0.15, 0.5, 1.0] {
                 let to_eye = direction(cos, 1.0);
                 let shone = over_lights(to_eye, |l| gloss.brdf(DVec3::Z, to_eye, l)).x;
                 let beneath = lambert_beneath(&gloss, cos).x;
-                assert!((shone + beneath - 1.0).abs() < 2e-3, "{roughness} {cos}: {shone} + {beneath}");
+                let all = shone + beneath;
+                let bar = if cos >= 0.5 { 2e-3 } else { 0.0225 };
+                assert!((all - 1.0).abs() < bar, "{roughness} {cos}: {shone} + {beneath}");
             }
         }
     }
