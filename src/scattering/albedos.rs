@@ -118,7 +118,9 @@ fn albedos(shadowing: Shadowing) -> Albedos {
         let roughness = roughness_of(row);
         // At grazing angles it has a limit.
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
-        std::array::from_fn(|column| directional_albedo(shadowing, roughness * roughness, cos(column), &around))
+        std::array::from_fn(|column| {
+            directional_albedo(shadowing, roughness * roughness, cos(column), &around)
+        })
     };
     let directional: Vec<[[f64; 4]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
