@@ -97,6 +97,9 @@ impl Writer<'_> {
         if material.mirror != Rgb::ZERO && !is_metal {
             ours["mirror"] = json!(material.mirror.to_array());
         }
+        if material.is_principled {
+            ours["principled"] = json!(true);
+        }
         if material.filter_color != Rgb::ZERO {
             ours["filter_color"] = json!(material.filter_color.to_array());
         }

@@ -1,7 +1,9 @@
 //! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of `f0` and of `f90` in the
-//! albedo; together they are that of a white coat, for light that is reflected once. Invariant: the table is made once, when it is first asked.
+//! albedo; together they are that of a white coat, for light that is reflected once. Under Cycles' shadowing two more follow: what goes
+//! from the one to the other where Fresnel's equations take the place of Schlick's term, and those equations' mean over the microfacets that
+//! the eye sees and that mirror it upwards, each counted alike. Invariant: a table is made once, when it is first asked.
 
-use super::ggx::{schlick, smith, visible_normal};
+use super::ggx::{Shadowing, fresnel, schlick, visible_normal};
 use crate::math::gauss_legendre;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -22,6 +24,7 @@ const STRIDE: usize = 7;
 /// Those of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoatAlbedos {
+    shadowing: Shadowing,
     /// As in glTF.
     roughness: f64,
     /// Its place in the table.
@@ -32,29 +35,43 @@ pub(super) struct CoatAlbedos {
 
 impl CoatAlbedos {
     /// Those of a roughness from [`LEAST_ROUGHNESS`] to 1.
-    pub(super) fn new(roughness: f64) -> Self {
-        Self { roughness, row: row_of(roughness), columns: columns_over(roughness) }
+    pub(super) fn new(roughness: f64, shadowing: Shadowing) -> Self {
+        Self { shadowing, roughness, row: row_of(roughness), columns: columns_over(roughness) }
+    }
+
+    /// Those of the same roughness where microfacets hide each other so.
+    pub(super) fn under(self, shadowing: Shadowing) -> Self {
+        Self { shadowing, ..self }
+    }
+
+    fn table(self) -> &'static Albedos {
+        match self.shadowing {
+            Shadowing::Separable => &SEPARABLE,
+            Shadowing::Correlated => &CORRELATED,
+        }
     }
 
     /// For light from a direction.
-    pub(super) fn towards(self, cos: f64) -> [f64; 2] {
+    pub(super) fn towards(self, cos: f64) -> [f64; 4] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
+        let table = self.table();
         self.between_rows(|row| {
-            let [a, b] = [left, left + 1].map(|column| ALBEDOS.directional[row][column]);
-            [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+            let [a, b] = [left, left + 1].map(|column| table.directional[row][column]);
+            std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
         })
     }
 
     /// For light from everywhere.
     pub(super) fn mean(self) -> [f64; 2] {
-        self.between_rows(|row| ALBEDOS.means[row])
+        let table = self.table();
+        self.between_rows(|row| table.means[row])
     }
 
-    fn between_rows(self, row: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    fn between_rows<const PARTS: usize>(self, row: impl Fn(usize) -> [f64; PARTS]) -> [f64; PARTS] {
         let (above, fraction) = split(self.row, LAST_ROW);
         let [a, b] = [above, above + 1].map(row);
-        [0, 1].map(|part| a[part] + fraction * (b[part] - a[part]))
+        std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
     }
 }
 
@@ -69,7 +86,7 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 /// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the roughness,
 /// and columns in that of the cosine's root over it, plus one.
 struct Albedos {
-    directional: Vec<[[f64; 2]; LAST_COLUMN + 1]>,
+    directional: Vec<[[f64; 4]; LAST_COLUMN + 1]>,
     /// Over all directions, by their cosine.
     means: [[f64; 2]; LAST_ROW + 1],
 }
@@ -90,7 +107,10 @@ fn cos_of(column: f64, roughness: f64) -> f64 {
     (roughness * ((column / columns_over(roughness)).exp() - 1.0)).powi(2).min(1.0)
 }
 
-static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
+static SEPARABLE: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Separable));
+static CORRELATED: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Correlated));
+
+fn albedos(shadowing: Shadowing) -> Albedos {
     // Half of the circle: the other is its mirror image.
     let around: [DVec2; AROUND] =
         std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
@@ -98,9 +118,11 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
         let roughness = roughness_of(row);
         // At grazing angles it has a limit.
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
-        std::array::from_fn(|column| directional_albedo(roughness * roughness, cos(column), &around))
+        std::array::from_fn(|column| {
+            directional_albedo(shadowing, roughness * roughness, cos(column), &around)
+        })
     };
-    let directional: Vec<[[f64; 2]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
+    let directional: Vec<[[f64; 4]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
@@ -119,14 +141,14 @@ static ALBEDOS: LazyLock<Albedos> = LazyLock::new(|| {
         })
     };
     Albedos { means: std::array::from_fn(mean), directional }
-});
+}
 
 /// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
-/// reflects `F G1(l)` (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
-fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2] {
+/// reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
+fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 4] {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
-    let mut sum = [0.0; 2];
+    let mut sum = [0.0; 4];
     for ring in 0..RINGS {
         for (step, &around) in around.iter().enumerate() {
             // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
@@ -137,10 +159,15 @@ fn directional_albedo(alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 2
             let cos_half = to_eye.dot(half);
             let cos_light = 2.0 * cos_half * half.z - cos;
             if cos_light > 0.0 {
-                let shown = 2.0 * left * 2.0 * cos_light / smith(alpha2, cos_light);
-                let fresnel = schlick(cos_half);
-                sum[0] += shown * (1.0 - fresnel);
-                sum[1] += shown * fresnel;
+                let shown = 2.0 * left * 2.0 * cos_light / shadowing.smith_of_light(alpha2, cos, cos_light);
+                let risen = schlick(cos_half);
+                sum[0] += shown * (1.0 - risen);
+                sum[1] += shown * risen;
+                if matches!(shadowing, Shadowing::Correlated) {
+                    let fresnel = fresnel(cos_half);
+                    sum[2] += shown * (fresnel - risen);
+                    sum[3] += 2.0 * left * fresnel;
+                }
             }
         }
     }

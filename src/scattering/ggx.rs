@@ -16,6 +16,29 @@ pub(super) fn smith(alpha2: f64, cos: f64) -> f64 {
     cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
 }
 
+/// How microfacets hide each other from eye and light.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Shadowing {
+    /// As in glTF: from one as if there were no other.
+    Separable,
+    /// As in Cycles: what is low is hidden from both (Heitz 2014, "Understanding the masking-shadowing function in
+    /// microfacet-based BRDFs", equation 99).
+    Correlated,
+}
+
+impl Shadowing {
+    /// What takes the place of the light's [`smith`]: `G / (4 n.v n.l)` is one over this and the eye's.
+    pub(super) fn smith_of_light(self, alpha2: f64, cos_eye: f64, cos_light: f64) -> f64 {
+        let smith_light = smith(alpha2, cos_light);
+        match self {
+            Self::Separable => smith_light,
+            Self::Correlated => {
+                2.0 * cos_light + 2.0 * cos_eye * (smith_light - 2.0 * cos_light) / smith(alpha2, cos_eye)
+            }
+        }
+    }
+}
+
 /// A visible normal of the microfacets about +z: a point of a spherical cap, in that direction `around` its axis and
 /// so much of the way to its rim (Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3).
 pub(super) fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f64) -> DVec3 {
@@ -23,6 +46,19 @@ pub(super) fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f
     let z = (1.0 - to_rim) * (1.0 + stretched.z) - stretched.z;
     let across = around * (1.0 - z * z).max(0.0).sqrt();
     ((across.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize()
+}
+
+/// What Schlick's term stands for, by Fresnel's equations: how far the reflectance has risen from that along the normal, 0, to
+/// that at grazing angles, 1; of a dielectric of refractive index 1.5 (Pharr, Jakob and Humphreys 2023, "Physically based
+/// rendering", 9.3.5).
+pub(super) fn fresnel(cos: f64) -> f64 {
+    const ETA: f64 = 1.5;
+    const F0: f64 = 0.04;
+    let cos = cos.clamp(0.0, 1.0);
+    let cos_within = (1.0 - (1.0 - cos * cos) / (ETA * ETA)).sqrt();
+    let parallel = (ETA * cos - cos_within) / (ETA * cos + cos_within);
+    let perpendicular = (cos - ETA * cos_within) / (cos + ETA * cos_within);
+    (0.5 * (parallel * parallel + perpendicular * perpendicular) - F0) / (1.0 - F0)
 }
 
 /// `(1 - cos)^5`.

@@ -29,6 +29,8 @@ pub struct Material {
     pub emission_texture: Option<TextureMap>,
     /// What makes it shine, or a metal; without one it is matte.
     pub coat: Option<Coat>,
+    /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
+    pub is_principled: bool,
     /// A clear coat over all.
     pub clearcoat: Option<Clearcoat>,
     /// What makes it shine like cloth, beneath the clear coat.
@@ -178,6 +180,7 @@ impl Default for Material {
             emission: Rgb::ZERO,
             emission_texture: None,
             coat: None,
+            is_principled: false,
             clearcoat: None,
             sheen: None,
             normal_map: None,

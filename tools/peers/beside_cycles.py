@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Any .blend beside Cycles: one frame by both, with no bounces, the ratio of the means, of blocks, and a picture of three.
+"""Any .blend beside Cycles: one frame by both, with as many bounces, the ratio of the means, of blocks, and a picture of three.
 
     PYTHONPATH=tools .venv/bin/python tools/peers/beside_cycles.py scene.blend --frame 12 --sunfleck target/release/sunfleck --picture three.png
 
@@ -8,7 +8,6 @@ Cycles. Simulations are run from the first frame. Exits with 1 if the means diff
 """
 
 import argparse
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,36 +19,10 @@ import bpy
 import numpy
 
 import sunfleck
-from sunfleck import export
 from sunfleck.materials.images import png, srgb
-from sunfleck_tools.peers import cycles
+from sunfleck_tools.peers import beside
 
 BLOCKS = 8
-
-
-def pixels_of(path):
-    """Colours, rows from the top."""
-    image = bpy.data.images.load(str(path), check_existing=False)
-    width, height = image.size
-    found = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
-    bpy.data.images.remove(image)
-    return found
-
-
-def render(scene, arguments, folder):
-    """Both pictures; the order matters: the export runs the simulations that Cycles then reads."""
-    scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
-    frame = scene.frame_current if arguments.frame is None else arguments.frame
-    size = [max(1, round(side * arguments.scale)) for side in (scene.render.resolution_x, scene.render.resolution_y)]
-    cycles.settings(scene, size)
-    for finding in export.exported(scene, folder / "scene.glb").findings:
-        print(f"{finding.severity.lower()}{finding}")
-    command = [arguments.sunfleck, "render", folder / "scene.glb", f"--frames={frame}", "--samples", arguments.samples, "--passes", "none"]
-    subprocess.run([*map(str, command), "--out", str(folder / "ours.exr")], check=True, capture_output=True)
-    scene.cycles.samples, scene.render.filepath = arguments.cycles_samples, str(folder / "cycles.exr")
-    scene.frame_set(frame)
-    bpy.ops.render.render(write_still=True)
-    return pixels_of(folder / "ours.exr"), pixels_of(folder / "cycles.exr")
 
 
 def ratios_of_blocks(ours, theirs):
@@ -70,13 +43,20 @@ def main():
     parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
     parser.add_argument("--samples", type=int, default=64, help="of sunfleck")
     parser.add_argument("--cycles-samples", type=int, default=256)
+    parser.add_argument("--bounces", type=int, default=0)
     parser.add_argument("--bar", type=float, default=0.005, help="largest difference of the ratio of means from 1")
     parser.add_argument("--picture", type=Path, help="a PNG of three")
     arguments = parser.parse_args()
     sunfleck.register()
     bpy.ops.wm.open_mainfile(filepath=str(arguments.blend.resolve()))
+    scene = bpy.context.scene
+    frame = scene.frame_current if arguments.frame is None else arguments.frame
+    size = [max(1, round(side * arguments.scale)) for side in (scene.render.resolution_x, scene.render.resolution_y)]
+    wish = beside.Wish(arguments.sunfleck, frame, size, arguments.samples, arguments.cycles_samples, arguments.bounces)
     with tempfile.TemporaryDirectory() as folder:
-        ours, theirs = render(bpy.context.scene, arguments, Path(folder))
+        ours, theirs, findings = beside.pictures(scene, wish, Path(folder))
+    for finding in findings:
+        print(f"{finding.severity.lower()}{finding}")
     ratio, blocks = ours.mean() / theirs.mean(), sorted(ratios_of_blocks(ours, theirs))
     print(f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to {blocks[-1]:.4f}")
     if arguments.picture:

@@ -1,4 +1,4 @@
-//! `sunfleck_material`: shares of light that glTF has no word for. In go the custom property and the
+//! `sunfleck_material`: what of surfaces glTF has no word for. In go the custom property and the
 //! material that glTF has, out comes the material it really is. Invariant: shares add up to 1 at most.
 
 use super::Builder;
@@ -24,6 +24,9 @@ pub(super) struct MaterialExtras {
     /// Whether the base colour's texture multiplies `transmission` too.
     #[serde(default)]
     transmission_textured: bool,
+    /// Whether Blender's Principled BSDF is meant.
+    #[serde(default)]
+    principled: bool,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,
 }
@@ -34,6 +37,7 @@ impl MaterialExtras {
         if let Some(mirror) = self.mirror {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
         }
+        material.is_principled = self.principled;
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
         if let Some(transmission) = self.transmission {
             material.transmission = transmission.into();

@@ -54,8 +54,9 @@ impl<'a> FacetTexels<'a> {
         let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
         let f0 = coat.f0 * self.of(coat.f0_texture);
         // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
-        let gloss = Gloss::new(f0, Rgb::splat(coat.f90), roughness).with_metal(metallic, base_color);
-        (Some(gloss), 1.0 - metallic)
+        let plain = Gloss::new(f0, Rgb::splat(coat.f90), roughness);
+        let gloss = if self.facet.material.is_principled { plain.principled() } else { plain };
+        (Some(gloss.with_metal(metallic, base_color)), 1.0 - metallic)
     }
 
     /// How much of the surface there is, and what it lets through of what lies behind.

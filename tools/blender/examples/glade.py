@@ -1,9 +1,10 @@
-"""Makes scenes/blender_glade/glade.glb in Blender: a clearing with one oak, its leaves in the wind.
+"""Makes scenes/blender_glade/glade.glb in Blender: a clearing with one oak, its leaves in the wind,
+which a simulation zone lets go, blows about and lays on the ground (glade_wind.py).
 
     PYTHONPATH=tools/blender python tools/blender/examples/glade.py [GLB]
 
 needs `pip install bpy`, and the meshes and textures of scenes/woods. Everything after the imports is what an
-artist does with the mouse: place meshes, key objects, set the add-on's properties, export. The same
+artist does with the mouse: place meshes, build nodes, key the camera, set the add-on's properties, export. The same
 versions of Blender and of this file write the same scene.
 """
 
@@ -15,6 +16,7 @@ from pathlib import Path
 import bpy
 import mathutils
 
+import glade_wind
 import sunfleck
 from sunfleck import command
 
@@ -89,46 +91,56 @@ def crown(scene, name, leaves, twigs, world_from_twigs, count, sizes, rng):
         leaf.rotation_euler = (-droop, roll, rng.uniform(0, math.tau))
 
 
-def fall(scene, leaf, number, rng):
-    """A leaf that is blown across the clearing, keyed four times a second."""
-    thing = place(scene, f"leaf {number}", leaf, size=rng.uniform(0.14, 0.24))
-    x, y, z = rng.uniform(-6, 3), rng.uniform(-4, 7), rng.uniform(0.4, 6.5)
-    phase, swing, speed = rng.uniform(0, math.tau), rng.uniform(0.1, 0.35), rng.uniform(0.5, 1.0)
-    spin = mathutils.Vector((rng.uniform(-2.5, 2.5), rng.uniform(-2.5, 2.5), rng.uniform(-2.0, 2.0)))
-    turn = mathutils.Vector(rng.uniform(0, math.tau) for _ in range(3))
-    for frame in range(FRAMES[0], FRAMES[1] + 6, 6):
-        t = frame / 24.0
-        gust = 0.6 * t + 0.25 * math.sin(1.7 * t + 0.3 * x)
-        thing.location = (
-            x + gust + swing * math.sin(4.0 * t + phase),
-            y + swing * math.cos(3.1 * t + phase),
-            max(z - speed * t, 0.03),
-        )
-        thing.rotation_euler = turn + spin * t
-        thing.keyframe_insert("location", frame=frame)
-        thing.keyframe_insert("rotation_euler", frame=frame)
+def group(name, things):
+    """A collection outside of the scene, of what others show or strike."""
+    made = bpy.data.collections.new(name)
+    for thing in things:
+        made.objects.link(thing)
+    return made
+
+
+def aloft(scene, count, rng):
+    """A mesh whose vertices are leaves that fall already as the film begins: all over the clearing, and where the lens is sharp."""
+    points = []
+    for number in range(count):
+        if number % 4 == 0:
+            points.append((rng.uniform(-2.6, 2.0), rng.uniform(-5.6, -2.5), rng.uniform(0.5, 3.4)))
+        else:
+            points.append((rng.uniform(-8.0, 5.0), rng.uniform(-4.0, 9.0), rng.uniform(0.4, 7.0)))
+    data = bpy.data.meshes.new("aloft")
+    data.from_pydata(points, [], [])
+    return place(scene, "aloft", data)
+
+
+def falling(scene, twigs, solid, shades, rng):
+    """Leaves in the wind (glade_wind.py)."""
+    shown = []
+    for name, shade in (("maple_far", shades[0]), ("maple_far_b", shades[1]), ("maple_far_c", shades[0]), ("maple_far_d", shades[1])):
+        shown.append(bpy.data.objects.new(name, mesh(name, shade)))
+    glade_wind.blow(aloft(scene, 260, rng), twigs, group("falling leaves", shown), group("solid", solid), 40.0)
 
 
 def light_and_fog(scene):
     """A low sun from the side, morning fog that thins out, a dim sky behind."""
     data = bpy.data.lights.new("sun", "SUN")
-    data.energy, data.color, data.angle = 11.0, (1.0, 0.62, 0.28), math.radians(1.2)
+    data.energy, data.color, data.angle = 28.0, (1.0, 0.62, 0.28), math.radians(1.2)
     sun = place(scene, "sun", data)
     sun.rotation_euler = mathutils.Vector((0.30, -0.80, -0.36)).to_track_quat("-Z", "Y").to_euler()
     settings = scene.sunfleck_settings
     fog = place(scene, "fog", None, (0.0, 20.0, 10.0))
     fog.scale = (24.0, 32.0, 13.0)
     holds = fog.sunfleck_settings
-    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.0075, (0.96, 0.92, 0.84), 0.8
-    settings.background_color, settings.background_strength = (0.62, 0.62, 0.60), 0.10
+    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.007, (0.96, 0.92, 0.84), 0.75
+    holds.thins_out, holds.scale_height = True, 4.5
+    settings.background_color, settings.background_strength = (0.50, 0.60, 0.72), 0.06
     settings.tolerance, settings.passes = 0.04, set()
 
 
 def camera(scene):
-    """Close to the ground, moving in slowly; the oak is in focus."""
+    """Close to the ground, moving in slowly; leaves in the air at hand are in focus."""
     data = bpy.data.cameras.new("camera")
     data.sensor_fit, data.lens = "HORIZONTAL", 26.0
-    data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 9.0, 1.4
+    data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 4.6, 1.8
     thing = place(scene, "camera", data)
     for frame, location in ((FRAMES[0], (0.6, -7.6, 0.85)), (FRAMES[1], (0.2, -6.9, 0.95))):
         thing.location = location
@@ -144,31 +156,30 @@ def main(output):
     scene = start()
     litter, bark = material("litter", "litter.png", factor=0.5), material("bark", "bark_oak.png")
     yellow, amber = material("yellow maple", "maple_yellow.png", 0.6), material("amber maple", "maple_amber.png", 0.6)
-    for name in ("clearing", "left", "right", "beyond"):
-        place(scene, f"ground {name}", mesh(f"ground_{name}", litter))
+    solid = [place(scene, f"ground {name}", mesh(f"ground_{name}", litter)) for name in ("clearing", "left", "right", "beyond")]
     twig = bpy.data.materials.new("twig")
     twig.use_nodes = True
     twig.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.06, 0.045, 0.035, 1.0)
     wood, twigs = mesh("oak_wood", bark), mesh("oak_twigs", twig)
     oak = mathutils.Matrix.Translation((-2.6, 2.6, 0.0)) @ mathutils.Matrix.Rotation(0.9, 4, "Z")
-    for name, data in (("oak", wood), ("oak twigs", twigs)):
-        place(scene, name, data).matrix_world = oak
+    trunk, fine = place(scene, "oak", wood), place(scene, "oak twigs", twigs)
+    trunk.matrix_world = fine.matrix_world = oak
     hanging = [mesh("maple_canopy_hanging", shade) for shade in (amber, yellow)]
-    crown(scene, "crown", hanging, twigs, oak, 2200, (0.18, 0.30), rng)
+    crown(scene, "crown", hanging, twigs, oak, 4200, (0.20, 0.34), rng)
     maple_bark = material("maple bark", "bark_maple.png")
-    far_wood = mesh("birch_wood", maple_bark)
-    for i, (x, y) in enumerate([(7.5, 16.0), (-9.0, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.0, 31.0), (-15.0, 28.0)]):
-        place(scene, f"far tree {i + 1}", far_wood, (x, y, 0.0), (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5))
+    far_wood, far_twigs = mesh("birch_wood", maple_bark), mesh("birch_twigs", twig)
+    for i, (x, y) in enumerate([(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]):
+        turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5)
+        tree = place(scene, f"far tree {i + 1}", far_wood, (x, y, 0.0), turn, size)
+        if x < 5.0:
+            place(scene, f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
+            crown(scene, f"far crown {i + 1}", hanging, far_twigs, tree.matrix_basis, 600, (0.35, 0.6), rng)
     leaves = [mesh("maple_far", yellow), mesh("maple_far", amber)]
-    near = mesh("maple_near", yellow)
-    for number in range(150):
-        fall(scene, leaves[number % 2], number, rng)
-    for number in range(150, 158):
-        fall(scene, near, number, rng)
     for number in range(420):
         x, y = rng.uniform(-7, 7), rng.uniform(-7, 8)
         turn = (rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4), rng.uniform(0, math.tau))
         place(scene, f"litter {number}", leaves[number % 2], (x, y, 0.03), turn, rng.uniform(0.14, 0.24))
+    falling(scene, fine, [*solid, trunk], (yellow, amber), rng)
     light_and_fog(scene)
     camera(scene)
     output.parent.mkdir(parents=True, exist_ok=True)

@@ -5,9 +5,9 @@ and sunfleck does not is among them.
 """
 
 from . import world
-from .evaluated import walk
+from .evaluated import simulations, walk
 from .losses import Finding, ordered
-from .materials import colours, principled, sockets
+from .materials import colours, dependence, principled, sockets
 
 
 def check(scene):
@@ -18,7 +18,7 @@ def check(scene):
         found += of_object(thing, scene.render.use_motion_blur)
         if not thing.sunfleck_settings.is_fog:
             materials.update(slot.material for slot in thing.material_slots if slot.material)
-    for collection in walk.layer_collections(walk.view_layer(scene).layer_collection):
+    for collection in simulations.layer_collections(walk.view_layer(scene).layer_collection):
         found += of_collection(collection)
     for material in sorted(materials, key=lambda material: material.name):
         found += of_material(material)
@@ -39,7 +39,7 @@ def rendered(scene):
 
 
 def of_scene(scene):
-    render = scene.render
+    render, layer = scene.render, walk.view_layer(scene)
     said = {
         "no-camera": scene.camera is None,
         "unit-scale": abs(scene.unit_settings.scale_length - 1.0) > 1e-6,
@@ -53,7 +53,9 @@ def of_scene(scene):
         "compositor": render.use_compositing and getattr(scene, "compositing_node_group", None) is not None,
         "sequencer": render.use_sequencer and bool(scene.sequence_editor and scene.sequence_editor.strips_all),
         "freestyle": render.use_freestyle,
-        "color-overrides": walk.view_layer(scene).material_override is not None,
+        "color-overrides": layer.material_override is not None or layer.world_override is not None,
+        "layer-filters": not all(getattr(layer, part) for part in LAYER_PARTS) or (render.use_motion_blur and not layer.use_motion_blur),
+        "camera-culling": render.use_simplify and any(of_cycles(scene, by, False) for by in ("use_camera_cull", "use_distance_cull")),
         "world-volume": world.has_volume(scene),
         "world-rays": bool(scene.world) and not all(of_cycles(scene.world, rays, True, "cycles_visibility") for rays in WORLD_RAYS),
         "shutter-shape": render.use_motion_blur and not is_box(scene),
@@ -70,6 +72,7 @@ def of_scene(scene):
         yield Finding("world-not-exported")
 
 
+LAYER_PARTS = ("use_solid", "use_sky", "use_strand", "use_volumes")
 WORLD_RAYS = ("camera", "diffuse", "glossy", "transmission", "scatter")
 
 
@@ -116,6 +119,8 @@ def of_object(thing, is_blurred):
             yield Finding("camera-aperture", name)
         return
     if thing.sunfleck_settings.is_fog:
+        if thing.type == "MESH" and any(abs(abs(side) - 1.0) > 1e-5 for corner in thing.bound_box for side in corner):
+            yield Finding("fog-not-a-cube", name)
         return
     said = {
         "volume": thing.type == "VOLUME",
@@ -128,7 +133,8 @@ def of_object(thing, is_blurred):
         "shadow-invisible": not thing.visible_shadow,
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
-        "motion-blur-off": is_blurred and not of_cycles(thing, "use_motion_blur", True),
+        "motion-blur-off": is_blurred and not all(of_cycles(thing, blur, True) for blur in ("use_motion_blur", "use_deform_motion")),
+        "adaptive-subdivision": any(getattr(modifier, "use_adaptive_subdivision", False) for modifier in thing.modifiers if modifier.show_render),
     }
     if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:
         yield from (Finding(id, name) for id, is_so in said.items() if is_so)
@@ -180,6 +186,8 @@ def of_material(material):
         return
     if sockets.link_to(output.inputs["Volume"]):
         yield Finding("volume-beside-surface" if sockets.link_to(output.inputs["Surface"]) else "volume-material", name)
+    if dependence.is_transparent(material) and not material.use_transparent_shadow:
+        yield Finding("material-shadows", name)
     if sockets.link_to(output.inputs["Displacement"]) and material.displacement_method != "BUMP":
         yield Finding("displacement", name)
 

@@ -40,11 +40,12 @@ def exported(scene, path, only=None):
     errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotExportable("; ".join(errors))
-    extras.store(scene, path)
     try:
+        extras.store(scene, path)
         made = scenes.export(scene, path, only)
-    except walk.Stopped as stopped:
-        raise NotExportable(str(stopped)) from stopped
+    # Blender raises `RuntimeError` with words for its user, of pictures that it cannot write for example.
+    except (walk.Stopped, OSError, RuntimeError) as problem:
+        raise NotExportable(str(problem).strip()) from problem
     expected, differences = made.compared(File(path))
     return Told(ordered([*findings, *made.findings, *differences]), expected, made.materials)
 

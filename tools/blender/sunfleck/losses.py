@@ -27,7 +27,9 @@ LOSSES = {
     "sequencer": (WARNING, "strips of the sequencer are not rendered"),
     "freestyle": (WARNING, "Freestyle's lines are not drawn"),
     "working-space": (INFO, "colours of the working space are converted to linear Rec. 709"),
-    "color-overrides": (WARNING, "material overrides of view layers are not honoured"),
+    "color-overrides": (WARNING, "the view layer's own material or world is not honoured"),
+    "layer-filters": (WARNING, "surfaces, hair, sky and blur that a view layer leaves out are rendered"),
+    "camera-culling": (WARNING, "what Cycles would cull, far away or beside the picture, is there"),
     # Cameras.
     "camera-panoramic": (WARNING, "panoramic cameras are not exported"),
     "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those of the first camera stay"),
@@ -60,10 +62,14 @@ LOSSES = {
     "point-cloud": (INFO, "points are exported as spheres of 20 sides"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),
     "displacement": (WARNING, "true displacement by materials is not rendered"),
+    "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is subdivided as often as its modifier says"),
+    "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches elsewhere"),
     # Materials.
     "material-baked": (INFO, "the material is baked"),
     "material-not-honoured": (WARNING, "the material is not honoured"),
     "material-lost": (WARNING, "of the material something is lost"),
+    "material-glows": (INFO, "what glows is seen, and lights other things only where light bounces"),
+    "material-shadows": (WARNING, "what is transparent casts shadows that are so too"),
     "material-changes": (WARNING, "the material changes in a way that is not honoured"),
     "instance-colors": (INFO, "colours that differ from instance to instance are rounded to a number of them"),
     # Counts after export.

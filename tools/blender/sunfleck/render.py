@@ -78,9 +78,9 @@ def flags(scene, animation):
     if not render.use_border:
         return found
     width, height = extras.of_scene(scene)["sunfleck"]["resolution"]
-    left, right = (round(width * edge) for edge in (render.border_min_x, render.border_max_x))
-    # Blender counts from the bottom.
-    top, bottom = (round(height * (1.0 - edge)) for edge in (render.border_max_y, render.border_min_y))
+    left, right = (int(width * edge) for edge in (render.border_min_x, render.border_max_x))
+    # Blender counts from the bottom, and leaves out what is no whole pixel there.
+    top, bottom = (height - int(height * edge) for edge in (render.border_max_y, render.border_min_y))
     return [*found, f"--crop={left},{top},{max(right, left + 1)},{max(bottom, top + 1)}"]
 
 

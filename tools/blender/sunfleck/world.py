@@ -13,6 +13,7 @@ import bpy
 
 from . import world_picture
 from .materials.colours import rec709
+from .materials.sockets import link_to
 
 # Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi
@@ -90,22 +91,29 @@ def environment(background):
     """The environment texture that a background shows, if that is what it shows."""
     links = background.inputs["Color"].links
     node = links[0].from_node if links else None
-    return node if node and node.type == "TEX_ENVIRONMENT" and node.image else None
+    return node if node and node.type == "TEX_ENVIRONMENT" and node.image and 0 not in node.image.size else None
 
 
 def turn(texture):
     """How far the picture is turned anticlockwise as seen from above; `None` if otherwise mapped."""
-    links = texture.inputs["Vector"].links
-    node = links[0].from_node if links else None
-    if node is None or node.type == "TEX_COORD":
+    link = link_to(texture.inputs["Vector"])
+    if link is None or is_direction(link):
         return 0.0
-    if node.type != "MAPPING" or any(node.inputs[name].is_linked for name in ("Rotation", "Scale")):
+    node = link.from_node
+    inner = link_to(node.inputs["Vector"]) if node.type == "MAPPING" and not node.mute else None
+    if inner is None or not is_direction(inner) or any(node.inputs[name].is_linked for name in ("Location", "Rotation", "Scale")):
         return None
     x, y, z = node.inputs["Rotation"].default_value
-    if any(abs(angle) > 1e-6 for angle in (x, y)) or any(abs(s - 1.0) > 1e-6 for s in node.inputs["Scale"].default_value):
+    location, scale = node.inputs["Location"].default_value, node.inputs["Scale"].default_value
+    if max(abs(x), abs(y), *map(abs, location), *(abs(s - 1.0) for s in scale)) > 1e-6:
         return None
     # Where a direction is looked up is turned one way, the picture the other.
     return z if node.vector_type == "TEXTURE" else -z
+
+
+def is_direction(link):
+    """Whether it gives the way that one looks."""
+    return link.from_node.type == "TEX_COORD" and link.from_socket.name == "Generated"
 
 
 def copied(source, beside):
@@ -141,7 +149,7 @@ def source_of(image):
 def written(image, path):
     """The name of a file beside `path` with the image, radiances as they are."""
     source = source_of(image)
-    if source and source.suffix.lower() in READ_AS_IT_IS:
+    if source and source.suffix.lower() in READ_AS_IT_IS and image.colorspace_settings.name == "Linear Rec.709":
         return copied(source, path.with_name(f"{path.stem}_sky{source.suffix.lower()}"))
     beside = path.with_name(f"{path.stem}_sky.exr")
     settings_of = bpy.data.scenes.new("sunfleck image")

@@ -14,6 +14,7 @@ import numpy
 import scenes
 import stages
 from sunfleck import export
+from sunfleck.evaluated.readback import File
 from sunfleck.materials import library
 from test_addon import document, inspect
 from test_evaluated import Case
@@ -96,7 +97,7 @@ class Materials(Case):
         self.assertEqual(extensions["KHR_materials_specular"], {"specularColorFactor": [0.5, 0.5, 0.5]})
         self.assertEqual(extensions["KHR_materials_emissive_strength"], {"emissiveStrength": 4.0})
         self.assertEqual(said["emissiveFactor"], [1.0, 0.5, 0.25])
-        self.assertEqual(findings, {})
+        self.assertEqual(set(findings), {"material-glows"})
 
     def test_textures_with_their_coordinates_are_exact(self):
         tree = Tree()
@@ -191,6 +192,41 @@ class Materials(Case):
         self.assertEqual(set(findings), {"material-baked"})
         self.assertEqual([group.name for group in bpy.data.node_groups], ["leaf"])
         self.assertEqual([loss["id"] for loss in inspect(self.path)["losses"]], [])
+
+    def test_a_group_keeps_its_shine(self):
+        tree = Tree()
+        group = bpy.data.node_groups.new("shiny", "ShaderNodeTree")
+        group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+        inner, end = group.nodes.new("ShaderNodeBsdfPrincipled"), group.nodes.new("NodeGroupOutput")
+        inner.inputs["Specular IOR Level"].default_value = 0.25
+        group.links.new(inner.outputs[0], end.inputs[0])
+        node = tree.node("Group")
+        node.node_tree = group
+        tree.link(node.outputs[0], tree.output.inputs["Surface"])
+        said, findings = self.said(tree.material)
+        self.assertEqual(said["extensions"]["KHR_materials_specular"], {"specularColorFactor": [0.5] * 3})
+        self.assertTrue(said["extras"]["sunfleck_material"]["principled"])
+        self.assertEqual(set(findings), {"material-baked"})
+
+    def test_hair_has_the_colours_of_its_roots(self):
+        tree = Tree()
+        tree.link(tree.node("TexImage", image=checks()).outputs["Color"], tree.shader.inputs["Base Color"])
+        emitter = scenes.quad(self.scene, "emitter", 2.0, tree.material)
+        emitter.data.uv_layers.new(name="UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+        settings = emitter.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
+        settings.type, settings.count, settings.hair_length = "HAIR", 20, 0.5
+        emitter.show_instancer_for_render = False
+        export.exported(self.scene, self.path)
+        file = File(self.path)
+        mesh = next(mesh for mesh in file.said["meshes"] if "TEXCOORD_0" in mesh["primitives"][0]["attributes"])
+        primitive = mesh["primitives"][0]
+        indices = file.accessor(primitive["indices"]).ravel()
+        places, uvs = (file.accessor(primitive["attributes"][name])[indices] for name in ("POSITION", "TEXCOORD_0"))
+        # Roots are the lowest corners; the square is two metres wide, and v goes down in glTF as z does towards the camera.
+        roots = places[:, 1] < 1e-3
+        self.assertGreaterEqual(int(roots.sum()), 20)
+        expected = numpy.stack([0.5 + 0.5 * places[roots, 0], 0.5 + 0.5 * places[roots, 2]], axis=1)
+        numpy.testing.assert_allclose(uvs[roots], expected, atol=0.02)
 
     def test_bumps_become_normal_maps(self):
         tree = Tree()

@@ -194,6 +194,10 @@ class CommandLine(Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(list((self.folder / "frames").glob("*.exr"))), 1)
         self.assertEqual(self.call(blend, "paint").returncode, 2)
+        refused = self.call(blend, "export", self.folder / "nowhere" / "out.glb")
+        self.assertEqual(refused.returncode, 3, refused.stderr)
+        self.assertIn("nowhere", refused.stderr)
+        self.assertNotIn("Traceback", refused.stderr)
 
     def test_blender_knows_the_command_while_the_add_on_is_there(self):
         # Blender as a module has no `--command`; what it would call is what is registered.

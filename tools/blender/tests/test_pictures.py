@@ -110,6 +110,9 @@ class Pictures(Case):
             "unit-scale": lambda: setattr(scene.unit_settings, "scale_length", 0.01),
             "shutter-shape": lambda: (setattr(render_settings, "use_motion_blur", True), setattr(scene.cycles, "rolling_shutter_type", "TOP")),
             "camera-aperture": lambda: (setattr(dof, "use_dof", True), setattr(dof, "aperture_ratio", 2.0)),
+            "layer-filters": lambda: setattr(bpy.context.view_layer, "use_sky", False),
+            "color-overrides": lambda: setattr(bpy.context.view_layer, "world_override", bpy.data.worlds.new("other")),
+            "camera-culling": lambda: (setattr(render_settings, "use_simplify", True), setattr(scene.cycles, "use_camera_cull", True)),
             "film-exposure": lambda: (setattr(render_settings, "engine", "CYCLES"), setattr(scene.cycles, "film_exposure", 2.0)),
         }
         for id, switch in switches.items():
@@ -120,6 +123,12 @@ class Pictures(Case):
     def test_every_switch_of_things_that_is_not_honoured_is_said(self):
         thing, sun = bpy.data.objects["quad"], bpy.data.objects["sun"]
         layer = bpy.context.view_layer.layer_collection
+        stages.quad(self.scene, "flat")
+
+        def transparent(material):
+            material.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
+            material.use_transparent_shadow = False
+
         switches = {
             "holdout": lambda: setattr(thing, "is_holdout", True),
             "shadow-catcher": lambda: setattr(thing, "is_shadow_catcher", True),
@@ -132,6 +141,9 @@ class Pictures(Case):
             "volume": lambda: scenes.add(self.scene, "smoke", bpy.data.volumes.new("smoke")),
             "hair": lambda: scenes.add(self.scene, "hair", bpy.data.hair_curves.new("hair")),
             "point-cloud": lambda: scenes.add(self.scene, "points", bpy.data.pointclouds.new("points")),
+            "adaptive-subdivision": lambda: setattr(thing.modifiers.new("finer", "SUBSURF"), "use_adaptive_subdivision", True),
+            "material-shadows": lambda: transparent(thing.data.materials[0]),
+            "fog-not-a-cube": lambda: setattr(bpy.data.objects["flat"].sunfleck_settings, "is_fog", True),
             "grease-pencil": lambda: scenes.add(self.scene, "drawing", bpy.data.grease_pencils.new("drawing")),
         }
         for id, switch in switches.items():

@@ -78,6 +78,7 @@ def run(scene, layer, frames):
 
 
 def layer_collections(top):
+    """A layer's collection and all below it."""
     yield top
     for child in top.children:
         yield from layer_collections(child)

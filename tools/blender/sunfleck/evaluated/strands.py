@@ -1,8 +1,10 @@
 """Hair as ribbons that face the camera, and points as spheres: surfaces for what Cycles has shapes of its own for.
 
 In go strands (points with radii), out come geometries. Invariant: a ribbon is as wide as its strand everywhere, and stays where the
-strand is; its flat side is towards `eye`, a place in the strand's own space.
+strand is; its flat side is towards `eye`, a place in the strand's own space. Its texture coordinates are those of its root.
 """
+
+from dataclasses import dataclass, field
 
 import numpy
 
@@ -10,8 +12,19 @@ from .geometry import Geometry
 
 # Cycles' own where curves have no radius.
 DEFAULT_RADIUS = 0.005
+# Where curves say at which texture coordinates of a surface they stand.
+OF_SURFACE = "surface_uv_coordinate"
 # Straight pieces from point to point of a curve, which Cycles takes for a Catmull-Rom spline.
 PIECES = 4
+
+
+@dataclass
+class Strand:
+    """One hair; `uvs` are texture coordinates of its root, by name."""
+
+    points: numpy.ndarray
+    radii: numpy.ndarray
+    uvs: dict = field(default_factory=dict)
 
 
 def of_curves(curves, eye):
@@ -25,8 +38,22 @@ def of_curves(curves, eye):
     if "radius" in curves.attributes:
         curves.attributes["radius"].data.foreach_get("value", radii)
     starts = [curve.first_point_index for curve in curves.curves] + [count]
-    strands = [smooth(points[a:b], radii[a:b]) for a, b in zip(starts, starts[1:]) if b - a > 1]
+    roots = root_uvs(curves)
+    strands = [
+        Strand(*smooth(points[a:b], radii[a:b]), {name: uv[number] for name, uv in roots.items()})
+        for number, (a, b) in enumerate(zip(starts, starts[1:])) if b - a > 1
+    ]
     return ribbons(curves.name, strands, eye)
+
+
+def root_uvs(curves):
+    """Texture coordinates of each curve, by name."""
+    attribute = curves.attributes.get(OF_SURFACE)
+    if attribute is None or attribute.domain != "CURVE" or attribute.data_type != "FLOAT2":
+        return {}
+    found = numpy.empty((len(curves.curves), 2), "f4")
+    attribute.data.foreach_get("vector", found.ravel())
+    return {OF_SURFACE: found}
 
 
 def smooth(points, radii):
@@ -44,7 +71,8 @@ def smooth(points, radii):
 
 def of_particles(thing, system, eye):
     """Of a particle system's hair, in the object's space; None without any."""
-    settings = system.settings
+    settings, modifier = system.settings, next(one for one in thing.modifiers if getattr(one, "particle_system", None) == system)
+    layers = sorted(enumerate(thing.data.uv_layers), key=lambda layer: not layer[1].active_render)
     steps = 1 << settings.render_step
     parents, children = len(system.particles), len(system.child_particles)
     shown = range(0 if children == 0 or settings.use_parent_particles else parents, parents + children)
@@ -56,7 +84,10 @@ def of_particles(thing, system, eye):
         kept = numpy.linalg.norm(numpy.diff(points, axis=0), axis=1) > 1e-9
         if kept.any():
             kept = numpy.concatenate([[True], kept])
-            strands.append(((points @ local[:3, :3].T + local[:3, 3])[kept], radii[kept]))
+            # Of children Blender looks at the number alone.
+            parent = system.particles[min(number, parents - 1)]
+            uvs = {layer.name: system.uv_on_emitter(modifier, particle=parent, particle_no=number, uv_no=at) for at, layer in layers}
+            strands.append(Strand((points @ local[:3, :3].T + local[:3, 3])[kept], radii[kept], uvs))
     return ribbons(system.name, strands, eye)
 
 
@@ -77,17 +108,19 @@ def ribbons(name, strands, eye):
     if not strands:
         return None
     vertices, triangles, first = [], [], 0
-    for points, radii in strands:
-        points = numpy.asarray(points, float)
+    for strand in strands:
+        points = numpy.asarray(strand.points, float)
         along = numpy.gradient(points, axis=0)
         aside = numpy.cross(along, eye - points)
         lengths = numpy.linalg.norm(aside, axis=1, keepdims=True)
-        aside = numpy.where(lengths > 1e-12, aside / numpy.maximum(lengths, 1e-12), [1.0, 0.0, 0.0]) * radii[:, None]
+        aside = numpy.where(lengths > 1e-12, aside / numpy.maximum(lengths, 1e-12), [1.0, 0.0, 0.0]) * strand.radii[:, None]
         vertices.append(numpy.stack([points - aside, points + aside], axis=1).reshape(-1, 3))
         at = first + 2 * numpy.arange(len(points) - 1)[:, None]
         triangles.append(numpy.concatenate([at + [0, 1, 3], at + [0, 3, 2]], axis=0))
         first += 2 * len(points)
-    return made(name, numpy.concatenate(vertices), numpy.concatenate(triangles))
+    corners = [6 * (len(strand.points) - 1) for strand in strands]
+    uvs = {layer: numpy.repeat(numpy.array([strand.uvs[layer] for strand in strands], "f4"), corners, axis=0) for layer in strands[0].uvs}
+    return made(name, numpy.concatenate(vertices), numpy.concatenate(triangles), uvs)
 
 
 def of_points(cloud):
@@ -117,10 +150,10 @@ def icosahedron():
     return corners * (4.0 * numpy.pi / surface) ** 0.5, numpy.array(outwards)
 
 
-def made(name, vertices, triangles):
+def made(name, vertices, triangles, uvs=None):
     corners = triangles.ravel()
     return Geometry(
         name=name, positions=numpy.asarray(vertices, "f4"), corner_vertices=corners.astype("i4"),
         triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=numpy.zeros(len(triangles), "i4"), normals_of="FACE",
-        normals=numpy.empty((0, 3), "f4"),
+        normals=numpy.empty((0, 3), "f4"), uvs=uvs or {},
     ).fingerprint()

@@ -76,13 +76,6 @@ def view_layer(scene):
     return (rendered or list(scene.view_layers))[0]
 
 
-def layer_collections(top):
-    """A layer's collection and all below it."""
-    yield top
-    for child in top.children:
-        yield from layer_collections(child)
-
-
 @contextmanager
 def registered(cls):
     bpy.utils.register_class(cls)

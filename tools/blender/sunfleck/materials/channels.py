@@ -93,6 +93,7 @@ class Channels:
         parts = within.of(link.from_socket) if link else dict(NOTHING)
         self.nearly |= within.nearly
         self.bends |= within.bends
+        self.principled += within.principled
         found = {}
         for name, part in parts.items():
             if not is_socket(part):

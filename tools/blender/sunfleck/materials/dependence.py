@@ -83,6 +83,16 @@ def is_of_view(material):
     return any(node.type in OF_VIEWS for node in nodes_of(material))
 
 
+def is_transparent(material):
+    """Whether anything of it may let light straight through."""
+    for node in nodes_of(material):
+        if node.type == "BSDF_TRANSPARENT":
+            return True
+        if node.type == "BSDF_PRINCIPLED" and (node.inputs["Alpha"].is_linked or node.inputs["Alpha"].default_value < 1.0):
+            return True
+    return False
+
+
 def is_of_film(material):
     """Whether an image of it changes from frame to frame."""
     return any(getattr(node, "image", None) and node.image.source in {"SEQUENCE", "MOVIE"} for node in nodes_of(material))

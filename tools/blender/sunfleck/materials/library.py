@@ -17,7 +17,7 @@ from . import bake, closures, dependence, instances, principled, sockets
 from .images import Images
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
-from .written import Writer, of_surface
+from .written import Writer, of_surface, shines
 
 # On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces change in every frame.
 MOST_MESHES = 64
@@ -44,6 +44,7 @@ class Look:
     bakes: int = 0
     mean: Surface | None = None
     failed: str = ""
+    glows: bool = False
 
 
 class Library:
@@ -157,13 +158,15 @@ class Library:
         surface = self.baked(material, look, on_mesh) if look.baked else look.surface
         said = writer.material(material.name if material else "default", surface)
         look.losses = sorted({*look.losses, *writer.losses})
-        if material is not None:
-            written = {**custom(material), **extras.of_material(material)}
-            if written:
-                said["extras"] = written
+        written = {**custom(material), **extras.of_material(material)} if material is not None else {}
+        if shines(surface):
+            written["sunfleck_material"] = {**written.get("sunfleck_material", {}), "principled": True}
+        if written:
+            said["extras"] = written
         number = self.document.add("materials", said)
         if material in self.changing and material in self.tracks:
             self.animate(number, said, self.tracks[material])
+        look.glows |= "emissiveFactor" in said
         return number
 
     def baked(self, material, look, on_mesh):
@@ -206,6 +209,8 @@ class Library:
             elif look.baked:
                 texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
                 yield Finding("material-baked", name, f"at {texels} texels, for its {look.baked}")
+            if look.glows:
+                yield Finding("material-glows", name)
             if look.losses:
                 yield Finding("material-lost", name, ", ".join(look.losses))
             if material in self.changing and (look.baked or material not in self.tracks):

@@ -215,7 +215,6 @@ class Writer:
             color = [min(1.0, weight * channel) for channel in tint]
             yield "KHR_materials_sheen", {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))}
 
-
     def through(self):
         """Light that comes out on the other side: glTF has a share of both, and for each a colour of what is not that share."""
         through = self.surface.sources.get("through")
@@ -234,6 +233,12 @@ class Writer:
 def channel_of(pixels, channel):
     """(rows, columns, 3), or 1 of a single channel."""
     return pixels[..., :3] if channel == "rgb" else pixels[..., channel : channel + 1]
+
+
+def shines(surface):
+    """Whether it is more than matte: then its shine is Cycles', which differs from glTF's own."""
+    level, metallic = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic"))
+    return any(not source.is_constant() or source.number() > 0.0 for source in (level, metallic))
 
 
 def number_of(source):

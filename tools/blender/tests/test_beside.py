@@ -1,0 +1,52 @@
+"""Small scenes of every kind beside Cycles, with no bounces: the ratio of the means.
+
+Run with the other tests here (test_addon.py says how). Prints the table that stands in docs/blender-scenes.md.
+"""
+
+import os
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import beside_scenes
+import sunfleck
+from test_addon import PROGRAM
+
+sys.path.append(str(Path(__file__).parents[2]))
+
+from sunfleck_tools.peers import beside
+
+# Enough for a tenth of the bars.
+SAMPLES, CYCLES_SAMPLES = 32, 64
+
+
+class Beside(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        os.environ["SUNFLECK_BAKES"] = folder.name
+        self.addCleanup(os.environ.pop, "SUNFLECK_BAKES")
+        sunfleck.register()
+        self.addCleanup(sunfleck.unregister)
+
+    def test_means(self):
+        for name, (build, bar) in beside_scenes.SCENES.items():
+            if os.environ.get("SUNFLECK_BESIDE", "") not in name:
+                continue
+            with self.subTest(name):
+                begun = time.perf_counter()
+                scene, frame = build()
+                size = (scene.render.resolution_x, scene.render.resolution_y)
+                wish = beside.Wish(PROGRAM, frame, size, SAMPLES, CYCLES_SAMPLES)
+                ours, theirs, findings = beside.pictures(scene, wish, self.folder)
+                ratio = ours.mean() / theirs.mean()
+                said = " ".join(finding.id for finding in findings)
+                print(f"{name:28} {theirs.mean():9.5f} {ratio:9.5f} {time.perf_counter() - begun:6.1f} s  {said}", flush=True)
+                self.assertLess(abs(ratio - 1.0), bar, name)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,48 @@
+"""One frame of a scene in Blender, by sunfleck and by Cycles; the add-on `sunfleck` is registered."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy
+
+from . import cycles
+
+
+@dataclass
+class Wish:
+    """What is to be rendered, and how."""
+
+    program: Path
+    frame: int
+    size: tuple
+    samples: int = 64
+    cycles_samples: int = 256
+    bounces: int = 0
+
+
+def pictures(scene, wish: Wish, folder: Path):
+    """Both, rows from the top, and what the export found. The order matters: it runs the simulations that Cycles then reads."""
+    from sunfleck import export, render
+
+    scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
+    cycles.settings(scene, wish.size, wish.bounces)
+    findings = export.exported(scene, folder / "scene.glb").findings
+    scene.frame_set(wish.frame)
+    command = [wish.program, "render", folder / "scene.glb", *render.flags(scene, False), "--samples", wish.samples, "--bounces", wish.bounces]
+    subprocess.run([*map(str, command), "--passes", "none", "--out", str(folder / "ours.exr")], check=True, capture_output=True)
+    scene.cycles.samples, scene.render.filepath = wish.cycles_samples, str(folder / "cycles.exr")
+    bpy.ops.render.render(write_still=True)
+    return pixels_of(folder / "ours.exr"), pixels_of(folder / "cycles.exr"), findings
+
+
+def pixels_of(path: Path):
+    """Colours, rows from the top."""
+    image = bpy.data.images.load(str(path), check_existing=False)
+    width, height = image.size
+    found = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return found
