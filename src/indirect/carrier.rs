@@ -4,13 +4,25 @@
 use super::grid::Grid;
 use super::harmonics::{COUNT, basis};
 use super::matter::{Matter, Shade};
+use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
 use super::planes::{Layout, Planes};
-use super::sweep::Sources;
 use super::sweep_kernels::{Accumulate, CrossRows, Prepare};
 use super::walls::{WalledNode, Walls, link_of};
 use crate::accel::vectorized;
+use crate::color::Rgb;
 use glam::DVec3;
+
+/// Where light of a sweep comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Sources<'a> {
+    /// Of matter, per metre and steradian.
+    pub(super) of_matter: &'a Moments,
+    /// Radiance that leaves each wall patch, by channel.
+    pub(super) of_walls: &'a [Vec<f32>; 3],
+    /// Radiance from outside along each ordinate.
+    pub(super) inflow: &'a [Rgb],
+}
 
 /// See the module.
 pub(super) struct Carrier<'a> {

@@ -1,11 +1,12 @@
 //! From order to order: sweep, scatter, sweep again. In go first sources and the sky, out comes the light of all orders that are wanted. Invariant: a round adds
 //! one order of scattering, and what is left after the last is a geometric series.
 
+use super::carrier::Sources;
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
-use super::sweep::{Sources, Sweeper};
+use super::sweep::Sweeper;
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::scene::Bounces;
@@ -15,8 +16,9 @@ use std::f64::consts::PI;
 /// Rounds when all of them are wanted.
 const MOST_ROUNDS: u32 = 24;
 const FEWEST_ROUNDS: u32 = 3;
-/// What is left after the last round, as a share of all light: a geometric series tells the rest well when it is small.
-const REST: f64 = 0.003;
+/// What is left after the last round, as a share of all light, when a geometric series tells it well; and by how much a round more may change what it tells.
+const REST: f64 = 0.02;
+const SURPRISE: f64 = 5e-4;
 /// Of light that goes on and on: a closed scene that absorbs nothing has no end.
 const MOST_RATIO: f64 = 0.98;
 
@@ -79,23 +81,17 @@ impl Rounds<'_> {
             Bounces::All => MOST_ROUNDS,
         };
         let dark = vec![Rgb::ZERO; self.ordinates.as_slice().len()];
-        let mut before: Option<[f64; 3]> = None;
+        let mut series = Series::default();
         for round in 1..=rounds {
             if (self.cancelled)() {
                 break;
             }
             let next = self.sweep(&leaving, &dark);
             light.add(&next, [1.0; 3]);
-            let total = next.total();
-            let rest = before.filter(|_| bounces == Bounces::All).map(|before| rest(before, total));
-            before = Some(total);
-            if let Some(rest) = rest {
-                let all = light.total();
-                let left =
-                    |channel: usize| rest[channel] * total[channel] / all[channel].max(f64::MIN_POSITIVE);
-                let is_little = (0..3).all(|channel| left(channel) < REST);
-                if round >= FEWEST_ROUNDS && is_little || round == rounds {
-                    light.add(&next, rest.map(|rest| rest as f32));
+            if bounces == Bounces::All {
+                let told = series.go_on(next.total(), light.total());
+                if round >= FEWEST_ROUNDS && told || round == rounds {
+                    light.add(&next, series.rest.map(|rest| rest as f32));
                     break;
                 }
             }
@@ -142,16 +138,34 @@ impl Scatterers<'_> {
     }
 }
 
-/// What follows a round, in units of it, if it goes on as from the round before.
-fn rest(before: [f64; 3], total: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|channel| {
-        let ratio = if before[channel] > 0.0 {
-            (total[channel] / before[channel]).clamp(0.0, MOST_RATIO)
-        } else {
-            0.0
-        };
-        ratio / (1.0 - ratio)
-    })
+/// A geometric series, by channel.
+#[derive(Default)]
+struct Series {
+    /// The last round's light.
+    last: [f64; 3],
+    /// What follows it, in units of it.
+    rest: [f64; 3],
+    /// All light with that.
+    all: [f64; 3],
+}
+
+impl Series {
+    /// Takes a round's light and the sum of all so far; whether what follows is little, and as expected.
+    fn go_on(&mut self, round: [f64; 3], so_far: [f64; 3]) -> bool {
+        let mut is_told = true;
+        for channel in 0..3 {
+            let ratio = match self.last[channel] {
+                last if last > 0.0 => (round[channel] / last).clamp(0.0, MOST_RATIO),
+                _ => 0.0,
+            };
+            let rest = ratio / (1.0 - ratio);
+            let left = rest * round[channel];
+            let all = so_far[channel] + left;
+            is_told &= left <= REST * all && (all - self.all[channel]).abs() <= SURPRISE * all;
+            (self.last[channel], self.rest[channel], self.all[channel]) = (round[channel], rest, all);
+        }
+        is_told
+    }
 }
 
 /// A wall's radiosity, as radiance.

@@ -4,14 +4,13 @@
 //! Planes of nodes across the ordinate's largest component follow one another; each node takes what leaves the four cells before it, half a cell
 //! of matter, its own source, and half a cell again (a step scheme of second order; Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
 
-use super::carrier::Carrier;
+use super::carrier::{Carrier, Sources};
 use super::grid::Grid;
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
 use super::planes::Layout;
 use super::walls::Walls;
-use crate::color::Rgb;
 use rayon::prelude::*;
 
 /// What is swept over, and the room that it takes.
@@ -21,17 +20,6 @@ pub(super) struct Sweeper<'a> {
     turned: Layout,
     /// By axis, then by channel.
     carriers: Vec<Carrier<'a>>,
-}
-
-/// Where light of a sweep comes from.
-#[derive(Clone, Copy)]
-pub(super) struct Sources<'a> {
-    /// Of matter, per metre and steradian.
-    pub(super) of_matter: &'a Moments,
-    /// Radiance that leaves each wall patch, by channel.
-    pub(super) of_walls: &'a [Vec<f32>; 3],
-    /// Radiance from outside along each ordinate.
-    pub(super) inflow: &'a [Rgb],
 }
 
 impl<'a> Sweeper<'a> {

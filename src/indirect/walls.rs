@@ -81,6 +81,9 @@ impl Walls {
     }
 }
 
+/// Along each axis, which nodes may be ends of links that are cut.
+type Ends = [std::ops::RangeInclusive<i32>; 3];
+
 struct Building<'a> {
     grid: &'a Grid,
     snapshot: &'a Snapshot<'a>,
@@ -113,11 +116,16 @@ impl<'a> Building<'a> {
             return;
         }
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let (first, last) = grid.volume();
+        if low.cmpgt(last).any() || high.cmplt(first).any() {
+            return;
+        }
         let ((grid_low, _), (grid_high, _)) = (grid.place(low), grid.place(high));
-        let (lowest, highest) = (grid.place(grid.position(0)).0, grid.size);
-        debug_assert_eq!(lowest, [0; 3]);
         let reach = 1.75 * grid.cell_m;
-        let range = |axis: usize| grid_low[axis].saturating_sub(1)..(grid_high[axis] + 3).min(highest[axis]);
+        let range =
+            |axis: usize| grid_low[axis].saturating_sub(1)..(grid_high[axis] + 2).min(grid.size[axis]);
+        // Both ends of a link that it crosses are nodes of a cell that it touches.
+        let ends: Ends = [0, 1, 2].map(|axis| grid_low[axis] as i32..=grid_high[axis] as i32 + 1);
         for z in range(2) {
             for y in range(1) {
                 for x in range(0) {
@@ -127,7 +135,7 @@ impl<'a> Building<'a> {
                     if triangle.height(position).abs() > reach {
                         continue;
                     }
-                    self.cut_links(triangle, [x, y, z], node);
+                    self.cut_links(triangle, [x, y, z], &ends);
                     let is_lowest = (0..3).all(|axis| [x, y, z][axis] + 1 < grid.size[axis]);
                     if is_lowest && CellTriangle::is_about(triangle, position, grid.cell_m) {
                         self.about_cell.push((node as u32, CellTriangle::new(triangle, grid, node)));
@@ -138,16 +146,22 @@ impl<'a> Building<'a> {
     }
 
     /// Of links that lead from a node to neighbours that come after it.
-    fn cut_links(&mut self, triangle: &WallTriangle, cell: [usize; 3], node: usize) {
+    fn cut_links(&mut self, triangle: &WallTriangle, cell: [usize; 3], ends: &Ends) {
         let (grid, normal) = (self.grid, triangle.normal);
+        let cell = cell.map(|place| place as i32);
+        let are_ends = |cell: [i32; 3]| (0..3).all(|axis| ends[axis].contains(&cell[axis]));
+        if !are_ends(cell) {
+            return;
+        }
+        let [_, row, layer] = grid.strides().map(|stride| stride as i32);
+        let node = (cell[0] + row * cell[1] + layer * cell[2]) as usize;
         let height = triangle.height(grid.position(node)) / grid.cell_m;
         for link in LINKS / 2 + 1..LINKS {
             let step = [link % 3, link / 3 % 3, link / 9].map(|digit| digit as i32 - 1);
-            let other = [0, 1, 2].map(|axis| cell[axis] as i32 + step[axis]);
-            if (0..3).any(|axis| other[axis] < 0 || other[axis] >= grid.size[axis] as i32) {
+            let other = [0, 1, 2].map(|axis| cell[axis] + step[axis]);
+            if !are_ends(other) {
                 continue;
             }
-            let [_, row, layer] = grid.strides().map(|stride| stride as i32);
             let neighbour = (node as i32 + step[0] + row * step[1] + layer * step[2]) as usize;
             let on_the_way = DVec3::from_array(step.map(f64::from)).dot(normal);
             let (least, most) = (height.min(height + on_the_way), height.max(height + on_the_way));

@@ -29,8 +29,8 @@ impl Snapshot<'_> {
 
     /// Which of its mesh's parts a triangle belongs to.
     pub fn part_of(&self, primitive: PrimitiveId) -> usize {
-        let mesh = self.mesh(primitive.instance as usize);
-        self.parts.part_of(mesh.mesh(), primitive.triangle)
+        let mesh = self.scene.instances[self.placed[primitive.instance as usize].instance].mesh;
+        self.parts.part_of((mesh, &self.scene.meshes[mesh]), primitive.triangle)
     }
 
     /// One of them.

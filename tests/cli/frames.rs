@@ -343,8 +343,9 @@ fn previews_lie_beside_the_frames() {
 fn previews_follow_curve_and_exposure_and_frames_do_not() {
     let studio = Studio::new();
     let picture = |flags: &str, folder: &str| {
-        studio
-            .succeed(&format!("render tiny.ron --frames 1 --size 8x4 --out {folder}/ --preview png {flags}"));
+        studio.succeed(&format!(
+            "render tiny.ron --frames 1 --size 8x4 --bounces 0 --out {folder}/ --preview png {flags}"
+        ));
         let preview = image::open(studio.path(&format!("{folder}/tiny.0001.png"))).unwrap().to_rgb8();
         (studio.bytes(&format!("{folder}/tiny.0001.exr")), preview.into_raw())
     };

@@ -161,7 +161,7 @@ def compare(name, build, arguments, folder):
     glb = folder / "scene.glb"
     export.export(scene, glb)
     ours = folder / "ours.exr"
-    command = [arguments.sunfleck, "render", glb, "--samples", str(arguments.samples), "--passes", "none", "--out", ours]
+    command = [arguments.sunfleck, "render", glb, "--samples", str(arguments.samples), "--passes", "none", "--bounces", "0", "--out", ours]
     subprocess.run(list(map(str, command)), check=True, capture_output=True)
     cycles.settings(scene, SIZE)
     scene.cycles.samples = arguments.cycles_samples

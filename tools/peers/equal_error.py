@@ -186,7 +186,7 @@ def renderers(arguments):
     own_threads = arguments.sunfleck_threads or arguments.threads
 
     def by_sunfleck(source, size, samples, seed, target):
-        given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", own_threads, "--passes", "none"]
+        given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", own_threads, "--passes", "none", "--bounces", "0"]
         return [arguments.sunfleck, "render", source, *given, "--stats", target.with_suffix(".json"), "--out", target]
 
     def by_cycles(source, size, samples, seed, target):

@@ -34,7 +34,7 @@ def measured(radius: float, extinction: float, program: str) -> tuple[float, flo
     with tempfile.TemporaryDirectory() as folder:
         scene, frame = Path(folder, "scene.ron"), Path(folder, "frame.exr")
         scene.write_text(SCENE.format(radius=radius, extinction=extinction))
-        size = ["--size", f"{SIZE[0]}x{SIZE[1]}", "--samples", "256", "--progress", "none"]
+        size = ["--size", f"{SIZE[0]}x{SIZE[1]}", "--samples", "256", "--bounces", "0", "--progress", "none"]
         subprocess.run([program, "render", scene, *size, "--out", frame], check=True, capture_output=True)
         channels = decode(frame)
         ours = np.mean([channels[letter].astype(float).mean() for letter in "RGB"])

@@ -174,7 +174,7 @@ def main():
 
         def ours(samples, seed, at=arguments.size):
             target, before = folder / "ours.exr", seconds_of(resource.RUSAGE_CHILDREN)
-            command = [arguments.sunfleck, "render", bare, "--frames", frames, "--size", at, "--samples", samples, "--seed", seed]
+            command = [arguments.sunfleck, "render", bare, "--frames", frames, "--size", at, "--samples", samples, "--seed", seed, "--bounces", "0"]
             subprocess.run([*map(str, command), "--passes", "none", "--out", str(target)], check=True, capture_output=True)
             return picture(target), seconds_of(resource.RUSAGE_CHILDREN) - before
 

@@ -248,7 +248,7 @@ class Rendered(unittest.TestCase):
         self, scene: Path, renderer: str, samples: int, own_samples: int, folder: Path | None = None, more: list[str] | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """The program's own picture of a scene, and another renderer's."""
-        folder, more = folder or scene.parent, more or []
+        folder, more = folder or scene.parent, more or ["--bounces", "0"]
         own = [*more, "--samples", str(own_samples), "--progress", "none", "--out", f"{folder}/own.####.exr"]
         subprocess.run([PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True)
         theirs = [*more, "--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]

@@ -221,7 +221,7 @@ class Export(Case):
         path = self.folder / "scene.glb"
         export.export(self.scene, path)
         ours = self.folder / "ours.exr"
-        subprocess.run([PROGRAM, "render", str(path), "--passes", "none", "--out", str(ours)], capture_output=True, check=True)
+        subprocess.run([PROGRAM, "render", str(path), "--passes", "none", "--bounces", "0", "--out", str(ours)], capture_output=True, check=True)
         render = self.scene.render
         render.engine, render.image_settings.file_format, render.filepath = "CYCLES", "OPEN_EXR", str(self.folder / "theirs.exr")
         self.scene.cycles.samples, self.scene.cycles.use_denoising = 16, False
