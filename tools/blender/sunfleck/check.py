@@ -119,7 +119,7 @@ def of_object(thing, is_blurred):
             yield Finding("camera-aperture", name)
         return
     if thing.sunfleck_settings.is_fog:
-        if thing.type == "MESH" and any(abs(abs(side) - 1.0) > 1e-5 for corner in thing.bound_box for side in corner):
+        if thing.type == "MESH" and not is_fogs_cube(thing):
             yield Finding("fog-not-a-cube", name)
         return
     said = {
@@ -138,6 +138,12 @@ def of_object(thing, is_blurred):
     }
     if thing.type not in {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}:
         yield from (Finding(id, name) for id, is_so in said.items() if is_so)
+
+
+def is_fogs_cube(thing):
+    """Whether a mesh shows where the cube from -1 to 1 is; along an axis in which it is flat it says nothing."""
+    sides = [(min(axis), max(axis)) for axis in zip(*thing.bound_box)]
+    return all(high == low or (abs(low + 1.0) < 1e-5 and abs(high - 1.0) < 1e-5) for low, high in sides)
 
 
 def shows_hair(settings):
