@@ -17,8 +17,8 @@ use std::f64::consts::PI;
 const MOST_ROUNDS: u32 = 24;
 const FEWEST_ROUNDS: u32 = 3;
 /// What is left after the last round, as a share of all light, when a geometric series tells it well; and by how much a round more may change what it tells.
-const REST: f64 = 0.02;
-const SURPRISE: f64 = 5e-4;
+const REST: f64 = 0.01;
+const SURPRISE: f64 = 2e-4;
 /// Of light that goes on and on: a closed scene that absorbs nothing has no end.
 const MOST_RATIO: f64 = 0.98;
 

@@ -79,7 +79,7 @@ class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
     bounces: IntProperty(
         name="Bounces", default=0, min=0, max=64, description="How often light is scattered beyond direct light and single scattering"
     )
-    all_bounces: BoolProperty(name="All light", description="Light is scattered until nothing is left of it")
+    all_bounces: BoolProperty(name="All light", description="Light is scattered until nothing is left of it", default=True)
     seed: IntProperty(name="Seed", default=0, min=0)
     passes: EnumProperty(name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"shafts", "depth", "leaf-id"})
     use_fog: BoolProperty(name="Fog everywhere", description="Fog without bounds that thins out with height")
