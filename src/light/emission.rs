@@ -98,7 +98,9 @@ impl Cone {
         let a = da * da - cos * cos;
         let half_b = da * xa - cos * cos * x.dot(ray.direction);
         let c = xa * xa - cos * cos * x.length_squared();
-        let discriminant = half_b * half_b - a * c;
+        // half_b^2 - a c with cos^2 taken out, so that nearly flat cones keep their digits.
+        let across = (da * x - xa * ray.direction).length_squared();
+        let discriminant = cos * cos * (across - cos * cos * x.cross(ray.direction).length_squared());
         if discriminant <= 0.0 {
             return [None, None];
         }
@@ -122,6 +124,19 @@ mod tests {
         assert_eq!(cone.falloff(0.4), 0.0);
         assert_eq!(cone.falloff(0.9), 1.0);
         assert!((cone.falloff(0.6) - 0.5).abs() < 1e-15);
+    }
+
+    /// Its cone is nearly a plane, which the ray crosses: found by chance, when the quadratic's discriminant lost its digits.
+    #[test]
+    fn a_nearly_flat_cone_has_a_border() {
+        let axis = DVec3::new(0.08563129501431122, -0.10191341377931044, 0.9911008714586116).normalize();
+        let cone = Cone { axis, cos_outer: (FRAC_PI_2 - 1e-7).cos(), cos_inner: 1.0 };
+        let direction = DVec3::new(0.7277373807464518, -0.10629953267148119, 0.9131622180405322).normalize();
+        let origin = DVec3::new(1.57252818790137, -0.04578456021813493, 1.5835657394855875);
+        let borders = Emission::Spot(cone).borders(&Ray { origin, direction }, DVec3::ZERO);
+        let plane = -origin.dot(axis) / direction.dot(axis);
+        assert!(borders.iter().flatten().all(|border| (border - plane).abs() < 1e-5), "{borders:?} {plane}");
+        assert!(borders.iter().flatten().count() > 0);
     }
 
     proptest! {
