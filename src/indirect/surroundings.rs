@@ -51,8 +51,8 @@ impl WallTriangle {
     }
 }
 
-/// Parts that look alike wherever they are: mesh, material, and the part's number.
-type Looks = ((usize, Option<usize>), usize);
+/// Parts that look alike wherever they are: mesh and material, whether these are its blended triangles, and the part's number.
+type Looks = ((usize, Option<usize>), bool, usize);
 
 /// What a part does to light.
 struct PartScatters {
@@ -78,8 +78,13 @@ struct PlacedPart<'a> {
 }
 
 impl PlacedPart<'_> {
+    /// Whether it stops light as a wall does: what one sees through is matter however large it is.
+    fn is_wall(&self, width_m: f64) -> bool {
+        self.width_m >= width_m && !self.mesh.is_blended
+    }
+
     fn looks(&self) -> Looks {
-        (self.mesh.looks(), self.number)
+        (self.mesh.looks(), self.mesh.is_blended, self.number)
     }
 }
 
@@ -136,7 +141,7 @@ impl<'a> Surroundings<'a> {
 
     /// Small things: parts narrower than `width_m`.
     pub(super) fn surfels(&self, width_m: f64, cell_m: f64) -> Vec<Surfel> {
-        let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| part.width_m < width_m).collect();
+        let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
         let mut scatters: HashMap<Looks, PartScatters> = HashMap::new();
         for leaf in &leaves {
             scatters.entry(leaf.looks()).or_insert_with(|| self.part_scatters(leaf));
@@ -145,13 +150,40 @@ impl<'a> Surroundings<'a> {
             .par_iter()
             .flat_map_iter(|leaf| {
                 let PartScatters { places, mean } = &scatters[&leaf.looks()];
+                if leaf.width_m >= width_m {
+                    return self.pane(leaf, mean, cell_m);
+                }
                 let is_small = leaf.length_m < SMALL_CELLS * cell_m;
                 let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
-                chosen.iter().zip(0..).filter_map(move |(place, number): (&PartPlace, usize)| {
+                let numbered = chosen.iter().enumerate();
+                let surfel = |(number, place): (usize, &PartPlace)| {
                     self.surfel(leaf, place, if is_small { mean } else { &places[number] })
-                })
+                };
+                numbered.filter_map(surfel).collect()
             })
             .collect()
+    }
+
+    /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.
+    fn pane(&self, leaf: &PlacedPart, scatters: &Scatters, cell_m: f64) -> Vec<Surfel> {
+        const MOST_PIECES: f64 = 64.0;
+        let mut surfels = Vec::new();
+        for &triangle in &leaf.part.triangles {
+            let place = PartPlace { triangle, share: 1.0, area: 1.0 };
+            let Some((primitive, whole)) =
+                leaf.mesh.primitive(triangle).zip(self.surfel(leaf, &place, scatters))
+            else {
+                continue;
+            };
+            let [a, b, c] = self.world_corners(primitive);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let count = (longest / cell_m).ceil().clamp(1.0, MOST_PIECES);
+            for (v, w) in middles(count) {
+                let position = a + v * (b - a) + w * (c - a);
+                surfels.push(Surfel { position, area: whole.area / (count * count), ..whole });
+            }
+        }
+        surfels
     }
 
     /// Parts no longer than a cell that have two sides, in the order of their meshes.
@@ -194,7 +226,7 @@ impl<'a> Surroundings<'a> {
 
     /// All else.
     pub(super) fn walls(&self, width_m: f64) -> Vec<WallTriangle> {
-        let walls = self.parts.iter().filter(|part| part.width_m >= width_m);
+        let walls = self.parts.iter().filter(|part| part.is_wall(width_m));
         let triangle = |wall: &PlacedPart<'a>, triangle: u32| {
             let primitive = wall.mesh.primitive(triangle)?;
             let corners = self.world_corners(primitive);
@@ -232,6 +264,18 @@ impl<'a> Surroundings<'a> {
         let area = sides * place.share * area_normal.length() * scatters.cover;
         Some(Surfel { position: (a + b + c) / 3.0, normal, area, scatters: *scatters })
     }
+}
+
+/// The middles of the equal triangles that cutting each side of a triangle in `count` makes, by its second and third corner's weights.
+fn middles(count: f64) -> impl Iterator<Item = (f64, f64)> {
+    let side = count as usize;
+    let middle =
+        move |i: usize, j: usize, third: f64| ((i as f64 + third) / count, (j as f64 + third) / count);
+    (0..side).flat_map(move |i| {
+        let upright = (0..side - i).map(move |j| middle(i, j, 1.0 / 3.0));
+        let turned = (0..(side - i).saturating_sub(1)).map(move |j| middle(i, j, 2.0 / 3.0));
+        upright.chain(turned)
+    })
 }
 
 /// What all places do together, each as much as it covers.
@@ -282,4 +326,20 @@ fn reflectance(point: &SurfacePoint) -> Rgb {
     const COS: f64 = 0.6;
     let coat = point.gloss.as_ref().map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
     (point.albedo * (Rgb::ONE - coat) + coat + point.mirror).clamp(Rgb::ZERO, Rgb::ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::middles;
+
+    #[test]
+    fn pieces_share_out_a_triangle() {
+        for count in [1.0, 2.0, 5.0] {
+            let (number, v, w) = middles(count)
+                .fold((0, 0.0, 0.0), |(number, sum_v, sum_w), (v, w)| (number + 1, sum_v + v, sum_w + w));
+            let all = count * count;
+            assert_eq!(f64::from(number), all);
+            assert!((v / all - 1.0 / 3.0).abs() < 1e-12 && (w / all - 1.0 / 3.0).abs() < 1e-12, "{v} {w}");
+        }
+    }
 }
