@@ -24,7 +24,7 @@ pub(super) struct Sources<'a> {
     pub(super) inflow: &'a [Rgb],
 }
 
-/// See the module.
+/// One of nine: of an axis and a channel.
 pub(super) struct Carrier<'a> {
     pub(super) axis: usize,
     pub(super) channel: usize,

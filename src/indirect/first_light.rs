@@ -232,3 +232,17 @@ fn exp_minus_little(x: Rgb) -> Rgb {
     let even = Rgb::ONE + x * x / 12.0;
     (even - 0.5 * x) / (even + 0.5 * x)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn little_depths_have_their_exponential() {
+        for step in 0..=400 {
+            let x = Rgb::new(0.001, 0.0005, 0.002) * f64::from(step);
+            let exact = Rgb::from_array(x.to_array().map(|x| (-x).exp()));
+            assert!((exp_minus_little(x) - exact).abs().max_element() < 2e-6, "{x}");
+        }
+    }
+}

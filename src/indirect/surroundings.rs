@@ -220,8 +220,11 @@ impl<'a> Surroundings<'a> {
             scatters(self.snapshot, primitive, (a + b + c) / 3.0, normal)
         };
         let places: Vec<Scatters> = leaf.part.places.iter().map(at).collect();
-        let mean = mean(leaf.part, &places);
-        PartScatters { places, mean }
+        let mut mean = MeanScatters::default();
+        for (place, scatters) in leaf.part.places.iter().zip(&places) {
+            mean.add(place.area, scatters);
+        }
+        PartScatters { places, mean: mean.mean() }
     }
 
     /// All else.
@@ -278,24 +281,32 @@ fn middles(count: f64) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// What all places do together, each as much as it covers.
-fn mean(part: &MeshPart, places: &[Scatters]) -> Scatters {
-    let mut mean = Scatters::default();
-    let mut all = 0.0;
-    for (place, scatters) in part.places.iter().zip(places) {
-        let weight = place.area * scatters.cover;
-        mean.reflectance += weight * scatters.reflectance;
-        mean.transmittance += weight * scatters.transmittance;
-        mean.emission += weight * scatters.emission;
-        mean.cover += weight;
-        all += place.area;
+/// What several places do together, each by its area, and in colours as much as it covers.
+#[derive(Default)]
+pub(super) struct MeanScatters {
+    sum: Scatters,
+    area: f64,
+}
+
+impl MeanScatters {
+    pub(super) fn add(&mut self, area: f64, scatters: &Scatters) {
+        let covered = area * scatters.cover;
+        self.sum.reflectance += covered * scatters.reflectance;
+        self.sum.transmittance += covered * scatters.transmittance;
+        self.sum.emission += covered * scatters.emission;
+        self.sum.cover += covered;
+        self.area += area;
     }
-    let [per_cover, per_area] = [mean.cover, all].map(|sum| if sum > 0.0 { 1.0 / sum } else { 0.0 });
-    Scatters {
-        reflectance: per_cover * mean.reflectance,
-        transmittance: per_cover * mean.transmittance,
-        emission: per_cover * mean.emission,
-        cover: per_area * mean.cover,
+
+    pub(super) fn mean(&self) -> Scatters {
+        let [per_cover, per_area] =
+            [self.sum.cover, self.area].map(|sum| if sum > 0.0 { 1.0 / sum } else { 0.0 });
+        Scatters {
+            reflectance: per_cover * self.sum.reflectance,
+            transmittance: per_cover * self.sum.transmittance,
+            emission: per_cover * self.sum.emission,
+            cover: per_area * self.sum.cover,
+        }
     }
 }
 

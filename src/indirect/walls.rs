@@ -3,7 +3,7 @@
 
 use super::grid::Grid;
 use super::occluders::{CLEAR, CellTriangle, Occluders};
-use super::surroundings::{Scatters, WallTriangle, scatters};
+use super::surroundings::{MeanScatters, Scatters, WallTriangle, scatters};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::snapshot::Snapshot;
@@ -44,10 +44,11 @@ impl WalledNode {
 
 /// What nodes see of a wall about one cell, on one side.
 pub(super) struct Patch {
-    /// In world space, the mean of where it is seen.
+    /// In world space, where it was seen first.
     pub(super) position: DVec3,
     /// Towards those who see it.
     pub(super) normal: DVec3,
+    /// On the mean of where it is seen, as walls have textures.
     pub(super) scatters: Scatters,
     /// A triangle of it.
     pub(super) primitive: PrimitiveId,
@@ -71,7 +72,10 @@ impl Walls {
         for triangle in triangles {
             building.add(triangle);
         }
-        let Building { nodes, patches, about_cell, .. } = building;
+        let Building { nodes, mut patches, means, about_cell, .. } = building;
+        for (patch, mean) in patches.iter_mut().zip(means) {
+            patch.scatters = mean.mean();
+        }
         Self { nodes, patches, occluders: Occluders::new(grid, about_cell) }
     }
 
@@ -90,6 +94,8 @@ struct Building<'a> {
     nodes: Vec<WalledNode>,
     number_of: Vec<u32>,
     patches: Vec<Patch>,
+    /// What each of them scatters.
+    means: Vec<MeanScatters>,
     patch_of: HashMap<PatchKey, u32>,
     /// Cells, by their lowest node, and triangles about them.
     about_cell: Vec<(u32, CellTriangle)>,
@@ -103,6 +109,7 @@ impl<'a> Building<'a> {
             nodes: Vec::new(),
             number_of: vec![NO_WALL; grid.count()],
             patches: Vec::new(),
+            means: Vec::new(),
             patch_of: HashMap::new(),
             about_cell: Vec::new(),
         }
@@ -208,19 +215,20 @@ impl<'a> Building<'a> {
         let cell = self.grid.nearest(point + 0.25 * self.grid.cell_m * facing);
         let key = (cell, face, triangle.primitive.instance);
         let next = self.patches.len() as u32;
-        let snapshot = self.snapshot;
-        let patches = &mut self.patches;
-        *self.patch_of.entry(key).or_insert_with(|| {
-            let scatters = scatters(snapshot, triangle.primitive, point, facing);
+        let (patches, means) = (&mut self.patches, &mut self.means);
+        let number = *self.patch_of.entry(key).or_insert_with(|| {
             patches.push(Patch {
                 position: point,
                 normal: facing,
-                scatters,
+                scatters: Scatters::default(),
                 primitive: triangle.primitive,
                 seen_by: Vec::new(),
             });
+            means.push(MeanScatters::default());
             next
-        })
+        });
+        self.means[number as usize].add(1.0, &scatters(self.snapshot, triangle.primitive, point, facing));
+        number
     }
 }
 
