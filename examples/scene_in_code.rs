@@ -43,7 +43,7 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
         mesh: Some("leaf".into()),
         material: Some("gold".into()),
         translation_m: [0.3, 1.3, 1.8].into(),
-        rotation_deg: Animated::cycle([(0.0, [20.0, 0.0, 10.0]), (2.0, [20.0, 360.0, 10.0])]),
+        rotation_deg: Some(Animated::cycle([(0.0, [20.0, 0.0, 10.0]), (2.0, [20.0, 360.0, 10.0])])),
         ..Object::default()
     };
     let crown = Leaves {

@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn table() -> Result<Scene, sunfleck::LoadError> {
     let turn_s = FRAMES as f64 / 24.0;
     let arm = Object {
-        rotation_deg: Animated::cycle([(0.0, [0.0; 3]), (turn_s, [0.0, 360.0, 0.0])]),
+        rotation_deg: Some(Animated::cycle([(0.0, [0.0; 3]), (turn_s, [0.0, 360.0, 0.0])])),
         ..Object::default()
     };
     let placed = |mesh: &str, material: &str, height_m: f64| Object {

@@ -51,6 +51,9 @@ pub enum RenderError {
     /// Whoever looked on said to stop.
     #[error("error: the frame was cancelled\n  expected: time to finish it\n  remedy: render it again")]
     Cancelled,
+    /// The scene holds what no glTF file can.
+    #[error("{0}")]
+    Export(Box<Diagnostic>),
     /// The frame could not be written.
     #[error(
         "error: {0}\n  expected: {expected}\n  remedy: choose a folder that can be written to, with room for the file",

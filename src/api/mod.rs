@@ -24,7 +24,7 @@ pub use frame::Frame;
 pub use lights::{Julia, Light, Sun};
 pub use options::SceneOptions;
 pub use parts::{Aperture, Camera, LeafMotion, Leaves, Material, NormalMap, Object, Shape};
-pub(crate) use plan::{Plan, find_camera};
+pub(crate) use plan::Plan;
 pub use renderer::Renderer;
 pub use scene::{NodePlace, Scene};
 pub use surroundings::{Fog, Sky, SkyLight};

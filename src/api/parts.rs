@@ -8,6 +8,8 @@ use std::path::PathBuf;
 /// A shape.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Shape {
+    /// A Wavefront OBJ file with its materials; like all files it lies relative to the folder that the program runs in.
+    Obj(PathBuf),
     /// A square in the x-z plane, centred, facing +y.
     Quad {
         /// Length of an edge.
@@ -98,7 +100,11 @@ pub struct Object {
     /// Where it is in its parent's space.
     pub translation_m: Animated<[f64; 3]>,
     /// Turned about x, then y, then z.
-    pub rotation_deg: Animated<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_deg: Option<Animated<[f64; 3]>>,
+    /// Turned, as a quaternion `(x, y, z, w)`; not beside `rotation_deg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_quaternion: Option<Animated<[f64; 4]>>,
     /// Scaled before it is turned.
     pub scale: Animated<[f64; 3]>,
     /// Whether it and everything that follows it takes part in the picture. Keys jump.
@@ -108,13 +114,13 @@ pub struct Object {
 
 impl Default for Object {
     fn default() -> Self {
-        let origin = || Animated::Still([0.0; 3]);
         Self {
             mesh: None,
             material: None,
             parent: None,
-            translation_m: origin(),
-            rotation_deg: origin(),
+            translation_m: Animated::Still([0.0; 3]),
+            rotation_deg: None,
+            rotation_quaternion: None,
             scale: Animated::Still([1.0; 3]),
             visible: Animated::Still(true),
         }
@@ -210,9 +216,15 @@ pub struct Camera {
     /// What it looks at, in its parent's space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at_m: Option<Animated<[f64; 3]>>,
+    /// What is up in the picture, beside `look_at_m`; none is +y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<Animated<[f64; 3]>>,
     /// Turned about x, then y, then z, from looking along -z; not beside `look_at_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation_deg: Option<Animated<[f64; 3]>>,
+    /// The same as a quaternion `(x, y, z, w)`; one of the two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_quaternion: Option<Animated<[f64; 4]>>,
     /// Full vertical field of view; none is 45 degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov_deg: Option<Animated<f64>>,
@@ -222,13 +234,30 @@ pub struct Camera {
     /// The lens that blurs what is out of focus; a pinhole without.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aperture: Option<Aperture>,
+    /// Between which two distances along the view surfaces are seen; none is all before the camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip_m: Option<[f64; 2]>,
 }
 
-/// The opening of a lens before a sensor 36 mm wide.
+/// The opening of a lens.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Aperture {
     /// Focal length over the opening's diameter.
     pub f_stop: Animated<f64>,
     /// Distance of the plane in focus, along the view.
     pub focus_distance_m: Animated<f64>,
+    /// With the angle of view it gives the focal length; none is 36 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor_width_mm: Option<f64>,
+    /// Straight blades of the opening, `3..=32`; none is round.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blades: Option<u32>,
+}
+
+impl Aperture {
+    /// A round opening before a sensor 36 mm wide.
+    pub fn new(f_stop: impl Into<Animated<f64>>, focus_distance_m: impl Into<Animated<f64>>) -> Self {
+        let (f_stop, focus_distance_m) = (f_stop.into(), focus_distance_m.into());
+        Self { f_stop, focus_distance_m, sensor_width_mm: None, blades: None }
+    }
 }

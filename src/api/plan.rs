@@ -4,11 +4,13 @@
 use super::error::{RenderError, Setting};
 use super::scene::Scene;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::film;
 use crate::frame_file::Provenance;
 use crate::passes::{Needs, any_needs};
-use crate::render::{self, Job, Method, Rendered, Watch};
+use crate::render::{self, Choice, Job, Method, Rendered, Watch};
+use crate::scanline;
 use crate::scene::{self, RenderSettings, Sampling, Size, Window, matte_id};
-use crate::snapshot::{Exposure, MotionField, Shutter, View};
+use crate::snapshot::{Exposure, MotionField, Shutter, Snapshot, View};
 use crate::transport::MarchSteps;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -62,11 +64,16 @@ impl<'scene> Plan<'scene> {
         Shutter::of(&self.settings, frame as f64)
     }
 
+    /// What the camera sees while a shutter is open, with nothing that passes need.
+    pub(crate) fn exposure_of(&self, shutter: Shutter) -> Exposure<'scene> {
+        let aspect = aspect(self.job.size);
+        Exposure::new(&self.scene.resolved, self.scene.trees(), self.camera, aspect, shutter)
+    }
+
     /// What the camera sees at a frame, with all that the passes need.
     pub(crate) fn exposure(&self, frame: i64) -> Exposure<'scene> {
         let (scene, size) = (&self.scene.resolved, self.job.size);
-        let shutter = self.shutter(frame);
-        let mut exposure = Exposure::new(scene, self.scene.trees(), self.camera, aspect(size), shutter);
+        let mut exposure = self.exposure_of(self.shutter(frame));
         if self.needs(Needs::Motion) {
             let rate = self.settings.frame_rate;
             let times_s = [-1.0, 0.0, 1.0].map(|offset| rate.seconds(frame as f64 + offset));
@@ -81,6 +88,20 @@ impl<'scene> Plan<'scene> {
     /// Renders an exposure of this plan on the current rayon pool.
     pub(crate) fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
         render::render(exposure, &self.job, watch)
+    }
+
+    /// How a frame, or a moment between two, is rendered where nobody says.
+    pub(crate) fn choice(&self, frame: f64) -> Choice {
+        let (scene, shutter) = (&self.scene.resolved, Shutter::of(&self.settings, frame));
+        let aspect = aspect(self.job.size);
+        render::choose(&Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter))
+    }
+
+    /// A look at a frame without rays and shadows, of so many pixels in the shape of the picture.
+    pub(crate) fn draw(&self, frame: i64, size: Size) -> film::Frame {
+        let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
+        let shutter = self.shutter(frame);
+        scanline::draw(&Snapshot::new(scene, self.scene.trees(), self.camera, aspect, shutter), size)
     }
 
     /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a frame asks for,
@@ -203,7 +224,7 @@ fn check_size(size: Size) -> Result<(), RenderError> {
 }
 
 /// The camera of a name, the first without.
-pub(crate) fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<usize, RenderError> {
+fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<usize, RenderError> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
         let names: Vec<_> = scene.cameras.iter().map(|camera| format!("`{}`", camera.name)).collect();

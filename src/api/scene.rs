@@ -1,12 +1,16 @@
 //! A scene as a program holds it. In goes an input, out come frames, names and places. Invariant: a scene that exists is valid,
 //! and its files are not read again.
 
+use super::error::RenderError;
 use crate::description::Description;
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::export::{self, Exported};
+use crate::frame_file;
 use crate::scene::{self, Baking, FrameRate, RenderSettings, ResolveOptions, Size};
 use crate::snapshot::MeshTrees;
 use std::fmt;
 use std::ops::RangeInclusive;
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// A scene in all its frames, and how it wants to be rendered.
@@ -97,8 +101,29 @@ impl Scene {
         self.trees.get_or_init(|| MeshTrees::new(&self.resolved))
     }
 
-    pub(crate) fn into_parts(self) -> (scene::Scene, RenderSettings) {
-        (self.resolved, self.settings)
+    /// Writes it as a binary glTF file, whole or not at all: meshes shared, motion as keys over `frames`. Read back, it gives the
+    /// same pictures but for what is returned.
+    ///
+    /// # Errors
+    /// If it does not fit into a glTF file or the disk says no.
+    pub fn write_glb(
+        &self,
+        path: impl AsRef<Path>,
+        frames: RangeInclusive<i64>,
+    ) -> Result<Vec<Diagnostic>, RenderError> {
+        let exported = self.export(frames).map_err(|error| RenderError::Export(Box::new(error)))?;
+        frame_file::write_whole(path.as_ref(), &[&exported.head, &exported.binary])?;
+        Ok(exported.remarks.told().cloned().collect())
+    }
+
+    /// It as a glTF file with its motion over some frames.
+    pub(crate) fn export(&self, frames: RangeInclusive<i64>) -> Result<Exported, Diagnostic> {
+        export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() })
+    }
+
+    /// SHA-256 over all input files, in hexadecimal digits.
+    pub fn content_hash(&self) -> &str {
+        &self.content_hash
     }
 
     pub(crate) fn resolved(&self) -> &scene::Scene {

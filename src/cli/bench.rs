@@ -7,15 +7,16 @@ mod skips;
 use super::arguments::{BenchArguments, MethodArgument};
 use super::error::usage;
 use super::parse::SizeArgument;
-use super::plan::{find_camera, resized};
+use super::plan::resized;
 use super::saving::clear;
 use super::{CliError, answer, loading, tell};
+use crate::api::{self, Plan, Renderer};
 use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
 use crate::description;
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::frame_file;
 use crate::scene::{self, PixelFilter, RenderSettings, Scene, Size};
-use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use crate::snapshot::Shutter;
 use rayon::ThreadPool;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -25,34 +26,35 @@ use std::time::Instant;
 pub(super) const MOST_PIXELS: f64 = 480.0 * 270.0;
 const QUICK_PIXELS: f64 = 240.0 * 135.0;
 
-/// What is measured: a scene at one moment, seen by one camera.
-struct Subject {
-    scene: Scene,
+/// What is measured: a picture at one moment.
+struct Subject<'a> {
+    plan: Plan<'a>,
+    scene: &'a Scene,
     settings: RenderSettings,
-    camera: usize,
     size: Size,
     shutter: Shutter,
     load_s: f64,
 }
 
-impl Subject {
-    fn new(arguments: &BenchArguments) -> Result<Self, CliError> {
-        let started = Instant::now();
-        let description = description::load(&arguments.input)?;
-        for (flag, output) in [("--csv", &arguments.csv), ("--svg", &arguments.svg)] {
-            if let Some(output) = output {
-                loading::check_not_read(flag, output, &description.files)?;
-            }
+/// The scene; none of its files is written over.
+fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
+    let description = description::load(&arguments.input)?;
+    for (flag, output) in [("--csv", &arguments.csv), ("--svg", &arguments.svg)] {
+        if let Some(output) = output {
+            loading::check_not_read(flag, output, &description.files)?;
         }
-        let (scene, mut settings) =
-            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
-        arguments.scene.check(&scene.remarks)?;
-        let load_s = started.elapsed().as_secs_f64();
-        settings.camera = arguments.camera.clone().or(settings.camera);
-        let camera = find_camera(&scene, settings.camera.as_deref())?;
+    }
+    loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)
+}
+
+impl<'a> Subject<'a> {
+    fn new(scene: &'a api::Scene, arguments: &BenchArguments, load_s: f64) -> Result<Self, CliError> {
+        arguments.scene.check(&scene.resolved().remarks)?;
         let most = if arguments.quick { QUICK_PIXELS } else { MOST_PIXELS };
-        let size = arguments.size.unwrap_or_else(|| SizeArgument::Percent(fitting(settings.size, most)));
-        let size = resized(settings.size, size)?;
+        let size = arguments.size.unwrap_or_else(|| SizeArgument::Percent(fitting(scene.size(), most)));
+        let size = resized(scene.size(), size)?;
+        let plan = Renderer::new(scene).size(size.width, size.height).plan()?;
+        let settings = plan.settings.clone();
         let frame = arguments.frame.unwrap_or(*settings.frames.start());
         if settings.only_these_frames && !settings.frames.contains(&frame) {
             let (first, last) = (settings.frames.start(), settings.frames.end());
@@ -62,14 +64,8 @@ impl Subject {
                 &format!("{first} to {last}"),
             ));
         }
-        let middle_s = settings.frame_rate.seconds(frame as f64);
-        let shutter = Shutter { open_s: middle_s, close_s: middle_s };
-        Ok(Self { scene, settings, camera, size, shutter, load_s })
-    }
-
-    fn exposure(&self, trees: &MeshTrees) -> Exposure<'_> {
-        let aspect = self.size.width as f64 / self.size.height as f64;
-        Exposure::new(&self.scene, trees, self.camera, aspect, self.shutter)
+        let shutter = Shutter::instant(settings.frame_rate.seconds(frame as f64));
+        Ok(Self { plan, scene: scene.resolved(), settings, size, shutter, load_s })
     }
 }
 
@@ -80,7 +76,9 @@ pub(super) fn fitting(size: Size, most: f64) -> f64 {
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
-    let subject = pool(arguments.threads.unwrap_or(0) as usize)?.install(|| Subject::new(arguments))?;
+    let started = Instant::now();
+    let scene = pool(arguments.threads.unwrap_or(0) as usize)?.install(|| load(arguments))?;
+    let subject = Subject::new(&scene, arguments, started.elapsed().as_secs_f64())?;
     if !arguments.skips && subject.settings.filter != PixelFilter::Box {
         tell(&format!("pixels are boxes here, not filtered by `{}`", subject.settings.filter.name()));
     }
@@ -108,8 +106,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
     let one = pool(1)?;
 
     let started = Instant::now();
-    let trees = MeshTrees::new(&subject.scene);
-    let exposure = subject.exposure(&trees);
+    let exposure = subject.plan.exposure_of(subject.shutter);
     let snapshot = exposure.middle();
     let build_s = started.elapsed().as_secs_f64();
     let stage = Stage {
@@ -118,7 +115,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         mirror_depth: subject.settings.mirror_depth,
         planes: (bench::depth_m(snapshot), subject.settings.march_step_m),
     };
-    let triangles = brute_force::triangles(&subject.scene, snapshot.view.eye, subject.shutter.middle_s());
+    let triangles = brute_force::triangles(subject.scene, snapshot.view.eye, subject.shutter.middle_s());
     tell(&format!(
         "{} triangles; loaded in {:.3} s, trees built in {build_s:.3} s (in no row below)",
         triangles.len(),

@@ -1,11 +1,11 @@
 //! Frames on which next to nothing is seen, said once a run with the likeliest cause. In go the events of a run, out comes a
 //! warning. Invariant: frames are written all the same.
 
-use super::plan::Plan;
 use super::tell;
+use crate::api::Plan;
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::film::Dark;
-use crate::scene::{Scene, dark_cause};
+use crate::scene::dark_cause;
 use crate::sequence::Event;
 use std::sync::{Mutex, PoisonError};
 
@@ -41,11 +41,11 @@ impl DarkFrames {
         }
     }
 
-    /// Says why, if there were any; `time_s` has the time of a frame.
-    pub(super) fn tell(&self, scene: &Scene, camera: usize, time_s: impl Fn(i64) -> f64) {
+    /// Says why, if there were any among those of a plan.
+    pub(super) fn tell_of(&self, plan: &Plan) {
         let Counted { frames, dark, first } = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some((frame, Dark { covered })) = first else { return };
-        let cause = dark_cause(scene, camera, time_s(frame), covered);
+        let cause = dark_cause(plan.scene.resolved(), plan.camera, plan.shutter(frame).middle_s(), covered);
         let which = match (dark, frames) {
             (1, 1) => format!("frame {frame} is next to black"),
             (1, _) => format!("1 of {frames} frames is next to black, frame {frame}"),
@@ -54,11 +54,5 @@ impl DarkFrames {
         let found = format!("{which}: {cause}");
         let warning = Diagnostic::warning(Loss::DarkFrame, Place::Nowhere, found);
         tell(&warning.counting(dark).remedy(cause.remedy()).to_string());
-    }
-
-    /// The same of what a plan has rendered.
-    pub(super) fn tell_of(&self, plan: &Plan) {
-        let picture = &plan.picture;
-        self.tell(picture.scene.resolved(), picture.camera, |frame| picture.shutter(frame).middle_s());
     }
 }

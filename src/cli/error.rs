@@ -65,6 +65,7 @@ impl From<RenderError> for CliError {
             RenderError::Setting { setting, found, expected } => usage(flag(setting), found, &expected),
             RenderError::Defective(_) => Self::Frame(error.to_string()),
             RenderError::Write(error) => Self::InputOutput(error.diagnostic().to_string()),
+            RenderError::Export(error) => Self::Scene(Diagnostics(vec![*error])),
             RenderError::Memory(_) | RenderError::Cancelled => Self::InputOutput(error.to_string()),
         }
     }

@@ -5,9 +5,11 @@ use super::arguments::ExportArguments;
 use super::error::usage;
 use super::saving::save;
 use super::{CliError, answer, loading, tell};
+use crate::api::Scene;
+use crate::description;
 use crate::diagnostic::{Diagnostics, shown};
 use crate::sequence::FrameList;
-use crate::{description, export};
+use std::ops::RangeInclusive;
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let output = &arguments.output;
@@ -17,33 +19,32 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let description = description::load(&arguments.input)?;
     loading::check_not_read("OUT.glb", output, &description.files)?;
-    let (scene, mut settings) =
-        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
-    settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
-    if let Some(list) = &arguments.frames {
-        let frames = FrameList::parse(list, settings.frames.clone()).map_err(CliError::Usage)?;
-        let (first, last) = (frames.as_slice().iter().min(), frames.as_slice().iter().max());
-        let (Some(&first), Some(&last)) = (first, last) else {
-            return Err(usage(
-                "--frames",
-                "an animation of no frames".into(),
-                "its first and last frame, such as 1-48",
-            ));
-        };
-        settings.frames = first..=last;
-    }
-    let exported =
-        export::glb(&scene, &settings).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
-    let remarks = Diagnostics([scene.remarks.0.clone(), exported.remarks.0].concat());
+    let scene = loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+    let frames = frames(arguments.frames.as_deref(), &scene)?;
+    let (first, last) = (*frames.start(), *frames.end());
+    let exported = scene.export(frames).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
+    let remarks = Diagnostics([scene.resolved().remarks.0.clone(), exported.remarks.0].concat());
     arguments.scene.check(&remarks)?;
     remarks.told().for_each(|remark| tell(&remark.to_string()));
     save(output, &[&exported.head, &exported.binary])?;
-    let (first, last) = (settings.frames.start(), settings.frames.end());
     answer(&format!(
         "{}: {:.1} MB, {} nodes, {} moving values over frames {first} to {last}",
         shown(output),
         (exported.head.len() + exported.binary.len()) as f64 / 1e6,
-        scene.nodes.len(),
+        scene.nodes().count(),
         exported.channels
     ))
+}
+
+/// From the first to the last frame of a list, or all.
+fn frames(list: Option<&str>, scene: &Scene) -> Result<RangeInclusive<i64>, CliError> {
+    let Some(list) = list else { return Ok(scene.frames()) };
+    let frames = FrameList::parse(list, scene.frames()).map_err(CliError::Usage)?;
+    match (frames.as_slice().iter().min(), frames.as_slice().iter().max()) {
+        (Some(&first), Some(&last)) => Ok(first..=last),
+        _ => {
+            let expected = "its first and last frame, such as 1-48";
+            Err(usage("--frames", "an animation of no frames".into(), expected))
+        }
+    }
 }

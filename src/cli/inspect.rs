@@ -9,32 +9,19 @@ mod units;
 pub(super) use json::losses;
 
 use super::arguments::InspectArguments;
-use super::plan::{find_camera, resized};
+use super::plan::resized;
 use super::{CliError, answer, loading};
+use crate::api::{Plan, Renderer};
 use crate::description;
-use crate::render::{Choice, choose};
-use crate::scene::{RenderSettings, Sampling, Scene};
-use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use crate::scene::{RenderSettings, Scene, Size};
 use std::path::PathBuf;
 
-/// An input, resolved.
-struct Inspected {
+/// An input, and how it would be rendered.
+struct Inspected<'a> {
     input: String,
-    scene_hash: String,
-    scene: Scene,
-    settings: RenderSettings,
-    trees: MeshTrees,
-}
-
-impl Inspected {
-    /// How `--volume auto` renders a frame.
-    fn choice(&self, frame: f64) -> Choice {
-        let Self { scene, settings, .. } = self;
-        let wanted = settings.camera.as_deref();
-        let camera = scene.cameras.iter().position(|camera| wanted == Some(&camera.name)).unwrap_or(0);
-        let aspect = settings.size.width as f64 / settings.size.height as f64;
-        choose(&Exposure::middle_of(scene, &self.trees, camera, aspect, Shutter::of(settings, frame)))
-    }
+    scene: &'a Scene,
+    settings: &'a RenderSettings,
+    plan: &'a Plan<'a>,
 }
 
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
@@ -42,22 +29,21 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     if arguments.dependencies {
         return answer(&dependencies(&description.files));
     }
-    let scene_hash = description.content_hash.clone();
-    let (mut scene, mut settings) =
-        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
+    let scene = loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+    let mut renderer = Renderer::new(&scene);
     if let Some(size) = arguments.size {
-        settings.size = resized(settings.size, size)?;
+        let Size { width, height } = resized(scene.size(), size)?;
+        renderer = renderer.size(width, height);
     }
-    settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
-    settings.sampling = Sampling::said(None, arguments.tolerance).unwrap_or(settings.sampling);
-    settings.camera = arguments.camera.clone().or(settings.camera);
-    find_camera(&scene, settings.camera.as_deref())?;
-    scene.remarks.0.extend(Exposure::remark(&scene, settings.shutter));
-    let input = arguments.input.display().to_string();
-    let trees = MeshTrees::new(&scene);
-    let inspected = Inspected { input, scene_hash, scene, settings, trees };
+    let plan = arguments.tolerance.into_iter().fold(renderer, Renderer::tolerance).plan()?;
+    let inspected = Inspected {
+        input: arguments.input.display().to_string(),
+        scene: scene.resolved(),
+        settings: &plan.settings,
+        plan: &plan,
+    };
     let frames = if arguments.frames.is_empty() {
-        vec![*inspected.settings.frames.start() as f64]
+        vec![*scene.frames().start() as f64]
     } else {
         arguments.frames.clone()
     };
@@ -66,7 +52,7 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     } else {
         text::describe(&inspected, &frames)
     })?;
-    arguments.scene.check(&inspected.scene.remarks)
+    arguments.scene.check(&inspected.plan.remarks)
 }
 
 /// A path a line, from the root of the file system.

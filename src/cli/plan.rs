@@ -10,7 +10,7 @@ use crate::description::{self, LoadError};
 use crate::diagnostic::shown;
 use crate::frame_file;
 use crate::render::Method;
-use crate::scene::{self, RenderSettings, Size, Window};
+use crate::scene::{RenderSettings, Size, Window};
 use crate::sequence::{FrameList, OutputPattern};
 use crate::transport::MarchSteps;
 use std::borrow::Cow;
@@ -129,10 +129,6 @@ pub(super) fn resized(size: Size, argument: SizeArgument) -> Result<Size, CliErr
             Ok(size)
         }
     }
-}
-
-pub(super) fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<usize, CliError> {
-    Ok(api::find_camera(scene, name)?)
 }
 
 pub(super) fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Result<FrameList, CliError> {

@@ -6,17 +6,16 @@ use super::bench::{MOST_PIXELS, fitting};
 use super::darkness::DarkFrames;
 use super::error::usage;
 use super::parse::SizeArgument;
-use super::plan::{find_camera, find_frames, resized};
+use super::plan::{find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
 use super::{CliError, exposure, loading, tell};
+use crate::api::{Plan, Renderer, Scene};
 use crate::description;
 use crate::diagnostic::shown;
 use crate::film::Frame;
 use crate::frame_file::{self, Animation, FrameFileError, Picture};
-use crate::scanline;
-use crate::scene::{FrameRate, RenderSettings, Scene, Size};
+use crate::scene::{FrameRate, RenderSettings, Size};
 use crate::sequence::{FrameList, OutputPattern};
-use crate::snapshot::{MeshTrees, Shutter, Snapshot};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -26,21 +25,11 @@ use std::time::Instant;
 const MOST_ON_SHEET: usize = 64;
 
 /// Where frames come from.
-enum Source {
+enum Source<'a> {
     /// Drawn.
-    Scene(Box<Drawn>),
+    Scene { input: &'a Path, plan: Plan<'a> },
     /// Read.
     Files(BTreeMap<i64, PathBuf>),
-}
-
-/// A scene to be drawn.
-struct Drawn {
-    input: PathBuf,
-    scene: Scene,
-    trees: MeshTrees,
-    camera: usize,
-    size: Size,
-    settings: RenderSettings,
 }
 
 /// What becomes of the pictures.
@@ -56,7 +45,11 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
             .num_threads(arguments.threads.unwrap_or(0) as usize)
             .build()
             .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
-    let (source, settings) = pool.install(|| Source::new(arguments))?;
+    let scene = if arguments.input.is_dir() { None } else { Some(pool.install(|| load(arguments))?) };
+    let (source, settings) = match &scene {
+        None => Source::files(arguments)?,
+        Some(scene) => Source::scene(scene, arguments)?,
+    };
     let frames = find_frames(arguments.frames.as_deref(), &settings)?;
     let frames = source.existing(&frames);
     let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
@@ -96,38 +89,35 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
         size.height
     ));
     // Light in fog is not drawn, so where there is some nobody can tell.
-    if let Source::Scene(drawn) = &source
-        && drawn.scene.fogs.is_empty()
+    if let Source::Scene { plan, .. } = &source
+        && plan.scene.resolved().fogs.is_empty()
     {
-        let middle_s = |frame: i64| Shutter::of(&drawn.settings, frame as f64).middle_s();
-        dark_frames.tell(&drawn.scene, drawn.camera, middle_s);
+        dark_frames.tell_of(plan);
     }
     Ok(())
 }
 
-impl Source {
-    fn new(arguments: &PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
-        if arguments.input.is_dir() {
-            return Self::files(arguments);
-        }
-        let description = description::load(&arguments.input)?;
-        let (scene, mut settings) =
-            loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?.into_parts();
-        arguments.scene.check(&scene.remarks)?;
-        scene.remarks.told().for_each(|remark| tell(&remark.to_string()));
-        settings.frame_rate = arguments.fps.unwrap_or(settings.frame_rate);
-        let name = arguments.camera.clone().or(settings.camera.clone());
-        let camera = find_camera(&scene, name.as_deref())?;
-        let smaller = || SizeArgument::Percent(fitting(settings.size, MOST_PIXELS));
-        let size = resized(settings.size, arguments.size.unwrap_or_else(smaller))?;
-        if size.width * size.height > LARGEST_PICTURE {
-            let found = format!("{}x{} pixels are too many for a preview", size.width, size.height);
+/// The scene that is to be drawn.
+fn load(arguments: &PreviewArguments) -> Result<Scene, CliError> {
+    let description = description::load(&arguments.input)?;
+    loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)
+}
+
+impl<'a> Source<'a> {
+    fn scene(scene: &'a Scene, arguments: &'a PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
+        let whole = scene.size();
+        let smaller = || SizeArgument::Percent(fitting(whole, MOST_PIXELS));
+        let Size { width, height } = resized(whole, arguments.size.unwrap_or_else(smaller))?;
+        if width * height > LARGEST_PICTURE {
+            let found = format!("{width}x{height} pixels are too many for a preview");
             return Err(usage("--size", found, &format!("at most {LARGEST_PICTURE} pixels")));
         }
-        let trees = MeshTrees::new(&scene);
-        let input = arguments.input.clone();
-        let drawn = Drawn { input, scene, trees, camera, size, settings: settings.clone() };
-        Ok((Self::Scene(Box::new(drawn)), settings))
+        let plan = Renderer::new(scene).size(width, height).plan()?;
+        let remarks = &scene.resolved().remarks;
+        arguments.scene.check(remarks)?;
+        remarks.told().for_each(|remark| tell(&remark.to_string()));
+        let settings = plan.settings.clone();
+        Ok((Self::Scene { input: &arguments.input, plan }, settings))
     }
 
     /// The EXR files of a folder, by the number that their names end in.
@@ -166,7 +156,7 @@ impl Source {
     /// Of frames that were asked for those that there are.
     fn existing(&self, frames: &FrameList) -> Vec<i64> {
         let exists = |frame: &i64| match self {
-            Self::Scene(_) => true,
+            Self::Scene { .. } => true,
             Self::Files(files) => files.contains_key(frame),
         };
         frames.as_slice().iter().copied().filter(exists).collect()
@@ -175,7 +165,7 @@ impl Source {
     /// What a frame comes from.
     fn path(&self, frame: i64) -> PathBuf {
         match self {
-            Self::Scene(drawn) => drawn.input.clone(),
+            Self::Scene { input, .. } => input.to_path_buf(),
             Self::Files(files) => files[&frame].clone(),
         }
     }
@@ -184,7 +174,7 @@ impl Source {
     fn auto_exposure_stops(&self, settings: &RenderSettings) -> Result<f64, FrameFileError> {
         let middle = exposure::reference_frame(&settings.frames);
         let frame = match self {
-            Self::Scene(drawn) => drawn.draw(middle, exposure::small(drawn.size)),
+            Self::Scene { plan, .. } => plan.draw(middle, exposure::small(plan.job.size)),
             Self::Files(files) => {
                 let (after, before) = (files.keys().find(|frame| **frame >= middle), files.keys().last());
                 self.frame(after.or(before).copied().unwrap_or(middle))?
@@ -195,19 +185,9 @@ impl Source {
 
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
-            Self::Scene(drawn) => Ok(drawn.draw(frame, drawn.size)),
+            Self::Scene { plan, .. } => Ok(plan.draw(frame, plan.job.size)),
             Self::Files(files) => Ok(frame_file::read(&files[&frame])?.frame),
         }
-    }
-}
-
-impl Drawn {
-    /// A frame of so many pixels, in the shape of the picture.
-    fn draw(&self, frame: i64, size: Size) -> Frame {
-        let Self { scene, trees, camera, settings, .. } = self;
-        let aspect = self.size.width as f64 / self.size.height as f64;
-        let shutter = Shutter::of(settings, frame as f64);
-        scanline::draw(&Snapshot::new(scene, trees, *camera, aspect, shutter), size)
     }
 }
 

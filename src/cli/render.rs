@@ -93,7 +93,7 @@ impl Run<'_> {
                 dark_frames.report(&event);
             },
         )?;
-        dark_frames.tell_of(plan);
+        dark_frames.tell_of(&plan.picture);
         if let Some(number) = stop.signal().filter(|_| summary.stopped) {
             return Err(CliError::Signal(number));
         }

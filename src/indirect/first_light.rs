@@ -120,19 +120,8 @@ impl FirstLight<'_> {
         let snapshot = self.snapshot;
         let opaque = snapshot.tree.nearest_hit(ray, f64::INFINITY, None);
         let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
-        let mut stops: Vec<(f64, SurfacePoint)> = Vec::new();
-        if snapshot.has_blended() {
-            let (mut from, mut leaving) = (0.0, None);
-            while let Some(hit) = {
-                let rest = Ray { origin: ray.at(from), direction: ray.direction };
-                snapshot.blended.nearest_hit(&rest, end - from, leaving)
-            } {
-                let rest = Ray { origin: ray.at(from), direction: ray.direction };
-                let point = snapshot.surface(&rest, &hit);
-                (from, leaving) = (from + hit.t, Some(hit.primitive));
-                stops.push((from, point));
-            }
-        }
+        let blended = snapshot.blended_hits(ray, &(0.0..end), None);
+        let mut stops: Vec<(f64, SurfacePoint)> = blended.into_iter().map(|hit| (hit.t, hit.point)).collect();
         if let Some(hit) = opaque {
             stops.push((end, snapshot.surface(ray, &hit)));
         }

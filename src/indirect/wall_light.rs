@@ -61,20 +61,10 @@ impl WallLight<'_> {
 
     /// What is left of light that comes along a ray from a distance.
     fn reaching(&self, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
-        let snapshot = self.snapshot;
-        if snapshot.tree.any_hit(ray, distance, Some(from)) {
+        let visible = self.snapshot.visibility(ray, distance, Some(from));
+        if visible == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        let mut through = self.fog.dimming.transmittance(ray.origin, ray.direction, distance);
-        if snapshot.has_blended() {
-            let (mut at, mut leaving) = (0.0, Some(from));
-            while through.max_element() > 1e-6 {
-                let rest = Ray { origin: ray.at(at), direction: ray.direction };
-                let Some(hit) = snapshot.blended.nearest_hit(&rest, distance - at, leaving) else { break };
-                through *= snapshot.surface(&rest, &hit).see_through;
-                (at, leaving) = (at + hit.t, Some(hit.primitive));
-            }
-        }
-        through
+        visible * self.fog.dimming.transmittance(ray.origin, ray.direction, distance)
     }
 }

@@ -56,13 +56,6 @@ pub struct Aperture {
     pub blades: u32,
 }
 
-impl Aperture {
-    /// True if it is the same at all times.
-    pub fn is_constant(&self) -> bool {
-        self.f_stop.is_constant() && self.focus_distance_m.is_constant()
-    }
-}
-
 /// How film positions become rays.
 #[derive(Clone, Debug)]
 pub enum Lens {
@@ -97,11 +90,6 @@ impl Lens {
 }
 
 impl Camera {
-    /// True if the lens is the same at all times.
-    pub fn is_constant(&self) -> bool {
-        self.lens.number().is_constant() && self.aperture.as_ref().is_none_or(Aperture::is_constant)
-    }
-
     /// Half the picture's width and height, and its middle, to the right and up, in the plane at
     /// distance 1 (of an orthographic camera in any plane, metres); `aspect` is width / height.
     pub fn picture(&self, aspect: f64, time_s: f64) -> (DVec2, DVec2) {

@@ -15,6 +15,7 @@ mod fog;
 mod from_gltf;
 mod from_ron;
 mod julia;
+mod keyed;
 mod light;
 mod limits;
 mod material;
@@ -44,6 +45,7 @@ pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, 
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use julia::Julia;
+pub use keyed::Keyed;
 pub use light::{AreaShape, Light, LightKind, SunDisc};
 pub use material::{AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painted, Sheen, TextureMap};
 pub use matte::{matte_id, murmur3};
@@ -186,31 +188,5 @@ impl Scene {
     /// The name by which a matte of an instance is found: its node's.
     pub fn matte_name(&self, instance: usize) -> &str {
         &self.nodes[self.instances[instance].node].name
-    }
-
-    /// True if every frame shows the same picture.
-    pub fn is_still(&self) -> bool {
-        let nodes = self.nodes.iter().all(|node| node.motion.is_still() && node.visible.is_constant());
-        let cameras = self.cameras.iter().all(Camera::is_constant);
-        let lights = self.lights.iter().all(|light| {
-            light.power.is_constant() && light.kind.numbers().iter().all(|number| number.is_constant())
-        });
-        let fogs = self.fogs.iter().all(|fog| {
-            let falloff = fog.shape.falloff();
-            fog.density_per_m.is_constant()
-                && fog.albedo.is_constant()
-                && fog.anisotropy.is_constant()
-                && falloff.is_none_or(|falloff| falloff.scale_height_m.is_constant())
-        });
-        let materials = self.materials.iter().all(Material::is_constant);
-        let deformations = self.instances.iter().filter_map(|instance| instance.deformation.as_deref());
-        let sky = self.sky.as_ref().is_none_or(Sky::is_constant);
-        nodes
-            && cameras
-            && lights
-            && fogs
-            && sky
-            && materials
-            && deformations.into_iter().all(Deformation::is_constant)
     }
 }

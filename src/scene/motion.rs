@@ -85,24 +85,6 @@ impl Motion {
             Self::Falling(path) => path.parent_from_leaf(time_s),
         }
     }
-
-    /// True if it is in the same place at all times.
-    pub fn is_still(&self) -> bool {
-        match self {
-            Self::Still(_) => true,
-            Self::Keyed { translation, rotation, scale } => {
-                let turns = match rotation {
-                    Rotation::Quaternion(track) => !track.is_constant(),
-                    Rotation::EulerXyz(track) => !track.is_constant(),
-                };
-                translation.is_constant() && !turns && scale.is_constant()
-            }
-            Self::Aimed { position, target, up } => {
-                position.is_constant() && target.is_constant() && up.is_constant()
-            }
-            Self::Falling(_) => false,
-        }
-    }
 }
 
 impl Rotation {

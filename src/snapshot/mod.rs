@@ -4,6 +4,7 @@
 //! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
 
 mod bent_mesh;
+mod blended;
 mod exposure;
 mod lens;
 mod luminaire;
@@ -25,6 +26,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
+pub use blended::{BlendedHit, NEGLIGIBLE};
 pub use exposure::Exposure;
 pub use lens::View;
 pub use luminaire::Luminaire;

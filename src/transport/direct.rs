@@ -2,7 +2,6 @@
 //! eye. Invariant: what the light falls on and what the eye sees are both judged by the flat triangle, so
 //! a light is either before a surface or behind it, whatever the shading normal says.
 
-use super::visibility::visibility;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
@@ -14,7 +13,7 @@ use std::f64::consts::FRAC_1_PI;
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     let scattered = |light| {
         scattered_if(snapshot, light, point, |shadow_ray, distance| {
-            visibility(snapshot, shadow_ray, distance, Some(point.primitive))
+            snapshot.visibility(shadow_ray, distance, Some(point.primitive))
         })
     };
     lights.iter().map(scattered).sum()

@@ -1,13 +1,13 @@
 //! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit segments: opaque triangles end the light
 //! on an interval of the ray, blended ones dim it there. Invariant: where light begins and ends is never sampled.
 
-use super::visibility::{BlendedHit, Way, blended_hits};
+use super::visibility::Way;
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
 use crate::fog::LitSegments;
 use crate::light::FrozenLight;
 use crate::math::Ray;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{BlendedHit, Snapshot};
 
 /// Into so many equal parts the shadow of a textured triangle is cut; each takes the alpha that the light
 /// to its middle meets.
@@ -100,7 +100,7 @@ pub(super) fn shadows_in_line(
     };
     [1.0, -1.0].into_iter().flat_map(move |sign| {
         let line = Ray { origin: ray.at(from), direction: sign * ray.direction };
-        blended_hits(snapshot, &line, &(0.0..f64::INFINITY), None).into_iter().map(move |hit| {
+        snapshot.blended_hits(&line, &(0.0..f64::INFINITY), None).into_iter().map(move |hit| {
             let t = from + sign * hit.t;
             let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
             (TriangleShadow { primitive: hit.point.primitive, start, end }, hit.point.see_through)

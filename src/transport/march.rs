@@ -3,11 +3,11 @@
 //! but for one number a ray where the steps are jittered.
 
 use super::path::{MarchSteps, Path};
-use super::visibility::{BlendedHit, Way, visibility};
+use super::visibility::Way;
 use crate::color::Rgb;
 use crate::fog::exp_minus;
 use crate::math::Ray;
-use crate::snapshot::{FrozenLight, Snapshot};
+use crate::snapshot::{BlendedHit, FrozenLight, Snapshot};
 
 /// In-scattered radiance of one light by the midpoint rule, or a jittered one.
 pub(super) fn in_scattered(
@@ -63,7 +63,7 @@ pub(super) fn scattered_at(
     if arriving == Rgb::ZERO || scattering == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let visible = visibility(snapshot, &Ray { origin: point, direction: to_light }, light_distance, None);
+    let visible = snapshot.visibility(&Ray { origin: point, direction: to_light }, light_distance, None);
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }

@@ -4,11 +4,11 @@
 use super::path::{Illumination, Path, Scratch, Start, Transport};
 use super::shafts;
 use super::stack::Stack;
-use super::visibility::{BlendedHit, RayEnd, Way, blended_hits, ray_end};
+use super::visibility::{RayEnd, Way, ray_end};
 use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, indirect, sky_light};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
-use crate::snapshot::{Snapshot, SurfacePoint};
+use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
 use std::ops::{Add, AddAssign, Range};
 
 /// A component of the light of a picture.
@@ -205,7 +205,7 @@ impl Path<'_> {
         let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
         let surface = hit.map(|hit| snapshot.surface(ray, &hit));
 
-        let blended = blended_hits(snapshot, ray, &(shown.start..distance.min(shown.end)), leaving);
+        let blended = snapshot.blended_hits(ray, &(shown.start..distance.min(shown.end)), leaving);
         let way = Way { distance, blended, passes_hidden };
         let (shafts, indirect_shafts, fog) = if snapshot.medium.is_empty() {
             (Rgb::ZERO, Rgb::ZERO, Rgb::ONE)

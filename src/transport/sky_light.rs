@@ -7,7 +7,7 @@
 
 use super::direct::scattered_per_radiance;
 use super::path::Path;
-use super::visibility::{Way, visibility};
+use super::visibility::Way;
 use crate::color::{Rgb, luminance};
 use crate::fog::{Medium, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
 use crate::math::{Ray, disc_from_square};
@@ -37,7 +37,7 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
         return Rgb::ZERO;
     }
     let shadow_ray = Ray { origin: point.position, direction: to_sky };
-    let visible = visibility(snapshot, &shadow_ray, f64::INFINITY, Some(point.primitive));
+    let visible = snapshot.visibility(&shadow_ray, f64::INFINITY, Some(point.primitive));
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
@@ -68,7 +68,7 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
     if scattered == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let visible = visibility(snapshot, &Ray { origin: point, direction: to_sky }, f64::INFINITY, None);
+    let visible = snapshot.visibility(&Ray { origin: point, direction: to_sky }, f64::INFINITY, None);
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }

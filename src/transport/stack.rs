@@ -10,11 +10,10 @@
 use super::direct;
 use super::lit_segments::{met_at, shadows_in_line};
 use super::path::Illumination;
-use super::visibility::{BlendedHit, NEGLIGIBLE};
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
 use crate::color::Rgb;
 use crate::math::{Ray, RunningProduct, Sampler};
-use crate::snapshot::{FrozenLight, Snapshot};
+use crate::snapshot::{BlendedHit, FrozenLight, NEGLIGIBLE, Snapshot};
 
 /// To so many surfaces each has shadow rays of its own: less than the walk costs.
 const MANY: usize = 16;
@@ -213,7 +212,7 @@ mod tests {
     };
     use crate::snapshot::{Emission, MeshTrees, Shutter};
     use crate::transport::lit_segments::shade;
-    use crate::transport::visibility::{Way, blended_hits};
+    use crate::transport::visibility::Way;
     use glam::{DAffine3, DVec2, DVec3, Vec2};
     use proptest::prelude::*;
 
@@ -303,7 +302,7 @@ mod tests {
         let trees = MeshTrees::new(&scene);
         let snapshot = Snapshot::new(&scene, &trees, 0, 1.0, Shutter { open_s: 0.0, close_s: 0.0 });
         let ray = Ray { origin: DVec3::ZERO, direction: DVec3::NEG_Z };
-        let blended = blended_hits(&snapshot, &ray, &(0.0..f64::INFINITY), None);
+        let blended = snapshot.blended_hits(&ray, &(0.0..f64::INFINITY), None);
         assert_eq!(blended.len(), count);
         let position = DVec3::new(1.0, 2.0, -4.0);
         let light = lamp(position);
@@ -343,7 +342,7 @@ mod tests {
             let trees = MeshTrees::new(&scene);
             let snapshot = Snapshot::new(&scene, &trees, 0, 1.0, Shutter { open_s: 0.0, close_s: 0.0 });
             let ray = Ray { origin: DVec3::ZERO, direction: DVec3::NEG_Z };
-            let blended = blended_hits(&snapshot, &ray, &(0.0..f64::INFINITY), None);
+            let blended = snapshot.blended_hits(&ray, &(0.0..f64::INFINITY), None);
             prop_assume!(blended.len() > MANY);
             let lights = [
                 sun(DVec3::new(0.3, 1.0, 0.4)),
@@ -376,7 +375,7 @@ mod tests {
             let trees = MeshTrees::new(&scene);
             let snapshot = Snapshot::new(&scene, &trees, 0, 1.0, Shutter { open_s: 0.0, close_s: 0.0 });
             let ray = Ray { origin: DVec3::ZERO, direction: DVec3::NEG_Z };
-            let blended = blended_hits(&snapshot, &ray, &(0.0..f64::INFINITY), None);
+            let blended = snapshot.blended_hits(&ray, &(0.0..f64::INFINITY), None);
             const TRIES: usize = 4000;
             let mut sums = vec![0.0; blended.len()];
             for attempt in 0..TRIES {

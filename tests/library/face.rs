@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 use sunfleck::{
-    Animated, Bounces, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light, Material,
-    Method, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting, Shape, Sky,
-    SkyLight, Species, Sun, Triangles, Wind, Window,
+    Animated, Aperture, Bounces, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light,
+    Material, Method, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting, Shape,
+    Sky, SkyLight, Species, Sun, Triangles, Wind, Window,
 };
 
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
@@ -342,6 +342,76 @@ fn skies_and_textures_of_code_are_those_of_files() {
     let text = "materials: { \"grey\": (texture: \"panes.ppm\", alpha_cutoff: 0.5) },
         sky: Constant(radiance_w_per_m2_sr: 1.0, lights: Surfaces)";
     assert_same_picture(stage().material("grey", masked).sky(even), folder.path(), text);
+}
+
+#[test]
+fn cameras_turns_and_obj_files_of_code_are_those_of_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let obj = folder.path().join("tile.obj");
+    fs::write(&obj, "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n").expect("written");
+    let text = format!(
+        "Scene(version: 1, meshes: {{ \"tile\": Obj({obj:?}) }}, materials: {{ \"grey\": (base_color: 0.5) }},
+        objects: {{ \"tile\": (mesh: \"tile\", material: \"grey\", rotation_quaternion: (0.0, 0.3, 0.0, 1.0)) }},
+        cameras: {{ \"main\": (position_m: (0.0, 0.5, 4.0), look_at_m: (0.0, 0.0, 0.0), up: (1.0, 1.0, 0.0),
+            aperture: (f_stop: 0.1, focus_distance_m: 2.5, sensor_width_mm: 20.0, blades: 5), clip_m: (0.1, 4.1)),
+            \"beside\": (position_m: (1.0, 0.0, 3.0), rotation_quaternion: (0.0, 0.1, 0.0, 1.0)) }},
+        lights: {{ \"sun\": Sun(to_sun: (0.0, 0.2, 1.0), irradiance_w_per_m2: 3.0) }})"
+    );
+    let file = folder.path().join("scene.ron");
+    fs::write(&file, text).expect("written");
+    let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let lens = Aperture { sensor_width_mm: Some(20.0), blades: Some(5), ..Aperture::new(0.1, 2.5) };
+    let main = Camera {
+        position_m: Some([0.0, 0.5, 4.0].into()),
+        look_at_m: Some([0.0; 3].into()),
+        up: Some([1.0, 1.0, 0.0].into()),
+        aperture: Some(lens),
+        clip_m: Some([0.1, 4.1]),
+        ..Camera::default()
+    };
+    let beside = Camera {
+        position_m: Some([1.0, 0.0, 3.0].into()),
+        rotation_quaternion: Some([0.0, 0.1, 0.0, 1.0].into()),
+        ..Camera::default()
+    };
+    let tile = Object {
+        mesh: Some("tile".into()),
+        material: Some("grey".into()),
+        rotation_quaternion: Some([0.0, 0.3, 0.0, 1.0].into()),
+        ..Object::default()
+    };
+    let sun = Sun { to_sun: [0.0, 0.2, 1.0].into(), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
+    let made = built(
+        Scene::builder()
+            .shape("tile", Shape::Obj(obj))
+            .material("grey", grey())
+            .object("tile", tile)
+            .camera("main", main)
+            .camera("beside", beside)
+            .light("sun", Light::Sun(sun)),
+    );
+    for camera in ["main", "beside"] {
+        let beauty = |scene: &Scene| small(scene).camera(camera).render().expect("a frame").beauty();
+        let picture = beauty(&made);
+        assert_eq!(picture, beauty(&read), "{camera}");
+        assert!(picture.mean()[0] > 0.0, "{camera} sees nothing");
+    }
+}
+
+#[test]
+fn a_scene_written_as_gltf_has_the_same_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = built(tile());
+    let path = folder.path().join("tile.glb");
+    let lost = scene.write_glb(&path, 0..=24).unwrap_or_else(|error| panic!("{error}"));
+    assert!(lost.is_empty(), "{lost:?}");
+    let read = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+    let means = |scene: &Scene| small(scene).frame(12).render().expect("a frame").beauty().mean();
+    let (before, after) = (means(&scene), means(&read));
+    assert!(before.iter().zip(&after).all(|(a, b)| (a / b - 1.0).abs() < 1e-3), "{before:?} {after:?}");
+
+    let error = scene.write_glb(path.join("inside.glb"), 0..=24).expect_err("a file is no folder");
+    assert!(matches!(error, RenderError::Write(_)));
 }
 
 #[test]

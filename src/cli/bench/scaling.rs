@@ -15,8 +15,8 @@ pub(super) fn run(
 ) -> Result<(), CliError> {
     let quick = arguments.quick;
     let plan = ScalingPlan {
-        scene: &subject.scene,
-        camera: subject.camera,
+        scene: subject.scene,
+        camera: subject.plan.camera,
         shutter: subject.shutter,
         size: subject.size,
         mirror_depth: subject.settings.mirror_depth,

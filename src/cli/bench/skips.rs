@@ -13,8 +13,8 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
         ))
     })?;
     let plan = SkipsPlan {
-        scene: &subject.scene,
-        camera: subject.camera,
+        scene: subject.scene,
+        camera: subject.plan.camera,
         shutter: subject.shutter,
         job: Job {
             size: subject.size,

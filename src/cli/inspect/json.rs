@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
-    let Inspected { input, scene_hash, scene, settings, .. } = inspected;
+    let Inspected { input, scene, settings, plan } = inspected;
     let rate = settings.frame_rate;
     let (samples, tolerance) = match settings.sampling {
         Sampling::Exactly(samples) => (samples, None),
@@ -18,7 +18,7 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
     };
     let described = json!({
         "input": input,
-        "scene_hash": scene_hash,
+        "scene_hash": plan.scene.content_hash(),
         "name": settings.name,
         "frame_rate": [rate.numerator, rate.denominator],
         "frame_start": settings.frames.start(),
@@ -30,8 +30,8 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
         "animations": scene.animations.iter().map(|animation| describe_animation(animation, settings)).collect::<Vec<_>>(),
         "instances": scene.instances.len(),
         "triangles": scene.instances.iter().map(|i| scene.meshes[i.mesh].triangles.len()).sum::<usize>(),
-        "losses": losses(&scene.remarks),
-        "remarks": scene.remarks.0.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "losses": losses(&plan.remarks),
+        "remarks": plan.remarks.0.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "frames": frames.iter().map(|&frame| describe_frame(inspected, frame)).collect::<Vec<_>>(),
     });
     format!("{described:#}")
@@ -63,7 +63,7 @@ pub(in crate::cli) fn losses(remarks: &Diagnostics) -> Value {
 }
 
 fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
-    let Inspected { scene, settings, .. } = inspected;
+    let Inspected { scene, settings, plan, .. } = inspected;
     let seconds = settings.frame_rate.seconds(frame);
     let placements = scene.placements(seconds);
     let world = |node: usize| row_major(placements[node].world_from_node);
@@ -75,8 +75,7 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
         .lights
         .iter()
         .map(|light| (light.name.as_str(), describe_light(light, world(light.node), seconds)));
-    let wanted = settings.camera.as_deref();
-    let camera = scene.cameras.iter().find(|camera| wanted.is_none_or(|name| name == camera.name));
+    let camera = scene.cameras.get(plan.camera);
     let aspect = settings.size.width as f64 / settings.size.height as f64;
     let describe = |camera: &Camera| {
         let mut described = json!({
@@ -97,7 +96,7 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
     json!({
         "frame": frame,
         "seconds": seconds,
-        "method": inspected.choice(frame).to_string(),
+        "method": plan.choice(frame).to_string(),
         "nodes": by_name(nodes),
         "camera": camera.map(describe),
         "cameras": by_name(scene.cameras.iter().map(|camera| (camera.name.as_str(), describe(camera)))),

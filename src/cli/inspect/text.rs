@@ -24,9 +24,9 @@ pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
 }
 
 fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::Result {
-    let Inspected { input, scene_hash, scene, settings, .. } = inspected;
+    let Inspected { input, scene, settings, plan } = inspected;
     let rate = settings.frame_rate;
-    writeln!(out, "{input}: `{}`, content {}", settings.name, &scene_hash[..12])?;
+    writeln!(out, "{input}: `{}`, content {}", settings.name, &plan.scene.content_hash()[..12])?;
     let (first, last) = (*settings.frames.start(), *settings.frames.end());
     let seconds = |frame: i64| rate.seconds(frame as f64);
     let a_second = match rate.denominator {
@@ -60,14 +60,14 @@ fn write(out: &mut String, inspected: &Inspected, frames: &[f64]) -> std::fmt::R
     }
     writeln!(out, "  method     exact: every light's visibility along every ray is found from the geometry")?;
     for &frame in frames {
-        writeln!(out, "             frame {frame} by {}", inspected.choice(frame))?;
+        writeln!(out, "             frame {frame} by {}", plan.choice(frame))?;
     }
     write_skips(out, inspected)?;
     super::properties::write(out, &scene.properties)?;
-    if scene.remarks.0.is_empty() {
+    if plan.remarks.0.is_empty() {
         writeln!(out, "  remarks    none: everything that the input asks for is honoured")?;
     }
-    for remark in &scene.remarks.0 {
+    for remark in &plan.remarks.0 {
         writeln!(out, "{remark}")?;
     }
     Ok(())

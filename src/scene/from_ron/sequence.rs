@@ -3,8 +3,7 @@
 use super::problems::Problems;
 use crate::description::ron::{self, Frames, Number, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Animate, Bounces, Extend, FrameRate, Motion, RenderSettings, Rotation, Sampling, Scene};
-use crate::scene::{PixelFilter, Size, Track};
+use crate::scene::{Bounces, FrameRate, Keyed, Motion, PixelFilter, RenderSettings, Sampling, Scene, Size};
 use std::collections::BTreeMap;
 
 /// As many as `--volume-steps` takes.
@@ -90,7 +89,7 @@ fn check_march(settings: &RenderSettings, problems: &mut Problems) {
 fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Problems) {
     let seconds = |frame: i64| settings.frame_rate.seconds(frame as f64);
     let (first, last) = (*settings.frames.start(), *settings.frames.end());
-    let Some((start_s, end_s)) = KeyTimes::of(scene) else { return };
+    let Some((start_s, end_s)) = key_span_s(scene) else { return };
     if seconds(last) < start_s || seconds(first) > end_s {
         let frame = |time_s: f64| time_s / settings.frame_rate.seconds(1.0);
         let found = format!("frames {first} to {last} lie outside the animation; nothing would move");
@@ -103,71 +102,12 @@ fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Pr
     }
 }
 
-/// From the first key to the last, in seconds.
-struct KeyTimes {
-    first_s: f64,
-    last_s: f64,
-    /// Something moves at all times, whatever the keys are.
-    endless: bool,
-}
-
-impl KeyTimes {
-    /// `None` if nothing is keyed, or if something moves at all times.
-    fn of(scene: &Scene) -> Option<(f64, f64)> {
-        let mut times = Self { first_s: f64::INFINITY, last_s: f64::NEG_INFINITY, endless: false };
-        for node in &scene.nodes {
-            times.add(&node.visible);
-            times.add_motion(&node.motion);
-        }
-        for camera in &scene.cameras {
-            times.add(camera.lens.number());
-        }
-        for light in &scene.lights {
-            times.add(&light.power);
-            for number in light.kind.numbers() {
-                times.add(number);
-            }
-        }
-        for deformation in scene.instances.iter().filter_map(|instance| instance.deformation.as_ref()) {
-            deformation.weights.iter().for_each(|weight| times.add(weight));
-        }
-        for fog in &scene.fogs {
-            times.add(&fog.density_per_m);
-            times.add(&fog.albedo);
-            times.add(&fog.anisotropy);
-        }
-        if let Some(sky) = &scene.sky {
-            times.add(&sky.strength);
-            times.add(&sky.rotation);
-        }
-        (times.first_s <= times.last_s && !times.endless).then_some((times.first_s, times.last_s))
+/// From the first key to the last, in seconds; none if nothing is keyed, or if something moves at all times.
+fn key_span_s(scene: &Scene) -> Option<(f64, f64)> {
+    let changing = || scene.tracks().filter(|track| !track.is_constant());
+    let falls = scene.nodes.iter().any(|node| matches!(node.motion, Motion::Falling(_)));
+    if falls || changing().any(Keyed::is_endless) {
+        return None;
     }
-
-    fn add<T: Animate>(&mut self, track: &Track<T>) {
-        if let ([first, .., last], false) = (track.keys().as_slice(), track.is_constant()) {
-            self.first_s = self.first_s.min(first.time_s);
-            self.last_s = self.last_s.max(last.time_s);
-            self.endless |= track.extend() == Extend::Cycle;
-        }
-    }
-
-    fn add_motion(&mut self, motion: &Motion) {
-        match motion {
-            Motion::Still(_) => {}
-            Motion::Falling(_) => self.endless = true,
-            Motion::Aimed { position, target, up } => {
-                self.add(position);
-                self.add(target);
-                self.add(up);
-            }
-            Motion::Keyed { translation, rotation, scale } => {
-                self.add(translation);
-                self.add(scale);
-                match rotation {
-                    Rotation::Quaternion(track) => self.add(track),
-                    Rotation::EulerXyz(track) => self.add(track),
-                }
-            }
-        }
-    }
+    changing().filter_map(Keyed::span_s).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }

@@ -139,6 +139,11 @@ impl<T: Animate> Track<T> {
         (0..self.times_s.len()).map(|index| self.key(index)).collect()
     }
 
+    /// Times of the first and the last key, seconds; none without keys.
+    pub fn span_s(&self) -> Option<(f64, f64)> {
+        Some((*self.times_s.first()?, *self.times_s.last()?))
+    }
+
     fn key(&self, index: usize) -> Key<T> {
         let to_next = match &self.to_next {
             Ways::Alike(way) => *way,

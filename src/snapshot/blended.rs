@@ -1,0 +1,54 @@
+//! What surfaces let through. In go a ray and a distance, out comes a transmittance or the blended surfaces that it is the product
+//! of. Invariant: scenes without blended surfaces ask one question of one tree, as if there were no such thing.
+
+use super::{Snapshot, SurfacePoint};
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::math::Ray;
+use std::ops::Range;
+
+/// A transmittance below which nothing is followed any further. All that lies behind counts for this share of its
+/// radiance at most: a hundred thousandth of what single precision tells.
+pub const NEGLIGIBLE: f64 = 1e-12;
+
+/// A blended surface on a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct BlendedHit {
+    /// Where the ray meets it, metres.
+    pub t: f64,
+    /// What is there.
+    pub point: SurfacePoint,
+}
+
+impl Snapshot<'_> {
+    /// The share of light that surfaces let through within `0 < t < distance`; `skip` is where the ray starts.
+    pub fn visibility(&self, ray: &Ray, distance: f64, skip: Option<PrimitiveId>) -> Rgb {
+        if self.tree.any_hit(ray, distance, skip) {
+            return Rgb::ZERO;
+        }
+        let blended = self.blended_hits(ray, &(0.0..distance), skip);
+        blended.iter().fold(Rgb::ONE, |product, hit| product * hit.point.see_through)
+    }
+
+    /// All blended surfaces within a part of a ray, in order, up to where they let next to nothing through.
+    pub fn blended_hits(&self, ray: &Ray, shown: &Range<f64>, skip: Option<PrimitiveId>) -> Vec<BlendedHit> {
+        let mut blended = Vec::new();
+        if !self.has_blended() {
+            return blended;
+        }
+        let (mut from, mut leaving) = (0.0, skip);
+        let mut through = Rgb::ONE;
+        while through.max_element() > NEGLIGIBLE {
+            let rest = Ray { origin: ray.at(from), direction: ray.direction };
+            let Some(hit) = self.blended.nearest_hit(&rest, shown.end - from, leaving) else { break };
+            let point = self.surface(&rest, &hit);
+            from += hit.t;
+            leaving = Some(hit.primitive);
+            if shown.start <= from {
+                through *= point.see_through;
+                blended.push(BlendedHit { t: from, point });
+            }
+        }
+        blended
+    }
+}
