@@ -5,6 +5,7 @@
 mod bearings;
 mod choice;
 mod draws;
+mod grid_error;
 mod lattice;
 mod layout;
 mod places;
@@ -26,6 +27,7 @@ use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{Component, MarchSteps, Transport, VolumeMethod};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
+use grid_error::Solved;
 use refine::{Budget, Goal, Refined};
 use sum::Sum;
 use survey::Survey;
@@ -164,6 +166,9 @@ pub struct Statistics {
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
+    /// By how much the grid of indirect light may make the picture wrong, if blocks were judged: root mean square over the picture of twice the
+    /// difference to cells twice as wide, as a share of its mean.
+    pub grid_error: Option<f64>,
     /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated standard error, as a share of its mean.
     pub noise: Option<f64>,
 }
@@ -214,10 +219,7 @@ impl Job {
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
-    let aspect = job.size.width as f64 / job.size.height as f64;
-    let indirect = (job.bounces != Bounces::NONE)
-        .then(|| Indirect::new(middle, job.bounces, aspect, watch.cancelled))
-        .flatten();
+    let Solved { indirect, error: grid_error } = Solved::new(middle, job, watch.cancelled);
     let indirect = indirect.as_ref();
     let components = components(exposure, indirect);
     let survey = if job.is_judged() {
@@ -256,7 +258,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
     }
-    sum.finish(job, &survey)
+    sum.finish(job, &survey, grid_error.as_ref())
 }
 
 /// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights anything and indirect light

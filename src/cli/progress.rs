@@ -283,7 +283,8 @@ fn as_json(event: &Event) -> Value {
         }
         Event::FrameWritten { frame, path, seconds, clamped, dark, statistics, .. } => json!({
             "event": "frame_written", "frame": frame, "path": text_of(path), "seconds": seconds,
-            "clamped": clamped, "error": statistics.error, "noise": statistics.noise, "dark": dark.is_some(),
+            "clamped": clamped, "error": statistics.error, "noise": statistics.noise,
+            "grid_error": statistics.grid_error, "dark": dark.is_some(),
         }),
         Event::Finished(Summary {
             written,
@@ -306,8 +307,11 @@ fn as_json(event: &Event) -> Value {
 
 /// `, noise 1.8 %`, where there is an estimate, and how much of the frame the tolerance had no samples left for.
 fn quality(statistics: &Statistics) -> String {
-    let Statistics { blocks, unconverged_blocks, noise, .. } = statistics;
-    let noise = noise.map_or_else(String::new, |noise| format!(", noise {}", percent(noise)));
+    let Statistics { blocks, unconverged_blocks, noise, grid_error, .. } = statistics;
+    let told = |what: &str, error: Option<f64>| {
+        error.map_or_else(String::new, |error| format!(", {what} {}", percent(error)))
+    };
+    let noise = told("noise", *noise) + &told("indirect light within", *grid_error);
     match unconverged_blocks {
         0 => noise,
         _ => {

@@ -89,6 +89,7 @@ fn line(event: &Event) -> Option<Value> {
                 blocks,
                 unconverged_blocks,
                 error,
+                grid_error,
                 noise,
             } = statistics;
             json!({
@@ -96,7 +97,7 @@ fn line(event: &Event) -> Option<Value> {
                 "method": if *from_slices { "slices" } else { "rays" }, "slices": slices, "segments": segments,
                 "peak_memory_bytes": peak_memory_bytes(),
                 "samples": samples, "rounds": rounds, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
-                "error": error, "noise": noise, "clamped": clamped, "dark": dark.is_some(),
+                "error": error, "noise": noise, "grid_error": grid_error, "clamped": clamped, "dark": dark.is_some(),
             })
         }
         Event::FrameGivenUp { frame, seconds } => {

@@ -3,7 +3,7 @@
 
 use super::FogBank;
 use super::beer_lambert::exp_minus;
-use super::phase::henyey_greenstein;
+use super::phase::{henyey_greenstein, scattered_before};
 use crate::color::Rgb;
 use crate::light::LightPlace;
 use crate::math::Ray;
@@ -80,6 +80,16 @@ impl Medium {
             .map(|fog| (fog, fog.density(point)))
             .filter(|(_, density)| *density > 0.0)
             .map(|(fog, density)| fog.sigma_s * (density * henyey_greenstein(cos_deflection, fog.g)))
+            .sum()
+    }
+
+    /// The same for light that the peaks of phase functions have scattered so many times before, see [`scattered_before`].
+    pub fn scattering_again_at(&self, point: DVec3, cos_deflection: f64, times: f64) -> Rgb {
+        self.banks
+            .iter()
+            .map(|fog| (fog, fog.density(point)))
+            .filter(|(_, density)| *density > 0.0)
+            .map(|(fog, density)| fog.sigma_s * (density * scattered_before(cos_deflection, fog.g, times)))
             .sum()
     }
 

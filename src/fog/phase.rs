@@ -15,6 +15,24 @@ pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
     (1.0 - g * g) / (4.0 * PI * spread * spread.sqrt())
 }
 
+/// The same of light that was scattered `times` before in the peak that delta-M cuts off, 1/sr.
+///
+/// Each such scattering leaves harmonics up to l = 3 as they were and takes `g^(l - 3)` of the others, so of the phase function's `g^l` there is
+/// `g^(l + times (l - 3))`: a wider lobe, but for the first three harmonics.
+pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
+    if g <= EVEN {
+        return henyey_greenstein(cos_deflection, g);
+    }
+    let factor = g.powf(-3.0 * times);
+    let wide = g.powf(1.0 + times);
+    let legendre = [1.0, cos_deflection, 1.5 * cos_deflection * cos_deflection - 0.5];
+    let kept = (0..3).zip(legendre).map(|(degree, legendre)| {
+        let share = g.powi(degree) - factor * wide.powi(degree);
+        f64::from(2 * degree + 1) / (4.0 * PI) * share * legendre
+    });
+    factor * henyey_greenstein(cos_deflection, wide) + kept.sum::<f64>()
+}
+
 /// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt 1977,
 /// "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
 pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
@@ -36,6 +54,30 @@ pub fn picked_henyey_greenstein(g: f64, cos_deflection: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::math::gauss_legendre;
+
+    #[test]
+    fn what_was_scattered_before_has_the_harmonics_that_it_says() {
+        for (g, times) in [(0.5, 1.0), (0.8, 1.0), (0.8, 1.7), (0.9, 2.5)] {
+            for degree in 0..6_i32 {
+                let legendre = |x: f64| {
+                    let (mut before, mut here) = (1.0, x);
+                    if degree == 0 {
+                        return 1.0;
+                    }
+                    for l in 1..degree {
+                        let l = f64::from(l);
+                        (before, here) = (here, ((2.0 * l + 1.0) * x * here - l * before) / (l + 1.0));
+                    }
+                    here
+                };
+                let density = |x: f64| 2.0 * PI * legendre(x) * scattered_before(x, g, times);
+                let sum: f64 = gauss_legendre(256).iter().map(|(x, weight)| weight * density(*x)).sum();
+                let beyond = f64::from((degree - 3).max(0));
+                let expected = g.powi(degree) * g.powf(times * beyond);
+                assert!((sum - expected).abs() < 1e-6, "{g} {times} {degree}: {sum} {expected}");
+            }
+        }
+    }
 
     #[test]
     fn integrates_to_one_over_the_sphere() {

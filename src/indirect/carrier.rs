@@ -2,6 +2,7 @@
 //! what half a cell does to light.
 
 use super::grid::Grid;
+use super::halo::Halo;
 use super::harmonics::{COUNT, basis};
 use super::matter::{Matter, Shade};
 use super::moments::Moments;
@@ -20,8 +21,17 @@ pub(super) struct Sources<'a> {
     pub(super) of_matter: &'a Moments,
     /// Radiance that leaves each wall patch, by channel.
     pub(super) of_walls: &'a [Vec<f32>; 3],
-    /// Radiance from outside along each ordinate.
-    pub(super) inflow: &'a [Rgb],
+    pub(super) inflow: Inflow<'a>,
+}
+
+/// Radiance from outside.
+#[derive(Clone, Copy)]
+pub(super) enum Inflow<'a> {
+    Nothing,
+    /// Along each ordinate, the same on all sides.
+    Even(&'a [Rgb]),
+    /// Of a larger grid.
+    Around(&'a Halo),
 }
 
 /// One of nine: of an axis and a channel.
@@ -134,8 +144,8 @@ impl<'a> Carrier<'a> {
             let Pair { ordinate, numbers } = self.pairs[number];
             self.prepare(ordinate.direction, sources);
             for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
-                let inflow = sources.inflow[numbers[side]][self.channel] as f32;
-                self.cross(side, &Taps::of(direction, &self.planes), (sources, inflow));
+                let arriving = Arriving { inflow: sources.inflow, ordinate: numbers[side], direction };
+                self.cross(side, &Taps::of(direction, &self.planes), (sources, &arriving));
             }
             let factors = basis(ordinate.direction).map(|value| (ordinate.weight * value) as f32);
             let [along, against] = &self.radiance;
@@ -161,16 +171,24 @@ impl<'a> Carrier<'a> {
     }
 
     /// Carries light from plane to plane.
-    fn cross(&mut self, side: usize, taps: &Taps, (sources, inflow): (&Sources, f32)) {
+    fn cross(&mut self, side: usize, taps: &Taps, (sources, arriving): (&Sources, &Arriving)) {
         let planes = self.planes;
         let row = planes.row();
-        self.before.fill(inflow);
-        self.behind.fill(inflow);
+        arriving.fill(
+            &mut self.before,
+            &planes,
+            self.channel,
+            if taps.backwards < 0 { -1 } else { planes.count[0] as i32 },
+        );
+        arriving.fill(&mut self.behind, &planes, self.channel, 0);
         let here = row + 1;
         let first = [0, 1, 2, 3].map(|tap| planes.shifted(here, taps.step(tap)));
         for number in 0..planes.count[0] {
             let plane = if taps.backwards < 0 { number } else { planes.count[0] - 1 - number };
             let nodes = plane * planes.stride[0]..;
+            if let Inflow::Around(_) = arriving.inflow {
+                arriving.fill(&mut self.behind, &planes, self.channel, plane as i32);
+            }
             vectorized(CrossRows {
                 shares: taps.shares,
                 before: &self.before,
@@ -215,6 +233,41 @@ impl<'a> Carrier<'a> {
             let middle = entering * through + added;
             self.radiance[side][node] = middle;
             self.behind[here] = middle * through + added;
+        }
+    }
+}
+
+/// What comes from outside along one ordinate.
+struct Arriving<'a> {
+    inflow: Inflow<'a>,
+    /// Its number.
+    ordinate: usize,
+    /// Of travel.
+    direction: DVec3,
+}
+
+impl Arriving<'_> {
+    /// The rim of a plane, and all of one before the first or past the last.
+    fn fill(&self, into: &mut [f32], planes: &Planes, channel: usize, plane: i32) {
+        let halo = match self.inflow {
+            Inflow::Nothing => return into.fill(0.0),
+            Inflow::Even(radiances) => return into.fill(radiances[self.ordinate][channel] as f32),
+            Inflow::Around(halo) => halo,
+        };
+        let basis = basis(self.direction).map(|value| value as f32);
+        let [count, rows, columns] = planes.count.map(|count| count as i32);
+        let is_outside = plane < 0 || plane == count;
+        for row in -1..=rows {
+            let is_rim = is_outside || row < 0 || row == rows;
+            let step = if is_rim { 1 } else { columns as usize + 1 };
+            for column in (-1..=columns).step_by(step) {
+                let mut place = [0; 3];
+                for (axis, index) in planes.axes.into_iter().zip([plane, row, column]) {
+                    place[axis] = index;
+                }
+                let at = (row + 1) as usize * planes.row() + (column + 1) as usize;
+                into[at] = halo.radiance(place, channel, &basis);
+            }
         }
     }
 }

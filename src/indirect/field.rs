@@ -4,7 +4,8 @@
 use super::first_light::FirstLight;
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
-use super::harmonics::{COUNT, DEGREE, basis, by_lobe, irradiance_lobe};
+use super::halo::Halo;
+use super::harmonics::{COUNT, DEGREE, Lobe, basis, by_lobe};
 use super::matter::Matter;
 use super::moments::NodeMoments;
 use super::occluders::OFF_WALL;
@@ -20,12 +21,6 @@ use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
 
-/// Nodes of a grid, about.
-const NODES: f64 = 30_000.0;
-/// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
-const LEAVES_PER_CELL: f64 = 2.0;
-/// Along the longest side, however large leaves are.
-const FEWEST_CELLS: f64 = 16.0;
 /// Things at least so many cells wide are walls.
 const WALL_CELLS: f64 = 2.0;
 
@@ -39,9 +34,20 @@ pub(super) struct Gathered {
     glows: Vec<Rgb>,
 }
 
+/// What a field is solved for.
+pub(super) struct Context<'a> {
+    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) surroundings: &'a Surroundings<'a>,
+    pub(super) bounces: Bounces,
+    /// Once it says true, what comes is of no use.
+    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
 /// Light of all orders at the nodes of a world grid.
 pub(super) struct Field {
     grid: Grid,
+    /// The same on a larger and coarser grid about it.
+    outer: Option<Box<Field>>,
     walls: Walls,
     /// All that surfaces get.
     light: NodeMoments,
@@ -53,16 +59,16 @@ pub(super) struct Field {
 }
 
 impl Field {
-    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of no use.
-    pub(super) fn new(
-        snapshot: &Snapshot,
-        surroundings: &Surroundings,
-        bounces: Bounces,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
-        let grid = grid(snapshot, surroundings)?;
+    /// Solves it on grids, the innermost first: from the outermost inwards.
+    pub(super) fn on(grids: Vec<Grid>, context: &Context) -> Option<Self> {
+        grids.into_iter().rev().fold(None, |outer, grid| Some(Self::new(grid, outer, context)))
+    }
+
+    fn new(grid: Grid, outer: Option<Self>, context: &Context) -> Self {
+        let &Context { snapshot, surroundings, bounces, cancelled } = context;
         let width = WALL_CELLS * grid.cell_m;
-        let surfels = surroundings.surfels(width, grid.cell_m);
+        let mut surfels = surroundings.surfels(width, grid.cell_m);
+        surfels.retain(|surfel| grid.holds(surfel.position));
         let wall_triangles = surroundings.walls(width);
         let are_walls = wall_triangles.iter().map(|triangle| triangle.primitive).collect();
         let walls = Walls::new(&grid, snapshot, &wall_triangles).introduce();
@@ -85,31 +91,55 @@ impl Field {
         let scatterers = Scatterers { matter: &matter, walls: &walls };
         let rounds =
             Rounds { sweeper, scatterers, ordinates: &ordinates, sky: snapshot.sky, has_sky, cancelled };
-        let (light, unseen_by_fog) = rounds.run(bounces, first_sources, &wall_light.irradiances());
+        let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog(world)));
+        let (light, unseen_by_fog) =
+            rounds.run(bounces, first_sources, &wall_light.irradiances(), halo.as_ref());
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();
             seen.add(&unseen, [-1.0; 3]);
             NodeMoments::of(&seen)
         });
-        Some(Self { grid, walls, light: NodeMoments::of(&light), light_in_fog, glows, has_sky })
+        let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
+        Self { grid, outer, walls, light, light_in_fog, glows, has_sky }
     }
 
-    /// The irradiance on a surface at a place of world space on the side that `normal` faces, W/m^2.
-    pub(super) fn irradiance(&self, world: DVec3, normal: DVec3) -> Rgb {
-        let corners = self.corners_before(world, normal);
-        self.on_surface(&self.light.mean(&corners), |glow| self.glows[glow].mean(&corners), normal)
+    /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
+    pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
+        self.across_levels(world, &|field| {
+            let corners = field.corners_before(world, lobe.axis);
+            field.on_surface(&field.light.mean(&corners), |glow| field.glows[glow].mean(&corners), lobe)
+        })
+    }
+
+    /// What grids find at a place, mixed where one goes over into a larger.
+    fn across_levels(&self, world: DVec3, ask: &dyn Fn(&Self) -> Rgb) -> Rgb {
+        let Some(outer) = &self.outer else { return ask(self) };
+        match self.grid.share(world) {
+            1.0 => ask(self),
+            0.0 => outer.across_levels(world, ask),
+            share => share * ask(self) + (1.0 - share) * outer.across_levels(world, ask),
+        }
+    }
+
+    /// The finest that has a place.
+    fn level_at(&self, world: DVec3) -> &Self {
+        match &self.outer {
+            Some(outer) if self.grid.share(world) < 0.5 => outer.level_at(world),
+            _ => self,
+        }
     }
 
     /// What comes to a place of world space on the side that `normal` faces.
     pub(super) fn gather(&self, world: DVec3, normal: DVec3) -> Gathered {
-        let corners = self.corners_before(world, normal);
-        let glows = self.glows.iter().map(|glow| glow.mean(&corners)).collect();
-        Gathered { moments: self.light.mean(&corners), glows }
+        let field = self.level_at(world);
+        let corners = field.corners_before(world, normal);
+        let glows = field.glows.iter().map(|glow| glow.mean(&corners)).collect();
+        Gathered { moments: field.light.mean(&corners), glows }
     }
 
-    /// The irradiance that it is on a surface that faces `normal`, W/m^2.
-    pub(super) fn irradiance_of(&self, gathered: &Gathered, normal: DVec3) -> Rgb {
-        self.on_surface(&gathered.moments, |glow| gathered.glows[glow], normal)
+    /// What of it a lobe gathers; by a cosine that is irradiance, W/m^2.
+    pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe) -> Rgb {
+        self.on_surface(&gathered.moments, |glow| gathered.glows[glow], lobe)
     }
 
     /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
@@ -122,10 +152,10 @@ impl Field {
         )
     }
 
-    fn on_surface(&self, moments: &[[f32; COUNT]; 3], arriving: impl Fn(usize) -> Rgb, normal: DVec3) -> Rgb {
-        let mut irradiance = by_lobe(&irradiance_lobe(normal), moments);
+    fn on_surface(&self, moments: &[[f32; COUNT]; 3], arriving: impl Fn(usize) -> Rgb, lobe: &Lobe) -> Rgb {
+        let mut irradiance = by_lobe(&lobe.of_travel(), moments);
         for (number, glow) in self.glows.iter().enumerate() {
-            let cos = -glow.travel.dot(normal);
+            let cos = -glow.travel.dot(lobe.axis);
             if cos > 0.0 {
                 irradiance += cos * arriving(number);
             }
@@ -133,31 +163,41 @@ impl Field {
         irradiance
     }
 
-    /// What of suns goes on nearly straight at a place of world space: directions of travel, and the irradiance on planes that face them.
-    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb)> {
-        let corners = self.walls.occluders.corners(&self.grid, world, world);
-        self.glows.iter().map(move |glow| (glow.travel, glow.mean(&corners)))
+    /// What of suns goes on nearly straight at a place of world space: with its irradiance on a plane that faces it, and how often it was scattered.
+    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (&Glow, Rgb, f64)> {
+        let field = self.level_at(world);
+        let corners = field.walls.occluders.corners(&field.grid, world, world);
+        field.glows.iter().map(move |glow| (glow, glow.mean(&corners), glow.mean_times(&corners)))
     }
 
     /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction
     /// radiance.
     pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
-        let moments = self.about(world, world, self.light_in_fog.as_ref().unwrap_or(&self.light));
         let basis = basis(travel);
-        let of_channel = |channel: usize| -> f64 {
-            let harmonic = |index: usize| {
-                scattering[DEGREE[index]][channel] * basis[index] * f64::from(moments[channel][index])
+        self.across_levels(world, &|field| {
+            let moments = field.moments_in_fog(world);
+            let of_channel = |channel: usize| -> f64 {
+                let harmonic = |index: usize| {
+                    scattering[DEGREE[index]][channel] * basis[index] * f64::from(moments[channel][index])
+                };
+                (0..COUNT).map(harmonic).sum()
             };
-            (0..COUNT).map(harmonic).sum()
-        };
-        Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+            Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+        })
+    }
+
+    /// What fog at a place of world space gets, of the nodes that no wall hides from it.
+    fn moments_in_fog(&self, world: DVec3) -> [[f32; COUNT]; 3] {
+        let corners = self.walls.occluders.corners(&self.grid, world, world);
+        self.light_in_fog.as_ref().unwrap_or(&self.light).mean(&corners)
     }
 
     /// Whether a wall stands between two places of world space that are less than a cell apart.
     pub(super) fn has_wall_between(&self, a: DVec3, b: DVec3) -> bool {
-        let lowest = [a, b].map(|place| self.grid.corners(place).nodes[0]);
-        self.walls.occluders.hide(&self.grid, lowest[0], a, b)
-            || lowest[0] != lowest[1] && self.walls.occluders.hide(&self.grid, lowest[1], a, b)
+        let Self { grid, walls, .. } = self.level_at(b);
+        let lowest = [a, b].map(|place| grid.corners(place).nodes[0]);
+        walls.occluders.hide(grid, lowest[0], a, b)
+            || lowest[0] != lowest[1] && walls.occluders.hide(grid, lowest[1], a, b)
     }
 
     /// The distance of nodes, metres.
@@ -165,38 +205,14 @@ impl Field {
         self.grid.cell_m
     }
 
-    /// Where it ends, in world space.
+    /// Where the innermost grid ends, in world space.
     pub(super) fn volume(&self) -> (DVec3, DVec3) {
         self.grid.volume()
     }
 
-    /// Moments about a place, of the nodes that no wall hides from `seen_from`.
-    #[inline]
-    fn about(&self, place: DVec3, seen_from: DVec3, moments: &NodeMoments) -> [[f32; COUNT]; 3] {
-        moments.mean(&self.walls.occluders.corners(&self.grid, place, seen_from))
+    /// Where the outermost ends, if there are more than one.
+    pub(super) fn outer_volume(&self) -> Option<(DVec3, DVec3)> {
+        let outer = self.outer.as_ref()?;
+        Some(outer.outer_volume().unwrap_or_else(|| outer.volume()))
     }
-}
-
-/// The nodes: about all fog that has bounds and all leaves; without either, about everything.
-fn grid(snapshot: &Snapshot, surroundings: &Surroundings) -> Option<Grid> {
-    let world =
-        |(low, high): (DVec3, DVec3)| (snapshot.world_from_relative(low), snapshot.world_from_relative(high));
-    let union = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-    let all = surroundings.bounds(0.0..f64::INFINITY);
-    let fog = snapshot.medium.banks().iter().filter_map(|bank| bank.bounds()).map(world).reduce(union);
-    let diagonal = |(low, high): (DVec3, DVec3)| (high - low).length();
-    let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
-    let leaves = surroundings.bounds(0.0..widest);
-    let (low, high) = [fog, leaves].into_iter().flatten().reduce(union).or(all)?;
-    let side = (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()));
-    let fine = (side.element_product() / NODES).cbrt();
-    let coarse = side.max_element() / FEWEST_CELLS;
-    let of_leaves = LEAVES_PER_CELL * surroundings.leaf_width_m(widest);
-    let cell_m = rung(fine.max(of_leaves.min(coarse)));
-    (cell_m > 0.0 && cell_m.is_finite()).then(|| Grid::covering(low, high, cell_m))
-}
-
-/// The next of the sizes that cells may have: they change rarely where bounds move.
-fn rung(cell_m: f64) -> f64 {
-    2.0_f64.powf((2.0 * cell_m.log2()).ceil() / 2.0)
 }

@@ -105,14 +105,20 @@ impl FirstLight<'_> {
         }
         let travel = travel.filter(|_| !self.snapshot.medium.is_empty())?;
         let mut irradiance = vec![[0.0; 3]; count];
+        let mut all = vec![0.0; count];
         for Left { fluence, .. } in &groups {
-            for (channel, values) in (0..3).map(|channel| (channel, fluence.glow(channel))) {
-                for (sum, value) in irradiance.iter_mut().zip(values) {
+            for channel in 0..3 {
+                for (sum, value) in irradiance.iter_mut().zip(fluence.glow(channel)) {
                     sum[channel] += value / volume as f32;
+                }
+                for (sum, value) in all.iter_mut().zip(fluence.of(channel, 0)) {
+                    *sum += value / volume as f32;
                 }
             }
         }
-        Some(Glow { travel, irradiance })
+        let times =
+            irradiance.iter().zip(all).map(|(glow, all)| mean_times(glow.iter().sum(), all)).collect();
+        Some(Glow { travel, irradiance, times })
     }
 
     /// Leaves its light in fog and on leaves, up to where it ends.
@@ -210,6 +216,13 @@ impl FirstLight<'_> {
             }),
         );
     }
+}
+
+/// How often light was scattered that was scattered at all, of which there is so much of `all`: a Poisson process (van de Hulst 1980, "Multiple Light Scattering").
+fn mean_times(glow: f32, all: f32) -> f32 {
+    let share = if all > 0.0 { (glow / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
+    let depth = -(1.0 - share).ln();
+    if depth > 1e-3 { depth / share } else { 1.0 }
 }
 
 /// `exp(-x)`; where x is little by Padé's approximation, within 2e-6.

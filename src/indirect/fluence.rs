@@ -13,9 +13,16 @@ pub(super) struct Glow {
     pub(super) travel: DVec3,
     /// Irradiance on a plane that faces it, by node, W/m^2.
     pub(super) irradiance: Vec<[f32; 3]>,
+    /// How often it was scattered, on the mean, by node.
+    pub(super) times: Vec<f32>,
 }
 
 impl Glow {
+    /// How often it was scattered, on the mean of eight nodes; at least once.
+    pub(super) fn mean_times(&self, corners: &Corners) -> f64 {
+        corners.iter().map(|(node, weight)| weight * f64::from(self.times[node])).sum()
+    }
+
     /// On the mean of eight nodes.
     pub(super) fn mean(&self, corners: &Corners) -> Rgb {
         let at =

@@ -46,6 +46,37 @@ pub(super) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
 }
 
+/// From where a surface gathers light, and how evenly.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lobe {
+    /// The direction about which it does.
+    pub(super) axis: DVec3,
+    /// What it makes of each degree; of even light pi times its radiance.
+    shares: [f64; 3],
+}
+
+impl Lobe {
+    /// By the cosine: what a matte surface that faces `normal` gathers.
+    pub(super) fn cosine(normal: DVec3) -> Self {
+        Self { axis: normal, shares: COSINE_LOBE }
+    }
+
+    /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`,
+    /// of which degree l keeps `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq. 27); never less than of a cosine.
+    pub(super) fn glossy(mirrored: DVec3, alpha: f64) -> Self {
+        let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
+        let kept = |degree: f64| (-0.5 * degree * degree / power).exp();
+        let shares = [PI, (PI * kept(1.0)).max(COSINE_LOBE[1]), (PI * kept(2.0)).max(COSINE_LOBE[2])];
+        Self { axis: mirrored, shares }
+    }
+
+    /// Of the moments of radiance by the direction of *travel*.
+    pub(super) fn of_travel(&self) -> [f64; COUNT] {
+        let basis = basis(-self.axis);
+        std::array::from_fn(|index| self.shares[DEGREE[index]] * basis[index])
+    }
+}
+
 /// What a lobe gathers of moments, by channel; nothing where harmonics cut short would have less.
 #[inline]
 pub(super) fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {

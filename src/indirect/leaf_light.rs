@@ -2,6 +2,7 @@
 //! than a cell, so that its middle stands for all of it.
 
 use super::field::{Field, Gathered};
+use super::harmonics::Lobe;
 use super::surroundings::Leaf;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -60,9 +61,9 @@ impl LeafLight {
 pub(super) struct LeafSides<'a>(&'a (DVec3, [Gathered; 2]));
 
 impl LeafSides<'_> {
-    /// The irradiance on a place of it that faces `normal`, W/m^2.
-    pub(super) fn irradiance(&self, field: &Field, normal: DVec3) -> Rgb {
+    /// What a lobe gathers at a place of it; by a cosine that is irradiance, W/m^2.
+    pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe) -> Rgb {
         let (faces, sides) = self.0;
-        field.irradiance_of(&sides[usize::from(normal.dot(*faces) < 0.0)], normal)
+        field.of_gathered(&sides[usize::from(lobe.axis.dot(*faces) < 0.0)], lobe)
     }
 }

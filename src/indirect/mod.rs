@@ -5,10 +5,12 @@
 //! Transfer"), leaves and fog together as one turbid medium: `field.rs` is the loop over orders.
 
 mod carrier;
+mod extent;
 mod field;
 mod first_light;
 mod fluence;
 mod grid;
+mod halo;
 mod harmonics;
 mod leaf_light;
 mod matter;
@@ -26,7 +28,9 @@ mod view;
 mod wall_light;
 mod walls;
 
-use self::field::Field;
+use self::extent::levels;
+use self::field::{Context, Field};
+use self::harmonics::Lobe;
 use self::leaf_light::LeafLight;
 use self::surroundings::Surroundings;
 use self::view::ViewedFog;
@@ -52,11 +56,29 @@ impl Indirect {
         aspect: f64,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
+        Self::on_cells(1.0, snapshot, bounces, aspect, cancelled)
+    }
+
+    /// The same on cells of another size, in those that it would have: 2 for coarser, 0.5 for finer ones, though never finer than leaves allow.
+    pub fn on_cells(
+        scale: f64,
+        snapshot: &Snapshot,
+        bounces: Bounces,
+        aspect: f64,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let surroundings = Surroundings::of(snapshot);
-        let field = Field::new(snapshot, &surroundings, bounces, cancelled)?;
+        let grids = levels(snapshot, &surroundings, scale);
+        let context = Context { snapshot, surroundings: &surroundings, bounces, cancelled };
+        let field = Field::on(grids, &context)?;
         let leaves = LeafLight::new(&field, snapshot, &surroundings.leaves(field.cell_m()));
         let fog = ViewedFog::new(&field, snapshot, aspect);
         Some(Self { field, leaves, fog })
+    }
+
+    /// Side of a cell, metres.
+    pub fn cell_m(&self) -> f64 {
+        self.field.cell_m()
     }
 
     /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the sky is as bright as a sun, whose shadows have borders.
@@ -68,24 +90,23 @@ impl Indirect {
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let leaf = self.leaves.of(snapshot, point.primitive);
-        let irradiance = |normal: DVec3| match &leaf {
-            Some(leaf) => leaf.irradiance(&self.field, normal),
-            None => self.field.irradiance(world, normal),
+        let gathered = |lobe: Lobe| match &leaf {
+            Some(leaf) => leaf.gathered_by(&self.field, &lobe),
+            None => self.field.gathered_by(world, &lobe),
         };
         let normal = point.shading_normal;
         let mut radiance = Rgb::ZERO;
         let shine = point.gloss.as_ref().map(|gloss| gloss.albedo(normal.dot(point.to_eye).max(0.0)));
         let beneath = Rgb::ONE - shine.unwrap_or(Rgb::ZERO);
         if point.albedo != Rgb::ZERO {
-            radiance += FRAC_1_PI * beneath * point.albedo * irradiance(normal);
+            radiance += FRAC_1_PI * beneath * point.albedo * gathered(Lobe::cosine(normal));
         }
         if point.transmission != Rgb::ZERO {
-            radiance += FRAC_1_PI * beneath * point.transmission * irradiance(-normal);
+            radiance += FRAC_1_PI * beneath * point.transmission * gathered(Lobe::cosine(-normal));
         }
-        if let Some(shine) = shine {
-            // A lobe about the mirrored direction, as wide as a cosine.
+        if let (Some(shine), Some(gloss)) = (shine, &point.gloss) {
             let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
-            radiance += FRAC_1_PI * shine * irradiance(mirrored);
+            radiance += FRAC_1_PI * shine * gathered(Lobe::glossy(mirrored, gloss.alpha()));
         }
         radiance
     }

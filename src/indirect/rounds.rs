@@ -1,7 +1,8 @@
 //! From order to order: sweep, scatter, sweep again. In go first sources and the sky, out comes the light of all orders that are wanted. Invariant: a round adds
 //! one order of scattering, and what is left after the last is a geometric series.
 
-use super::carrier::Sources;
+use super::carrier::{Inflow, Sources};
+use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
@@ -46,6 +47,13 @@ struct Leaving {
     walls: Vec<Rgb>,
 }
 
+impl Leaving {
+    fn add(&mut self, other: Self) {
+        self.matter.add(&other.matter, [1.0; 3]);
+        self.walls.iter_mut().zip(other.walls).for_each(|(sum, added)| *sum += added);
+    }
+}
+
 impl Rounds<'_> {
     /// All light, and that part of it that fog is not to see. `on_walls` is what lamps and suns shine on each patch, W/m^2.
     pub(super) fn run(
@@ -53,18 +61,27 @@ impl Rounds<'_> {
         bounces: Bounces,
         first: Moments,
         on_walls: &[Rgb],
+        halo: Option<&Halo>,
     ) -> (Moments, Option<Moments>) {
         let mut leaving = Leaving { walls: vec![Rgb::ZERO; on_walls.len()], matter: first };
         let mut light = leaving.matter.emptied();
         let mut unseen_by_fog = None;
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
-        if let Some(inflow) = self.inflow() {
-            let nothing = Leaving { matter: light.emptied(), walls: vec![Rgb::ZERO; on_walls.len()] };
-            let sky = self.sweep(&nothing, &inflow);
-            let of_sky = self.scatterers.scatter(&sky);
-            leaving.matter.add(&of_sky.matter, [1.0; 3]);
-            leaving.walls.iter_mut().zip(of_sky.walls).for_each(|(sum, added)| *sum += added);
+        let nothing = Leaving { matter: light.emptied(), walls: vec![Rgb::ZERO; on_walls.len()] };
+        if let Some(halo) = halo {
+            let from_outside = self.sweep(&nothing, Inflow::Around(halo));
+            // Where orders are counted, nobody knows how many it has behind it.
+            if bounces == Bounces::All {
+                leaving.add(self.scatterers.scatter(&from_outside));
+            }
+            light.add(&from_outside, [1.0; 3]);
+        }
+        // A larger grid's light has the sky's in it, unless fog is not to see that or rays find it.
+        let is_in_halo = halo.is_some() && self.has_sky && self.sky.is_some_and(|sky| sky.lights_fog());
+        if let Some(inflow) = self.inflow().filter(|_| !is_in_halo) {
+            let sky = self.sweep(&nothing, Inflow::Even(&inflow));
+            leaving.add(self.scatterers.scatter(&sky));
             if self.has_sky {
                 light.add(&sky, [1.0; 3]);
                 unseen_by_fog = self.sky.filter(|sky| !sky.lights_fog()).map(|_| sky);
@@ -80,13 +97,12 @@ impl Rounds<'_> {
             Bounces::UpTo(count) => count,
             Bounces::All => MOST_ROUNDS,
         };
-        let dark = vec![Rgb::ZERO; self.ordinates.as_slice().len()];
         let mut series = Series::default();
         for round in 1..=rounds {
             if (self.cancelled)() {
                 break;
             }
-            let next = self.sweep(&leaving, &dark);
+            let next = self.sweep(&leaving, Inflow::Nothing);
             light.add(&next, [1.0; 3]);
             if bounces == Bounces::All {
                 let told = series.go_on(next.total(), light.total());
@@ -99,7 +115,7 @@ impl Rounds<'_> {
         }
     }
 
-    fn sweep(&mut self, leaving: &Leaving, inflow: &[Rgb]) -> Moments {
+    fn sweep(&mut self, leaving: &Leaving, inflow: Inflow) -> Moments {
         let of_walls =
             [0, 1, 2].map(|channel| leaving.walls.iter().map(|color| color[channel] as f32).collect());
         let sources = Sources { of_matter: &leaving.matter, of_walls: &of_walls, inflow };

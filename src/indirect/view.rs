@@ -10,8 +10,9 @@ use rayon::prelude::*;
 
 /// Rays across the picture.
 const COLUMNS: usize = 64;
-/// Most steps of one.
+/// Most steps of one through the innermost grid, and beyond that one.
 const MOST_STEPS: usize = 160;
+const FAR_STEPS: usize = 48;
 
 /// Prefix sums along a coarse grid of camera rays.
 ///
@@ -20,10 +21,7 @@ const MOST_STEPS: usize = 160;
 pub(super) struct ViewedFog {
     columns: usize,
     rows: usize,
-    /// Of each ray.
-    steps: usize,
-    start_m: f64,
-    step_m: f64,
+    depths: Depths,
     /// By ray, then by step.
     sums: Vec<Seen>,
 }
@@ -40,27 +38,20 @@ impl ViewedFog {
             return None;
         }
         let (columns, rows) = (COLUMNS, ((COLUMNS as f64 / aspect).round() as usize).clamp(2, 4 * COLUMNS));
-        let (low, high) = field.volume();
-        let eye = snapshot.view.eye;
-        let (low, high) = (low - eye, high - eye);
-        // Nearest and farthest place of the grid.
-        let start_m = low.max(-high).max(DVec3::ZERO).length();
-        let end_m = low.abs().max(high.abs()).length();
-        let steps = ((end_m - start_m) / field.cell_m()).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
-        let step_m = (end_m - start_m) / steps as f64;
+        let depths = Depths::of(field, snapshot.view.eye);
+        let steps = depths.count();
         let mut sums = vec![Seen::default(); (columns + 1) * (rows + 1) * (steps + 1)];
         sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
             let place = [number % (columns + 1), number / (columns + 1)].map(|index| index as f64);
             let ray = snapshot.view.ray(place[0] / columns as f64, place[1] / rows as f64);
             let mut walk = Walk::new(field, snapshot, ray);
             for (step, sum) in sums.iter_mut().enumerate() {
-                let end = start_m + step as f64 * step_m;
                 // In halves: light differs within a cell.
-                walk.to(end - 0.5 * step_m);
-                *sum = walk.to(end);
+                walk.to(depths.distance(step as f64 - 0.5));
+                *sum = walk.to(depths.distance(step as f64));
             }
         });
-        Some(Self { columns, rows, steps, start_m, step_m, sums })
+        Some(Self { columns, rows, depths, sums })
     }
 
     /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1, if fog lets `through` of what is behind it.
@@ -73,9 +64,10 @@ impl ViewedFog {
         let place = place.or_else(|| snapshot.view.film_place(ray.at(1.0))).unwrap_or(DVec2::splat(0.5));
         let (columns, rows) = (self.columns as f64, self.rows as f64);
         let at = DVec2::new(place.x * columns, place.y * rows).clamp(DVec2::ZERO, DVec2::new(columns, rows));
-        let depth = ((distance - self.start_m) / self.step_m).clamp(0.0, self.steps as f64);
+        let steps = self.depths.count();
+        let depth = self.depths.step(distance).clamp(0.0, steps as f64);
         let cell = [(at.x as usize).min(self.columns - 1), (at.y as usize).min(self.rows - 1)];
-        let step = (depth as usize).min(self.steps - 1);
+        let step = (depth as usize).min(steps - 1);
         let beyond = [at.x - cell[0] as f64, at.y - cell[1] as f64, depth - step as f64];
         let mut sum = [0.0; 4];
         for corner in 0..8 {
@@ -83,7 +75,7 @@ impl ViewedFog {
             let part = |axis: usize| if is_far[axis] == 1 { beyond[axis] } else { 1.0 - beyond[axis] };
             let share = (part(0) * part(1) * part(2)) as f32;
             let ray = cell[0] + is_far[0] + (self.columns + 1) * (cell[1] + is_far[1]);
-            let seen = &self.sums[ray * (self.steps + 1) + step + is_far[2]];
+            let seen = &self.sums[ray * (steps + 1) + step + is_far[2]];
             for (sum, value) in sum.iter_mut().zip(seen.0) {
                 *sum += share * value;
             }
@@ -94,6 +86,58 @@ impl ViewedFog {
         }
         (Rgb::ONE - through) * Rgb::new(red, green, blue) / weight
     }
+}
+
+/// Distances from the camera, in steps: even ones through the innermost grid, then ever longer ones.
+struct Depths {
+    start_m: f64,
+    step_m: f64,
+    near: usize,
+    far: usize,
+    /// By which each step of the far ones is farther away than the last.
+    growth: f64,
+}
+
+impl Depths {
+    fn of(field: &Field, eye: DVec3) -> Self {
+        let (low, high) = field.volume();
+        let (low, high) = (low - eye, high - eye);
+        let start_m = low.max(-high).max(DVec3::ZERO).length();
+        let end_m = farthest_m((low, high));
+        let near = ((end_m - start_m) / field.cell_m()).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
+        let all_m = field.outer_volume().map_or(end_m, |(low, high)| farthest_m((low - eye, high - eye)));
+        let far = if all_m > end_m { FAR_STEPS } else { 0 };
+        let growth = (all_m / end_m).max(1.0).powf(1.0 / FAR_STEPS as f64);
+        Self { start_m, step_m: (end_m - start_m) / near as f64, near, far, growth }
+    }
+
+    fn count(&self) -> usize {
+        self.near + self.far
+    }
+
+    fn end_m(&self) -> f64 {
+        self.start_m + self.near as f64 * self.step_m
+    }
+
+    fn distance(&self, step: f64) -> f64 {
+        match step - self.near as f64 {
+            beyond if beyond > 0.0 => self.end_m() * self.growth.powf(beyond),
+            _ => self.start_m + step * self.step_m,
+        }
+    }
+
+    /// The other way round; past the last step more than there are.
+    fn step(&self, distance: f64) -> f64 {
+        if self.far > 0 && distance > self.end_m() {
+            return self.near as f64 + (distance / self.end_m()).ln() / self.growth.ln();
+        }
+        (distance - self.start_m) / self.step_m
+    }
+}
+
+/// To the farthest corner of a box, from the origin.
+fn farthest_m((low, high): (DVec3, DVec3)) -> f64 {
+    low.abs().max(high.abs()).length()
 }
 
 /// A ray through fog, step by step.
@@ -177,16 +221,20 @@ impl<'a> Walk<'a> {
         let scattering =
             [0, 1, 2].map(|degree| per_extinction(medium.scattering_by_degree_at(place, degree)));
         self.source = self.field.scattered(world(middle), -self.ray.direction, &scattering);
-        for (travel, irradiance) in self.field.glows(world(middle)) {
-            let scattered = medium.scattering_at(place, -travel.dot(self.ray.direction));
-            self.source += irradiance * per_extinction(scattered);
+        for (glow, irradiance, times) in self.field.glows(world(middle)) {
+            let cos = -glow.travel.dot(self.ray.direction);
+            self.source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
         }
+        self.source = self.source.max(Rgb::ZERO);
     }
 }
 
 /// The same along a ray from anywhere, such as a mirror.
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
     const STEPS: u32 = 24;
+    let (low, high) = field.outer_volume().unwrap_or_else(|| field.volume());
+    let origin = snapshot.world_from_relative(ray.origin);
+    let distance = distance.min(farthest_m((low - origin, high - origin)));
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
     let mut walk = Walk::new(field, snapshot, *ray);
     for step in 1..=STEPS {

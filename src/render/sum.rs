@@ -1,6 +1,7 @@
 //! Pictures of single lights, added up and judged. In go their films, out come a frame and what it
 //! took. Invariant: what is said of the frame's errors is said of the sum.
 
+use super::grid_error::GridError;
 use super::refine::{Refined, relative_error};
 use super::survey::Survey;
 use super::{Job, Rendered, Statistics};
@@ -50,7 +51,7 @@ impl Sum {
         self.frame.as_ref()
     }
 
-    pub(super) fn finish(mut self, job: &Job, survey: &Survey) -> Rendered {
+    pub(super) fn finish(mut self, job: &Job, survey: &Survey, grid: Option<&GridError>) -> Rendered {
         let frame =
             self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());
         let (Some(blocks), true) = (&self.blocks, job.is_judged()) else {
@@ -67,10 +68,14 @@ impl Sum {
         let noise = self.noise(&frame, blocks, (0..blocks.count()).filter(is_within));
         let mut frame = frame.part(job.window);
         if job.passes.contains(&Pass::Error) {
-            let pixels = job
-                .window
-                .pixels()
-                .map(|(x, y)| blocks.index(x, y).map_or(0.0, |block| errors[block] as f32));
+            // Noise and the grid's error know nothing of one another.
+            let all = |block: usize| {
+                let of_grid = grid.map_or(0.0, |grid| grid.of_block(blocks, block, job));
+                let light = mean_luminance(&frame, blocks, block);
+                errors[block].hypot(relative_error(of_grid * of_grid, light, survey)) as f32
+            };
+            let all: Vec<f32> = (0..blocks.count()).map(all).collect();
+            let pixels = job.window.pixels().map(|(x, y)| blocks.index(x, y).map_or(0.0, |block| all[block]));
             let PassRow { channels, precision, .. } = Pass::Error.row();
             frame.channels.push(Channel::new(channels[0], precision, pixels.collect()));
         }
@@ -82,6 +87,7 @@ impl Sum {
         }
         statistics.error = Some(judged.fold(0.0, f64::max));
         statistics.noise = Some(noise);
+        statistics.grid_error = grid.map(|grid| grid.relative);
         Rendered { frame, statistics: self.statistics }
     }
 }

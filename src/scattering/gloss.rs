@@ -89,6 +89,11 @@ impl Gloss {
         }
     }
 
+    /// glTF's alpha, the square of its roughness.
+    pub fn alpha(&self) -> f64 {
+        self.alpha
+    }
+
     /// The same as Cycles has it in its Principled BSDF.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;

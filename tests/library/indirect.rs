@@ -10,8 +10,8 @@ use sunfleck::indirect::Indirect;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
-    self, Bounces, Instance, LightKind, Material, Mesh, PixelFilter, Sampling, Scene, Size, Sky, SkyPicture,
-    Triangle, Window,
+    self, Bounces, Coat, FogShape, HeightFalloff, Instance, LightKind, Material, Mesh, PixelFilter, Sampling,
+    Scene, Size, Sky, SkyPicture, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
@@ -119,6 +119,60 @@ fn white_leaves_in_a_furnace_are_not_seen() {
         let worst = worst_from(&radiances(&scene, Bounces::All), 1.0);
         println!("{count} leaves that reflect {reflectance}: worst {worst:.2e}");
         assert!(worst < 1e-3, "{count}: {worst}");
+    }
+}
+
+/// The same where fog has no bounds: nested grids reach as far as it matters, and what is beyond looks like the farthest.
+#[test]
+fn white_fog_without_bounds_in_a_furnace_is_not_seen() {
+    for (density, scale_height_m) in [(0.05, 8.0), (0.3, 3.0)] {
+        let mut scene = camera_at(DVec3::ZERO);
+        let leaf = Material { base_color: Rgb::ONE, ..Material::default() };
+        add_leaves(&mut scene, 50, leaf);
+        add_fog(&mut scene, DVec3::splat(-1.0), DVec3::splat(1.0), Rgb::splat(density), Rgb::ONE, 0.3);
+        scene.fogs[0].shape =
+            FogShape::Layer(HeightFalloff { base: -2.0, scale_height_m: scale_height_m.into() });
+        scene.sky = Sky::new(EVEN_SKY);
+        let worst = worst_from(&radiances(&scene, Bounces::All), 1.0);
+        println!("fog of {density} /m without bounds, {scale_height_m} m: worst {worst:.2e}");
+        assert!(worst < 0.02, "{density}: {worst}");
+    }
+}
+
+/// Metal sees an uneven sky by its lobe: as rays do that sample the lobe.
+#[test]
+fn metal_reflects_the_sky_as_sampled_rays_find_it() {
+    for (roughness, worst_allowed) in [(0.3, 0.1), (0.6, 0.1), (1.0, 0.1)] {
+        let mut scene = camera_at(DVec3::ZERO);
+        let metal = Material {
+            base_color: Rgb::ONE,
+            coat: Some(Coat {
+                metallic: 1.0,
+                roughness,
+                texture: None,
+                f0: Rgb::splat(0.04),
+                f0_texture: None,
+                f90: 1.0,
+            }),
+            ..Material::default()
+        };
+        add_box(&mut scene, DVec3::new(-9.0, -9.0, -12.0), DVec3::new(9.0, -0.5, -1.0), metal);
+        scene.sky = Sky::new(SkyPicture::Gradient {
+            zenith: Rgb::new(1.0, 2.0, 3.0),
+            horizon: Rgb::new(3.0, 2.0, 2.0),
+            ground: Rgb::splat(0.5),
+        });
+        let mean = |bounces| {
+            let frame = picture(&scene, bounces, Method::Segments);
+            let rows = 100..SIZE.height;
+            let pixels = rows.flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+            let sum: Rgb = pixels.clone().map(|(x, y)| beauty(&frame, x, y)).sum();
+            sum / pixels.count() as f64
+        };
+        let (field, sampled) = (mean(Bounces::All), mean(Bounces::NONE));
+        let worst = (field / sampled - 1.0).abs().max_element();
+        println!("metal of roughness {roughness}: {:.3}", field / sampled);
+        assert!(worst < worst_allowed, "{roughness}: {worst}");
     }
 }
 

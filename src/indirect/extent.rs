@@ -1,0 +1,112 @@
+//! Where grids lie and how fine they are. In go a snapshot and what surrounds the camera in it, out come nested grids. Invariant: sides of cells are powers of the
+//! root of two, so they change rarely where bounds move.
+
+use super::grid::Grid;
+use super::surroundings::Surroundings;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+
+/// Nodes of the innermost grid, about, and of each about it.
+const NODES: f64 = 30_000.0;
+const OUTER_NODES: f64 = 8_000.0;
+/// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
+const LEAVES_PER_CELL: f64 = 2.0;
+/// Along the longest side, however large leaves are.
+const FEWEST_CELLS: f64 = 16.0;
+/// All grids together.
+const MOST_LEVELS: usize = 5;
+/// A grid reaches beyond the one within it by so many of that one's longest sides.
+const MARGIN: f64 = 1.5;
+/// There is another grid where the world is so many times as long as all of them.
+const MUCH_LARGER: f64 = 2.5;
+/// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
+const FOG_DEPTH: f64 = 4.0;
+const NEARLY_ALL: f64 = 0.95;
+/// Or as far as so many times the size of the innermost grid.
+const FARTHEST: f64 = 1e3;
+
+/// A box of world space.
+type Bounds = (DVec3, DVec3);
+
+/// About all fog that has bounds and all leaves, without either about everything; then about that, as far as there are things or fog. Cells are `scale` times as wide
+/// as they would be, but no finer than leaves allow. The innermost comes first.
+pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f64) -> Vec<Grid> {
+    let all = surroundings.bounds(0.0..f64::INFINITY);
+    let fog = bounded_fog(snapshot);
+    let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
+    let leaves = surroundings.bounds(0.0..widest);
+    let Some(inner) = [fog, leaves].into_iter().flatten().reduce(union).or(all) else { return Vec::new() };
+    let side = side(inner);
+    let finest = LEAVES_PER_CELL * surroundings.leaf_width_m(widest);
+    let finest = finest.min(side.max_element() / FEWEST_CELLS);
+    let fine = (side.element_product() / NODES).cbrt();
+    let mut cell_m = (scale * fine.max(finest)).max(finest);
+    let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
+    let world = world(snapshot, inner, all);
+    let mut bounds = inner;
+    while grids.len() < MOST_LEVELS && diagonal(world) > MUCH_LARGER * diagonal(bounds) {
+        let margin = DVec3::splat(MARGIN * (bounds.1 - bounds.0).max_element());
+        bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
+        cell_m = (scale * (self::side(bounds).element_product() / OUTER_NODES).cbrt()).max(2.0 * cell_m);
+        grids.extend(grid(bounds, cell_m));
+    }
+    grids
+}
+
+fn grid((low, high): Bounds, cell_m: f64) -> Option<Grid> {
+    let cell_m = rung(cell_m);
+    (cell_m > 0.0 && cell_m.is_finite()).then(|| Grid::covering(low, high, cell_m))
+}
+
+/// The next of the sizes that cells may have.
+fn rung(cell_m: f64) -> f64 {
+    2.0_f64.powf((2.0 * cell_m.log2()).ceil() / 2.0)
+}
+
+fn union(a: Bounds, b: Bounds) -> Bounds {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+fn diagonal((low, high): Bounds) -> f64 {
+    (high - low).length()
+}
+
+/// Nowhere flat.
+fn side((low, high): Bounds) -> DVec3 {
+    (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()))
+}
+
+fn bounded_fog(snapshot: &Snapshot) -> Option<Bounds> {
+    let eye = snapshot.view.eye;
+    let boxes = snapshot.medium.banks().iter().filter_map(|bank| bank.bounds());
+    boxes.map(|(low, high)| (low + eye, high + eye)).reduce(union)
+}
+
+/// All that there is: things, and fog without bounds as far as it matters about the innermost grid.
+fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
+    let known = things.map_or(inner, |things| union(things, inner));
+    if snapshot.medium.banks().iter().all(|bank| bank.bounds().is_some()) {
+        return known;
+    }
+    let middle = 0.5 * (inner.0 + inner.1);
+    let reach = |direction: DVec3| reach_m(snapshot, middle - snapshot.view.eye, direction, diagonal(inner));
+    let high = DVec3::new(reach(DVec3::X), reach(DVec3::Y), reach(DVec3::Z));
+    let low = DVec3::new(reach(-DVec3::X), reach(-DVec3::Y), reach(-DVec3::Z));
+    let mut fog = (middle - low, middle + high);
+    // Below what things stand on nothing is seen.
+    fog.0.y = fog.0.y.max(known.0.y);
+    union(known, fog)
+}
+
+/// How far fog goes on that matters.
+fn reach_m(snapshot: &Snapshot, origin: DVec3, direction: DVec3, size_m: f64) -> f64 {
+    let depth = |reach_m: f64| snapshot.medium.optical_depth(origin, direction, reach_m).max_element();
+    let farthest = FARTHEST * size_m;
+    let enough = FOG_DEPTH.min(NEARLY_ALL * depth(farthest));
+    let (mut near, mut far) = (0.0, farthest);
+    for _ in 0..40 {
+        let middle = 0.5 * (near + far);
+        if depth(middle) < enough { near = middle } else { far = middle }
+    }
+    far
+}
