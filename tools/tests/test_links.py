@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-NAMED = re.compile(r"\bdocs/[\w/-]+\.md(?:#[\w.-]+)?")
+NAMED = re.compile(r"\bdocs/[\w/-]+\.md(?:#[\w-]+(?:\.[\w-]+)*)?")
 """A document in a comment."""
 CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 
