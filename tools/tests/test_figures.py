@@ -39,7 +39,8 @@ class Documents(unittest.TestCase):
         for row in rows:
             with self.subTest(row.id):
                 self.assertRegex(row.date, r"^20\d\d-\d\d-\d\d$")
-                self.assertTrue(row.value and row.command and row.machine and row.commit and float(row.minutes) > 0)
+                self.assertTrue(row.value and row.command and row.machine and row.commit)
+                self.assertGreater(float(row.minutes), 0)
                 if row.read not in ("", "wall", "cpu", "memory"):
                     self.assertEqual(re.compile(row.read).groups, 1)
 
@@ -58,13 +59,16 @@ class Documents(unittest.TestCase):
 class Rule(unittest.TestCase):
     """What counts as a figure."""
 
-    row = figures.Figure("frame", "t", "a frame", "", "93", "s", "sunfleck render x", "wall", "1", "2020-01-02", "a machine", "abc")
+    row = figures.Figure(
+        id="frame", topic="t", what="a frame", column="", value="93", unit="s", command="sunfleck render x",
+        read="wall", minutes="1", date="2020-01-02", machine="a machine", commit="abc",
+    )  # fmt: skip
 
     def found(self, text, quoting=True):
         return figures.findings(text, [self.row], quoting)
 
     def test_numbers_that_are_measured_are_links(self):
-        for text in ["It takes 93 s.", "It takes 302 times as long.", "a bias of 2 %", "a bias of 1.5e-7", "| 609 MB |", "in 12 ms", "0.9 CPU s"]:
+        for text in ["It takes 93 s.", "302 times as long", "2 %", "1.5e-7", "| 609 MB |", "12 ms", "0.9 CPU s"]:
             self.assertEqual(len(self.found(text)), 1, text)
 
     def test_links_limits_and_records_are_none(self):
@@ -78,7 +82,8 @@ class Rule(unittest.TestCase):
             self.assertEqual(self.found(text), [], text)
 
     def test_a_record_ends_with_its_section(self):
-        self.assertEqual(self.found("## Lost\nMeasured 2026-11-22.\n## Kept\nIt takes 99 s."), ["4: '99 s' is no link to a row"])
+        found = self.found("## Lost\nMeasured 2026-11-22.\n## Kept\nIt takes 99 s.")
+        self.assertEqual(found, ["4: '99 s' is no link to a row"])
 
     def test_links_say_what_the_row_says(self):
         self.assertEqual(len(self.found("[94 s](figures.md#frame)", quoting=False)), 1)

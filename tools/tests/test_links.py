@@ -17,8 +17,9 @@ CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 
 def committed(*endings: str) -> list[Path]:
     """Files that git knows, or could."""
-    listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True, check=True)
-    paths = [ROOT / line for line in listed.stdout.splitlines() if line.endswith(endings)]
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    listed = subprocess.check_output(command, cwd=ROOT, text=True).splitlines()
+    paths = [ROOT / line for line in listed if line.endswith(endings)]
     return [path for path in paths if path.is_file()]
 
 
@@ -26,9 +27,10 @@ def committed(*endings: str) -> list[Path]:
 def anchors(page: Path) -> set[str]:
     """Of headings, as GitHub makes them, and those that are set by hand."""
     text = page.read_text(encoding="utf-8")
-    headings = re.findall(r"^#+ (.*)", re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE), re.MULTILINE)
+    headings = re.findall(r"(?m)^#+ (.*)", re.sub(r"(?ms)^```.*?^```", "", text))
     plain = [re.sub(r"<[^>]*>|\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower().strip() for heading in headings]
-    return {re.sub(r"[^\w -]", "", heading).replace(" ", "-") for heading in plain} | set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
+    made = {re.sub(r"[^\w -]", "", heading).replace(" ", "-") for heading in plain}
+    return made | set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
 
 
 def leads_nowhere(folder: Path, target: str, page: Path) -> bool:
