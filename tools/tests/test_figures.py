@@ -68,7 +68,7 @@ class Rule(unittest.TestCase):
         return figures.findings(text, [self.row], quoting)
 
     def test_numbers_that_are_measured_are_links(self):
-        for text in ["It takes 93 s.", "302 times as long", "2 %", "1.5e-7", "| 609 MB |", "12 ms", "0.9 CPU s"]:
+        for text in ["It takes 93 s.", "302 times", "2 %", "1.5e-7", "| 609 MB |", "12 ms", "0.9 CPU s"]:
             self.assertEqual(len(self.found(text)), 1, text)
 
     def test_links_limits_and_records_are_none(self):
