@@ -6,7 +6,9 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
+import os
 import re
+import shutil
 import sys
 import unittest
 from dataclasses import replace
@@ -81,6 +83,11 @@ class Rule(unittest.TestCase):
         ]:
             self.assertEqual(self.found(text), [], text)
 
+    def test_quotations_follow_the_table(self):
+        old = "[94 s](../figures.md#frame), [94](figures.md#frame), [how](figures.md#growth), [94 s](other.md#a)"
+        new = "[93 s](../figures.md#frame), [93](figures.md#frame), [how](figures.md#growth), [94 s](other.md#a)"
+        self.assertEqual(figures.requoted(old, [self.row]), new)
+
     def test_columns_of_a_unit_hold_links(self):
         table = "| what | seconds | rays |\n|---|---|---|\n| a | 93 | 4 |\n| b | [93](figures.md#frame) | 8 |"
         self.assertEqual(self.found(table), ["3: '93' is no link to a row"])
@@ -103,6 +110,7 @@ def silent():
         yield
 
 
+@unittest.skipUnless(hasattr(os, "wait4") and shutil.which("bash"), "measures where there are bash and wait4")
 class Measuring(unittest.TestCase):
     """A row measured anew."""
 
