@@ -84,8 +84,8 @@ class Rule(unittest.TestCase):
             self.assertEqual(self.found(text), [], text)
 
     def test_quotations_follow_the_table(self):
-        old = "[94 s](../figures.md#frame), [94](figures.md#frame), [how](figures.md#growth), [94 s](other.md#a)"
-        new = "[93 s](../figures.md#frame), [93](figures.md#frame), [how](figures.md#growth), [94 s](other.md#a)"
+        old = "[94 s](../figures.md#frame), [94](figures.md#frame), [how](figures.md#g), [94 s](other.md#a)"
+        new = "[93 s](../figures.md#frame), [93](figures.md#frame), [how](figures.md#g), [94 s](other.md#a)"
         self.assertEqual(figures.requoted(old, [self.row]), new)
 
     def test_columns_of_a_unit_hold_links(self):
