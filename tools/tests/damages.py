@@ -389,12 +389,12 @@ def scaled(channels: Channels, factor: float) -> None:
         channels[name][:] = channels[name].astype(np.float32) * factor
 
 
-@damage("one frame 1.5 times as bright", "pop")
+@damage("one frame half as bright again", "pop")
 def pop(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), lambda channels: scaled(channels, 1.5))
 
 
-@damage("every second frame 8 % brighter", "flicker", 1)
+@damage("every second frame brighter by 0.08", "flicker", 1)
 def flicker(folder: Path) -> None:
     for number in range(2, 13, 2):
         rewrite(frame_path(folder, number), lambda channels: scaled(channels, 1.08))
