@@ -36,10 +36,12 @@ class Links(unittest.TestCase):
             page = Path(folder, "page.md")
             page.write_text(PAGE, encoding="utf-8")
             Path(folder, "other.md").write_text(OTHER, encoding="utf-8")
-            done = subprocess.run([sys.executable, PROGRAM, page], capture_output=True, text=True, check=False)
+            command = [sys.executable, PROGRAM, page]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
         faults = [line.split(".md:", 1)[1] for line in done.stdout.splitlines()]
-        self.assertEqual(faults, ["10: there is no missing.md", "10: other.md has no #missing", "10: there is no missing.png"])
+        missing = ["there is no missing.md", "other.md has no #missing", "there is no missing.png"]
+        self.assertEqual(faults, [f"10: {fault}" for fault in missing])
 
 
 if __name__ == "__main__":

@@ -15,7 +15,8 @@ title: Not read, however long it may be.
 ---
 # A heading is no sentence
 
-One two three. `sunfleck render x.ron --frames 1-2` is five words here! Is [a link](with/a/very/long/target.md) four words?
+One two three. `sunfleck render x.ron --frames 1-2` is five words here!
+Is [a link](with/a/very/long/target.md) four words?
 Words such as e.g. these end nothing, nor does 1.5: this has fourteen words.
 
     an indented block is code and has no words at all
@@ -52,7 +53,7 @@ class Words(unittest.TestCase):
         self.assertEqual(float(mean), round(sum(LENGTHS) / len(LENGTHS), 1))
 
     def test_heads_of_modules(self) -> None:
-        rust = "//! One sentence of\n//! just six words. Two words.\n\n/// Not this one, which documents an item.\nfn item() {}\n"
+        rust = "//! One sentence of\n//! just six words. Two words.\n\n/// Not this one, of an item.\nfn item() {}\n"
         self.assertEqual(counts("head.rs", rust)[1][:3], ["4.0", "6", "2"])
         python = '"""Four words stand here."""\n\n\ndef item():\n    """Not this one."""\n'
         self.assertEqual(counts("head.py", python)[1][:3], ["4.0", "4", "1"])
