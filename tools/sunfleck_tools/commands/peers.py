@@ -15,7 +15,7 @@ from . import OK, looks
 from .arguments import positive
 
 HELP = "renders the same scene by Mitsuba and Cycles, for reference frames and error against time"
-RENDERERS = ("mitsuba-llvm", "mitsuba-scalar", "cycles")
+RENDERERS = ("mitsuba-llvm", "mitsuba-scalar", "cycles", "cycles-denoised")
 MOST_SAMPLES = 1 << 20
 # More cannot be told from all.
 MOST_BOUNCES = 64

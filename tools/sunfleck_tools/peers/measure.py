@@ -26,6 +26,7 @@ RENDERERS = {
     "mitsuba-llvm": ("Mitsuba llvm", "mitsuba", ("llvm_ad_rgb",)),
     "mitsuba-scalar": ("Mitsuba scalar", "mitsuba", ("scalar_rgb",)),
     "cycles": ("Cycles", "cycles", ()),
+    "cycles-denoised": ("Cycles, denoised", "cycles", ("OPENIMAGEDENOISE",)),
 }
 """Name, module here, and what it is told."""
 COLUMNS = ("renderer", "version", "spp", "cpu_s", "rmse", "date", "machine")

@@ -1,0 +1,48 @@
+"""`tools/links`: links that lead nowhere are named, others are not."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = Path(__file__).parents[1] / "links"
+PAGE = """# A page
+
+[well](other.md), [well](other.md#a-heading-code-and-all), [well](#a-page), [well](https://nowhere.invalid/).
+[well](other.md#named), `[code](is/no/link.md)`, [well](other.md#twice-1).
+
+```md
+[code](is/no/link.md)
+```
+
+[a file](missing.md), [a heading](other.md#missing), ![a picture](missing.png)
+"""
+OTHER = """# A heading: `code`, and all
+
+<a id="named"></a>
+
+## Twice
+
+## Twice
+"""
+
+
+class Links(unittest.TestCase):
+    def test_what_leads_nowhere_is_named(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            page = Path(folder, "page.md")
+            page.write_text(PAGE, encoding="utf-8")
+            Path(folder, "other.md").write_text(OTHER, encoding="utf-8")
+            command = [sys.executable, PROGRAM, page]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        faults = [line.split(".md:", 1)[1] for line in done.stdout.splitlines()]
+        missing = ["there is no missing.md", "other.md has no #missing", "there is no missing.png"]
+        self.assertEqual(faults, [f"10: {fault}" for fault in missing])
+
+
+if __name__ == "__main__":
+    unittest.main()
