@@ -16,7 +16,7 @@ const NO_LEAF: u32 = u32::MAX;
 
 /// What both sides of leaves get.
 pub(super) struct LeafLight {
-    /// Where the parts of each mesh begin in `leaf_of`; of the last they end with it.
+    /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the last they end with it.
     starts: Vec<u32>,
     leaf_of: Vec<u32>,
     /// By leaf: its normal, and what comes to its side and to the other.
@@ -26,17 +26,18 @@ pub(super) struct LeafLight {
 impl LeafLight {
     pub(super) fn new(field: &Field, snapshot: &Snapshot, leaves: &[Leaf]) -> Self {
         let leaves = if leaves.len() > MOST_LEAVES { &[] } else { leaves };
-        let mut starts = vec![0; snapshot.mesh_count() + 1];
+        let meshes = snapshot.lasting_count();
+        let mut starts = vec![0; meshes + 1];
         for leaf in leaves {
             // Up to the last of its parts that is a leaf.
-            starts[leaf.mesh + 1] = leaf.part as u32 + 1;
+            starts[snapshot.lasting_number(leaf.mesh) + 1] = leaf.part as u32 + 1;
         }
-        for mesh in 0..snapshot.mesh_count() {
+        for mesh in 0..meshes {
             starts[mesh + 1] += starts[mesh];
         }
-        let mut leaf_of = vec![NO_LEAF; starts[snapshot.mesh_count()] as usize];
+        let mut leaf_of = vec![NO_LEAF; starts[meshes] as usize];
         for (leaf, number) in leaves.iter().zip(0..) {
-            leaf_of[starts[leaf.mesh] as usize + leaf.part] = number;
+            leaf_of[starts[snapshot.lasting_number(leaf.mesh)] as usize + leaf.part] = number;
         }
         let gather = |leaf: &Leaf| {
             let sides = [leaf.normal, -leaf.normal].map(|normal| field.gather(leaf.position, normal));
@@ -47,7 +48,7 @@ impl LeafLight {
 
     /// What the side of a leaf that `normal` faces has gathered; `None` where a triangle is part of none.
     pub(super) fn of(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> Option<LeafSides<'_>> {
-        let mesh = primitive.instance as usize;
+        let mesh = snapshot.lasting_number(primitive.instance as usize);
         let parts = &self.leaf_of[self.starts[mesh] as usize..self.starts[mesh + 1] as usize];
         if parts.is_empty() {
             return None;

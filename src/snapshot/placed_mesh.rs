@@ -27,6 +27,16 @@ impl Snapshot<'_> {
         self.placed.len()
     }
 
+    /// The number of a mesh that it has at all moments of a shutter, whatever else appears or is hidden in it; below [`Self::lasting_count`].
+    pub fn lasting_number(&self, number: usize) -> usize {
+        2 * self.placed[number].instance + usize::from(number >= self.first_blended)
+    }
+
+    /// Of the scene's instances, with their opaque and with their blended triangles.
+    pub fn lasting_count(&self) -> usize {
+        2 * self.scene.instances.len()
+    }
+
     /// Which of its mesh's parts a triangle belongs to.
     pub fn part_of(&self, primitive: PrimitiveId) -> usize {
         let mesh = self.scene.instances[self.placed[primitive.instance as usize].instance].mesh;

@@ -176,6 +176,45 @@ fn metal_reflects_the_sky_as_sampled_rays_find_it() {
     }
 }
 
+/// What appears while the shutter is open changes the numbers of what is drawn, and no leaf's light.
+#[test]
+fn a_leaf_keeps_its_light_where_another_is_hidden() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let leaf = Material { base_color: Rgb::splat(0.5), ..Material::default() };
+    add_leaves(&mut scene, 60, leaf);
+    scene.sky = Sky::new(SkyPicture::Gradient {
+        zenith: Rgb::new(1.0, 2.0, 3.0),
+        horizon: Rgb::ONE,
+        ground: Rgb::splat(0.2),
+    });
+    let trees = MeshTrees::new(&scene);
+    let middle = Snapshot::new(&scene, &trees, 0, 1.0, INSTANT);
+    let indirect = Indirect::new(&middle, Bounces::All, 1.0, &|| false).expect("leaves scatter");
+    let mut fewer = scene.clone();
+    for instance in [0, 7, 20] {
+        let node = fewer.instances[instance].node;
+        fewer.nodes[node].visible = false.into();
+    }
+    let trees = MeshTrees::new(&fewer);
+    let moment = Snapshot::new(&fewer, &trees, 0, 1.0, INSTANT);
+    let mut seen = 0;
+    for number in 0..1024 {
+        let along = |index: usize| ((index % 32) as f64 + 0.5) / 32.0;
+        let ray = middle.view.ray(along(number), along(number / 32));
+        let light = |snapshot: &Snapshot| {
+            let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None)?;
+            Some((hit.t, indirect.scattered(snapshot, &snapshot.surface(&ray, &hit))))
+        };
+        if let (Some((t, one)), Some((u, other))) = (light(&middle), light(&moment))
+            && t == u
+        {
+            assert_eq!(one, other);
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen} rays meet leaves");
+}
+
 /// Walls of 2 cm, a sky and a sun outside, fog inside and out.
 #[test]
 fn no_light_gets_through_the_walls_of_a_closed_room() {
