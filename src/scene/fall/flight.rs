@@ -2,9 +2,9 @@
 //! one that touches it. Invariant: a pure function of the leaf and what is around it; no frame rate
 //! and no frame reaches it, and before it lands no point of it is below the ground or in an obstacle.
 //!
-//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind
-//! that is exact in the frame of the air; changing wind acts as a weight. What three dimensions need
-//! beyond that is dressing, chosen for looks: the plane turns ([`Manner`](super::leaf::Manner)), the leaf banks and is
+//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind that
+//! is exact in the frame of the air; changing wind acts as a weight. What three dimensions need beyond that
+//! is dressing, chosen for looks: the plane turns ([`Manner`](super::leaf::Manner)), the leaf banks and is
 //! twisted about its normal, and across the plane the air carries it along.
 
 use super::landing;

@@ -2,7 +2,8 @@
 //! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken: its
 //! name says what was baked and by which edition of this code, its checksum that nothing is damaged.
 //!
-//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves' flights; CRC-32 of all that.
+//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves'
+//! flights; CRC-32 of all that.
 
 use super::Fall;
 use super::flown::Flown;
