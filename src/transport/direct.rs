@@ -73,8 +73,8 @@ impl Unshadowed {
     }
 }
 
-/// What a surface scatters towards the eye of the radiance from a direction, per steradian: the BSDF times the
-/// cosine, 1/sr.
+/// What a surface scatters towards the eye of the radiance from a direction, per steradian: the BSDF
+/// times the cosine, 1/sr.
 #[inline]
 pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let beneath = beneath_layers(point, to_light);

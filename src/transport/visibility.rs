@@ -1,6 +1,6 @@
 //! What gets from one place to another past all surfaces. In go a ray and a distance, out comes a
-//! transmittance or the blended surfaces that it is the product of. Invariant: scenes without blended surfaces
-//! ask one question of one tree, as if there were no such thing.
+//! transmittance or the blended surfaces that it is the product of. Invariant: scenes without blended
+//! surfaces ask one question of one tree, as if there were no such thing.
 
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
@@ -8,8 +8,8 @@ use crate::math::Ray;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use std::ops::Range;
 
-/// A transmittance below which nothing is followed any further. All that lies behind counts for this share of its
-/// radiance at most: a hundred thousandth of what single precision tells.
+/// A transmittance below which nothing is followed any further. All that lies behind counts for this share of
+/// its radiance at most: a hundred thousandth of what single precision tells.
 pub(super) const NEGLIGIBLE: f64 = 1e-12;
 
 /// What lies on a ray before it ends.

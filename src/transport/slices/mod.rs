@@ -4,10 +4,12 @@
 //! single ray. In go a snapshot and one of its lights, out come weighted samples. Invariant: a
 //! sample is exact for the ray that it stands for; only which rays are chosen is a matter of sampling.
 //!
-//! To read it: `fan.rs` has the half planes, `slice.rs` the line that one is in the picture, `chord.rs` the pixels that such a line
-//! crosses, `solve.rs` the one loop over them; `sweep.rs` (on `buckets.rs`) finds what a ray meets and which parts of it are lit, `slice_ray.rs`
-//! makes a colour of that. Then what serves these: `edges.rs` cuts chords, `outline.rs` (on `border.rs`) says what lies between slices, `veiled.rs` finds the rays that
-//! blended surfaces touch. What fog does on a ray's way says [`FogSlice`](crate::fog::FogSlice), or, where that has no answer, the per-ray method.
+//! To read it: `fan.rs` has the half planes, `slice.rs` the line that one is in the picture, `chord.rs` the
+//! pixels that such a line crosses, `solve.rs` the one loop over them; `sweep.rs` (on `buckets.rs`) finds
+//! what a ray meets and which parts of it are lit, `slice_ray.rs` makes a colour of that. Then what serves
+//! these: `edges.rs` cuts chords, `outline.rs` (on `border.rs`) says what lies between slices, `veiled.rs`
+//! finds the rays that blended surfaces touch. What fog does on a ray's way says
+//! [`FogSlice`](crate::fog::FogSlice), or, where that has no answer, the per-ray method.
 
 mod border;
 mod buckets;
