@@ -58,8 +58,8 @@ pub struct Job {
 pub enum Method {
     /// Slices or segments, whichever is cheaper for the frame.
     Auto,
-    /// On epipolar slices, each solved as a whole, exactly; a picture for each light, added up. Segments where the camera has
-    /// no slices.
+    /// On epipolar slices, each solved as a whole, exactly; a picture for each light, added up. Segments
+    /// where the camera has no slices.
     Slices,
     /// Rays in each pixel, a single one at its centre; light in fog is exact along each.
     Segments,
@@ -164,7 +164,8 @@ pub struct Statistics {
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
-    /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated standard error, as a share of its mean.
+    /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated
+    /// standard error, as a share of its mean.
     pub noise: Option<f64>,
 }
 
@@ -188,7 +189,8 @@ impl Job {
         }
     }
 
-    /// All of it, as the hash in frames has it: written out, so that a name in the source can change and frames are still known.
+    /// All of it, as the hash in frames has it: written out, so that a name in the source can change and
+    /// frames are still known.
     pub fn hashed(&self) -> String {
         let Self { size, window, passes, sampling, filter, seed, mirror_depth, bounces, method } = self;
         let Transport { volume, features, .. } = self.transport(None);
@@ -259,8 +261,8 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     sum.finish(job, &survey)
 }
 
-/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights anything and indirect light
-/// does not have it already.
+/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights
+/// anything and indirect light does not have it already.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
     let lights = (0..exposure.middle().lights.len()).map(Component::Light);
     lights
