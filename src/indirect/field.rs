@@ -1,5 +1,6 @@
-//! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a [`Field`] that tells irradiance on surfaces and
-//! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
+//! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a
+//! [`Field`] that tells irradiance on surfaces and light that fog scatters. Invariant: what it holds has been
+//! scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
 use super::first_light::FirstLight;
 use super::fluence::Glow;
@@ -53,7 +54,8 @@ pub(super) struct Field {
 }
 
 impl Field {
-    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of no use.
+    /// `None` where there is nothing that could scatter light. Once `cancelled` says true,
+    /// what comes is of no use.
     pub(super) fn new(
         snapshot: &Snapshot,
         surroundings: &Surroundings,
@@ -133,14 +135,15 @@ impl Field {
         irradiance
     }
 
-    /// What of suns goes on nearly straight at a place of world space: directions of travel, and the irradiance on planes that face them.
+    /// What of suns goes on nearly straight at a place of world space: directions of travel, and the
+    /// irradiance on planes that face them.
     pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb)> {
         let corners = self.walls.occluders.corners(&self.grid, world, world);
         self.glows.iter().map(move |glow| (glow.travel, glow.mean(&corners)))
     }
 
-    /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction
-    /// radiance.
+    /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of
+    /// harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
     pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
         let moments = self.about(world, world, self.light_in_fog.as_ref().unwrap_or(&self.light));
         let basis = basis(travel);
