@@ -15,8 +15,8 @@ pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
     (1.0 - g * g) / (4.0 * PI * spread * spread.sqrt())
 }
 
-/// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt 1977,
-/// "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
+/// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt
+/// 1977, "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
 pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
     let cos = if g.abs() < EVEN {
         1.0 - 2.0 * u
