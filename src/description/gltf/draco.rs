@@ -103,7 +103,8 @@ fn fill(
     Ok(())
 }
 
-/// What the mesh must be like: as its accessors say, and not much larger than it is compressed. Else why it cannot.
+/// What the mesh must be like: as its accessors say, and not much larger than it is
+/// compressed. Else why it cannot.
 fn contract(
     primitive: &Primitive,
     document: &Document,

@@ -186,8 +186,8 @@ pub struct Primitive {
     pub colors: Vec<Vec3>,
     /// In `0..=1`, one a position, or none at all; they multiply the base colour's alpha.
     pub alphas: Vec<f32>,
-    /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on which
-    /// the bitangent `w * normal x tangent` lies, 1 or -1.
+    /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on
+    /// which the bitangent `w * normal x tangent` lies, 1 or -1.
     pub tangents: Vec<Vec4>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,

@@ -51,8 +51,8 @@ pub(super) fn targets(
     Ok(targets)
 }
 
-/// The weights of a mesh with these primitives, 0 where the file has none. Primitives that do not have the same number of
-/// targets lose them.
+/// The weights of a mesh with these primitives, 0 where the file has none. Primitives that do not have the
+/// same number of targets lose them.
 pub(super) fn weights(
     mesh: &json::Mesh,
     index: usize,
