@@ -1,10 +1,10 @@
 //! A finished [`Frame`] to an EXR file and back, with where it came from. In goes a frame and its
-//! [`Provenance`], out comes a file that is whole or not there. Invariant: the same frame and
-//! provenance give the same bytes, and no file ever bears its final name before all its bytes are on the disk.
+//! [`Provenance`], out comes a file that is whole or not there. Invariant: the same frame and provenance give
+//! the same bytes, and no file ever bears its final name before all its bytes are on the disk.
 //!
 //! # What a file looks like
-//! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window is the full
-//! picture, the data window the part that was rendered. Besides the standard attributes:
+//! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window
+//! is the full picture, the data window the part that was rendered. Besides the standard attributes:
 //!
 //! | attribute | what |
 //! |---|---|
@@ -16,8 +16,9 @@
 //! | `sunfleck:sequenceFrames` | the first and the last frame of the input, `1-48`, whatever a run was asked for |
 //!
 //! # The pixel hash
-//! SHA-256 over the channels in order of their names; of each: name, a zero byte, its type (`half`, `float` or `uint`), a zero
-//! byte, then its values as stored, little-endian, row by row from the top of the data window. From the file alone, in Python:
+//! SHA-256 over the channels in order of their names; of each: name, a zero byte, its type (`half`, `float`
+//! or `uint`), a zero byte, then its values as stored, little-endian, row by row from the top of the data
+//! window. From the file alone, in Python:
 //!
 //! ```python
 //! import hashlib, OpenEXR
