@@ -1,5 +1,6 @@
-//! A picture that can be carried out. In go a scene, settings and what is asked, out comes all that a frame needs. Invariant: a
-//! plan that exists is valid, and what its passes have to know beyond light is prepared by it alone.
+//! A picture that can be carried out. In go a scene, settings and what is asked, out comes all that a
+//! frame needs. Invariant: a plan that exists is valid, and what its passes have to know beyond light is
+//! prepared by it alone.
 
 use super::error::{RenderError, Setting};
 use super::scene::Scene;
@@ -83,8 +84,8 @@ impl<'scene> Plan<'scene> {
         render::render(exposure, &self.job, watch)
     }
 
-    /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a frame asks for,
-    /// of `size` pixels and `samples` a pixel.
+    /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a
+    /// frame asks for, of `size` pixels and `samples` a pixel.
     pub(crate) fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
@@ -119,7 +120,8 @@ impl<'scene> Plan<'scene> {
         }
     }
 
-    /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it would end the process.
+    /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it
+    /// would end the process.
     pub(crate) fn check_memory(&self) -> Result<(), RenderError> {
         let bytes = self.job.memory_bytes();
         let mut all: Vec<u8> = Vec::new();

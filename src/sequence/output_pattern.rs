@@ -1,6 +1,6 @@
-//! A frame's number to the path of its file. Invariant: two frames never have the same path unless
-//! the pattern has no place for the number, and then [`OutputPattern::check`] refuses more than one frame. Bytes of a name
-//! that are no text are kept.
+//! A frame's number to the path of its file. Invariant: two frames never have the same path unless the
+//! pattern has no place for the number, and then [`OutputPattern::check`] refuses more than one frame. Bytes
+//! of a name that are no text are kept.
 //!
 //! | written | frame 7 |
 //! |---|---|
