@@ -98,7 +98,8 @@ fn code(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The paths that a file names: those that begin with `crate` or `super`, made absolute, as lists of segments.
+/// The paths that a file names: those that begin with `crate` or `super`, made absolute,
+/// as lists of segments.
 fn paths(file: &str, text: &str) -> Vec<Vec<String>> {
     let own = module_of(file);
     let code = code(text);

@@ -120,8 +120,8 @@ fn dense(
     sum
 }
 
-/// The quadrature does not know where the light's way kinks, so its pieces are short where that may be: its own error
-/// is some 1e-7.
+/// The quadrature does not know where the light's way kinks, so its pieces are short where that may be: its
+/// own error is some 1e-7.
 fn short_pieces() -> Vec<f64> {
     let near = (0..200).map(|index| 0.2 * f64::from(index));
     near.chain((6..14).map(|power| 2_f64.powi(power))).collect()

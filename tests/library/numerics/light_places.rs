@@ -105,8 +105,9 @@ fn images_of_lights_on_round_places() {
     }
 }
 
-/// A leaf hides the lamp from all fog before it, but is seen nearly edge on, so that its places are known less well in
-/// single precision than where a ray meets its plane. Rays that end on it are dark to their ends.
+/// A leaf hides the lamp from all fog before it, but is seen nearly edge on, so that its places
+/// are known less well in single precision than where a ray meets its plane. Rays that end on it
+/// are dark to their ends.
 #[test]
 fn behind_a_leaf_seen_edge_on() {
     let dark = |scale: f64,

@@ -134,7 +134,8 @@ impl Truth {
         shadows
     }
 
-    /// Whether an edge or a vertex lies on the one line of ray and light: then rounding decides about the shadows.
+    /// Whether an edge or a vertex lies on the one line of ray and light: then rounding
+    /// decides about the shadows.
     fn grazes_in_line(&self, ray: &Ray, light: LightPlace) -> bool {
         let axis = match light {
             LightPlace::Towards(to_light) => to_light,
