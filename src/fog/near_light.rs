@@ -1,14 +1,14 @@
-//! What a near light scatters into a ray. In go a stretch of fog and a light, out comes the integral
-//! over any part of it that is lit. Invariant: few parts are integrated one by one, by rules whose order
-//! follows from where the integrand is not analytic; many share one antiderivative, fitted to a
-//! tolerance.
+//! What a near light scatters into a ray. In go a stretch of fog and a light, out comes the integral over any
+//! lit part of it. A few parts of even fog that is not deep are integrated one by one. The order of their
+//! rules follows from where the integrand is not analytic. Otherwise all parts share one antiderivative.
+//! Invariant: it is fitted to a tolerance.
 //!
-//! The variable is `x = asinh((t - nearest) / gap)`, the Gudermannian inverse of the equiangular angle
-//! `theta` (Kulla & Fajardo 2012): `dt / distance^2 = dtheta / gap = dx / (gap cosh x)`. In `theta` a phase
-//! function is a peak as narrow as `1 - |g|` at the far end; in `x` the cosine of the deflection is
-//! `-tanh x`, and Henyey & Greenstein's function becomes `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`:
-//! a step as wide as the integrand's other changes, whose singularities, like those of `cosh x`, lie at the
-//! distance `pi / 2` from the real axis for every `g`.
+//! The variable is `x = asinh((t - nearest) / gap)`, with
+//! `dt / distance^2 = dtheta / gap = dx / (gap cosh x)`. It is the inverse Gudermannian of the equiangular
+//! angle `theta` (Kulla & Fajardo 2012). In `theta` a phase function is a peak as narrow as `1 - |g|` at the
+//! far end. In `x` the cosine of the deflection is `-tanh x`. Henyey & Greenstein's function becomes
+//! `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`: a step as wide as the integrand's other changes. Its
+//! singularities, like those of `cosh x`, lie `pi / 2` from the real axis for every `g`.
 
 use super::LitSegments;
 use super::beer_lambert::exp_minus;

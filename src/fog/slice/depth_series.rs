@@ -1,8 +1,8 @@
 //! Fog that thins out with height, alone or with even fog, along a part of a ray. In go the ways of eye and
-//! light through it and what is lit, out comes the integral of what is scattered and gets through. Invariant:
+//! light through it and what is lit. Out comes the integral of what is scattered and gets through. Invariant:
 //! every piece is so short that ten terms of its series tell all but 1e-8 of it.
 //!
-//! The optical depth's series is known in the middle of a piece (`thinning_fog.rs`); those of `exp(-tau)` and
+//! The optical depth's series is known in the middle of a piece (`thinning_fog.rs`). Those of `exp(-tau)` and
 //! of its product with the density follow by the rules for power series (Knuth, "The Art of Computer
 //! Programming" 2, section 4.7).
 

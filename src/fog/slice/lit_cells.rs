@@ -1,12 +1,12 @@
-//! What reaches the light's rays of a slice, summed up beforehand. In go the shadows as they grow, out come
+//! What reaches the light's rays of a slice, summed up beforehand. In go the shadows as they grow. Out come
 //! the moments of what is lit, for any range of reaches in a few pieces. Invariant: a cell knows its lit part
-//! exactly, through its moments; only in the cells that a range begins and ends in are single shadows looked
-//! at, once for all colours.
+//! exactly, by its moments. Single shadows are looked at only in the cells where a range begins and ends,
+//! once for all colours.
 //!
-//! With `x` the distance from a piece's middle in halves of its width, and `m_j` the integral of `x^j / j!`
-//! over what is lit, the integral of any smooth `f` over the same is `sum(f_j m_j)`, `f_j` being its
-//! derivatives in the middle (a multipole expansion: Greengard & Rokhlin 1987, section 2). The moments depend
-//! neither on the camera's ray nor on what is integrated.
+//! Let `x` be the distance from a piece's middle in halves of its width. Let `m_j` be the integral of
+//! `x^j / j!` over what is lit. The integral of any smooth `f` over the same is `sum(f_j m_j)`, where `f_j`
+//! are its derivatives in the middle. This is a multipole expansion (Greengard & Rokhlin 1987, section 2).
+//! The moments depend neither on the camera's ray nor on what is integrated.
 
 use crate::math::IntervalSet;
 use std::ops::Range;

@@ -1,12 +1,12 @@
-//! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow, out comes,
+//! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow. Out comes,
 //! for any ray in it, what fog does on the way. Invariant: what does not depend on the ray is found once a
-//! slice; where there is no answer the ray is left to [`Medium::scattered`].
+//! slice. Where there is no answer the ray is left to [`Medium::scattered`].
 //!
-//! The light's way through a bank leads from one border of its section (`section.rs`) to another, the same
-//! two between breaks that are known beforehand; so on every stretch of a ray between breaks (`stretch.rs`)
-//! all ways are smooth. What is lit there is known by its moments (`lit_cells.rs`), which the integrand's
-//! derivatives are multiplied with: where fog is even they are powers (`depth_line.rs`), where it thins out
-//! with height they are series (`depth_series.rs`, `thinning_fog.rs`).
+//! The light's way through a bank leads from one border of its section (`section.rs`) to another. Between
+//! breaks that are known beforehand the two stay the same. So all ways are smooth on every stretch of a ray
+//! between breaks (`stretch.rs`). What is lit there is known by its moments (`lit_cells.rs`), which the
+//! integrand's derivatives are multiplied with. Where fog is even these are powers (`depth_line.rs`). Where
+//! it thins out with height they are series (`depth_series.rs`, `thinning_fog.rs`).
 
 mod depth_line;
 mod depth_series;
