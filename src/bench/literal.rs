@@ -1,9 +1,9 @@
-//! The method that this renderer grew from, as its authors described it: for every pixel a ray
-//! against every triangle, and at every step of the image plane a shadow ray against every triangle
-//! again. In go some pixels of a picture, out come their shafts and the time. Invariant: no tree.
+//! The method that this renderer grew from, as its authors described it. Every pixel has a ray against every
+//! triangle. Every step of the image plane has a shadow ray against every triangle again. In go some pixels
+//! of a picture, out come their shafts and the time. Invariant: no tree.
 //!
-//! It is given what its authors had not: shadow rays end at the first triangle in their way, and the
-//! intersection is Moeller & Trumbore's, which costs less than comparing areas.
+//! It is given what its authors had not. Shadow rays end at the first triangle in their way. The intersection
+//! is Moeller & Trumbore's, which costs less than comparing areas.
 
 use super::Stage;
 use super::method::timed;

@@ -1,6 +1,6 @@
 //! An input becomes a scene, with a bar while leaves are let fall and a folder of falls that were baked
-//! before. Invariant: with the folder, without it, or with rubbish in it, the scene is the same; a folder
-//! that cannot be used is done without.
+//! before. Invariant: the scene is the same with the folder, without it, or with rubbish in it. A folder that
+//! cannot be used is done without.
 
 use super::CliError;
 use super::arguments::BakeArguments;

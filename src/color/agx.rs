@@ -1,11 +1,11 @@
 //! The AgX curve: scene light of any brightness to light that a display can show. In goes linear Rec. 709,
 //! out comes linear Rec. 709 in `0..=1`. Invariant: grey stays grey, and more light never looks darker.
 //!
-//! Troy Sobotka's AgX as Blender 4 and later show it: Eary Chow's image formation, `AgXBaseRec2020.py` and
-//! `AgXBasesRGB.py` of github.com/EaryChow/AgX_LUT_Gen, from whose formulas Blender's table was made. Every
-//! colour is first mixed with a little of the other two (the inset), so that bright saturated light goes to
-//! white as film does; the channels are compressed one by one; the mix is taken back (the outset).
-//! docs/display.md has the constants and how close this is.
+//! It is Troy Sobotka's AgX as Blender 4 and later show it. Blender's table was made from Eary Chow's
+//! formulas: `AgXBaseRec2020.py` and `AgXBasesRGB.py` of github.com/EaryChow/AgX_LUT_Gen. Every colour is
+//! first mixed with a little of the other two (the inset), so bright saturated light goes to white as on
+//! film. The channels are compressed one by one. Then the mix is taken back (the outset). docs/display.md has
+//! the constants and how close this is.
 
 use glam::{Mat3, Vec3};
 use std::sync::LazyLock;

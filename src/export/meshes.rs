@@ -1,5 +1,5 @@
-//! Meshes, a primitive a material. Invariant: the triangles of a mesh are stored once, in however
-//! many materials and places it is shown.
+//! Meshes, a primitive a material. In goes a scene, out come glTF's meshes. Invariant: the triangles of a
+//! mesh are stored once, in however many materials and places it is shown.
 
 use super::Writer;
 use super::binary::Target;

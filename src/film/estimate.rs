@@ -1,6 +1,6 @@
 //! How far a picture still is from the truth, judged by its own samples. In goes a film whose samples came in
-//! two halves, out comes a variance for each pixel and each block of pixels. Invariant: a block is judged by
-//! its own pixels alone, and by all of them together, since a pixel's two halves may agree by chance.
+//! two halves. Out comes a variance for each pixel and each block of pixels. Invariant: a block is judged by
+//! its own pixels alone, and by all of them together. A pixel's two halves may agree by chance.
 
 use super::Film;
 use crate::color::{Rgb, luminance};

@@ -1,7 +1,7 @@
-//! Samples become pixels. In go any number of weighted [`Sample`]s a pixel, in any order and from
-//! any method; out comes a [`Frame`] of named channels. Invariant: per pixel only sums of weight and of
-//! weight times value are kept and divided once, at the end, so nothing assumes one ray per pixel
-//! sample or weights that add up to a known total.
+//! Samples become pixels. In go any number of weighted [`Sample`]s a pixel, in any order and from any
+//! method; out comes a [`Frame`] of named channels. Invariant: a pixel keeps only sums of weight and of
+//! weight times value, which are divided once, at the end. So nothing assumes one ray per pixel sample,
+//! or weights with a known total.
 
 mod blocks;
 mod brightness;

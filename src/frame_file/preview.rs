@@ -1,5 +1,5 @@
 //! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes,
-//! whether it was just rendered or is read from its file; the EXR stays the picture, this is a look at it.
+//! whether it was just rendered or is read from its file. The EXR stays the picture; this is a look at it.
 
 use super::bloom::bloom;
 use super::{FrameFileError, atomic};

@@ -2,9 +2,9 @@
 //! and where the rest goes. Invariant: matter that absorbs nothing, in even light from all sides, sends out
 //! exactly what it takes.
 //!
-//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands", with each leaf's own
-//! normal in place of a distribution of normals: of `|cos|` the harmonics up to l = 2 are kept,
-//! `3/16 + 15/16 cos^2`, so that a node's leaves are two sums of outer products.
+//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands". Each leaf's own normal
+//! takes the place of a distribution of normals. Of `|cos|` the harmonics up to l = 2 are kept:
+//! `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
 
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};

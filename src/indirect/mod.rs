@@ -3,8 +3,8 @@
 //! nothing depends on where the camera stands in a cell of its grid.
 //!
 //! Direct light and single scattering stay exact, in `transport`. What comes after is solved on a world grid
-//! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"), leaves and fog together as one turbid
-//! medium: `field.rs` is the loop over orders.
+//! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
+//! medium there. `field.rs` is the loop over orders.
 
 mod carrier;
 mod field;

@@ -1,6 +1,6 @@
-//! The antiderivative of a smooth function, fitted once and then asked often. In go a function, an
-//! interval and a tolerance, out comes the integral over any part of the interval. Invariant: the
-//! error of the whole is estimated from the fit itself, and pieces are halved until it is met.
+//! The antiderivative of a smooth function, fitted once and then asked often. In go a function, an interval
+//! and a tolerance. Out comes the integral over any part of the interval. Invariant: the error of the whole
+//! is estimated from the fit itself, and pieces are halved until it is met.
 
 use glam::DVec3;
 use std::f64::consts::PI;

@@ -1,5 +1,5 @@
 //! Low-discrepancy points whose places in an order are given. In goes a place, out come coordinates.
-//! Invariant: together with the place itself they are a Sobol sequence, so those of every aligned run of
+//! Invariant: together with the place itself they are a Sobol sequence. So the points of every aligned run of
 //! places are evenly spread, and so are those of places that only ever halve their distance.
 
 use super::sampler::mix;

@@ -1,8 +1,8 @@
-//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels, out
+//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels. Out
 //! comes whether a slice in a place need be looked at. Invariant: no slice that crosses one is left out,
 //! however its own fan differs from the centre's.
 //!
-//! A late round has many slices and few pixels, and most slices meet none of these: to draw them all the same
+//! A late round has many slices and few pixels, and most slices meet none of these. Drawing them all the same
 //! took most of its time under a sun with a picture on it.
 
 use crate::film::Mask;

@@ -1,6 +1,6 @@
-//! Whether a frame is rendered from slices or by rays, and why. In goes an exposure, out comes the
-//! cheaper of the ways that can serve. Invariant: the choice depends on the scene at that frame alone,
-//! never on a crop, a clock or a number of threads, so that a part of a picture is a part of the whole.
+//! Whether a frame is rendered from slices or by rays, and why. In goes an exposure, out comes the cheaper of
+//! the ways that can serve. Invariant: the choice depends on the scene at that frame alone, never on a crop,
+//! a clock or a number of threads. So a part of a picture is a part of the whole.
 
 use super::Method;
 use super::draws::Draws;

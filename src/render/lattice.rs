@@ -1,15 +1,15 @@
 //! Which slices a picture is made of, and where on them its samples lie. In go the fan of the light's centre
-//! and how far the light, the lens and the shutter make it deviate, out come slices by number. Invariant: a
+//! and how far the light, the lens and the shutter make it deviate. Out come slices by number. Invariant: a
 //! sample counts as much as the area of the picture that it stands for, wherever its own fan is.
 //!
-//! Slices lie at equal angles, and in each pixel that it crosses a slice has a chord. With a light, a lens or
-//! a shutter that has an extent, each slice has a fan of its own, whose axis is not quite that of the others,
-//! and would leave its place in the lattice. So each slice is rotated so that it passes through its lattice
-//! place half way across its ring (`rings.rs`); but about the axis, and about its far side, where they
-//! deviate too far for that.
+//! Slices lie at equal angles, and a slice has a chord in each pixel that it crosses. With a light, a lens or
+//! a shutter that has an extent, each slice has a fan of its own. The axis of that fan is not quite that of
+//! the others, and the slice would leave its place in the lattice. So each slice is rotated until it passes
+//! through its place half way across its ring (`rings.rs`). It stays as it is about the axis, and about its
+//! far side, where fans deviate too far for that.
 //!
-//! Where slices share draws, every so many places a draw comes again, so that each has slices over all of the
-//! picture, a pixel apart, whose swaths reach to each other.
+//! Where slices share draws, a draw comes again every so many places. Each draw then has slices over all of
+//! the picture, a pixel apart, whose swaths reach to each other.
 
 use super::bearings::Bearings;
 use super::layout::{Facts, Layout};

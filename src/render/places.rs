@@ -1,6 +1,6 @@
 //! Which places slices have among all that any round may ask for. In goes a slice's number, out come its
 //! place and where along it its samples lie. Invariant: slices of a round lie half way between those of the
-//! rounds before, so all rounds together are one lattice, as even as if it had been rendered at once.
+//! rounds before. So all rounds together are one lattice, as even as if it had been rendered at once.
 
 use super::rounds::{Round, Schedule};
 

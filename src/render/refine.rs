@@ -1,7 +1,7 @@
-//! Rounds until a picture is good enough. In goes a picture to be rendered in rounds, out comes its film and
-//! what its blocks are still in error by. Invariant: whether a block or a pixel goes on depends on its
-//! block's samples and on those with which the blocks next to it are first judged alone, so that a part of a
-//! picture has the pixels of the whole.
+//! Rounds until a picture is good enough. In goes a picture to be rendered in rounds, out come its film and
+//! the errors that its blocks still have. Invariant: a part of a picture has the pixels of the whole. Whether
+//! a block or a pixel goes on depends on two things: its block's samples, and those by which the blocks
+//! beside it are first judged alone.
 
 use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;

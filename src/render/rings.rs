@@ -1,13 +1,13 @@
 //! In which rings about the axis slices are laid out, and how densely. In go the fan of the light's centre,
-//! how far others deviate and what slices cut, out come rings. Invariant: the choice is the whole picture's,
+//! how far others deviate and what slices cut. Out come rings. Invariant: the choice is the whole picture's,
 //! whichever part of it is wanted.
 //!
-//! A slice with a draw of its own passes through its place half way across its ring, and is the farther from
-//! where it belongs the farther one looks from there: then pixels see now more slices, now fewer. In narrow
-//! rings all stay in order, but each ring gathers anew what its slices cut.
+//! A slice with a draw of its own passes through its place half way across its ring. The farther one looks
+//! from there, the farther the slice is from where it belongs, and pixels see now more slices, now fewer. In
+//! narrow rings all stay in order, but each ring gathers anew what its slices cut.
 //!
-//! Slices that share a fan are always in order, but lie close together near its epipole, where most of them
-//! tell nothing that others do not: there are fewer of them there.
+//! Slices that share a fan are always in order, but lie close together near its epipole. Most of them tell
+//! nothing there that others do not, so there are fewer of them.
 
 use crate::transport::slices::{Fan, Ring, Separation, Slice};
 use std::f64::consts::PI;

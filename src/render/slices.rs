@@ -1,6 +1,6 @@
 //! The component of one light, from slices. In go a picture's lattice and a round, out come samples
-//! on a film. Invariant: samples reach the film in the order of their slices, whatever thread solved
-//! them, and weigh as much as the area of the pixel that they stand for, so a pixel is the mean over
+//! on a film. Invariants: samples reach the film in the order of their slices, whatever thread solved
+//! them. They weigh as much as the area of the pixel that they stand for. So a pixel is the mean over
 //! what its slices see of it.
 
 use super::draws::{Draw, Draws};

@@ -1,5 +1,5 @@
 //! From relative space to the picture, without dividing. Invariant: what a perspective camera sees at
-//! a place (x, y) of its picture lies along (x, y, 1) in the space used here; nothing is clipped, not
+//! a place (x, y) of its picture lies along (x, y, 1) in the space used here. Nothing is clipped, not
 //! even behind the eye.
 
 use crate::scene::Size;

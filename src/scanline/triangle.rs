@@ -1,6 +1,6 @@
 //! One triangle to the samples that it covers (Olano and Greer 1997, "Triangle scan conversion using 2D
 //! homogeneous coordinates"). Invariant: two triangles that share an edge agree, but for the sign, on which
-//! side of it every sample lies, so no sample falls between them.
+//! side of it every sample lies. So no sample falls between them.
 
 use super::projection::Vertex;
 use glam::DVec3;

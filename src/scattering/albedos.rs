@@ -1,8 +1,9 @@
 //! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of
-//! `f0` and of `f90` in the albedo; together they are that of a white coat, for light that is reflected once.
-//! Under Cycles' shadowing two more follow: what goes from the one to the other where Fresnel's equations
-//! take the place of Schlick's term, and those equations' mean over the microfacets that the eye sees and
-//! that mirror it upwards, each counted alike. Invariant: a table is made once, when it is first asked.
+//! `f0` and of `f90` in the albedo. Together they are the albedo of a white coat, for light that is reflected
+//! once. Two more follow under Cycles' shadowing. One is what goes from the first factor to the second where
+//! Fresnel's equations take the place of Schlick's term. The other is the mean of those equations over the
+//! microfacets that the eye sees and that mirror it upwards, each counted alike. Invariant: a table is made
+//! once, when it is first asked.
 
 use super::ggx::{Shadowing, fresnel, schlick, visible_normal};
 use crate::math::gauss_legendre;

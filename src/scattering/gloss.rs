@@ -1,22 +1,22 @@
 //! The shiny coat of a surface: glTF's metallic-roughness model for one light direction. In go unit
-//! vectors and a normal, out come a BRDF and what is left for the matte surface beneath. Invariant: coat
-//! and a white surface beneath give back what they receive, no more; both are reciprocal, but for what
+//! vectors and a normal, out come a BRDF and what is left for the matte surface beneath. Invariants: coat
+//! and a white surface beneath give back what they receive, no more. Both are reciprocal, but for what
 //! metals scatter more than once.
 //!
 //! The coat is that of the glTF 2.0 specification, appendix B.3: a GGX distribution of microfacets with
 //! separable Smith shadowing and Schlick's Fresnel term. Beneath it the specification's example weighs
-//! Lambert by `1 - F(v.h)`, which gives up to nearly twice what it receives at grazing angles, and leaves
-//! renderers free to do better (B.1). Here it is weighed by what the coat leaves on the way in and on the way
-//! out: `(1 - E(v)) (1 - E(l)) / (1 - E_mean)` with the coat's albedo `E` (Kelemen and Szirmay-Kalos 2001, "A
-//! microfacet based coupled specular-matte BRDF model", equation 4).
+//! Lambert by `1 - F(v.h)`. At grazing angles that gives up to nearly twice what it receives; B.1 leaves
+//! renderers free to do better. Here Lambert is weighed by what the coat leaves on the way in and on the way
+//! out. The weight is `(1 - E(v)) (1 - E(l)) / (1 - E_mean)`, with the coat's albedo `E`. It is equation 4 of
+//! Kelemen and Szirmay-Kalos 2001, "A microfacet based coupled specular-matte BRDF model".
 //!
-//! Light that meets several microfacets is lost to the model, over two thirds of it on the roughest
-//! metals. They get it back as in Cycles: the BRDF is scaled up by what its albedo for the eye lacks
-//! (Turquin 2019, "Practical multiple scattering compensation for microfacet models", equation 16),
-//! tinted by further reflections.
+//! The model loses light that meets several microfacets: over two thirds of it on the roughest metals.
+//! Metals get it back as in Cycles, tinted by further reflections: the BRDF is scaled up by what its
+//! albedo for the eye lacks. That is equation 16 of Turquin 2019, "Practical multiple scattering
+//! compensation for microfacet models".
 //!
-//! Of Blender's Principled BSDF the coat is as Cycles has it: Fresnel's equations take the place of Schlick's
-//! term, shadowing is correlated, and what lies beneath is weighed by what the coat leaves towards the eye
+//! Blender's Principled BSDF has its coat as Cycles has it. Fresnel's equations take the place of Schlick's
+//! term, and shadowing is correlated. What lies beneath is weighed by what the coat leaves towards the eye
 //! alone, which is not reciprocal.
 
 use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};

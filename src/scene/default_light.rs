@@ -1,6 +1,6 @@
 //! Light for inputs that have none: a soft key sun and an even sky, as in a viewer of models. In goes a
 //! scene with a camera, out comes one that is lit. Invariant: the lights stand still in the frame of the
-//! camera at the first frame, so a frame rendered alone is the frame of the sequence, and a moving camera
+//! camera at the first frame. So a frame rendered alone is the frame of the sequence, and a moving camera
 //! does not make the light flicker.
 
 use super::{

@@ -1,6 +1,6 @@
 //! A camera for inputs that have none: at three quarters, so near that everything is seen in all frames and
 //! little else. In go a scene, its frames and the picture's shape, out comes where the camera stands.
-//! Invariant: it stands still, and depends on the whole range of frames, so a frame rendered alone is the
+//! Invariant: it stands still, and depends on the whole range of frames. So a frame rendered alone is the
 //! frame of the sequence.
 
 use super::{Camera, Clip, Instance, Lens, Motion, Node, Placement, RenderSettings, Scene, Track};

@@ -1,6 +1,6 @@
-//! The sky: radiance that comes from infinitely far away in every direction, as what lies behind the scene
-//! and as light. Invariant: its picture is not black all over, and has a table of where it is bright
-//! unless it is the same everywhere.
+//! The sky: radiance that comes from infinitely far away in every direction. It lies behind the scene, and is
+//! light. Invariant: its picture is not black all over, and has a table of where it is bright unless it is
+//! the same everywhere.
 
 use super::{Texture, Track, Wrap};
 use crate::color::{Rgb, Texels, luminance};

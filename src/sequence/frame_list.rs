@@ -1,5 +1,4 @@
-//! Frame numbers from what the user types. Invariant: each frame once, in the order of first
-//! mention.
+//! Frame numbers from what the user types. Invariant: each frame comes once, in the order of first mention.
 //!
 //! | written | means |
 //! |---|---|

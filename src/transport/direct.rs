@@ -1,6 +1,6 @@
-//! Direct light on a surface. In goes a surface point, out the radiance that it scatters towards the
-//! eye. Invariant: what the light falls on and what the eye sees are both judged by the flat triangle, so
-//! a light is either before a surface or behind it, whatever the shading normal says.
+//! Direct light on a surface. In goes a surface point, out comes the radiance that it scatters towards the
+//! eye. Invariant: the flat triangle judges both what the light falls on and what the eye sees. So a light is
+//! either before a surface or behind it, whatever the shading normal says.
 
 use super::visibility::visibility;
 use crate::color::Rgb;

@@ -1,5 +1,5 @@
 //! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit
-//! segments: opaque triangles end the light on an interval of the ray, blended ones dim it there. Invariant:
+//! segments. Opaque triangles end the light on an interval of the ray, blended ones dim it there. Invariant:
 //! where light begins and ends is never sampled.
 
 use super::visibility::{BlendedHit, Way, blended_hits};

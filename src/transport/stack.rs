@@ -1,11 +1,11 @@
-//! The many blended surfaces that one ray passes. In go the ray, its surfaces and the lights, out comes what
-//! each surface scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps, where shadow
-//! rays of their own, each through as many surfaces, would take `n^2 log n`.
+//! The many blended surfaces that one ray passes. In go the ray, its surfaces and the lights. Out comes what
+//! each surface scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps. Shadow rays
+//! of their own, each through as many surfaces, would take `n^2 log n`.
 //!
-//! What dims a light anywhere on the ray lies in the plane through both, so one walk through the tree finds
-//! it for all surfaces at once; a sweep along the ray keeps the product of what is in the way. Under a lamp
-//! or sun the values are those of the shadow rays, to rounding. Textured surfaces are asked one by one where
-//! they are in the way, until next to nothing is left. Light of the sky, and mirrors, are left to a few
+//! What dims a light anywhere on the ray lies in the plane through both. So one walk through the tree finds
+//! it for all surfaces at once, and a sweep along the ray keeps the product of what is in the way. Under a
+//! lamp or sun the values are those of the shadow rays, to rounding. Textured surfaces are asked one by one
+//! where they are in the way, until next to nothing is left. Light of the sky, and mirrors, are left to a few
 //! surfaces that stand for all.
 
 use super::direct;

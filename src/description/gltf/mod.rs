@@ -1,10 +1,10 @@
-//! A glTF 2.0 file in (`.glb`, or `.gltf` with its buffers and images), plain typed data out.
-//! Invariant: in a [`GltfScene`] every index points somewhere, nodes form trees, every number is
-//! finite, and what the file asks for that is not here stands in [`GltfScene::remarks`].
+//! A glTF 2.0 file in (`.glb`, or `.gltf` with its buffers and images), plain typed data out. Invariant: in a
+//! [`GltfScene`] every index points somewhere, nodes form trees and every number is finite. What the file
+//! asks for that is not here stands in [`GltfScene::remarks`].
 //!
-//! The container is taken apart by the `gltf` crate. Its JSON types and accessors are not used: they
-//! refuse files that Blender writes (animation pointers) and panic on damaged ones, so everything is
-//! checked here, before any value is read.
+//! The container is taken apart by the `gltf` crate. Its JSON types and accessors are not used: they refuse
+//! files that Blender writes (animation pointers) and panic on damaged ones. So everything is checked here,
+//! before any value is read.
 
 mod accessor;
 mod animations;

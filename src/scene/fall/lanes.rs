@@ -1,6 +1,6 @@
-//! Numbers of several leaves side by side. Invariant: what becomes of one does not depend on its neighbours
-//! and is what it becomes alone, to the last bit: all operations are those of `f64`, lane by lane, in loops
-//! so plain that the compiler has neighbours share instructions.
+//! Numbers of several leaves side by side. Invariant: what becomes of one does not depend on its neighbours,
+//! and is what it becomes alone, to the last bit. All operations are those of `f64`, lane by lane. Their
+//! loops are so plain that the compiler has neighbours share instructions.
 
 use std::array;
 use std::ops::{Add, Mul, Neg, Sub};

@@ -1,6 +1,6 @@
 //! Leaves that fall, each on its own way. In goes what the author wants of a fall, resolved and in SI units;
-//! out come keys. Invariant: until it lands, leaf `i` is a pure function of the fall's values other than its
-//! count, and of `i`: no frame, no frame rate, no other leaf and no machine changes it. How it lies then
+//! out come keys. Invariant: until it lands, leaf `i` is a pure function of `i` and of the fall's values
+//! other than its count. No frame, no frame rate, no other leaf and no machine changes it. How it lies then
 //! depends on the leaves that landed before it, and on nothing else.
 //!
 //! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.

@@ -1,6 +1,6 @@
-//! Masked triangles in, opaque ones out: what the alpha of a texture or of vertices hides is cut away along
-//! the curve where alpha equals the cutoff. Invariant: neighbouring triangles are cut at the very same points
-//! of their common edge, and a triangle without anything to cut away stays as it is.
+//! Masked triangles in, opaque ones out. What the alpha of a texture or of vertices hides is cut away along
+//! the curve where alpha equals the cutoff. Invariants: neighbouring triangles are cut at the very same
+//! points of their common edge. A triangle without anything to cut away stays as it is.
 
 mod contour;
 mod cut;

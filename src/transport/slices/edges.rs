@@ -1,8 +1,8 @@
 //! What cuts a chord in pieces that look alike. In go the segments that its rays may meet, out come the areas
-//! at which its pieces end: where another thing becomes visible, or the light begins or ends on what is.
-//! Invariant: the pieces are the whole chord. Which they are is only a matter of error: an edge that is
-//! missed, where two leaves lie through each other, or one too many does no harm to the mean, for each
-//! piece's sample lies anywhere in it alike.
+//! at which its pieces end. A piece ends where another thing becomes visible, or where light begins or ends
+//! on what is. Invariant: the pieces are the whole chord. An edge too many, or one missed where two leaves
+//! lie through each other, does no harm to the mean. Each piece's sample lies anywhere in it alike, so edges
+//! are only a matter of error.
 
 use super::chord::Chord;
 use super::slice::Slice;

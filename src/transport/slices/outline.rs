@@ -1,10 +1,9 @@
-//! What lies between slices. In go the pieces of a slice and the borders between them, out comes which piece
+//! What lies between slices. In go the pieces of a slice and the borders between them. Out comes which piece
 //! stands for which part of a slice beside it. Invariant: the parts of a slice beside are all of it that lies
 //! near the slice, and none is there twice.
 //!
-//! Nearly every edge changes from slice to slice. Were a piece to stand for as much of the slices
-//! beside, each of them would be a step; but most edges are straight, and where a straight one goes
-//! on is known (`border.rs`).
+//! Nearly every edge changes from slice to slice. If a piece stood for as much of the slices beside, each
+//! edge would be a step. Most edges are straight, and where a straight one goes on is known (`border.rs`).
 
 use super::border::Border;
 use super::slice::Slice;

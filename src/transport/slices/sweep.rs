@@ -1,13 +1,12 @@
-//! The sweep over the directions of a slice, from the light outwards. In go the slice's segments
-//! and ever lower slopes, out come what a ray of that slope meets first and which part of it lies in
-//! shadow. Invariant: between two slopes the shadow only grows, so each segment enters it once.
+//! The sweep over the directions of a slice, from the light outwards. In go the slice's segments and ever
+//! lower slopes. Out come what a ray of that slope meets first, and which part of it lies in shadow.
+//! Invariant: between two slopes the shadow only grows, so each segment enters it once.
 //!
-//! In the half plane through camera and light let `reach` be the distance from the axis and `height`
-//! that along it. A ray has the slope `height / reach`; a point above it shadows the ray where the
-//! light's own ray through the point meets it, and *which of the light's rays that is does not depend
-//! on the camera's ray*: it is named by the reach for a distant light, and by the angle at the light
-//! for a near one. So a segment wholly above a ray shadows it over an interval of these names that
-//! is known beforehand.
+//! In the half plane through camera and light, `reach` is the distance from the axis and `height` that along
+//! it. A ray has the slope `height / reach`. A point above the ray shadows it where the light's own ray
+//! through the point meets it. *Which of the light's rays that is does not depend on the camera's ray.* It is
+//! named by its reach for a distant light, and by its angle at the light for a near one. So a segment wholly
+//! above a ray shadows it over an interval of these names that is known beforehand.
 
 use super::buckets::{Buckets, partition_point_near};
 use crate::accel::{Cut, PrimitiveId};
