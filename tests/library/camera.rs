@@ -1,5 +1,5 @@
-//! Lens and shutter against closed forms: how soft what is out of focus is, what is keyed, and when the
-//! shutter is open.
+//! Lens and shutter against closed forms. How soft what is out of focus is, what is keyed, and when
+//! the shutter is open.
 
 use crate::common::{camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};

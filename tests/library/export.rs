@@ -1,5 +1,5 @@
-//! Scenes written as glTF and read back: the same pictures, the same places, and a file that an
-//! independent reader (the `gltf` crate's own JSON types and validation) takes too.
+//! Scenes written as glTF and read back. They give the same pictures and the same places. An independent
+//! reader (the `gltf` crate's own JSON types and validation) takes the file too.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;

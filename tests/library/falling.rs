@@ -1,4 +1,4 @@
-//! `fall` blocks from outside: the same leaves whatever is asked of the scene, an author's own keys, and
+//! `fall` blocks from outside. The same leaves whatever is asked of the scene, an author's own keys, and
 //! the way through glTF.
 
 use glam::DVec3;

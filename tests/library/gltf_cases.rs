@@ -1,4 +1,4 @@
-//! glTF files as people have them, with something missing, damaged or unusual: each is seen as well
+//! glTF files as people have them, with something missing, damaged or unusual. Each is seen as well
 //! as it can be, and what is lost is told by its kind. Most show the triangle of ok.gltf: then the
 //! rest of them must look like it.
 

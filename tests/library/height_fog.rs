@@ -1,5 +1,5 @@
-//! Fog that thins out with height, alone and together with boxes: against closed forms, and against
-//! dense quadrature written straight from the reference model.
+//! Fog that thins out with height, alone and together with boxes. It is held against closed forms, and
+//! against dense quadrature written straight from the reference model.
 
 use crate::common::{EXACT, INSTANT, add_fog, add_layer, add_light, camera_at, place};
 use glam::{DAffine3, DVec3};

@@ -1,5 +1,5 @@
-//! Pixels by a filter wider than a pixel: against its own integral, by rays and from slices, and what every
-//! picture promises whatever filters it.
+//! Pixels by a filter wider than a pixel, by rays and from slices, against its own integral. And what every
+//! picture promises, whatever filters it.
 
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};

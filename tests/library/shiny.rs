@@ -1,4 +1,4 @@
-//! Shiny surfaces, normal maps, vertex colours and textures with coordinates of their own, seen by rays; and
+//! Shiny surfaces, normal maps, vertex colours and textures with coordinates of their own, seen by rays. And
 //! what becomes of glTF's material extensions.
 
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};

@@ -1,5 +1,5 @@
-//! Spots of glTF files: hard edges, which are inner angles as large as the outer ones, and beams
-//! of up to 180 degrees.
+//! Spots of glTF files: hard edges, and beams of up to 180 degrees. Inner angles of hard edges are as
+//! large as the outer ones.
 
 use crate::common::{EXACT, look, sheet};
 use glam::{DAffine3, DVec3};

@@ -1,5 +1,5 @@
-//! Rendering until an error is small enough: what is estimated against the truth, and what the
-//! pictures promise whatever is estimated.
+//! Rendering until an error is small enough. What is estimated is held against the truth. What pictures
+//! promise holds whatever is estimated.
 
 use crate::common::{INSTANT, add_light, camera_at};
 use glam::DVec3;

@@ -1,6 +1,6 @@
-//! Files in, the numbers in them out, each with a way to the file in which another number takes
-//! its place. Invariant: every number of the text or the JSON is one of them, but for the
-//! versions that files have to say.
+//! Files in, the numbers in them out, each with a way to the file in which another number takes its
+//! place. Invariant: every number of the text or the JSON is one of them. Only the versions that files
+//! have to say are not.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;

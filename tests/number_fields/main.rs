@@ -1,4 +1,4 @@
-//! Every number of RON scenes, sequences and glTF files, at its ends and far beyond: each input is rendered
+//! Every number of RON scenes, sequences and glTF files, at its ends and far beyond. Each input is rendered
 //! or refused with its place, in little time and memory. The files in tests/data/numbers hold what the good
 //! files beside them have no room for.
 #![allow(clippy::unwrap_used)]

@@ -1,4 +1,4 @@
-//! The samples, and what of them is known to be wrong in the file or lost on the way to it.
+//! The samples. What of them is known to be wrong in the file, or lost on the way to it.
 
 use serde_json::Value;
 use std::collections::BTreeSet;

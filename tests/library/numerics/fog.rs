@@ -1,5 +1,5 @@
-//! Fog from a breath to a wall, phase functions like needles, boxes that share faces, many boxes, and
-//! cameras and lights in their faces, edges and corners.
+//! Fog from a breath to a wall, and phase functions like needles. Boxes that share faces, and many boxes.
+//! Cameras and lights in their faces, edges and corners.
 
 use crate::common::{EXACT, INSTANT};
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray};

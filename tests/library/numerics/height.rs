@@ -1,5 +1,5 @@
-//! Fog that thins out within a millimetre or a thousand kilometres, from below its base and from a
-//! hundred kilometres above, along level rays and others: against closed forms of their own.
+//! Fog that thins out within a millimetre or a thousand kilometres, against closed forms of their own. It is
+//! seen from below its base and from a hundred kilometres above, along level rays and others.
 
 use crate::common::{EXACT, INSTANT, add_layer, add_light, camera_at};
 use glam::{DVec2, DVec3};

@@ -1,5 +1,5 @@
-//! Lights where they should not be: in the plane of a leaf, on a leaf, in a vertex, at the camera; and
-//! images of lights (epipoles) on corners, centres and edges of pixels.
+//! Lights where they should not be: in the plane of a leaf, on a leaf, in a vertex, at the camera. And images
+//! of lights (epipoles) on corners, centres and edges of pixels.
 
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray};
 use crate::numerics::scenes::{Frame, Lamp, add_triangles, empty, fog, grove, light, spread};

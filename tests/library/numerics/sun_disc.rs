@@ -1,5 +1,5 @@
-//! Suns from a point to a quarter of the sky: each point of the disc against the slow truth, and all of it
-//! against quadrature over the disc.
+//! Suns from a point to a quarter of the sky. Each point of the disc is held against the slow truth, and all
+//! of it against quadrature over the disc.
 
 use crate::common::{EXACT, INSTANT, add_light};
 use crate::numerics::compare::{SlicePlan, by_slices_through};
