@@ -1,7 +1,7 @@
 """One file to its summary: the work of a process of its own.
 
-Invariant: memory is bounded by one frame (two with a reference, three for fireflies), and the outcome is a summary
-whatever the file holds.
+Invariant: memory is bounded by one frame (two with a reference, three for fireflies), and the outcome is a
+summary whatever the file holds.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Two frames, or two folders of sequences frame by frame, against each other.
 
-Invariant: each number of either side has its entry, with errors or with the sentence that says why there are none.
+Invariant: each number of either side has its entry, with errors or with the sentence that
+says why there are none.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ class Compared:
 
 
 def pair_up(output: Path, reference: Path, pictures: Path | None = None) -> list[Pair]:
-    """Two files as one pair, whatever their numbers; else two sequences by number, of several those of the same names."""
+    """Two files as one pair, whatever their numbers; else two sequences by number, of several those
+    of the same names."""
     if output.is_file() and reference.is_file():
         found = parts(output.name)
         return [Pair(int(found.number) if found else None, str(output), str(reference), pictures and str(pictures))]
@@ -69,7 +71,8 @@ def pair_up(output: Path, reference: Path, pictures: Path | None = None) -> list
 def _by_number(
     output: Listing | None, reference: Listing | None, pictures: Path | None, is_one: bool = True
 ) -> list[Pair]:
-    """The pairs of two sequences, either of which may be missing; `is_one` if there are no others beside them."""
+    """The pairs of two sequences, either of which may be missing; `is_one` if there are no
+    others beside them."""
     sides = [{f.number: str(f.path) for f in listing.frames} if listing else {} for listing in (output, reference)]
     listing = output or reference
 
@@ -95,8 +98,8 @@ def compare(
 ) -> list[Compared]:
     """Compares two files, or two folders or patterns frame by frame.
 
-    `pictures` is where difference pictures go: a file for two files, else a folder. `processes` is as in `Options`. Raises
-    `ToolError` if there is nothing to compare.
+    `pictures` is where difference pictures go: a file for two files, else a folder. `processes` is as in
+    `Options`. Raises `ToolError` if there is nothing to compare.
     """
     pairs = pair_up(Path(output), Path(reference), pictures)
     processes = min(os.cpu_count() or 1 if processes is None else processes, len(pairs))

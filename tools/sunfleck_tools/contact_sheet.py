@@ -30,7 +30,8 @@ class Sheet:
 
 
 def contact_sheet(pictures: Iterable[Shown], counts: Sequence[int], columns: int | None = None) -> Sheet:
-    """Lays pictures out, as many as `counts` says of each sequence, as nearly square as screens are wide, or in so many columns."""
+    """Lays pictures out, as many as `counts` says of each sequence, as nearly square as screens are wide, or
+    in so many columns."""
     count = sum(counts)
     cells = iter(pictures)
     ahead: list[Shown] = []

@@ -61,7 +61,8 @@ def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
 
 
 def agx(light: np.ndarray) -> np.ndarray:
-    """AgX as Blender shows it, linear Rec. 709 to linear Rec. 709 from 0 to 1; by the formulas of docs/display.md."""
+    """AgX as Blender shows it, linear Rec. 709 to linear Rec. 709 from 0 to 1; by the
+    formulas of docs/display.md."""
     mixed = light @ (INSET @ REC_2020_FROM_REC_709).T
     formed = _sigmoid(mixed) ** GAMMA
     most, least = formed.max(-1, keepdims=True), formed.min(-1, keepdims=True)

@@ -1,7 +1,7 @@
 """What makes two frames too different: limits of the picture and of every channel.
 
-Invariant: each channel of amounts keeps one limit of each measure: that of the last pattern that names it, else the one for all; and
-a pattern that names no channel is not kept.
+Invariant: each channel of amounts keeps one limit of each measure: that of the last pattern that names it,
+else the one for all; and a pattern that names no channel is not kept.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ MEASURES = {
 
 @dataclass(frozen=True)
 class ChannelLimit:
-    """A limit of one measure, of `MEASURES`, for the channels whose names fit a pattern such as `diffuse.*`."""
+    """A limit of one measure, of `MEASURES`, for the channels whose names fit a pattern
+    such as `diffuse.*`."""
 
     measure: str
     channels: str
@@ -32,7 +33,8 @@ class ChannelLimit:
 
 @dataclass(frozen=True)
 class Limits:
-    """Those for all; `None` is no limit. `channels` are those of single channels, the later before the earlier."""
+    """Those for all; `None` is no limit. `channels` are those of single channels, the later
+    before the earlier."""
 
     rmse: float | None = None
     relative_mse: float | None = None

@@ -1,7 +1,8 @@
-"""A sequence as a movie: by ffmpeg into what players and browsers take, WebP without it by Pillow, an animated PNG by own code.
+"""A sequence as a movie: by ffmpeg into what players and browsers take, WebP without it by Pillow, an
+animated PNG by own code.
 
-Invariant: every frame of the sequence has its time in the movie, also one that cannot be shown; and a movie that was begun and
-not finished is not left behind.
+Invariant: every frame of the sequence has its time in the movie, also one that cannot be shown; and a movie
+that was begun and not finished is not left behind.
 """
 
 from __future__ import annotations
@@ -52,7 +53,8 @@ class Writer(Protocol):
 
 
 def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None = None) -> list[tuple[int, str]]:
-    """Writes a movie; the rate is that of the first frame that says one. Returns what could not be shown, with reasons."""
+    """Writes a movie; the rate is that of the first frame that says one. Returns what could not be
+    shown, with reasons."""
     check_ending(out)
     ahead, faults = [], []
     cells = iter(pictures)

@@ -1,6 +1,7 @@
 """Frames to pictures for eyes.
 
-Invariant: whatever a file holds, there is a picture: one that cannot be shown is a hatched field, and its fault a sentence.
+Invariant: whatever a file holds, there is a picture: one that cannot be shown is a hatched field, and
+its fault a sentence.
 """
 
 from __future__ import annotations

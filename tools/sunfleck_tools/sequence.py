@@ -1,6 +1,7 @@
 """Names to frames: a folder or pattern to the numbered files of its sequences.
 
-Invariant: every EXR file of the folder is a frame of one listing; those that stand alone beside a sequence are its `strangers` too.
+Invariant: every EXR file of the folder is a frame of one listing; those that stand alone beside a sequence
+are its `strangers` too.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ class Listing:
     strangers: list[Path] = field(default_factory=list)
     leftovers: list[Path] = field(default_factory=list)
     elsewhere: dict[str, list[int]] = field(default_factory=dict)
-    """By pattern of another sequence in the folder, the frames that it has before the first or behind the last of this one."""
+    """By pattern of another sequence in the folder, the frames that it has before the first or behind the
+    last of this one."""
     is_still: bool = False
     """True of a picture by itself, whose name has no number: it counts as frame 0."""
 
@@ -92,7 +94,8 @@ class Listing:
 
 
 def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -> Listing:
-    """The one sequence of `target`, as of `list_sequences`; raises `SequenceError` where there are several."""
+    """The one sequence of `target`, as of `list_sequences`; raises `SequenceError` where
+    there are several."""
     listings = list_sequences(target, expected)
     long = [listing for listing in listings if len(listing.files) > 1]
     if len(long or listings) > 1:
@@ -102,7 +105,8 @@ def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -
 
 
 def list_sequences(target: str | Path, expected: tuple[int, ...] | None = None) -> list[Listing]:
-    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the longest sequence first.
+    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the
+    longest sequence first.
 
     Raises `SequenceError` if there is nothing to look at.
     """
@@ -132,7 +136,8 @@ def _all_of(folder: Path, expected: tuple[int, ...] | None) -> list[Listing]:
         is_first = key == keys[0]
         # Every leftover is told once: by the sequence whose name it has, the longest of such names.
         leftovers = [entry for entry in names if _leftover_of(entry, groups) == key]
-        # A single file beside sequences lost its name, or is none of theirs: of such a frame no range is expected.
+        # A single file beside sequences lost its name, or is none of theirs: of such a frame
+        # no range is expected.
         listed = _listing(folder, key, groups[key], None if long and key not in long else expected, leftovers)
         listed.strangers = alone if is_first and long else []
         listings.append(listed)

@@ -1,6 +1,7 @@
 """Pictures as an animated WebP, by Pillow.
 
-Invariant: a frame begins within half a millisecond of its time, however many there are: WebP counts whole ones.
+Invariant: a frame begins within half a millisecond of its time, however many there are:
+WebP counts whole ones.
 """
 
 from __future__ import annotations

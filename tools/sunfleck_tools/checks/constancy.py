@@ -1,4 +1,5 @@
-"""Checks that what should be the same in all frames is, and that what counts frames agrees with their names."""
+"""Checks that what should be the same in all frames is, and that what counts frames agrees
+with their names."""
 
 from __future__ import annotations
 
@@ -46,7 +47,8 @@ def _shown(value: object) -> str:
 
 @check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows, compression or colour space differ from the other frames'")
 def structure(rendered: Rendered) -> Iterator[Found]:
-    """Readers take them from the first frame. The data window of other renderers follows what is in the picture."""
+    """Readers take them from the first frame. The data window of other renderers follows what
+    is in the picture."""
     is_own = any(frame.provenance for frame in rendered.frames)
     for part in STRUCTURE + (("data window",) if is_own else ()):
         yield from odd_ones(rendered, part, lambda frame: frame.structure[part])
@@ -95,8 +97,9 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
 
 @check("ends-early", Severity.WARNING, Scope.SEQUENCE, "the scene's own frames go on before or after those that are there")
 def ends_early(rendered: Rendered) -> Iterator[Found]:
-    """A first or last frame that is missing leaves no gap. Frames say which their scene has, whichever of them a run was asked for:
-    where one end is there and the other is not, it may be lost. Who renders a part of them knows."""
+    """A first or last frame that is missing leaves no gap. Frames say which their scene has, whichever of
+    them a run was asked for: where one end is there and the other is not, it may be lost. Who renders a
+    part of them knows."""
     numbers = [frame.number for frame in rendered.frames]
     texts = {frame.provenance.get("sequenceFrames", "") for frame in rendered.frames}
     ranges = [(int(match[1]), int(match[2])) for text in texts if (match := RANGE.fullmatch(text))]

@@ -1,8 +1,9 @@
-"""Frames that were swapped, where the files do not say their numbers: pictures that move on from frame to frame tell.
+"""Frames that were swapped, where the files do not say their numbers: pictures that move on from
+frame to frame tell.
 
-Of three frames in order the outer two are farther apart than either is from the middle one; of three that go back they are
-nearer. Where two frames have to change places for nothing to go back any more, they did. Invariant: what moves in no order (noise,
-shaking, blinking) accuses nobody.
+Of three frames in order the outer two are farther apart than either is from the middle one; of three that go
+back they are nearer. Where two frames have to change places for nothing to go back any more, they did.
+Invariant: what moves in no order (noise, shaking, blinking) accuses nobody.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from .constancy import number_said
 CELLS_ACROSS = 24
 """Of a signature: coarse enough that what moves by a few pixels moves on."""
 BACKWARDS = 0.75
-"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of them, if they go back: 2
-where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
+"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of
+them, if they go back: 2 where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
 ONWARDS = 1.2
 """And at least, if they go on: 1.4 where a hard edge moves."""
 REACH = 3
@@ -34,7 +35,8 @@ MOST_ROUGH = 40
 
 
 def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:
-    """A small picture of the luminance: square roots of means of cells, so that highlights do not outweigh the rest."""
+    """A small picture of the luminance: square roots of means of cells, so that highlights do not
+    outweigh the rest."""
     luminance = frame.on_canvas(luminance)
     step = -(-luminance.shape[1] // CELLS_ACROSS)
     rows, columns = (np.arange(0, extent, step) for extent in luminance.shape)

@@ -44,8 +44,8 @@ def nan(frame: Frame) -> Iterator[Found]:
 
 @check("infinity", Severity.ERROR, Scope.FRAME, "a value is infinite", rerender=True)
 def infinity(frame: Frame) -> Iterator[Found]:
-    """Also what overflows half precision in programs that do not clamp. Depths and places of what is not there may be infinite,
-    in frames of other renderers."""
+    """Also what overflows half precision in programs that do not clamp. Depths and places of what is not
+    there may be infinite, in frames of other renderers."""
     for name, values in not_finite(frame):
         if frame.is_own or kind(name) in (Kind.LIGHT, Kind.ALPHA):
             yield from first_bad(frame, name, np.isinf(values), "infinite")

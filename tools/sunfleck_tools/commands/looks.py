@@ -1,4 +1,5 @@
-"""What commands that make pictures of a sequence share: their arguments, and how they tell of frames that they cannot show."""
+"""What commands that make pictures of a sequence share: their arguments, and how they tell of frames that
+they cannot show."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Pixels of an EXR file by OpenEXR, and why there are none.
 
-Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, with nothing on the terminal. A decoder
-that crashes takes the process along: that is the caller's to survive.
+Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, with nothing on the terminal.
+A decoder that crashes takes the process along: that is the caller's to survive.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ def decode(path: Path) -> dict[str, np.ndarray]:
 
 
 def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]]:
-    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
+    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where
+    that is what lacks."""
     with _captured() as said:
         parts, failure = [], ""
         try:
@@ -87,7 +88,8 @@ def _could_hold(size: int) -> bool:
 
 
 def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
-    """A channel with a value for each pixel: samples that stand for several pixels are repeated. Raises `DecodeError`."""
+    """A channel with a value for each pixel: samples that stand for several pixels are repeated.
+    Raises `DecodeError`."""
     across, down = channel.sampling
     width, height = header.size
     if channel.sampling != (1, 1):

@@ -1,8 +1,8 @@
 """The headers of an EXR file, one for each of its parts, from its bytes.
 
-OpenEXR says of a damaged file only that it has no part 0; this parser says what is wrong, and it is asked before a decoder
-allocates anything. Invariant: every length is checked against the bytes that are there. Layout:
-https://openexr.com/en/latest/OpenEXRFileLayout.html
+OpenEXR says of a damaged file only that it has no part 0; this parser says what is wrong, and it is asked
+before a decoder allocates anything. Invariant: every length is checked against the bytes that are there.
+Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class Channel:
 
 @dataclass(frozen=True)
 class Header:
-    """The parsed header of a part; `end` is the offset of its table of chunks, which in a file of one part follows at once."""
+    """The parsed header of a part; `end` is the offset of its table of chunks, which in a file of one
+    part follows at once."""
 
     flags: int
     values: dict[str, object]
@@ -75,7 +76,8 @@ class Header:
 
     @property
     def pixel_bytes(self) -> int:
-        """What all channels take once they are decoded, those of fewer samples too: each gets a value a pixel."""
+        """What all channels take once they are decoded, those of fewer samples too: each
+        gets a value a pixel."""
         width, height = self.size
         return width * height * sum(BYTES_OF_TYPE[channel.type] for channel in self.channels)
 

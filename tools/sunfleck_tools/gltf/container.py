@@ -22,8 +22,8 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 class Container:
-    """An opened file: its document, and its buffers when they are asked for. Files that it refers to are read where they lie in
-    its own folder, or in one of those allowed."""
+    """An opened file: its document, and its buffers when they are asked for. Files that it refers to are read
+    where they lie in its own folder, or in one of those allowed."""
 
     def __init__(self, path: Path, allowed: Sequence[Path] = ()):
         self.path = path

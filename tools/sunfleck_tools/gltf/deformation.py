@@ -1,4 +1,5 @@
-"""Vertices of a mesh that bends, at any time. Skinned ones are in the world: their node's own place does not count (3.7.3.3)."""
+"""Vertices of a mesh that bends, at any time. Skinned ones are in the world: their node's own place does
+not count (3.7.3.3)."""
 
 from __future__ import annotations
 

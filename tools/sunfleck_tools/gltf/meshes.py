@@ -16,7 +16,8 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 
 @dataclass
 class Primitive:
-    """Triangles of one material. A target moves every position; `joints` and `weights` tie vertices to a skin."""
+    """Triangles of one material. A target moves every position; `joints` and `weights` tie
+    vertices to a skin."""
 
     positions: np.ndarray
     triangles: np.ndarray

@@ -1,4 +1,5 @@
-"""The nodes of the scene that is shown, with how they move. Invariant: parents come before children, and form trees."""
+"""The nodes of the scene that is shown, with how they move. Invariant: parents come before
+children, and form trees."""
 
 from __future__ import annotations
 

@@ -129,7 +129,8 @@ class Gltf:
         return found
 
     def control(self, owner: str, field: str) -> Control | None:
-        """What carries a field of a property of a node (by its name) or of `scene`, such as `sunfleck_light.radius`."""
+        """What carries a field of a property of a node (by its name) or of `scene`, such as
+        `sunfleck_light.radius`."""
         target = f"{owner}.{field}"
         self._used.add(target)
         return self.controls.get(target)

@@ -1,4 +1,5 @@
-"""What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a gradient and an image."""
+"""What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a
+gradient and an image."""
 
 from __future__ import annotations
 
@@ -15,9 +16,11 @@ ROWS, COLUMNS = 1024, 4
 
 @dataclass(frozen=True)
 class Sky:
-    """`radiance` in W/(m2 sr), of what is 1 in the image or the gradient (rows from straight up to straight down), if any.
+    """`radiance` in W/(m2 sr), of what is 1 in the image or the gradient (rows from straight up to
+    straight down), if any.
 
-    An image has -z in its middle, and is turned about +y by `rotation_rad`. `lights` is `nothing`, `surfaces` or `surfaces_and_fog`.
+    An image has -z in its middle, and is turned about +y by `rotation_rad`. `lights` is `nothing`, `surfaces`
+    or `surfaces_and_fog`.
     """
 
     lights: str

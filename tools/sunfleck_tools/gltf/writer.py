@@ -1,4 +1,5 @@
-"""A glTF document under construction, and the .glb file of it. Invariant: everything starts at a multiple of four bytes."""
+"""A glTF document under construction, and the .glb file of it. Invariant: everything starts at a
+multiple of four bytes."""
 
 from __future__ import annotations
 

@@ -25,7 +25,8 @@ class Wish:
 
 
 def pictures(scene, wish: Wish, folder: Path):
-    """Both, rows from the top, and what the export found. The order matters: it runs the simulations that Cycles then reads."""
+    """Both, rows from the top, and what the export found. The order matters: it runs the simulations that
+    Cycles then reads."""
     from sunfleck import export, render
 
     scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"

@@ -60,7 +60,8 @@ def write(made, samples: int, seed: int, target: Path) -> None:
 
 
 def prepare(scene: PeerScene):
-    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+    """Builds the scene; what comes back renders so many samples a pixel, and returns the
+    picture and CPU seconds."""
     made = build(scene)
     target = Path(tempfile.mkdtemp()) / "picture.exr"
 

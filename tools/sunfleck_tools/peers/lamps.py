@@ -24,8 +24,8 @@ class Sun:
 
 @dataclass
 class Lamp:
-    """A `point` or `spot` of `power` in W/sr, with a radius or none, or a `rectangle` or `disc` of `power` in W; it shines
-    along its -z."""
+    """A `point` or `spot` of `power` in W/sr, with a radius or none, or a `rectangle` or `disc` of `power` in
+    W; it shines along its -z."""
 
     kind: str
     world_from_lamp: np.ndarray

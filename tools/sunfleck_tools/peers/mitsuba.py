@@ -1,4 +1,5 @@
-"""Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce beyond is one more."""
+"""Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce
+beyond is one more."""
 
 from __future__ import annotations
 
@@ -27,7 +28,8 @@ def select(variant: str) -> None:
 
 
 def prepare(scene: PeerScene, variant: str):
-    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+    """Builds the scene; what comes back renders so many samples a pixel, and returns the
+    picture and CPU seconds."""
     select(variant)
     # Mitsuba's cameras look along +Z with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])

@@ -1,7 +1,7 @@
 """Lights as Mitsuba's emitters. What it has no emitter for is refused.
 
-A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a sphere
-I / (pi r^2), that of a flat lamp P / (pi area).
+A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a
+sphere I / (pi r^2), that of a flat lamp P / (pi area).
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ def lamp_emitter(lamp: Lamp) -> dict:
 
 
 def sky_emitter(sky: PeerSky) -> dict:
-    """A sky. Mitsuba has +z in the middle of its pictures and -x to the right of that, half a turn from ours."""
+    """A sky. Mitsuba has +z in the middle of its pictures and -x to the right of that,
+    half a turn from ours."""
     if sky.picture is None:
         return {"type": "constant", "radiance": _rgb(sky.radiance)}
     bitmap = mi.Bitmap(colors(sky.picture) * numpy.float32(sky.radiance))

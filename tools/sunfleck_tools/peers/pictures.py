@@ -40,7 +40,8 @@ class Picture:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture in sRGB, what it does beyond its edges, and where it lies: `offset + turn * (scale * uv)` of a set of coordinates."""
+    """A picture in sRGB, what it does beyond its edges, and where it lies: `offset + turn * (scale * uv)` of
+    a set of coordinates."""
 
     picture: Picture
     wrap: str

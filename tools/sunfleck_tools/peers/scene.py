@@ -1,6 +1,8 @@
-"""A moment of a scene as the renderers beside us take it: triangles in the world, lights, a camera, a box of fog.
+"""A moment of a scene as the renderers beside us take it: triangles in the world, lights, a
+camera, a box of fog.
 
-Invariant: what a scene has beyond that is refused where it would change the light, and told where it changes surfaces.
+Invariant: what a scene has beyond that is refused where it would change the light, and told where
+it changes surfaces.
 """
 
 from __future__ import annotations
@@ -24,14 +26,16 @@ from .pictures import PeerSky, Texture, read_background, read_texture
 
 DEFAULT_SIZE = (960, 540)
 FOG_GROWTH = np.diag([1 + 3e-5] * 3 + [1.0])
-"""So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on below the ground."""
+"""So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on
+below the ground."""
 THINNING = ("height_falloff", "scale_height")
 SURFACE_BEYOND = ("normalTexture", "emissiveTexture")
 
 
 @dataclass
 class Surface:
-    """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it (`uvs` then are a vertex's)."""
+    """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it
+    (`uvs` then are a vertex's)."""
 
     positions: np.ndarray
     triangles: np.ndarray

@@ -10,7 +10,8 @@ MOST_DOTS = 500
 
 
 def curve(title: str, points: list[tuple[int, float | None]], marked: dict[int, str], anchor: str = "frame") -> str:
-    """A titled polyline, broken where there is no value; dots on frames with findings. Nothing without values."""
+    """A titled polyline, broken where there is no value; dots on frames with findings.
+    Nothing without values."""
     known = [(frame, value) for frame, value in points if value is not None and math.isfinite(value)]
     if not known:
         return ""

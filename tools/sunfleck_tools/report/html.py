@@ -102,7 +102,8 @@ def _row(finding: Finding, anchor: str) -> str:
 
 
 def _gain(frames: list[FrameSummary]) -> float:
-    """One exposure for the whole sheet, so that flicker can be seen: the usual 99th percentile becomes white."""
+    """One exposure for the whole sheet, so that flicker can be seen: the usual 99th
+    percentile becomes white."""
     levels = [frame.p99 for frame in frames if frame.p99]
     return 1.0 / float(np.median(levels)) if levels else 1.0
 

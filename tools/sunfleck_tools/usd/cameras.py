@@ -17,7 +17,8 @@ DEFAULT_ASPECT = 16 / 9
 
 
 def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
-    """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units where USD has tenths."""
+    """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units
+    where USD has tenths."""
     cameras = gltf.document.items("cameras")
     source = cameras[node.source.need("camera").index(cameras, "camera")]
     extras = source.group("extras")

@@ -1,7 +1,9 @@
-"""Many places of few meshes as one PointInstancer. Invariant: instances are those nodes' places, in the nodes' order.
+"""Many places of few meshes as one PointInstancer. Invariant: instances are those nodes' places,
+in the nodes' order.
 
-Turns are those of `orientationsf`; `orientations`, in halves, are there for programs that know no others, and are off by up to
-5e-4. Blender 5.0 is one of them: in a stage for it prototypes turn in their instances' stead.
+Turns are those of `orientationsf`; `orientations`, in halves, are there for programs that know no
+others, and are off by up to 5e-4. Blender 5.0 is one of them: in a stage for it prototypes turn in
+their instances' stead.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ ATTRIBUTES = {
 
 
 def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
-    """Nodes that become instances, by their parent's index (-1: none): those that place a mesh that others place too."""
+    """Nodes that become instances, by their parent's index (-1: none): those that place a mesh that
+    others place too."""
     placed: dict[tuple[int, int], list[Node]] = {}
     for node in nodes:
         if node.index in is_plain and node.matrix is None:
@@ -53,7 +56,8 @@ def write_crowd(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: 
 
 
 def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list[int]:
-    """A prototype for each mesh, below the instancer, where nobody draws them but it; which of them each instance is."""
+    """A prototype for each mesh, below the instancer, where nobody draws them but it; which of them
+    each instance is."""
     paths = list(dict.fromkeys(shapes))
     targets = []
     for path in paths:

@@ -59,7 +59,8 @@ class Exported:
 
 
 def export_usd(source: str | Path, target: str | Path, options: ExportOptions = ExportOptions()) -> Exported:
-    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises `SceneError` or `OSError`."""
+    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises
+    `SceneError` or `OSError`."""
     source, target = Path(source), Path(target)
     if target.suffix.lower() not in ENDINGS:
         raise SceneError(f"{target}: is no stage: expected a name that ends in {', '.join(ENDINGS)}")

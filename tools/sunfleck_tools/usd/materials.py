@@ -1,4 +1,5 @@
-"""Materials to UsdPreviewSurface, with their textures (https://openusd.org/release/spec_usdpreviewsurface.html)."""
+"""Materials to UsdPreviewSurface, with their textures
+(https://openusd.org/release/spec_usdpreviewsurface.html)."""
 
 from __future__ import annotations
 
@@ -126,7 +127,8 @@ class Surface:
             shader.set("inputs:clearcoatRoughness", Types.Float, coat.number_at("clearcoatRoughnessFactor", 0.0, 0, 1))
 
     def _ior(self) -> float:
-        """The index that reflects as much along the normal as index, factor and colour of glTF do together."""
+        """The index that reflects as much along the normal as index, factor and colour of
+        glTF do together."""
         described, specular = self.source.extension("KHR_materials_ior"), self.source.extension("KHR_materials_specular")
         index = 1.5 if described is None else described.number_at("ior", 1.5, 1.0, 100.0)
         factor = 1.0

@@ -1,7 +1,7 @@
 """Prims of a layer, written attribute by attribute.
 
-Written as specs in one block of changes: composing after each of a hundred thousand would take minutes. Invariant: a name is
-used once in the whole stage, since Blender's objects have no paths.
+Written as specs in one block of changes: composing after each of a hundred thousand would take minutes.
+Invariant: a name is used once in the whole stage, since Blender's objects have no paths.
 """
 
 from __future__ import annotations
@@ -111,5 +111,6 @@ def vectors(kind: type, rows: np.ndarray) -> Iterable:
 
 
 def quaternions(rows: np.ndarray) -> Vt.QuatdArray:
-    """Rows of x, y, z, w. USD takes the arc cosine of w, which in single precision loses turns by less than 0.04 degrees."""
+    """Rows of x, y, z, w. USD takes the arc cosine of w, which in single precision loses turns by less
+    than 0.04 degrees."""
     return Vt.QuatdArray.FromNumpy(np.ascontiguousarray(rows, np.float64))

@@ -1,8 +1,8 @@
 """Textures of a stage to those of glTF: as they are where glTF can say it, else baked into new ones.
 
-In go what feeds inputs (`Fed`), out come factors and the texture that they multiply. Invariant: factor times texel is what the stage
-has at that texel, to half of a 255th; what is clipped, made smaller or averaged is said. glTF's base colour and emission are sRGB, all
-else is linear.
+In go what feeds inputs (`Fed`), out come factors and the texture that they multiply. Invariant: factor times
+texel is what the stage has at that texel, to half of a 255th; what is clipped, made smaller or averaged is
+said. glTF's base colour and emission are sRGB, all else is linear.
 """
 
 from __future__ import annotations
@@ -79,7 +79,8 @@ class Bakery:
         return self.planes.mean(fed)
 
     def shares(self, slots: dict[int, Fed]) -> tuple[dict[int, float], dict | None]:
-        """Numbers from 0 to 1 in channels (0 red, 1 green, 2 blue) of one linear texture: a factor each, and the texture."""
+        """Numbers from 0 to 1 in channels (0 red, 1 green, 2 blue) of one linear texture: a factor
+        each, and the texture."""
         slots = dict(zip(slots, self._readable(list(slots.values()))))
         textured = {slot: fed for slot, fed in slots.items() if fed.texture is not None}
         factors = {slot: _shares(fed.numbers)[0] for slot, fed in slots.items()}
@@ -112,7 +113,8 @@ class Bakery:
         return self._baked(("normal", key), 0.5 * normals[..., :3] + 0.5, placement)
 
     def _readable(self, inputs: list[Fed]) -> list[Fed]:
-        """Inputs whose textures one picture can hold: those that lie elsewhere, or on a mesh without coordinates, as their mean."""
+        """Inputs whose textures one picture can hold: those that lie elsewhere, or on a mesh without
+        coordinates, as their mean."""
         first = next((fed.texture.placement for fed in inputs if fed.texture is not None and fed.texture.placement.layer >= 0), None)
         return [fed if fed.texture is None or fed.texture.placement == first else self._mean(fed) for fed in inputs]
 
@@ -141,7 +143,8 @@ class Bakery:
         return alpha.output == "a" and is_plain and (texture.files, texture.placement) == (other.files, other.placement)
 
     def _is_packed(self, slots: dict[int, Fed], textured: dict[int, Fed]) -> bool:
-        """Whether a file holds numbers just where glTF wants them, and those without a texture are 0, whatever multiplies them."""
+        """Whether a file holds numbers just where glTF wants them, and those without a texture are 0,
+        whatever multiplies them."""
         textures = [fed.texture for fed in textured.values()]
         if len({(texture.files, texture.placement) for texture in textures}) > 1 or not self._is_carried(textures[0]):
             return False

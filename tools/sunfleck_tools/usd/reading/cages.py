@@ -1,4 +1,5 @@
-"""Meshes as subdivision surfaces. In: a mesh's faces and what it says of subdivision. Out: finer faces, and values refined.
+"""Meshes as subdivision surfaces. In: a mesh's faces and what it says of subdivision. Out: finer
+faces, and values refined.
 
 Invariant: cages that are the same are refined once.
 """
@@ -83,7 +84,8 @@ class Subdivided:
         return Stream(stream.name, values, interpolation)
 
     def _face_varying(self, values: np.ndarray) -> np.ndarray:
-        """Corners that agree are vertices of a surface of their own; where its seams are sharp is a choice of the mesh."""
+        """Corners that agree are vertices of a surface of their own; where its seams are sharp is a
+        choice of the mesh."""
         cage = self.cage
         first, ids = different_rows(np.column_stack([cage.corners, values]))
         sharpness = cage.edges.sharpness[cage.edges.of_corner]
@@ -155,7 +157,8 @@ class Refiner:
 
 
 def depth_of(faces: int, largest: int) -> int:
-    """To how many levels the cages of a stage can be refined that have so many faces together, and the largest so many."""
+    """To how many levels the cages of a stage can be refined that have so many faces together, and
+    the largest so many."""
     return max(
         (each for each in range(LEVELS + 1) if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE), default=0
     )

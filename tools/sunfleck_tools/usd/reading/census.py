@@ -1,6 +1,8 @@
-"""How many instances a stage asks for, before any is made. In: instancers. Out: counts, those of instancers within them multiplied.
+"""How many instances a stage asks for, before any is made. In: instancers. Out: counts, those of instancers
+within them multiplied.
 
-Invariant: what an instancer within others asks for is counted once for each of its own instances, however deep.
+Invariant: what an instancer within others asks for is counted once for each of its own
+instances, however deep.
 """
 
 from __future__ import annotations

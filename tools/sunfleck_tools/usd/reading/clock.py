@@ -1,4 +1,5 @@
-"""Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is exactly that one."""
+"""Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is
+exactly that one."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ NEAR_TELEVISION = 0.005
 
 
 def exact_rate(rate: float) -> Fraction:
-    """The fraction that a rate in decimals stands for: n, n * 1000/1001, or the nearest of small denominator."""
+    """The fraction that a rate in decimals stands for: n, n * 1000/1001, or the nearest of
+    small denominator."""
     whole = math.ceil(rate - 1e-9)
     television = Fraction(whole * 1000, 1001)
     if rate != whole and abs(rate - television) < NEAR_TELEVISION:
@@ -27,9 +29,11 @@ def exact_rate(rate: float) -> Fraction:
 
 
 def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses) -> tuple[Fraction, Fraction, np.ndarray]:
-    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before the stage's own range.
+    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before
+    the stage's own range.
 
-    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was asked for, cannot be.
+    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was
+    asked for, cannot be.
     """
     per_second = stage.GetTimeCodesPerSecond()
     rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
@@ -59,7 +63,8 @@ def _is_range(start: float, end: float, codes_per_frame: float) -> bool:
 
 
 def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[float, float]:
-    """The stage's own first and last time code; where those cannot be, they are said, and those of its samples are taken."""
+    """The stage's own first and last time code; where those cannot be, they are said, and those of its
+    samples are taken."""
     has_own = stage.HasAuthoredTimeCodeRange()
     start, end = (stage.GetStartTimeCode(), stage.GetEndTimeCode()) if has_own else _of_samples(stage)
     if _is_range(start, end, codes_per_frame):

@@ -1,4 +1,5 @@
-"""Colours that a mesh has itself: primvars displayColor and displayOpacity (https://openusd.org/release/api/class_usd_geom_gprim.html)."""
+"""Colours that a mesh has itself: primvars displayColor and displayOpacity
+(https://openusd.org/release/api/class_usd_geom_gprim.html)."""
 
 from __future__ import annotations
 

@@ -66,7 +66,8 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
 
 
 def _children(prim: Usd.Prim) -> list[Usd.Prim]:
-    """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is not there by itself."""
+    """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is
+    not there by itself."""
     kinds = Usd.PrimIsActive & Usd.PrimIsLoaded
     kinds = kinds if prim.IsAbstract() else kinds & ~Usd.PrimIsAbstract
     kinds = kinds & Usd.PrimIsDefined if prim.IsDefined() else kinds
@@ -180,7 +181,8 @@ class _Import:
         self.skins.stands(prim, below)
         things = [prim] if is_drawn else []
         if prim.GetTypeName() in ("Xform", "SkelRoot", ""):
-            # What stands in its parent's place, like leaves and Blender's cameras and lights, is one node with it.
+            # What stands in its parent's place, like leaves and Blender's cameras and lights,
+            # is one node with it.
             own = [child for child in children if self._joins(child)]
             shapes = [child for child in own if is_shape(child)]
             things = shapes if shapes else own[:1] if len(own) == 1 else []
@@ -303,7 +305,8 @@ class _Import:
         return self._crowds[path]
 
     def _only_shapes(self, prototype: Usd.Prim) -> list[Usd.Prim] | None:
-        """The shapes that a prototype consists of, those that are drawn; None if it is more than shapes in its own place."""
+        """The shapes that a prototype consists of, those that are drawn; None if it is more than shapes
+        in its own place."""
         children = [child for child in _children(prototype) if child.IsA(UsdGeom.Imageable)]
         stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
         if not stands or says_visibility(prototype) or prototype.IsA(UsdGeom.PointInstancer):

@@ -1,7 +1,8 @@
 """PointInstancers: a node for each instance. Invariant: nothing is an instance of itself.
 
-Instances are told apart by their ids, or else by their places in the arrays; each has a prototype. One that comes or goes, or is
-masked for a while, is a node that is seen for a while; one that takes another prototype is another node.
+Instances are told apart by their ids, or else by their places in the arrays; each has a prototype. One
+that comes or goes, or is masked for a while, is a node that is seen for a while; one that takes another
+prototype is another node.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ MOST_MOMENTS = 10_000_000
 
 @dataclass(frozen=True)
 class Member:
-    """An instance: its prototype, for each code its translation, turn and scale (ten numbers), and since when it is seen or not."""
+    """An instance: its prototype, for each code its translation, turn and scale (ten numbers), and since when
+    it is seen or not."""
 
     name: str
     leaf_id: int | None
@@ -114,7 +116,8 @@ class _Reader:
         return list(self.prim.GetAttribute(f"{SPACE}sunfleck_names").Get() or [])
 
     def _moment(self, code: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, str]:
-        """Of each instance at a code its key, prototype, place, and whether it is seen; what is wrong if there are none for it."""
+        """Of each instance at a code its key, prototype, place, and whether it is seen; what is wrong if
+        there are none for it."""
         time = Usd.TimeCode(code)
         numbers = np.array(self.instancer.GetProtoIndicesAttr().Get(time) or [], np.int64)
         if len(numbers) and (numbers.min() < 0 or numbers.max() >= len(self.prototypes)):
@@ -139,7 +142,8 @@ class _Reader:
         return np.concatenate(parts(matrices)[:3], axis=1).astype(np.float32)
 
     def _unmixed(self, code: float) -> float:
-        """A code, or the sample before it if other instances are in the arrays by the next: between them USD would mix the two."""
+        """A code, or the sample before it if other instances are in the arrays by the next: between them USD
+        would mix the two."""
         attribute = self.instancer.GetIdsAttr()
         if not self.mixes:
             return code

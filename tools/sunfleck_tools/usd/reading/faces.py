@@ -12,7 +12,8 @@ from ...errors import SceneError
 
 @dataclass(frozen=True)
 class Faces:
-    """Corners a face, the point of each corner, and the faces that are holes; `flips` if its front is clockwise."""
+    """Corners a face, the point of each corner, and the faces that are holes; `flips` if its
+    front is clockwise."""
 
     counts: np.ndarray
     corners: np.ndarray

@@ -1,4 +1,5 @@
-"""Inputs that all lights of UsdLux have. Invariant: what comes out is finite and not negative; what was not, or is not carried, is said."""
+"""Inputs that all lights of UsdLux have. Invariant: what comes out is finite and not negative; what was not,
+or is not carried, is said."""
 
 from __future__ import annotations
 

@@ -37,7 +37,8 @@ def linears(prim: Usd.Prim, codes: np.ndarray) -> np.ndarray:
 
 
 def instance_linears(prim: Usd.Prim, codes: np.ndarray, still: np.ndarray) -> np.ndarray:
-    """The same of an instance, which stands elsewhere than the prim: `still` is where it does at the first code."""
+    """The same of an instance, which stands elsewhere than the prim: `still` is where it does
+    at the first code."""
     found = linears(prim, codes)
     return still @ np.linalg.inv(found[0]) @ found if abs(np.linalg.det(found[0])) > 0 else np.broadcast_to(still, found.shape)
 

@@ -1,8 +1,9 @@
 """UsdLux to the lights of glTF and `sunfleck_light`; `usd/lights.py` has the units, and Blender's.
 
-A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where `normalize` is on
-(https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of the stage, and what the light emits is the radiance
-times the area in m2. So both the prim's whole transform and the stage's unit count.
+A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where
+`normalize` is on (https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of
+the stage, and what the light emits is the radiance times the area in m2. So both the prim's whole
+transform and the stage's unit count.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class Lamp:
 def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -> Lamp | None:
     """The light that a prim is; None if it is none that there is here.
 
-    `still` is world from light at the first frame, in metres, without translation: instances of one prim differ in it.
+    `still` is world from light at the first frame, in metres, without translation: instances of
+    one prim differ in it.
     """
     kind = str(prim.GetTypeName())
     reader = _Reader(prim, source, still, lost)
@@ -76,7 +78,8 @@ class _Reader:
         return instance_linears(self.prim, self.codes, self.still / self.source.metres)
 
     def radiance(self, stage_area: np.ndarray) -> np.ndarray:
-        """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of the stage squared."""
+        """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of
+        the stage squared."""
         radiance = self.inputs.radiance(self.codes)
         if self.prim.GetAttribute("inputs:normalize").Get(self.source.first):
             radiance = radiance / stage_area[:, None]
@@ -99,7 +102,8 @@ class _Reader:
         return lamp
 
     def ball(self, is_cylinder: bool) -> Lamp:
-        """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which sends out as much."""
+        """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which
+        sends out as much."""
         stage_area = np.maximum(self._cylinder_area() if is_cylinder else self._sphere_area(), SMALLEST_AREA)
         area = stage_area * self.source.metres**2
         # A quarter of a convex body's surface is what it shows on average (Cauchy).
@@ -123,7 +127,8 @@ class _Reader:
         return ball_area(halves)
 
     def _cylinder_area(self) -> np.ndarray:
-        """The same of a cylinder along x, which has no caps; its ends count as circles of their mean radius."""
+        """The same of a cylinder along x, which has no caps; its ends count as circles of
+        their mean radius."""
         world = self.linears()
         along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
         around = 0.5 * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1) * np.maximum(self.number("radius", 0.5), 0)
@@ -146,7 +151,8 @@ class _Reader:
         self._carry(lamp, "blend", blend[:, None])
 
     def area(self, is_disk: bool) -> Lamp:
-        """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as the node is scaled."""
+        """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as
+        the node is scaled."""
         width = np.maximum(2 * self.number("radius", 0.5) if is_disk else self.number("width", 1.0), 1e-9)
         height = width if is_disk else np.maximum(self.number("height", 1.0), 1e-9)
         world = self.linears()
@@ -178,5 +184,6 @@ class _Reader:
 
 
 def _blend(outer: np.ndarray, softness: np.ndarray) -> np.ndarray:
-    """The renderer's share of 1 - cos(outer) over which a spot fades, such that it begins to where UsdLux has it: at (1 - softness) outer."""
+    """The renderer's share of 1 - cos(outer) over which a spot fades, such that it begins to where UsdLux has
+    it: at (1 - softness) outer."""
     return (np.cos((1 - softness) * outer) - np.cos(outer)) / (1 - np.cos(outer))

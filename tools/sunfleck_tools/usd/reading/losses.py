@@ -52,7 +52,8 @@ KINDS = {
 
 
 UNREADABLE = (SceneError, Tf.ErrorException, TypeError, ValueError, OverflowError)
-"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make of those is one fault."""
+"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make
+of those is one fault."""
 
 
 class TooMuch(SceneError):
@@ -82,7 +83,8 @@ class Losses:
         self._counts: Counter[str] = Counter()
 
     def add(self, kind: str, place: object, what: str) -> None:
-        """Something of a kind of `KINDS` at a prim or in a node; the same thing at the same place counts once."""
+        """Something of a kind of `KINDS` at a prim or in a node; the same thing at the same
+        place counts once."""
         if kind not in KINDS:
             raise KeyError(kind)
         key = (kind, str(place), what)

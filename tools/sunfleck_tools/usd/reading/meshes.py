@@ -22,7 +22,8 @@ from .surfaces import Surfaces
 
 @dataclass(frozen=True)
 class Piece:
-    """A mesh of the file, what it is called, how it bends, when it is there, and the joints that it hangs on."""
+    """A mesh of the file, what it is called, how it bends, when it is there, and the joints
+    that it hangs on."""
 
     name: str
     number: int
@@ -42,7 +43,8 @@ class Meshes:
         self._known: dict[bytes, int] = {}
 
     def pieces(self, prims: list[Usd.Prim]) -> list[Piece]:
-        """The meshes of prims that stand in one place; written once, be there ever so many instances of the prims."""
+        """The meshes of prims that stand in one place; written once, be there ever so many
+        instances of the prims."""
         bound = [read_bound(prim) for prim in prims]
         key = tuple((path_of(prim), each.key(), _color_key(prim)) for prim, each in zip(prims, bound))
         if key not in self._read:
@@ -71,7 +73,8 @@ class Meshes:
             with self.lost.leaving_out(prim):
                 glow = read_glow(prim, self.source, self.lost)
                 for span in read_spans(prim, self.source):
-                    # Of a mesh that changes a time at which it cannot be read is no reason to lose the others.
+                    # Of a mesh that changes a time at which it cannot be read is no
+                    # reason to lose the others.
                     with self.lost.leaving_out(prim):
                         shapes = self._reader.read(prim, each, span)
                         shapes.parts = [replace(part, glow=glow) for part in shapes.parts]

@@ -1,4 +1,5 @@
-"""What feeds an input of a surface: numbers, a texture, or the mesh's own colours, through interfaces and node graphs.
+"""What feeds an input of a surface: numbers, a texture, or the mesh's own colours, through
+interfaces and node graphs.
 
 Invariant: whatever cannot feed it is said, and the input has its default.
 """

@@ -1,4 +1,5 @@
-"""Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has a name of its own."""
+"""Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has
+a name of its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a sharp edge parts them."""
+"""Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a
+sharp edge parts them."""
 
 from __future__ import annotations
 

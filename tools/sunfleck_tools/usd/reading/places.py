@@ -14,13 +14,15 @@ SHEAR = 1e-5
 
 
 def reach(codes: np.ndarray) -> tuple[float, float]:
-    """A frame more than the range of whole frames on either side, as far as the shutter of a frame may be open; glTF has no times before 0."""
+    """A frame more than the range of whole frames on either side, as far as the shutter of a frame may be
+    open; glTF has no times before 0."""
     frame = codes[1] - codes[0] if len(codes) > 1 else 1.0
     return max(float(codes[0] - frame), 0.0), float(codes[-1] + frame)
 
 
 def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
-    """Whole frames, samples between them, and beyond them as far as a shutter reaches, if any attribute moves; else the first frame."""
+    """Whole frames, samples between them, and beyond them as far as a shutter reaches, if any attribute
+    moves; else the first frame."""
     moving = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
     if not moving:
         return codes[:1]

@@ -28,7 +28,8 @@ class Planes:
         self.textures, self.lost = textures, lost
 
     def is_srgb(self, texture: Texture, is_color: bool) -> bool:
-        """By the specification for `auto`: eight bits of three or four channels are sRGB, where they are colours."""
+        """By the specification for `auto`: eight bits of three or four channels are sRGB, where
+        they are colours."""
         picture = self.textures.picture(texture.files[0][1])
         return texture.space == "sRGB" or (texture.space == "auto" and is_color and picture.bits == 8 and picture.channels >= 3)
 
@@ -54,7 +55,8 @@ class Planes:
         return (tuple(inputs), size), planes, _placed(inputs[0].texture.placement, grid)
 
     def _texels(self, fed: Fed, is_color: bool, size: tuple[int, int], grid: tuple[int, int]) -> np.ndarray:
-        """What an input has at each texel: tiles of UDIM one beside the other, the first row at the bottom."""
+        """What an input has at each texel: tiles of UDIM one beside the other, the first
+        row at the bottom."""
         texture, (wide, high), (columns, rows) = fed.texture, size, grid
         whole = np.zeros((rows * high, columns * wide, 3 if fed.output == "rgb" else 1), np.float32)
         for (column, row), path in texture.files:

@@ -1,7 +1,7 @@
 """A surface in the words of UsdPreviewSurface to a material of glTF.
 
-Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a network, out come the material's fields and which of them
-change over time. Invariant: no input that is authored is passed over unsaid.
+Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a network, out come the material's
+fields and which of them change over time. Invariant: no input that is authored is passed over unsaid.
 """
 
 from __future__ import annotations
@@ -133,7 +133,8 @@ class Preview:
             self.network.say("a clearcoat that changes over time")
         if coat.texture is None and coat.numbers[0] <= 0:
             return
-        # The extension has red for the one and green for the other, in textures of their own that may be the same.
+        # The extension has red for the one and green for the other, in textures of their own
+        # that may be the same.
         factors, texture = self.bakery.shares({0: coat, 1: rough})
         values: dict = {"clearcoatFactor": factors[0], "clearcoatRoughnessFactor": factors[1]}
         if texture is not None:

@@ -1,4 +1,5 @@
-"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite and fits the mesh."""
+"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite
+and fits the mesh."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ UPWARD, FROM_TOP = np.array([1, -1]), np.array([0, 1])
 
 @dataclass(frozen=True)
 class Stream:
-    """Values by their glTF name: a row for each point (`vertex`, `varying`), corner, face (`uniform`), or one."""
+    """Values by their glTF name: a row for each point (`vertex`, `varying`), corner, face
+    (`uniform`), or one."""
 
     name: str
     values: np.ndarray

@@ -13,7 +13,8 @@ from .source import Source
 
 
 def read_properties(prim: Usd.Prim, source: Source) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
-    """Properties `sunfleck...` by name and field, and of those that change, by `name.field`, codes and rows."""
+    """Properties `sunfleck...` by name and field, and of those that change, by
+    `name.field`, codes and rows."""
     found: dict[str, dict] = {}
     carried = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace(SPACE.rstrip(":")):

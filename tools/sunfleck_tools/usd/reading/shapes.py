@@ -51,7 +51,8 @@ class Shapes:
 
 @dataclass
 class _Outline:
-    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and attributes of corners."""
+    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and
+    attributes of corners."""
 
     points: np.ndarray
     faces: Faces

@@ -1,7 +1,8 @@
 """Skeletons of UsdSkel as skins of glTF; where glTF would not say the same, points that are baked over time.
 
-In: the roots of a stage, and later the meshes below them. Out: joints as nodes below their skeleton, and what ties vertices to them.
-Invariant: a root is carried as skins as a whole or baked as a whole; a skin's vertices are where UsdSkel has them at every sample.
+In: the roots of a stage, and later the meshes below them. Out: joints as nodes below their skeleton, and what
+ties vertices to them. Invariant: a root is carried as skins as a whole or baked as a whole; a skin's vertices
+are where UsdSkel has them at every sample.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 @dataclass
 class _Tied:
-    """A mesh on a skeleton: joints (a row of the skeleton's numbers a point), their weights, and what moves points before joints do."""
+    """A mesh on a skeleton: joints (a row of the skeleton's numbers a point), their weights, and what moves
+    points before joints do."""
 
     skeleton: UsdSkel.SkeletonQuery
     joints: np.ndarray
@@ -53,7 +55,8 @@ class Skins:
         self._bones: dict[str, _Bones] = {}
 
     def prepare(self) -> None:
-        """Finds what can be skins; the other skeletons and blend shapes become points over time, in the session's layer."""
+        """Finds what can be skins; the other skeletons and blend shapes become points over time, in
+        the session's layer."""
         stage = self.source.stage
         session = stage.GetSessionLayer()
         # Else time codes would be scaled from one layer to the other.

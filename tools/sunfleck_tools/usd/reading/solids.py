@@ -1,6 +1,7 @@
 """Spheres, cubes, cylinders, cones, capsules and planes as faces.
 
-In: a prim of one of `SOLIDS`. Out: points, faces and normals. Invariant: a solid has the same faces at every time.
+In: a prim of one of `SOLIDS`. Out: points, faces and normals. Invariant: a solid has the same
+faces at every time.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ AROUND = 48
 ALONG = 24
 """Faces from pole to pole."""
 TURNS = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}
-"""Where x, y and z come from if that axis takes the place of z; their order goes round, so fronts stay fronts."""
+"""Where x, y and z come from if that axis takes the place of z; their order goes round, so
+fronts stay fronts."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,8 @@ class Solid:
 
 @dataclass(frozen=True)
 class _Profile:
-    """What is turned about z: radius and height of its points from below, their normals, which of its ends are on the axis."""
+    """What is turned about z: radius and height of its points from below, their normals, which of its
+    ends are on the axis."""
 
     places: np.ndarray
     normals: np.ndarray
@@ -98,7 +101,8 @@ def _cap(radius: float, height: float) -> _Profile:
 def _turned(profile: _Profile) -> Solid:
     angles = 2 * np.pi * np.arange(AROUND) / AROUND
     rings = len(profile.places)
-    # The points of a pole are those of the faces that meet there, and have the normals of the middles of those.
+    # The points of a pole are those of the faces that meet there, and have the normals of
+    # the middles of those.
     turns = np.tile(angles, (rings, 1))
     turns[0] += np.pi / AROUND * profile.starts_at_pole
     turns[-1] += np.pi / AROUND * profile.ends_at_pole

@@ -62,7 +62,8 @@ class Source:
 
 @contextmanager
 def usd_said(path: Path) -> Iterator[None]:
-    """Has USD's errors about a file raised as `SceneError`, and nothing printed: what matters is said once, by us."""
+    """Has USD's errors about a file raised as `SceneError`, and nothing printed: what matters is
+    said once, by us."""
     silenced = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield
@@ -98,7 +99,8 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
 
 
 def _metres(stage: Usd.Stage) -> float:
-    """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit` takes for an error."""
+    """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit`
+    takes for an error."""
     return float(stage.GetMetadata(UsdGeom.Tokens.metersPerUnit))
 
 
@@ -117,7 +119,8 @@ def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice:
 
 
 def _masked(path: Path, stage: Usd.Stage, masks: tuple[str, ...]) -> Usd.Stage:
-    """The same stage with nothing but what is at some paths, and what that refers to: materials, skeletons, prototypes."""
+    """The same stage with nothing but what is at some paths, and what that refers to: materials,
+    skeletons, prototypes."""
     mask = Usd.StagePopulationMask([_prim(path, stage, each).GetPath() for each in masks])
     masked = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), mask)
     masked.ExpandPopulationMask()

@@ -22,7 +22,8 @@ BEFORE_THE_NEXT = 1e-3
 
 @dataclass(frozen=True)
 class Span:
-    """Codes at which points are written (one if they stay), the code of what does not move, and from when until when it is.
+    """Codes at which points are written (one if they stay), the code of what does not move, and from
+    when until when it is.
 
     `points_at` is for points that move by velocities; None for those that move by their samples.
     """

@@ -1,8 +1,9 @@
 """Subdivision surfaces, refined level by level.
 
-Catmull and Clark 1978, Loop 1987; creases that are sharp for some levels by DeRose, Kass and Truong 1998 ("Subdivision surfaces in
-character animation"). Where those leave a choice, it is made as OpenSubdiv makes it, which renderers of USD have: creases decay
-uniformly, edges of more than two faces are sharp. Invariant: what is refined is a mean of what was there; weights add up to 1.
+Catmull and Clark 1978, Loop 1987; creases that are sharp for some levels by DeRose, Kass and Truong 1998
+("Subdivision surfaces in character animation"). Where those leave a choice, it is made as OpenSubdiv makes
+it, which renderers of USD have: creases decay uniformly, edges of more than two faces are sharp. Invariant:
+what is refined is a mean of what was there; weights add up to 1.
 """
 
 from __future__ import annotations
@@ -15,14 +16,16 @@ import numpy as np
 SHARPEST = 10.0
 """What is as sharp stays sharp at every level (OpenSubdiv's SHARPNESS_INFINITE)."""
 SMOOTH_TRIANGLE = 0.470
-"""Weight of a triangle's centre by the rule `smooth` (Stam and Loop 2003, as in OpenSubdiv); a quad's is 1/4."""
+"""Weight of a triangle's centre by the rule `smooth` (Stam and Loop 2003, as in
+OpenSubdiv); a quad's is 1/4."""
 
 
 @dataclass(frozen=True)
 class Cage:
     """Faces that are to be refined: corners a face, vertices of the corners, and what is sharp.
 
-    `crease_ends` are pairs of vertices, `crease_sharpness` a number for each; `vertex_sharpness` is a number for each vertex.
+    `crease_ends` are pairs of vertices, `crease_sharpness` a number for each; `vertex_sharpness` is a
+    number for each vertex.
     """
 
     counts: np.ndarray
@@ -93,7 +96,8 @@ class Cage:
 
 @dataclass(frozen=True)
 class Edges:
-    """For each edge: its two vertices, how many faces have it, its sharpness; for each corner the edge to the next one."""
+    """For each edge: its two vertices, how many faces have it, its sharpness; for each corner the
+    edge to the next one."""
 
     ends: np.ndarray
     of_corner: np.ndarray
@@ -125,7 +129,8 @@ class Refinement:
         self.edge_by_middle = 1 - 2 * self.edge_by_face
 
     def _weigh_vertices(self) -> None:
-        """What of itself, of the other ends of its edges and of the centres about it makes a vertex's new place."""
+        """What of itself, of the other ends of its edges and of the centres about it makes a
+        vertex's new place."""
         edges, sharpness = self.cage.edges, self.cage.vertex_sharpness
         before = self._rule(edges.sharpness, sharpness)
         after = self._rule(edges.sharpness - 1, sharpness - 1)
@@ -146,7 +151,8 @@ class Refinement:
         return np.bincount(self.cage.edges.ends.ravel(), values.ravel(), self.cage.vertices)
 
     def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> _Rule:
-        """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong 1998, section 3)."""
+        """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong
+        1998, section 3)."""
         is_sharp = np.repeat((edge_sharpness > 0)[:, None], 2, axis=1)
         sharp = self._at_ends(is_sharp)
         valence = self._at_ends(np.ones_like(is_sharp))
@@ -163,7 +169,8 @@ class Refinement:
         return _Rule(kind, np.choose(kind, [own, 0.75, 1.0]), by_end, np.where(kind == 0, by_face, 0.0))
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
-        """Values of vertices, refined by the scheme's rules: positions, and primvars of interpolation `vertex`."""
+        """Values of vertices, refined by the scheme's rules: positions, and primvars of
+        interpolation `vertex`."""
         cage, edges = self.cage, self.cage.edges
         centers = self._centers(values)
         about = centers[cage.face_of_corner]

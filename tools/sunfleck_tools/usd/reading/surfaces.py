@@ -1,4 +1,5 @@
-"""Materials of a stage to those of glTF. Invariant: each is written once for each order of texture coordinates."""
+"""Materials of a stage to those of glTF. Invariant: each is written once for each order of
+texture coordinates."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ class Surfaces:
     def number(
         self, prim: Usd.Prim | None, layers: list[str], colors: np.ndarray | None = None, glow: tuple[float, ...] | None = None
     ) -> int | None:
-        """The glTF material of a material of the stage; without one, of a mesh's own `colors` (rows of RGB or RGBA).
+        """The glTF material of a material of the stage; without one, of a mesh's own `colors`
+        (rows of RGB or RGBA).
 
         `glow` is the radiance of a mesh that is a light.
         """
@@ -97,7 +99,8 @@ def _unbound(colors: np.ndarray | None) -> Looks:
 
 
 def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
-    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light (`materialSyncMode`)."""
+    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light
+    (`materialSyncMode`)."""
     material = looks.material
     shines = "emissiveFactor" in material or "emissiveTexture" in material
     if glow is None or shines or max(glow) <= 0:
@@ -123,9 +126,11 @@ def _keep(material: dict, extras: dict) -> None:
 
 
 def _keep_shares(base: list[float], ours: object) -> None:
-    """Rounds a base colour down so far that it does not add up to more than 1 with the other shares of the light.
+    """Rounds a base colour down so far that it does not add up to more than 1 with the other
+    shares of the light.
 
-    A stage has colours in single precision, and custom data in double: what added up to 1 may have come to lie above it.
+    A stage has colours in single precision, and custom data in double: what added up to 1 may have
+    come to lie above it.
     """
     others = [ours[name] for name in OTHER_SHARES if name in ours] if isinstance(ours, dict) else []
     for channel in range(3):

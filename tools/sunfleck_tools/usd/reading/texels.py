@@ -1,7 +1,8 @@
 """Files of textures to texels, and back to PNG.
 
-In go bytes of PNG, JPEG, TGA, WebP, TIFF, BMP or OpenEXR, out come rows of red, green, blue and alpha. Invariant: nothing is decoded
-whose head claims more than it may; whatever else is wrong with a file is a `PictureError` in words.
+In go bytes of PNG, JPEG, TGA, WebP, TIFF, BMP or OpenEXR, out come rows of red, green, blue and alpha.
+Invariant: nothing is decoded whose head claims more than it may; whatever else is wrong with a file is a
+`PictureError` in words.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ class PictureError(Exception):
 
 @dataclass(frozen=True)
 class Picture:
-    """A file, and what its head says: format as Pillow names it (or `EXR`), width and height, channels, bits of each."""
+    """A file, and what its head says: format as Pillow names it (or `EXR`), width and height,
+    channels, bits of each."""
 
     path: str
     data: bytes
@@ -51,7 +53,8 @@ class Picture:
     is_carried: bool
 
     def texels(self, size: tuple[int, int], is_srgb: bool) -> np.ndarray:
-        """Rows of linear RGBA at a width and height: 0 to 1 of whole numbers, anything of floats. Raises `PictureError`."""
+        """Rows of linear RGBA at a width and height: 0 to 1 of whole numbers, anything of floats.
+        Raises `PictureError`."""
         found = _exr_texels(self.data) if self.form == "EXR" else _pillow_texels(self.data, size)
         if found.dtype == np.uint8:
             # There are but 256 of them: a look into a table for each texel.
@@ -174,7 +177,8 @@ def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
 
 
 def resized(texels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Texels at another width and height: averages where there are fewer, straight lines where there are more."""
+    """Texels at another width and height: averages where there are fewer, straight lines
+    where there are more."""
     if (texels.shape[1], texels.shape[0]) == size:
         return texels
     planes = [Image.fromarray(np.ascontiguousarray(texels[..., channel], np.float32)) for channel in range(texels.shape[2])]

@@ -1,4 +1,5 @@
-"""Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a `Texture` has a file that opens."""
+"""Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a
+`Texture` has a file that opens."""
 
 from __future__ import annotations
 
@@ -21,12 +22,14 @@ MOVES = {"rotation": 0.0, "scale": (1.0, 1.0), "translation": (0.0, 0.0)}
 """Inputs of UsdTransform2d, and what they are by themselves."""
 UDIM_COLUMNS = 10
 READERS = {"UsdUVTexture": "file", "ND_UsdUVTexture": "file", "ND_UsdUVTexture_23": "file", "arnold:image": "filename"}
-"""Nodes that read a file, and the input that names it; those of MaterialX begin with `ND_image` or `ND_tiledimage`."""
+"""Nodes that read a file, and the input that names it; those of MaterialX begin with `ND_image`
+or `ND_tiledimage`."""
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a texture lies: which set of coordinates, KHR_texture_transform's (offset, rotation, scale), wrapping along each axis."""
+    """Where a texture lies: which set of coordinates, KHR_texture_transform's (offset, rotation, scale),
+    wrapping along each axis."""
 
     layer: int
     moved: tuple[tuple[float, float], float, tuple[float, float]] | None
@@ -35,7 +38,8 @@ class Placement:
 
 @dataclass(frozen=True)
 class Texture:
-    """A node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and what multiplies and is added."""
+    """A node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and what
+    multiplies and is added."""
 
     place: str
     files: tuple[tuple[tuple[int, int], str], ...]
@@ -120,7 +124,8 @@ class Textures:
         return self._pictures[resolved] is not None
 
     def _space(self, shader: UsdShade.Shader, attribute: Usd.Attribute) -> str:
-        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than Rec. 709's are said."""
+        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than
+        Rec. 709's are said."""
         names = (str(self._value(shader, "sourceColorSpace", "auto")), str(attribute.GetColorSpace() or "auto"))
         name = next((name for name in names if name != "auto"), "auto")
         if name.lower().startswith(SRGB):
@@ -150,7 +155,8 @@ class Textures:
         return Placement(layer, moved, tuple(WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps))
 
     def _moved(self, shader: UsdShade.Shader) -> tuple | None:
-        """The reverse of what export writes: glTF turns about the upper left corner, USD about the lower left one."""
+        """The reverse of what export writes: glTF turns about the upper left corner, USD about
+        the lower left one."""
         given = {name: self._value(shader, name, rest) for name, rest in MOVES.items()}
         numbers = {name: numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()}
         if None in numbers.values():

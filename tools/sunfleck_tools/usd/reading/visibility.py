@@ -1,7 +1,7 @@
 """When a prim is seen: `UsdGeom.Imageable.ComputeVisibility`, over time.
 
-Whatever is invisible hides all below it, so a node says for its children what its prim says for its own. Prims that stand elsewhere
-in glTF than in the stage bring along what their ancestors say.
+Whatever is invisible hides all below it, so a node says for its children what its prim says for its own.
+Prims that stand elsewhere in glTF than in the stage bring along what their ancestors say.
 """
 
 from __future__ import annotations
