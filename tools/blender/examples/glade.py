@@ -4,8 +4,8 @@ which a simulation zone lets go, blows about and lays on the ground (glade_wind.
     PYTHONPATH=tools/blender python tools/blender/examples/glade.py [GLB]
 
 needs `pip install bpy`, and the meshes and textures of scenes/woods. Everything after the imports is what an
-artist does with the mouse: place meshes, build nodes, key the camera, set the add-on's properties, export. The same
-versions of Blender and of this file write the same scene.
+artist does with the mouse: place meshes, build nodes, key the camera, set the add-on's properties, export.
+The same versions of Blender and of this file write the same scene.
 """
 
 import math
@@ -100,7 +100,8 @@ def group(name, things):
 
 
 def aloft(scene, count, rng):
-    """A mesh whose vertices are leaves that fall already as the film begins: all over the clearing, and where the lens is sharp."""
+    """A mesh whose vertices are leaves that fall already as the film begins: all over the clearing, and where
+    the lens is sharp."""
     points = []
     for number in range(count):
         if number % 4 == 0:

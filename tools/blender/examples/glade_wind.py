@@ -1,4 +1,5 @@
-"""Leaves in the wind, as a simulation zone of geometry nodes: they let go, drift, strike trunks and come to rest on the ground.
+"""Leaves in the wind, as a simulation zone of geometry nodes: they let go, drift, strike trunks and come
+to rest on the ground.
 
 What an artist would build in the node editor, in Python. Lengths are metres, times seconds.
 """
@@ -12,7 +13,8 @@ SETTLES = 0.3
 
 
 class Nodes:
-    """A tree of geometry nodes whose sums are written as calls; sockets and numbers may stand for each other."""
+    """A tree of geometry nodes whose sums are written as calls; sockets and numbers may
+    stand for each other."""
 
     def __init__(self, name):
         self.group = bpy.data.node_groups.new(name, "GeometryNodeTree")
@@ -79,8 +81,9 @@ def enabled(sockets, name):
 
 
 def blow(air, twigs, leaves, colliders, a_second):
-    """Gives the mesh `air`, whose vertices are leaves that fall already, a modifier that moves them and lets others go from `twigs`,
-    so many a second; they show objects of the collection `leaves` and strike those of `colliders`."""
+    """Gives the mesh `air`, whose vertices are leaves that fall already, a modifier that moves them and
+    lets others go from `twigs`, so many a second; they show objects of the collection `leaves` and strike
+    those of `colliders`."""
     nodes = Nodes("leaves in the wind")
     time = nodes.add("GeometryNodeInputSceneTime")
     start, end = nodes.add("GeometryNodeSimulationInput"), nodes.add("GeometryNodeSimulationOutput")

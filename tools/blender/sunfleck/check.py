@@ -1,7 +1,7 @@
 """What of a scene will be lost on the way to sunfleck, as far as its settings tell.
 
-In goes a scene, out come findings (`losses`); what only the export itself finds out, it adds. Invariant: whatever Blender renders
-and sunfleck does not is among them.
+In goes a scene, out come findings (`losses`); what only the export itself finds out, it adds. Invariant:
+whatever Blender renders and sunfleck does not is among them.
 """
 
 from . import world
@@ -141,7 +141,8 @@ def of_object(thing, is_blurred):
 
 
 def is_fogs_cube(thing):
-    """Whether a mesh shows where the cube from -1 to 1 is; along an axis in which it is flat it says nothing."""
+    """Whether a mesh shows where the cube from -1 to 1 is; along an axis in which it is
+    flat it says nothing."""
     sides = [(min(axis), max(axis)) for axis in zip(*thing.bound_box)]
     return all(high == low or (abs(low + 1.0) < 1e-5 and abs(high - 1.0) < 1e-5) for low, high in sides)
 

@@ -1,4 +1,5 @@
-"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning (docs/blender-scenes.md).
+"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning
+(docs/blender-scenes.md).
 
 An error stands in the way of export; of a warning something is lost; news (`INFO`) say what was done instead.
 """

@@ -1,4 +1,5 @@
-"""What an artist sets for sunfleck and Blender has no place for. Everything else is taken from Blender's own settings."""
+"""What an artist sets for sunfleck and Blender has no place for. Everything else is taken from
+Blender's own settings."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
@@ -44,7 +45,8 @@ def colour(name, description, default=(1.0, 1.0, 1.0)):
 
 
 def forgetting(*fields):
-    """What to do when the panel speaks: what an earlier export or a hand has written of the same thing goes."""
+    """What to do when the panel speaks: what an earlier export or a hand has written of
+    the same thing goes."""
 
     def forget(own, _context):
         said = own.id_data.get("sunfleck_light", {})

@@ -1,4 +1,5 @@
-"""Exports a scene and calls `sunfleck render` on it, telling its progress; without a window it waits for the end."""
+"""Exports a scene and calls `sunfleck render` on it, telling its progress; without a window it
+waits for the end."""
 
 import json
 import queue

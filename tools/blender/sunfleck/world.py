@@ -1,6 +1,6 @@
-"""The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose image then
-lies beside the exported file, as images on suns do, or a picture of whatever else its nodes show. Invariant: the sky is the world as
-it is at the frame at hand.
+"""The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose
+image then lies beside the exported file, as images on suns do, or a picture of whatever else its nodes show.
+Invariant: the sky is the world as it is at the frame at hand.
 """
 
 import math
@@ -72,7 +72,8 @@ def changes(scene):
 
 
 def of_world(scene, path):
-    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if there is none or nowhere to write it."""
+    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if there is none or
+    nowhere to write it."""
     if not is_plain(scene):
         if path is None or not is_baked(scene):
             return None

@@ -1,7 +1,7 @@
 """A world of any nodes as a picture of all directions: Cycles renders it, from where nothing else is.
 
-In go a world and a path, out comes an EXR beside it. Invariant: its middle is +Y and its right +X, which is how sunfleck reads
-pictures that are not turned; radiances are in linear Rec. 709.
+In go a world and a path, out comes an EXR beside it. Invariant: its middle is +Y and its right +X, which is
+how sunfleck reads pictures that are not turned; radiances are in linear Rec. 709.
 """
 
 import math
@@ -57,7 +57,8 @@ def render(world, target):
 
 
 def in_rec709(target):
-    """Blender writes the working space, and says so in the file; whoever reads the file need not know that."""
+    """Blender writes the working space, and says so in the file; whoever reads the file
+    need not know that."""
     if colours.working_space() == "Linear Rec.709":
         return
     image = bpy.data.images.load(str(target))

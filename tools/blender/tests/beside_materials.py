@@ -1,4 +1,5 @@
-"""Small scenes of materials, each of one kind, to be rendered beside Cycles; on the stage of `beside_stage`."""
+"""Small scenes of materials, each of one kind, to be rendered beside Cycles; on the stage
+of `beside_stage`."""
 
 import math
 

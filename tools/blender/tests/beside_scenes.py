@@ -1,4 +1,5 @@
-"""Small scenes to be rendered beside Cycles, each of one kind, by name; builders return the frame to render."""
+"""Small scenes to be rendered beside Cycles, each of one kind, by name; builders return
+the frame to render."""
 
 import math
 
@@ -82,7 +83,8 @@ def above_the_floor(scene, build):
 
 
 def hidden_things(scene):
-    """Excluded, hidden, nested and instanced collections, and things that are hidden in the viewport alone."""
+    """Excluded, hidden, nested and instanced collections, and things that are hidden in
+    the viewport alone."""
     stages.collections(scene)
     scenes.quad(scene, "not seen", 2.0, None, (0.0, -1.0, 1.0)).hide_render = True
     bpy.data.objects["card"].hide_viewport = True

@@ -1,4 +1,5 @@
-"""Falling leaves as artists animate them: particles, geometry nodes and simulation zones, whose leaves are born, move and turn."""
+"""Falling leaves as artists animate them: particles, geometry nodes and simulation zones, whose leaves are
+born, move and turn."""
 
 import math
 

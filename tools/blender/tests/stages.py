@@ -1,4 +1,5 @@
-"""Small scenes of everything that moves, shows or hides in Blender, each by its name; four to eight frames."""
+"""Small scenes of everything that moves, shows or hides in Blender, each by its name;
+four to eight frames."""
 
 import math
 

@@ -1,6 +1,7 @@
 """Small scenes of every kind beside Cycles, with no bounces: the ratio of the means.
 
-Run with the other tests here (test_addon.py says how). Prints the table that stands in docs/blender-scenes.md.
+Run with the other tests here (test_addon.py says how). Prints the table that stands in
+docs/blender-scenes.md.
 """
 
 import os

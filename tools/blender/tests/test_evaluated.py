@@ -120,7 +120,8 @@ class Blur(Case):
         self.compare_open("simulation", scene)
 
     def test_what_appears_does_so_between_shutters(self):
-        """With any position of the shutter a thing that is hidden until frame 3 is there all the time of that frame's shutter."""
+        """With any position of the shutter a thing that is hidden until frame 3 is there all the time of
+        that frame's shutter."""
         for position, opening in (("START", 0.0), ("CENTER", -0.25), ("END", -0.5)):
             scene = stages.stage()
             stages.keyed_visibility(scene)
@@ -175,7 +176,8 @@ class Inspected(Case):
         self.assertEqual(counts, [9, 25, 46, 86])
 
     def test_other_readers_open_it(self):
-        """Blender's own importer, which knows no visibility: leaves that are there at the end are where they were."""
+        """Blender's own importer, which knows no visibility: leaves that are there at the end
+        are where they were."""
         scene = leaf_scenes.build("simulation_emits")
         self.exported(scene)
         expected = truth.of(scene, [24])[24]

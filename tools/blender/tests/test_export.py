@@ -1,4 +1,5 @@
-"""What `sunfleck export` writes, opened in Blender: every object, camera and light where sunfleck has it, at every frame.
+"""What `sunfleck export` writes, opened in Blender: every object, camera and light where sunfleck
+has it, at every frame.
 
 Run with the other tests here (test_addon.py says how).
 """
@@ -40,7 +41,8 @@ def rows(numbers):
 
 
 class Curves:
-    """Objects' places from their F-curves and parents alone: what Blender's evaluation gives, without meshes."""
+    """Objects' places from their F-curves and parents alone: what Blender's evaluation
+    gives, without meshes."""
 
     def __init__(self, scene):
         self.objects = list(scene.objects)
@@ -86,8 +88,8 @@ class Opened(unittest.TestCase):
     """`check` compares one input; what it prints are the largest differences."""
 
     def check(self, source, frames, evaluated=1):
-        """Blender evaluates the whole scene at every frame, or at one in `evaluated`; at the others there are the curves
-        of what moves."""
+        """Blender evaluates the whole scene at every frame, or at one in `evaluated`; at the others there are
+        the curves of what moves."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         path = Path(folder.name) / "scene.glb"
@@ -120,7 +122,8 @@ class Opened(unittest.TestCase):
             for name, camera in frame["cameras"].items():
                 self.compare_lens(self.named(name, "CAMERA"), rows(camera["projection"]), truth["size"])
             for name, light in frame["lights"].items():
-                # Values that change travel in empties that only sunfleck reads: lights are compared where they are still.
+                # Values that change travel in empties that only sunfleck reads: lights are compared
+                # where they are still.
                 if number == 0:
                     self.compare_light(self.named(name, "LIGHT"), light)
         print(source, {what: f"{self.worst[what]:.1e} of {self.compared[what]}" for what in self.worst})
@@ -229,7 +232,8 @@ class Opened(unittest.TestCase):
 
 
 class Bent(unittest.TestCase):
-    """Skins and morph targets: what Blender makes of the exported file, and what it had itself (tests/data/blender)."""
+    """Skins and morph targets: what Blender makes of the exported file, and what it had itself
+    (tests/data/blender)."""
 
     def compare(self, name):
         folder = tempfile.TemporaryDirectory()

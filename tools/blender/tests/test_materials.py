@@ -222,7 +222,8 @@ class Materials(Case):
         primitive = mesh["primitives"][0]
         indices = file.accessor(primitive["indices"]).ravel()
         places, uvs = (file.accessor(primitive["attributes"][name])[indices] for name in ("POSITION", "TEXCOORD_0"))
-        # Roots are the lowest corners; the square is two metres wide, and v goes down in glTF as z does towards the camera.
+        # Roots are the lowest corners; the square is two metres wide, and v goes down in glTF as z
+        # does towards the camera.
         roots = places[:, 1] < 1e-3
         self.assertGreaterEqual(int(roots.sum()), 20)
         expected = numpy.stack([0.5 + 0.5 * places[roots, 0], 0.5 + 0.5 * places[roots, 2]], axis=1)

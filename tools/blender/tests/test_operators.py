@@ -1,4 +1,5 @@
-"""Operators and panels of the add-on as a person or a script meets them: drawn, undone, with progress, from the command line.
+"""Operators and panels of the add-on as a person or a script meets them: drawn, undone, with progress,
+from the command line.
 
 Run with the other tests here (test_addon.py says how).
 """
@@ -24,7 +25,8 @@ TESTS = Path(__file__).parent
 
 
 class Layout:
-    """Takes what a panel draws, and fails where Blender would: at a property or an operator that there is not."""
+    """Takes what a panel draws, and fails where Blender would: at a property or an operator
+    that there is not."""
 
     def __init__(self, drawn):
         self.drawn = drawn

@@ -1,4 +1,5 @@
-"""What decides about the picture: cameras and their markers, borders, pixels, steps, layers, colours of the working space.
+"""What decides about the picture: cameras and their markers, borders, pixels, steps, layers, colours
+of the working space.
 
 Run with the other tests here (test_addon.py says how).
 """

@@ -1,4 +1,5 @@
-"""Stages that `sunfleck-tools export-usd` writes, opened in Blender: is everything where, and as bright as, the renderer has it?
+"""Stages that `sunfleck-tools export-usd` writes, opened in Blender: is everything where, and as bright as,
+the renderer has it?
 
 The tools have USD libraries of their own, which must not meet Blender's in one process: they run in theirs.
 """
@@ -133,7 +134,8 @@ class Review(unittest.TestCase):
             self.assertNear(rows[half + half // 3], [0.5, 0.5, 0.85], 2e-3, "at 30 degrees")
 
     def test_an_image_of_the_sky_is_seen_where_the_renderer_has_it(self):
-        """What Blender sees, rendered, in directions of the renderer's: red is how far to the right in the picture."""
+        """What Blender sees, rendered, in directions of the renderer's: red is how far to the
+        right in the picture."""
         right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
         with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": right}) as file:
             file.write(str(self.folder / "marked.exr"))
@@ -151,7 +153,8 @@ class Review(unittest.TestCase):
         camera.data.angle = math.radians(1)
         scene.collection.objects.link(camera)
         scene.camera = camera
-        # The renderer has -z in the middle, +x to the right of it; 20 degrees anticlockwise move a direction to the right.
+        # The renderer has -z in the middle, +x to the right of it; 20 degrees anticlockwise move a
+        # direction to the right.
         for direction, u, v in (((1, 0, 0), 0.75, 0.5), ((-1, 0, 0), 0.25, 0.5), ((0, 0, -1), 0.5, 0.5), ((0, 1, -1), 0.5, 0.25)):
             x, y, z = direction
             camera.matrix_world = Vector((x, -z, y)).to_track_quat("-Z", "Y").to_matrix().to_4x4()
@@ -176,7 +179,8 @@ class Review(unittest.TestCase):
                 self.assertNear(world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}")
 
     def test_meshes_that_bend_are_right_between_frames_too(self):
-        """Where there are samples, against the curves of the glTF file, which are not Blender's own between its keys."""
+        """Where there are samples, against the curves of the glTF file, which are not Blender's own
+        between its keys."""
         for name, shapes in (("c_morph", ("morph_leaf_0", "morph_leaf_1")), ("d_skin", ("branch",))):
             self.open(SAMPLES / f"{name}.glb", "--samples-per-frame", "4")
             gltf = Gltf(Container(SAMPLES / f"{name}.glb"))

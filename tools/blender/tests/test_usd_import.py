@@ -1,4 +1,5 @@
-"""Stages that Blender itself exports, read by `sunfleck-tools import-usd`: is everything where Blender has it?"""
+"""Stages that Blender itself exports, read by `sunfleck-tools import-usd`: is everything
+where Blender has it?"""
 
 import json
 import math

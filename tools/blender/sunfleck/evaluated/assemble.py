@@ -1,7 +1,7 @@
 """The record of a scene as a glTF document.
 
-In go a record, materials and values that change, out comes the document. Invariant: every thing that was seen at a frame is a node
-that shows at that frame, where it was, and at no other frame.
+In go a record, materials and values that change, out comes the document. Invariant: every thing that was seen
+at a frame is a node that shows at that frame, where it was, and at no other frame.
 """
 
 from dataclasses import dataclass, field
@@ -24,7 +24,8 @@ class United:
 
 
 class Assembly:
-    """Turns things into nodes, one after the other; `tracks.write` makes channels of what moves at the end."""
+    """Turns things into nodes, one after the other; `tracks.write` makes channels of what
+    moves at the end."""
 
     def __init__(self, record, frames, shutter, clock):
         self.record, self.frames, self.shutter, self.clock = record, frames, shutter, clock
@@ -45,7 +46,8 @@ class Assembly:
         return f"{wanted} {count}"
 
     def add(self, materials, values, custom):
-        """All things, in the order in which they were first seen; objects before instances, whose names give way."""
+        """All things, in the order in which they were first seen; objects before instances,
+        whose names give way."""
         self.meshes, self.materials = Meshes(self.document, materials), materials
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
         slots = {(material, thing.facts) for _, thing in things for shown in set(thing.shown) if shown for material in shown[1]}
@@ -95,14 +97,16 @@ class Assembly:
     # Surfaces.
 
     def groups(self, thing):
-        """What a thing shows by topology and materials: moments and geometries; only what it shows at a frame itself."""
+        """What a thing shows by topology and materials: moments and geometries; only what it
+        shows at a frame itself."""
         groups = {}
         for moment, (geometry, materials) in zip(thing.moments, thing.shown):
             groups.setdefault((self.record.geometries[geometry].topology, materials), {})[moment] = geometry
         return {key: group for key, group in groups.items() if any(self.is_frame[moment] for moment in group)}
 
     def unite_shapes(self, thing):
-        """Things that show the same object's shapes at the same moments bend alike, whenever each of them is there."""
+        """Things that show the same object's shapes at the same moments bend alike, whenever each
+        of them is there."""
         if thing.kind != "SURFACE":
             return
         for key, group in self.groups(thing).items():

@@ -1,7 +1,7 @@
 """Geometries of what the graph holds, each there once.
 
-In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant: what cannot change is looked at
-once; what has no surface to see is None, and its name is kept.
+In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant: what
+cannot change is looked at once; what has no surface to see is None, and its name is kept.
 """
 
 import bpy
@@ -32,7 +32,8 @@ class Capture:
             self.eye = numpy.array(camera.evaluated_get(graph).matrix_world.translation if camera else (0.0, 0.0, 1e3), float)
 
     def shown(self, thing, source, instance):
-        """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair that of its system."""
+        """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair
+        that of its system."""
         if instance.show_self:
             found = self.surface(thing, source)
             if found is not None:
@@ -121,7 +122,8 @@ class Capture:
 
 
 def cannot_change(original, data):
-    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made for instances may be any."""
+    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made
+    for instances may be any."""
     handlers = bpy.app.handlers
     return (
         original.type == "MESH"

@@ -1,7 +1,8 @@
-"""What is visible at every frame, counted twice: as Blender's dependency graph has it, and as the written file says.
+"""What is visible at every frame, counted twice: as Blender's dependency graph has it, and as
+the written file says.
 
-In go a record and a file, out come counts by frame and every difference between the two. Invariant: the file's side knows the file
-alone (`readback`).
+In go a record and a file, out come counts by frame and every difference between the two. Invariant: the
+file's side knows the file alone (`readback`).
 """
 
 from dataclasses import dataclass

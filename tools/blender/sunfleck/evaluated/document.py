@@ -1,6 +1,7 @@
 """A glTF file in the making: lists of things, and one buffer that they point into.
 
-Invariant: what an accessor says of its numbers (count, bounds) is what the buffer holds; equal arrays are there once.
+Invariant: what an accessor says of its numbers (count, bounds) is what the buffer holds; equal
+arrays are there once.
 """
 
 import json

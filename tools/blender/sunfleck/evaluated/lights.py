@@ -1,6 +1,7 @@
 """Lights in glTF's units: KHR_lights_punctual, an area light as a node with `sunfleck_light`.
 
-In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as Blender's exporter has it.
+In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as
+Blender's exporter has it.
 """
 
 import math
@@ -17,7 +18,8 @@ def power_w(light, scale=(1.0, 1.0, 1.0)):
 
 
 def extent(light, scale):
-    """What the power of a light that is not normalised counts for: its area, m2, or of a sun's disc at distance 1."""
+    """What the power of a light that is not normalised counts for: its area, m2, or of a sun's
+    disc at distance 1."""
     if light.type == "SUN":
         return math.pi * math.tan(0.5 * light.angle) ** 2 or 1.0
     if light.type == "AREA":

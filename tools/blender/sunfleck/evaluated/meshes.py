@@ -1,6 +1,8 @@
-"""Geometries as meshes of the file: corners that are alike become one vertex, and each material slot a primitive.
+"""Geometries as meshes of the file: corners that are alike become one vertex, and each
+material slot a primitive.
 
-In go a geometry and how it bends, out comes the number of a glTF mesh. Invariant: vertices stand in the file's axes, y up.
+In go a geometry and how it bends, out comes the number of a glTF mesh. Invariant: vertices stand in
+the file's axes, y up.
 """
 
 import numpy
@@ -60,7 +62,8 @@ class Meshes:
         self.document, self.materials, self.known = document, materials, {}
 
     def number(self, geometry, materials, bend=None):
-        """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of positions and normals."""
+        """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of
+        positions and normals."""
         key = (geometry.known_by(), materials, None if bend is None else id(bend))
         if key not in self.known:
             self.known[key] = self.made(geometry, materials, bend), bend

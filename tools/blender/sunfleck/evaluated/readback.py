@@ -1,7 +1,9 @@
-"""A .glb file read back, by whoever wants to know what it really says: this knows nothing of how it was written.
+"""A .glb file read back, by whoever wants to know what it really says: this knows nothing
+of how it was written.
 
-In goes a path, out come for times all at once the worlds of nodes, what is visible, and vertices of meshes as they are bent then.
-Invariant: interpolation is glTF's (steps, straight lines, shortest arcs), times are compared in single precision as files hold them.
+In goes a path, out come for times all at once the worlds of nodes, what is visible, and vertices of meshes as
+they are bent then. Invariant: interpolation is glTF's (steps, straight lines, shortest arcs), times are
+compared in single precision as files hold them.
 """
 
 import json

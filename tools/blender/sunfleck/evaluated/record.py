@@ -1,7 +1,8 @@
 """What was seen at every moment: where each thing was and which geometry it showed.
 
-In go graphs, out comes a `Record` of things by key. Invariant: a thing is the same from moment to moment if Blender says so: its
-object, what instances it, and its persistent id among the instances; a geometry that several things show is there once.
+In go graphs, out comes a `Record` of things by key. Invariant: a thing is the same from moment to moment if
+Blender says so: its object, what instances it, and its persistent id among the instances; a geometry that
+several things show is there once.
 """
 
 from dataclasses import dataclass, field
@@ -51,7 +52,8 @@ class Here:
     def __init__(self, ids, names):
         self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
         self.sources, self.shown = {}, {}
-        # Attributes of instances that materials ask for; of each instancer how many instances came, and theirs.
+        # Attributes of instances that materials ask for; of each instancer how many
+        # instances came, and theirs.
         self.names, self.orders, self.tables = names, {}, {}
         # How many have the same key, as realised groups may.
         self.seen, self.lamps = {}, 0
@@ -109,7 +111,8 @@ class Record:
         """`library` knows what materials look at; `watch` is told what is no surface."""
         self.capture, self.watch, self.attributes = Capture(library), watch, library.attributes_of_instances()
         self.things = {}
-        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show which geometry, and lights.
+        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
+        # which geometry, and lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
 
     @property
@@ -162,7 +165,8 @@ class Record:
         return self.all_matrices[thing.rows].astype(float)
 
     def finish(self):
-        """Puts the places of all moments together, and moments into the order of time: a frame itself is seen first."""
+        """Puts the places of all moments together, and moments into the order of time: a frame
+        itself is seen first."""
         for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
             order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
             for name in ("moments", "rows", "shown"):

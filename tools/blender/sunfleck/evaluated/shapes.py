@@ -1,7 +1,8 @@
 """Meshes that bend: shapes over time as morph targets and their weights.
 
-In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within the tolerance of where
-it was. Shapes that are mixtures of a few (shape keys, a hinge's small turn) need only those few; others are targets each.
+In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within the
+tolerance of where it was. Shapes that are mixtures of a few (shape keys, a hinge's small turn) need only
+those few; others are targets each.
 """
 
 import numpy
@@ -15,7 +16,8 @@ MOST_MIXED = 24
 
 
 class Bend:
-    """Of one topology: `times` are frames with offset, `shapes` the number of the shape at each, among `geometries`."""
+    """Of one topology: `times` are frames with offset, `shapes` the number of the shape at each,
+    among `geometries`."""
 
     def __init__(self, times, shapes, geometries):
         self.times = numpy.asarray(times, float)
@@ -39,7 +41,8 @@ class Bend:
         return found
 
     def normals(self):
-        """Differences of normals, of each target, so that mixtures are as near as can be to what they were at all times."""
+        """Differences of normals, of each target, so that mixtures are as near as can be to what they
+        were at all times."""
         at_rest = self.layout.normals(self.base)
         if at_rest is None:
             return []
@@ -56,7 +59,8 @@ class Bend:
 
 
 def mixed_from(moved):
-    """Rows that all others are mixtures of: again and again the one that is farthest from any mixture of those before."""
+    """Rows that all others are mixtures of: again and again the one that is farthest from any
+    mixture of those before."""
     left, chosen = moved.astype(float), []
     while len(chosen) < min(MOST_MIXED, len(moved)):
         farthest = numpy.abs(left).max(axis=1)

@@ -1,7 +1,8 @@
 """Whether straight lines between a frame's moments are near enough to what moves, or more moments are wanted.
 
-In goes a record that grows, out comes yes or no. Invariant: what halves its distance quarters its error, so a round of moments
-that lie within four times the tolerance of the lines before it leaves errors within the tolerance.
+In goes a record that grows, out comes yes or no. Invariant: what halves its distance quarters its
+error, so a round of moments that lie within four times the tolerance of the lines before it leaves
+errors within the tolerance.
 """
 
 import numpy

@@ -1,7 +1,9 @@
-"""Hair as ribbons that face the camera, and points as spheres: surfaces for what Cycles has shapes of its own for.
+"""Hair as ribbons that face the camera, and points as spheres: surfaces for what Cycles has
+shapes of its own for.
 
-In go strands (points with radii), out come geometries. Invariant: a ribbon is as wide as its strand everywhere, and stays where the
-strand is; its flat side is towards `eye`, a place in the strand's own space. Its texture coordinates are those of its root.
+In go strands (points with radii), out come geometries. Invariant: a ribbon is as wide as its strand
+everywhere, and stays where the strand is; its flat side is towards `eye`, a place in the strand's own space.
+Its texture coordinates are those of its root.
 """
 
 from dataclasses import dataclass, field
@@ -138,7 +140,8 @@ def of_points(cloud):
 
 
 def icosahedron():
-    """Corners so far out that the mean of its shadows, a quarter of its surface, is that of a sphere of radius 1."""
+    """Corners so far out that the mean of its shadows, a quarter of its surface, is that of a
+    sphere of radius 1."""
     golden = 0.5 * (1.0 + 5.0**0.5)
     corners = numpy.array([(0, a, b * golden) for a in (-1, 1) for b in (-1, 1)], float)
     corners = numpy.concatenate([corners, corners[:, [2, 0, 1]], corners[:, [1, 2, 0]]])

@@ -1,7 +1,7 @@
 """Keys of nodes: places, visibility and weights as channels of the file's animation.
 
-In go nodes with their places at moments, out come node properties and channels. Invariant: at every moment a node is within 1e-5 m
-of where it was; what keeps still has no key.
+In go nodes with their places at moments, out come node properties and channels. Invariant: at every moment a
+node is within 1e-5 m of where it was; what keeps still has no key.
 """
 
 from dataclasses import dataclass

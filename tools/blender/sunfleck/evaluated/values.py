@@ -1,7 +1,8 @@
 """Numbers that change: of lights, lenses, fog and the scene, frame by frame.
 
-In go evaluated objects, out come values by what they belong to. Invariant: what is written once is the value at the first frame;
-what changes is carried by nodes `ctl_...` whose translation it is (docs/scene-format.md, "Values that change").
+In go evaluated objects, out come values by what they belong to. Invariant: what is written once is the value
+at the first frame; what changes is carried by nodes `ctl_...` whose translation it is (docs/scene-format.md,
+"Values that change").
 """
 
 from types import SimpleNamespace
@@ -17,7 +18,8 @@ TOLERANCE = 1e-6
 
 
 class View:
-    """The camera that renders at a moment: markers switch between cameras, and what is hidden renders all the same."""
+    """The camera that renders at a moment: markers switch between cameras, and what is hidden
+    renders all the same."""
 
     def __init__(self, time, eye, evaluated, scene):
         self.time, self.eye = time, eye

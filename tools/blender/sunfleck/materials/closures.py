@@ -1,6 +1,8 @@
-"""Shaders that are mixed, where glTF can say the mixture exactly: with what is transparent, with what shines through, with light.
+"""Shaders that are mixed, where glTF can say the mixture exactly: with what is transparent, with what shines
+through, with light.
 
-In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exactly raises `NotSimple`, and is baked.
+In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exactly raises
+`NotSimple`, and is baked.
 """
 
 from dataclasses import replace

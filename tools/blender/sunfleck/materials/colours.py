@@ -16,7 +16,8 @@ def working_space():
 
 
 def rec709(color):
-    """Of a colour, or of rows of colours, in the working space; what Rec. 709 lacks is negative here and black there."""
+    """Of a colour, or of rows of colours, in the working space; what Rec. 709 lacks is negative
+    here and black there."""
     matrix = REC709_FROM.get(working_space())
     if matrix is None:
         return color

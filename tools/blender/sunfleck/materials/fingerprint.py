@@ -1,6 +1,7 @@
 """A node tree as bytes that change whenever what it shows may.
 
-In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ramps, curves, links, groups and images is among them.
+In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ramps, curves, links, groups and
+images is among them.
 """
 
 import bpy

@@ -1,7 +1,7 @@
 """Pictures of the file: Blender's images as they are where PNG, JPEG or WebP can say it, else written anew.
 
-In go images and channels of images, out come numbers of glTF images. Invariant: colours are in sRGB, numbers as they are; what is
-written anew has 16 bits a channel unless its source has 8.
+In go images and channels of images, out come numbers of glTF images. Invariant: colours are in sRGB, numbers
+as they are; what is written anew has 16 bits a channel unless its source has 8.
 """
 
 import struct
@@ -136,7 +136,8 @@ WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071, "MIRROR": 33648}
 
 
 def texture(document, image, picture: sockets.Picture):
-    """The number of a texture that shows a picture's image as its node does; `image` is a number and a kind."""
+    """The number of a texture that shows a picture's image as its node does; `image` is a
+    number and a kind."""
     number, kind = image
     wrap = WRAPS[picture.extension]
     sampler = {"magFilter": FILTERS.get(picture.interpolation, 9729), "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}

@@ -1,7 +1,8 @@
-"""Materials of the file by number, one for each of Blender's and each set of names that meshes have for its texture coordinates.
+"""Materials of the file by number, one for each of Blender's and each set of names that meshes have for its
+texture coordinates.
 
-In go materials and the geometries that show them, out come numbers. Invariant: of every material that was asked for there is a
-word: exact, or what of it is lost.
+In go materials and the geometries that show them, out come numbers. Invariant: of every material that was
+asked for there is a word: exact, or what of it is lost.
 """
 
 import json
@@ -19,7 +20,8 @@ from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
 from .written import Writer, of_surface, shines
 
-# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces change in every frame.
+# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces
+# change in every frame.
 MOST_MESHES = 64
 # Of animated numbers: pointers behind the material's, or none.
 POINTERS = {
@@ -27,7 +29,8 @@ POINTERS = {
     "roughness": "pbrMetallicRoughness/roughnessFactor", "emission": "emissiveFactor",
     "emission_strength": "extensions/KHR_materials_emissive_strength/emissiveStrength", "normal_scale": "normalTexture/scale",
 }
-# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material without a shader does.
+# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material
+# without a shader does.
 DEFAULT = Surface({"base": Source((0.8,) * 3)})
 NOTHING = Surface({"base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
 
@@ -52,7 +55,8 @@ class Library:
 
     def __init__(self):
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
-        # Of materials that differ from instance to instance: copies by facts, and how many levels facts are rounded to.
+        # Of materials that differ from instance to instance: copies by facts, and how many levels
+        # facts are rounded to.
         self.of_instances, self.copies, self.levels = {}, {}, {}
 
     def start(self, document, clock):
@@ -83,7 +87,8 @@ class Library:
         return {node.attribute_name for node in nodes if node.attribute_type == "INSTANCER"}
 
     def prepare(self, shown):
-        """Finds out into how many levels facts have to be rounded, of materials and the facts of each instance."""
+        """Finds out into how many levels facts have to be rounded, of materials and the facts
+        of each instance."""
         found = {}
         for material, facts in shown:
             if self.differs(material):
@@ -114,7 +119,8 @@ class Library:
         return self.look(material).surface is not None
 
     def attribute(self, material):
-        """The colour attribute that a material looks at and its part ("rgb", "rgba" or "a"); None for none."""
+        """The colour attribute that a material looks at and its part ("rgb", "rgba" or
+        "a"); None for none."""
         surface = self.look(material).surface
         if surface is None:
             return None

@@ -1,7 +1,7 @@
 """A Principled BSDF as a glTF material says it.
 
-In goes a node tree, out comes a `Surface`: sources by what they are for. Invariant: what glTF has no word for is among `losses`, by
-an id; what a socket has that is no source raises `NotSimple`.
+In goes a node tree, out comes a `Surface`: sources by what they are for. Invariant: what glTF has no word for
+is among `losses`, by an id; what a socket has that is no source raises `NotSimple`.
 """
 
 from dataclasses import dataclass, field

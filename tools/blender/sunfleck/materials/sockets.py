@@ -1,6 +1,8 @@
-"""What gives a socket's value, where that is simple: a constant, a picture, a colour attribute, or a product of those.
+"""What gives a socket's value, where that is simple: a constant, a picture, a colour attribute,
+or a product of those.
 
-In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is `NotSimple`, by the node's name.
+In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is
+`NotSimple`, by the node's name.
 """
 
 import colorsys
@@ -19,7 +21,8 @@ class Picture:
     """An image as a node shows it."""
 
     image: object
-    # Where it is looked up: the name of texture coordinates ("" for those that render), and glTF's transform of them.
+    # Where it is looked up: the name of texture coordinates ("" for those that render), and
+    # glTF's transform of them.
     uv: str
     offset: tuple = (0.0, 0.0)
     rotation: float = 0.0
@@ -33,7 +36,8 @@ class Picture:
 
 @dataclass(frozen=True)
 class Source:
-    """`factor` (three numbers) times a picture's channel ("rgb", 0, 1, 2 or 3 for alpha) times a colour attribute's."""
+    """`factor` (three numbers) times a picture's channel ("rgb", 0, 1, 2 or 3 for alpha) times a
+    colour attribute's."""
 
     factor: tuple
     picture: Picture | None = None
@@ -127,7 +131,8 @@ def mapped(node):
     if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
         raise NotSimple(node)
     angle = rotation[2]
-    # Blender: p = R(angle) S uv + location, v upwards. With v' = 1 - v the same is R(-angle) S uv' + offset in v downwards.
+    # Blender: p = R(angle) S uv + location, v upwards. With v' = 1 - v the same is R(-angle) S uv' +
+    # offset in v downwards.
     offset = (
         location[0] - scale[1] * math.sin(angle),
         1.0 - location[1] - scale[1] * math.cos(angle),

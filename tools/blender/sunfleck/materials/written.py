@@ -1,7 +1,7 @@
 """A `Surface` in glTF's words.
 
-In go sources, out comes a material of the file. Invariant: factors lie in glTF's ranges; sources of one texture that stand in
-different pictures are put together in a new one, texel by texel.
+In go sources, out comes a material of the file. Invariant: factors lie in glTF's ranges; sources of one
+texture that stand in different pictures are put together in a new one, texel by texel.
 """
 
 import numpy
@@ -183,8 +183,8 @@ class Writer:
             yield "KHR_materials_emissive_strength", {"emissiveStrength": numbers["emission_strength"]}
 
     def specular(self):
-        """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing angles all is
-        reflected; with the level 0 nothing is."""
+        """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing
+        angles all is reflected; with the level 0 nothing is."""
         level, tint = self.number("specular"), rec709(self.flat("specular_tint").factor)
         if level == 0.0:
             yield "KHR_materials_specular", {"specularFactor": 0.0}
@@ -216,7 +216,8 @@ class Writer:
             yield "KHR_materials_sheen", {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))}
 
     def through(self):
-        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what is not that share."""
+        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what
+        is not that share."""
         through = self.surface.sources.get("through")
         if through is None:
             return
