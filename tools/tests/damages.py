@@ -1,4 +1,5 @@
-"""Kinds of damage: each a function that damages a good sequence of twelve frames, and the checks that have to find it.
+"""Kinds of damage: each a function that damages a good sequence of twelve frames, and the checks
+that have to find it.
 
 `python -m tests.damages` (in tools/) prints the table that docs/validate.md has.
 """
@@ -135,7 +136,8 @@ COMPRESSED = {
     0: "pixel-hash", 1: "pixel-hash", 2: "decode", 3: "decode", 4: "pixel-hash", 5: "decode", 6: "pixel-hash",
     7: "pixel-hash", 8: "decode", 9: "decode", 10: "pixel-hash", 11: "pixel-hash", 13: "pixel-hash",
 }  # fmt: skip
-"""Who finds a flipped byte in which compression: the decoder, where there is a checksum; the hash, where there is none."""
+"""Who finds a flipped byte in which compression: the decoder, where there is a checksum; the hash,
+where there is none."""
 
 
 @damage("two frames swapped", "image-counter", VICTIM, VICTIM + 1)

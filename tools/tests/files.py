@@ -114,7 +114,8 @@ def write_frame(path: Path, channels: Channels, **header: object) -> Path:
 
 
 def write_sampled(path: Path, channels: dict[str, tuple[np.ndarray, int]], width: int, height: int) -> Path:
-    """An uncompressed frame of floats, each channel with a value every so many pixels, each way; OpenEXR for Python writes none."""
+    """An uncompressed frame of floats, each channel with a value every so many pixels, each way; OpenEXR for
+    Python writes none."""
 
     def attribute(name: str, kind: str, value: bytes) -> bytes:
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
@@ -150,7 +151,8 @@ def write_parts(path: Path, parts: dict[str, Channels]) -> Path:
 
 
 def scene(number: int, width: int = 64, height: int = 48) -> Channels:
-    """RGBA of a ball that moves across a lit ground, frame by frame; no two frames are alike, nothing is black."""
+    """RGBA of a ball that moves across a lit ground, frame by frame; no two frames are alike,
+    nothing is black."""
     x, y = np.meshgrid(np.arange(width), np.arange(height))
     ball = np.exp(-((x - 12 - 3 * number) ** 2 + (y - height / 2) ** 2) / 60)
     light = 0.1 + 0.2 * y / height + ball

@@ -1,10 +1,11 @@
-"""What changes from frame to frame where nothing should: noise alone, or more? And do leaves fall as leaves do, each in its own way?
+"""What changes from frame to frame where nothing should: noise alone, or more? And do leaves fall as leaves
+do, each in its own way?
 
     SUNFLECK=../target/release/sunfleck python -m tests.flicker [FOLDER]        (in tools/)
 
-Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds (in pieces: what is there and
-whole is kept, so that the same command goes on after an interruption), and prints the figures that docs/validate.md has. Exits with 1
-where a leaf is not where it can be.
+Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds (in
+pieces: what is there and whole is kept, so that the same command goes on after an interruption), and prints
+the figures that docs/validate.md has. Exits with 1 where a leaf is not where it can be.
 """
 
 from __future__ import annotations
@@ -79,7 +80,8 @@ def report_flicker(folder: Path) -> None:
         light = np.mean([lights for lights, _ in window], axis=(0, 1))
         light = np.maximum(light, 0.1 * light.mean())[still]  # As a tolerance is meant.
         first, second = ((window[0][0][s] - 2.0 * window[1][0][s] + window[2][0][s])[still] / light for s in (0, 1))
-        # A frame errs by as much as half the squared difference of its seeds says; errors of frames are independent: 1 + 4 + 1.
+        # A frame errs by as much as half the squared difference of its seeds says; errors of frames are
+        # independent: 1 + 4 + 1.
         error = np.mean([0.5 * np.mean(((a - b)[still] / light) ** 2) for (a, b), _ in window])
         shares.append(still.mean())
         ratios.append(np.sqrt(0.5 * np.mean(first**2 + second**2) / (6.0 * error)))
@@ -161,8 +163,8 @@ def report_leaves() -> bool:
 
 
 def most_alike(steps: np.ndarray, angles: np.ndarray, flying: np.ndarray, later: int) -> float:
-    """By how much the descent and the turning of two leaves differ at least, relative to how much both vary, whichever way they head;
-    of two leaves at the same time, or of one and another `later` frames later."""
+    """By how much the descent and the turning of two leaves differ at least, relative to how much both vary,
+    whichever way they head; of two leaves at the same time, or of one and another `later` frames later."""
     least = np.inf
     for first in range(0, FRAMES - ALIKE_FRAMES - later, ALIKE_FRAMES // 2):
         windows = slice(first, first + ALIKE_FRAMES), slice(first + later, first + later + ALIKE_FRAMES)

@@ -20,7 +20,8 @@ MATERIALS = 5
 
 @dataclass(frozen=True)
 class Many:
-    """How many grids of `side` points squared, over how many frames: moved by `modes` shapes, or by chance if there are none."""
+    """How many grids of `side` points squared, over how many frames: moved by `modes` shapes, or by
+    chance if there are none."""
 
     meshes: int
     side: int = 4

@@ -1,8 +1,10 @@
-"""How soon `sunfleck render` ends after a signal: `SUNFLECK=... python -m tests.signal_figures [MOMENTS] [INPUT]` in tools/.
+"""How soon `sunfleck render` ends after a signal:
+`SUNFLECK=... python -m tests.signal_figures [MOMENTS] [INPUT]` in tools/.
 
-A heavy frame gets SIGTERM at moments spread evenly over its first seconds: loading, baking, the building of trees, and rendering until
-all its memory is in use, which the system wants back at the end. Printed: the median, the 99th hundredth and the worst time from the
-signal to the end of the process, and what the ends were. A machine that does other work makes it wait: look at the median first.
+A heavy frame gets SIGTERM at moments spread evenly over its first seconds: loading, baking, the building of
+trees, and rendering until all its memory is in use, which the system wants back at the end. Printed: the
+median, the 99th hundredth and the worst time from the signal to the end of the process, and what the ends
+were. A machine that does other work makes it wait: look at the median first.
 """
 
 from __future__ import annotations
@@ -21,8 +23,8 @@ import numpy as np
 PROGRAM = os.environ.get("SUNFLECK", "../target/release/sunfleck")
 HEAVY = Path(__file__).parents[2] / "sequences/title.ron"
 SPAN_S = 1.2
-"""Moments lie within so many seconds from the start: a frame of `title` has all its memory after one (`VmRSS`: 25 MB after .1 s, 170
-after .3, 338 after .6, 436 after 1, 385 from then on)."""
+"""Moments lie within so many seconds from the start: a frame of `title` has all its memory after one
+(`VmRSS`: 25 MB after .1 s, 170 after .3, 338 after .6, 436 after 1, 385 from then on)."""
 GOLDEN = 0.618033988749895
 """Its multiples are spread evenly, however many there are."""
 

@@ -1,4 +1,5 @@
-"""The report in a real browser: nothing it complains of, pictures that decode, findings that lead to their frames."""
+"""The report in a real browser: nothing it complains of, pictures that decode, findings that
+lead to their frames."""
 
 from __future__ import annotations
 

@@ -69,8 +69,8 @@ OUTCOME_OF_NAME = {
 }
 LIMITS = Limits(cpu_s=1, memory_bytes=200 << 20, wall_s=60)
 IMPATIENT = replace(LIMITS, wall_s=2)
-"""For what waits without working. What works has its time in the processor's seconds alone: other work on the machine may make it
-wait."""
+"""For what waits without working. What works has its time in the processor's seconds alone: other work on the
+machine may make it wait."""
 
 
 @unittest.skipUnless(sys.platform == "linux", "limits of memory are Linux's")

@@ -1,4 +1,5 @@
-"""`sunfleck farm`: jobs run for real by the programs of Open Job Description, with what goes wrong on a farm."""
+"""`sunfleck farm`: jobs run for real by the programs of Open Job Description, with what
+goes wrong on a farm."""
 
 from __future__ import annotations
 

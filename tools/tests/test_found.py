@@ -193,7 +193,8 @@ class Piz(WithFolder):
             self.assertRegex(fault, r"chunk 1 of 3 \(rows 0 to 31\) has 32 zeros and more in a row at byte \d+")
 
     def test_pictures_full_of_zeros_are_not_accused(self):
-        """A constant picture, one that is mostly black, one of few values, and one that is stored as it is."""
+        """A constant picture, one that is mostly black, one of few values, and one that
+        is stored as it is."""
         y, x = np.mgrid[:96, :96]
         spots = np.where((x % 48 == 0) & (y % 40 == 0), 7.0, 0.0)
         random = np.random.default_rng(3)
@@ -214,7 +215,8 @@ class Motion(WithFolder):
         return self.found("motion")
 
     def test_near_the_cameras_plane_is_without_bound(self):
-        """A camera that turns by 45 degrees: a column of points was in its plane, and motion falls off to either side."""
+        """A camera that turns by 45 degrees: a column of points was in its plane, and motion falls
+        off to either side."""
         width, height = 32, 18
         column = np.arange(width) - 20.001
         self.assertEqual(self.found_with(np.tile((width / 2) ** 2 / column, (height, 1))), [])

@@ -1,4 +1,5 @@
-"""Files that were made to hurt: every command ends with a sentence, in little memory, and never with a traceback."""
+"""Files that were made to hurt: every command ends with a sentence, in little memory, and never
+with a traceback."""
 
 from __future__ import annotations
 

@@ -177,7 +177,8 @@ SKIES = {
 }
 FOG = '"haze": (min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.12, anisotropy: 0.4)'
 NOISE = 0.01
-"""Of the mean of a picture of 48 x 27 pixels, relative, generously: other renderers' mostly, ours with 64 samples."""
+"""Of the mean of a picture of 48 x 27 pixels, relative, generously: other renderers' mostly,
+ours with 64 samples."""
 
 
 class Rendered(unittest.TestCase):
@@ -198,7 +199,8 @@ class Rendered(unittest.TestCase):
             self.assertEqual(again, 0, out)
 
     def check_lamps(self, renderer: str, samples: int) -> None:
-        """Every kind of light, in clear air and in fog whose lower face is the ground, against the program's own picture."""
+        """Every kind of light, in clear air and in fog whose lower face is the ground, against the
+        program's own picture."""
         for name, lamp in LAMPS.items():
             for fog in ("", FOG):
                 with self.subTest(name, fog=bool(fog)), tempfile.TemporaryDirectory() as folder:
@@ -225,7 +227,8 @@ class Rendered(unittest.TestCase):
                     np.testing.assert_allclose(*tiles, atol=0.03 * ours.mean(), rtol=0.01)
 
     def check_bounces(self, renderer: str, samples: int) -> None:
-        """Light of all orders, by its mean: a leaf over a ground under a sun and a lamp, a card under a sky, a canopy."""
+        """Light of all orders, by its mean: a leaf over a ground under a sun and a lamp, a card
+        under a sky, a canopy."""
         sky = SKIES["gradient"]
         scenes = {
             "sun": (SCENE.format(lamp=LAMPS["sun"], fog=FOG), 0.03),

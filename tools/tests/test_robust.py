@@ -1,5 +1,6 @@
-"""What the system may do to a command: streams that are closed or full, disks that take no more, signals, want of memory, names and
-files that are none. Each ends with the right exit code, and never with a traceback."""
+"""What the system may do to a command: streams that are closed or full, disks that take no more,
+signals, want of memory, names and files that are none. Each ends with the right exit code, and never
+with a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Subdivision surfaces against what is known of them: limits, splines, planes, creases, and that weights add up to 1."""
+"""Subdivision surfaces against what is known of them: limits, splines, planes, creases, and that
+weights add up to 1."""
 
 from __future__ import annotations
 
@@ -39,16 +40,19 @@ def grid(size: int) -> np.ndarray:
 
 class Limits(unittest.TestCase):
     def test_corners_of_a_cube_go_half_way_in(self):
-        # (9 v + 4 (its neighbours) + (the corners opposite in its faces)) / 24 (Halstead, Kass and DeRose 1993) = (9 + 4 - 1) / 24.
+        # (9 v + 4 (its neighbours) + (the corners opposite in its faces)) / 24 (Halstead, Kass and
+        # DeRose 1993) = (9 + 4 - 1) / 24.
         np.testing.assert_allclose(smooth(cage(CUBE_FACES), CUBE, 7)[:8], 0.5 * CUBE, atol=1e-5)
 
     def test_corners_of_a_tetrahedron_by_loops_rule(self):
-        # n beta = 9/16: the limit has 1 / (1 + 8/3 * 9/16) = 2/5 of a vertex and 3/5 of its neighbours' mean, -v/3.
+        # n beta = 9/16: the limit has 1 / (1 + 8/3 * 9/16) = 2/5 of a vertex and 3/5 of its
+        # neighbours' mean, -v/3.
         found = smooth(cage([0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2], 3, is_loop=True), TETRAHEDRON, 7)
         np.testing.assert_allclose(found[:4], 0.2 * TETRAHEDRON, atol=1e-5)
 
     def test_a_grid_is_a_uniform_cubic_spline(self):
-        """Control points k**3 - k stand for the cubic x**3 at their knots: B-spline values (a + 4 b + c) / 6."""
+        """Control points k**3 - k stand for the cubic x**3 at their knots: B-spline values
+        (a + 4 b + c) / 6."""
         x = np.repeat(np.arange(9.0), 9)
         heights = smooth(cage(grid(8)), np.stack([x, x**3 - x], axis=1), 3)
         inside = (heights[:, 0] > 3) & (heights[:, 0] < 5)
@@ -81,7 +85,8 @@ class Creases(unittest.TestCase):
         np.testing.assert_allclose(smooth(cage(CUBE_FACES, creases=TOP), CUBE, 8)[1, :2], [-2 / 3, -2 / 3], atol=1e-4)
 
     def test_sharpness_ends(self):
-        """One level sharp, then smooth: what sharpness 1 gives is the smooth surface of the cage that one sharp level gives."""
+        """One level sharp, then smooth: what sharpness 1 gives is the smooth surface of the cage that one
+        sharp level gives."""
         once = refined(cage(CUBE_FACES, creases=TOP, sharpness=10), 1)[0]
         fine = once.finer
         blunt = Cage(fine.counts, fine.corners, np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(fine.vertices))

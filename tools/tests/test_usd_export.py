@@ -75,7 +75,8 @@ class Stages(Case):
         self.assertEqual([file.name for file in self.folder.iterdir()], ["cards.usdz"])
 
     def test_a_sky_is_a_dome_that_lights_as_much(self):
-        """An open plane that faces up receives pi (horizon + 2 zenith) / 3 from a gradient, and pi L from an even sky."""
+        """An open plane that faces up receives pi (horizon + 2 zenith) / 3 from a gradient, and pi L
+        from an even sky."""
         for sky, expected in (
             ({"zenith": [0.2, 0.35, 0.8], "horizon": [0.8, 0.85, 0.9], "strength": 2.0}, [0.8, 3.1 / 3, 5 / 3]),
             ({"color": [0.4, 0.2, 0.1]}, [0.4, 0.2, 0.1]),
@@ -112,7 +113,8 @@ class Stages(Case):
             for dome in domes:
                 self.assertTrue(dome.GetTextureFileAttr().Get().resolvedPath)
                 np.testing.assert_allclose(np.array(dome.GetColorAttr().Get()) * dome.GetIntensityAttr().Get(), sky["strength"])
-                # USD has +z in the middle of the picture, the renderer -z, both turned anticlockwise as seen from above.
+                # USD has +z in the middle of the picture, the renderer -z, both turned
+                # anticlockwise as seen from above.
                 middle = np.array(dome.GetLocalTransformation(Usd.TimeCode.Default())).T[:3, 2]
                 np.testing.assert_allclose(middle, [-np.sin(0.5), 0, -np.cos(0.5)], atol=1e-6)
             back = self.folder / "back.glb"
@@ -288,7 +290,8 @@ class Stages(Case):
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         expected = (uv * transform.get("scale", [1, 1])) @ turn.T + transform.get("offset", [0, 0])
         self.assertGreater(np.abs(expected - uv).max(), 0.1)
-        # Specification of UsdTransform2d: scale, then rotate anticlockwise, then translate, t from the bottom.
+        # Specification of UsdTransform2d: scale, then rotate anticlockwise, then
+        # translate, t from the bottom.
         found = []
         for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
             shader = UsdShade.Shader(prim)

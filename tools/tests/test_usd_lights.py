@@ -76,7 +76,8 @@ class Sizes(LookCase):
             self.assertAlmostEqual(of_node(gltf, name)["power_w"], math.pi, 6)
 
     def test_what_stands_above_a_light_scales_it(self):
-        """In centimetres, below a node of scale 3 that grows to 6: power grows with the area unless it is normalised."""
+        """In centimetres, below a node of scale 3 that grows to 6: power grows with the area unless
+        it is normalised."""
         for is_normalized, expected in ((False, (1.0, 4.0)), (True, (1.0, 1.0))):
             stage = self.stage()
             UsdGeom.SetStageMetersPerUnit(stage, 0.01)
@@ -141,7 +142,8 @@ class Sizes(LookCase):
 
     @needs_program
     def test_irradiance_below_a_sphere_in_centimetres(self):
-        """A wall in the light of a sphere of radius 0.3 m, 2 m away: pi L (r / d)^2, of which a matte wall gives back albedo / pi."""
+        """A wall in the light of a sphere of radius 0.3 m, 2 m away: pi L (r / d)^2, of which a matte wall
+        gives back albedo / pi."""
         stage = self.stage()
         UsdGeom.SetStageMetersPerUnit(stage, 0.01)
         wall = quad(stage, "/wall")
@@ -294,7 +296,8 @@ class MeshLights(LookCase):
 
 class Domes(LookCase):
     def test_the_second_schema_and_its_pole(self):
-        """A dome whose pole is z in a stage whose up is z is upright as it is; longitude 0 points to -y there, +z in glTF."""
+        """A dome whose pole is z in a stage whose up is z is upright as it is; longitude 0 points to -y
+        there, +z in glTF."""
         stage = self.stage()
         UsdGeom.SetStageUpAxis(stage, "Z")
         quad(stage, "/a")

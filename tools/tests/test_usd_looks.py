@@ -47,7 +47,8 @@ class SurfaceCase(LookCase):
         return material
 
     def texture(self, stage: Usd.Stage, name: str, pixels: np.ndarray | None, **inputs) -> UsdShade.Shader:
-        """A node that reads pixels (bytes), which are written as PNG beside the stage, or a file that is there."""
+        """A node that reads pixels (bytes), which are written as PNG beside the stage, or a
+        file that is there."""
         path = f"/textures/{name.partition('.')[0].replace('<', '_').replace('>', '_')}"
         if pixels is not None:
             Image.fromarray(pixels).save(self.folder / name)
@@ -223,7 +224,8 @@ class Texels(SurfaceCase):
 
     @needs_program
     def test_bias_and_raw_as_rendered(self):
-        """Of 3 W/m2 head on a matte wall of colour c gives back 3 c / pi, and its coat of roughness 0.5 F / (4 pi a^2), a = 0.25."""
+        """Of 3 W/m2 head on a matte wall of colour c gives back 3 c / pi, and its coat of roughness 0.5 F /
+        (4 pi a^2), a = 0.25."""
         self.case("B_bias_raw")
         centre = self.picture(size="160x90", samples=16)[44:46, 79:81].mean(axis=(0, 1))
         coat = 3 * 0.04 / (4 * np.pi * 0.0625)
@@ -241,7 +243,8 @@ class Texels(SurfaceCase):
             np.testing.assert_allclose(texels(self.gltf, pbr["baseColorTexture"])[0, 0, :3], ORANGE)
 
     def test_linear_light(self):
-        """OpenEXR is linear: colours to sRGB, what is brighter than 1 clipped; emission keeps how bright it is."""
+        """OpenEXR is linear: colours to sRGB, what is brighter than 1 clipped; emission keeps
+        how bright it is."""
         stage = self.stage()
         write_colors(self.folder / "light.exr", np.full((2, 2, 3), (0.25, 0.5, 4.0), np.float32))
         light = self.texture(stage, "light.exr", None)

@@ -1,4 +1,5 @@
-"""`import-usd`: what changes over time: points, faces, instances that come and go, and what a shutter reaches outside the frames."""
+"""`import-usd`: what changes over time: points, faces, instances that come and go, and what a shutter reaches
+outside the frames."""
 
 from __future__ import annotations
 
@@ -79,7 +80,8 @@ class Bends(MotionCase):
             np.testing.assert_allclose(np.linalg.norm(self.bent(gltf, "b", frame), axis=1), size, rtol=1e-5)
 
     def test_normals_turn_along(self):
-        """A square that turns about x, as a cage and with normals of its own; between samples points go straight."""
+        """A square that turns about x, as a cage and with normals of its own; between samples
+        points go straight."""
         for scheme in ("catmullClark", "none"):
             stage = self.stage()
             mesh = quad(stage, "/a")

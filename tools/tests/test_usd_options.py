@@ -1,4 +1,5 @@
-"""What `import-usd` is asked for on its command line, what it reports, and stages of which a part is missing."""
+"""What `import-usd` is asked for on its command line, what it reports, and stages of
+which a part is missing."""
 
 from __future__ import annotations
 

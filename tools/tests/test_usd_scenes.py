@@ -1,4 +1,5 @@
-"""`import-usd`: what stands where, and whether it is seen: instances, visibility, purposes, solids, subdivision surfaces."""
+"""`import-usd`: what stands where, and whether it is seen: instances, visibility, purposes, solids,
+subdivision surfaces."""
 
 from __future__ import annotations
 
@@ -123,7 +124,8 @@ class Crowds(SceneCase):
     """Instancers in instancers."""
 
     def nested(self, *numbers: int) -> Usd.Stage:
-        """Instancers each in the one before, of so many instances a unit apart; the last of them of a quad."""
+        """Instancers each in the one before, of so many instances a unit apart; the last
+        of them of a quad."""
         stage, path = self.stage(), ""
         for level, number in enumerate(numbers):
             path += f"/crowd{level}"
@@ -404,7 +406,8 @@ class Subdivision(SceneCase):
         self.assertEqual(sorted(len(each.triangles) for each in found.primitives), [2 * 32, 3 * 32])
 
     def test_coordinates_of_corners(self):
-        """One square a face: by all rules for seams but `none` its corners stay, and always the middle of a face is that of its square."""
+        """One square a face: by all rules for seams but `none` its corners stay, and always the middle of a
+        face is that of its square."""
         for rule in ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"):
             stage = self.stage()
             mesh = self.cube(stage)

@@ -1,4 +1,5 @@
-"""`import-usd`: skeletons of UsdSkel, as skins of glTF where those say the same, and as points that bend where they do not."""
+"""`import-usd`: skeletons of UsdSkel, as skins of glTF where those say the same, and as points that bend
+where they do not."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ def shift(x: float, y: float, z: float) -> Gf.Matrix4d:
 
 
 class Skins(MotionCase):
-    """A square on an arm of two joints; arm and square stand in places of their own, and were bound in others."""
+    """A square on an arm of two joints; arm and square stand in places of their own, and
+    were bound in others."""
 
     def armed(self) -> Usd.Stage:
         stage = self.stage()
@@ -105,7 +107,8 @@ class Skins(MotionCase):
         self.assertEqual([node.get("skin") for node in document["nodes"] if "mesh" in node], [0, 0])
 
     def test_what_skins_cannot_say_bends(self):
-        """Cages that bend before they are refined, blends of dual quaternions, weights that are not 1 together."""
+        """Cages that bend before they are refined, blends of dual quaternions, weights that
+        are not 1 together."""
         for name in ("refined", "quaternions", "heavy", "instancer"):
             with self.subTest(name):
                 stage = self.armed()
