@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Writes the small glTF files of tests/data/valid/gltf/same: one leaf, said in every way that glTF 2.0 allows.
+"""Writes the small glTF files of tests/data/valid/gltf/same: one leaf, said in every way
+that glTF 2.0 allows.
 
     python3 tools/corpus/make_gltf.py tests/data/valid/gltf/same
 
-Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring; tests/library/gltf_valid.rs renders them all.
-No library is used: what is written is what the specification says, not what a library makes of it.
+Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring;
+tests/library/gltf_valid.rs renders them all. No library is used: what is written is what the specification
+says, not what a library makes of it.
 """
 
 import base64
@@ -454,7 +456,8 @@ def clearcoat_and_sheen_of_none() -> File:
 
 
 def with_normal_map(normals: bool) -> File:
-    """A normal map that counts nothing; with normals, which are those of the triangles, each has its own vertices."""
+    """A normal map that counts nothing; with normals, which are those of the triangles, each has
+    its own vertices."""
     file = textured(uvs_f32)
     file.material["normalTexture"] = {"index": 0, "scale": 0}
     if normals:

@@ -3,9 +3,11 @@
 
     python3 tools/corpus/make_invalid_gltf.py tests/data
 
-What can be done without what is wrong stands in `lenient/gltf`, what is refused in `invalid/gltf`; a new file in the latter.
+What can be done without what is wrong stands in `lenient/gltf`, what is refused in `invalid/gltf`; a
+new file in the latter.
 
-Each is the leaf of make_gltf.py with one thing wrong; tests/library/gltf_invalid.rs tells what must be said of it.
+Each is the leaf of make_gltf.py with one thing wrong; tests/library/gltf_invalid.rs tells
+what must be said of it.
 """
 
 import base64

@@ -1,4 +1,5 @@
-"""The forest's floor: ground and ferns, metres. Invariant: y is up, and pieces of ground meet without a gap."""
+"""The forest's floor: ground and ferns, metres. Invariant: y is up, and pieces of ground
+meet without a gap."""
 
 import math
 import random
@@ -16,7 +17,8 @@ def ground_height(x: float, z: float) -> float:
 
 
 def litter_position(x: float, z: float, tile_m: float) -> tuple[float, float]:
-    """Where a point of the ground lies in the picture that repeats every `tile_m`: turned and swayed, so that no rows of it line up."""
+    """Where a point of the ground lies in the picture that repeats every `tile_m`: turned and swayed, so that
+    no rows of it line up."""
     swayed_x = x + 1.9 * math.sin(0.21 * z + 0.9) + 1.1 * math.sin(0.13 * x - 0.37 * z)
     swayed_z = z + 1.7 * math.sin(0.24 * x + 0.4) + 1.2 * math.sin(0.31 * x + 0.17 * z)
     return ((0.83 * swayed_x + 0.56 * swayed_z) / tile_m, (0.56 * swayed_x - 0.83 * swayed_z) / tile_m)
@@ -41,7 +43,8 @@ def make_ground(left: float, right: float, near: float, far: float, cell_m: floa
 
 
 def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
-    """A fern: fronds that arch outward, each with two rows of narrow pinnae; texture coordinates lie on one leaf."""
+    """A fern: fronds that arch outward, each with two rows of narrow pinnae; texture
+    coordinates lie on one leaf."""
     rng = random.Random(seed)
     mesh = Mesh()
     for f in range(fronds):

@@ -25,7 +25,8 @@ class Detail:
     petiole_sides: int
     smooth: bool
     vein_spacing: float | None = None
-    """Distance of points along the side veins; None for a blade that is even between its midrib and its edge."""
+    """Distance of points along the side veins; None for a blade that is even between its
+    midrib and its edge."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,8 @@ def points_along(vein: list[Point], spacing: float) -> list[Point]:
 
 
 def interior_points(blade: Blade, outline: list[Point], detail: Detail) -> list[Point]:
-    """The midrib, side veins if there are any, and a hexagonal grid mirrored about the midrib, away from them and from the edge."""
+    """The midrib, side veins if there are any, and a hexagonal grid mirrored about the midrib, away from them
+    and from the edge."""
     spine = [(0.0, (i + 1) / (detail.spine_points + 1)) for i in range(detail.spine_points)]
     spine = [p for p in spine if contains(outline, p) and distance_to_outline(p, outline) > 0.005]
     if detail.spacing is None:
@@ -110,7 +112,8 @@ def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
 
 
 def petiole(blade: Blade, detail: Detail) -> tuple[list[tuple[float, float, float]], list[tuple[int, ...]]]:
-    """Points as (x, z, lift) and faces: a tapered prism, a strip if it has no sides, nothing for the canopy."""
+    """Points as (x, z, lift) and faces: a tapered prism, a strip if it has no sides,
+    nothing for the canopy."""
     if detail.spacing is None:
         return [], []
     sides = detail.petiole_sides

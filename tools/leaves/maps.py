@@ -167,7 +167,8 @@ def blemished(maps: LeafMaps, seed: str) -> LeafMaps:
 
 
 def cell_edges(size: int, cells: int, rng: random.Random) -> Map:
-    """1 on the edges between the cells of scattered points, one a lattice cell (Worley, "A cellular texture basis function", 1996)."""
+    """1 on the edges between the cells of scattered points, one a lattice cell (Worley, "A cellular texture
+    basis function", 1996)."""
     points = [[(x + rng.random(), y + rng.random()) for x in range(cells)] for y in range(cells)]
     rows = []
     for j in range(size):

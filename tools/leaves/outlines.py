@@ -68,7 +68,8 @@ def jittered(points: list[Point], amount: float, rng: random.Random) -> list[Poi
 
 
 def maple(individual: str = "") -> Blade:
-    """Norway maple: five long lobes with drawn-out teeth, sinuses between them; another individual is cut a little differently."""
+    """Norway maple: five long lobes with drawn-out teeth, sinuses between them; another individual is cut a
+    little differently."""
     rng = random.Random("maple" + individual)
     side = [
         (0.00, 0.00), (0.09, -0.075), (0.21, -0.085), (0.385, -0.135), (0.345, -0.01), (0.43, 0.035),
@@ -131,7 +132,8 @@ def birch() -> Blade:
 
 
 def oak(individual: str = "") -> Blade:
-    """Pedunculate oak: rounded lobes, widest beyond the middle, a short petiole; another individual is cut a little differently."""
+    """Pedunculate oak: rounded lobes, widest beyond the middle, a short petiole; another individual is cut a
+    little differently."""
     rng = random.Random("oak" + individual)
     side = [
         (0.00, 0.00), (0.045, -0.012), (0.075, 0.035), (0.065, 0.10), (0.13, 0.155), (0.185, 0.20), (0.175, 0.25),
@@ -148,7 +150,8 @@ def oak(individual: str = "") -> Blade:
 
 
 def beech(individual: str = "") -> Blade:
-    """Common beech: an egg with a shallow wave along its edge and straight parallel veins; another individual is wider or narrower."""
+    """Common beech: an egg with a shallow wave along its edge and straight parallel veins; another individual
+    is wider or narrower."""
     rng = random.Random("beech" + individual)
     width, widest = (rng.uniform(0.26, 0.36), rng.uniform(0.38, 0.54)) if individual else (0.31, 0.46)
 

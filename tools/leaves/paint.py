@@ -18,7 +18,8 @@ EVEN = 0.26
 
 
 def local_ages(maps: LeafMaps, age: float, patchiness: float) -> Map:
-    """How far each point has aged; `patchiness` is how far patches are ahead of one another and of the veins."""
+    """How far each point has aged; `patchiness` is how far patches are ahead of one another
+    and of the veins."""
     rows = []
     for edge, glow, mottle in zip(maps.edge_distance, maps.glow, maps.mottle):
         rows.append(
@@ -54,7 +55,8 @@ def packed(color: Color) -> bytes:
 
 
 def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
-    """What a leaf lets through: twice through the pigments, so deeper in colour; veins and spots hold light back."""
+    """What a leaf lets through: twice through the pigments, so deeper in colour; veins and
+    spots hold light back."""
     rows = []
     elsewhere = packed(ramp.at(age + 0.2))
     for shown, ages, veins, nets, spots in zip(maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots):
@@ -73,7 +75,8 @@ def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: floa
 
 
 def relief(maps: LeafMaps) -> Map:
-    """Height of the upper side over a flat blade in pixels, half as many a side as `maps` have: veins lie in furrows, between which it bulges."""
+    """Height of the upper side over a flat blade in pixels, half as many a side as `maps` have: veins lie in
+    furrows, between which it bulges."""
     size = len(maps.vein) // 2
     shares = [(-0.0045, maps.vein), (-0.0100, maps.glow), (-0.0010, maps.net), (0.0020, maps.mottle)]
 
@@ -84,7 +87,8 @@ def relief(maps: LeafMaps) -> Map:
 
 
 def paint_normals(maps: LeafMaps) -> list[bytes]:
-    """Where the upper side faces, as glTF's normal maps have it: x to the right, y up, z out of the picture."""
+    """Where the upper side faces, as glTF's normal maps have it: x to the right, y up, z
+    out of the picture."""
     heights = relief(maps)
     last = len(heights) - 1
     rows = []
@@ -135,7 +139,8 @@ def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
 
 
 def paint_bark(kind: str, width: int, height: int) -> list[bytes]:
-    """Bark that repeats at the borders: of `oak` deeply furrowed, of `maple` grey and finely cracked, of `birch` white with dark bands."""
+    """Bark that repeats at the borders: of `oak` deeply furrowed, of `maple` grey and finely cracked, of
+    `birch` white with dark bands."""
     rng = random.Random(f"bark {kind}")
 
     def noise(cells_x: int, cells_y: int) -> Map:

@@ -247,7 +247,8 @@ class Files(unittest.TestCase):
         self.assertEqual(made, {path.name: path.read_text() for path in committed.glob("*.obj")})
 
     def test_the_textures_in_the_scene_are_the_ones_made_here(self):
-        # Every texture that is no leaf's, and those of one species; with SUNFLECK_LONG=1 all, which takes minutes.
+        # Every texture that is no leaf's, and those of one species; with SUNFLECK_LONG=1 all,
+        # which takes minutes.
         only = [""] if os.environ.get("SUNFLECK_LONG") else ["willow", "litter", "bark"]
         committed = {path.name: pixels(path) for path in (WOODS / "textures").glob("*.png")}
         with tempfile.TemporaryDirectory() as folder:

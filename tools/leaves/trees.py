@@ -23,7 +23,8 @@ def along(a: Vector, direction: Vector, distance: float) -> Vector:
 
 
 def tube(path: list[Vector], radii: list[float], sides: int, uv_scale: tuple[float, float]) -> Mesh:
-    """A tapered pipe along a path, closed at its far end; u runs `uv_scale[0]` times around, v in metres / `uv_scale[1]`."""
+    """A tapered pipe along a path, closed at its far end; u runs `uv_scale[0]` times around, v in
+    metres / `uv_scale[1]`."""
     mesh = Mesh()
     right: Vector = (1.0, 0.0, 0.0)
     travelled = 0.0
@@ -51,7 +52,8 @@ def tube(path: list[Vector], radii: list[float], sides: int, uv_scale: tuple[flo
 
 
 def thin_tube(start: Vector, end: Vector, radii: tuple[float, float], sides: int) -> Mesh:
-    """A straight pipe of three sides, open at its ends, or a strip of two: a twig is a pixel wide at best, but there are many."""
+    """A straight pipe of three sides, open at its ends, or a strip of two: a twig is a pixel wide at best,
+    but there are many."""
     axis = unit(subtract(end, start))
     right = unit(cross(axis, (1.0, 0.0, 0.0) if abs(axis[0]) < 0.9 else (0.0, 1.0, 0.0)))
     side = cross(axis, right)
@@ -167,7 +169,8 @@ def at(path: list[Vector], values: list[float], share: float) -> tuple[Vector, V
 
 
 def sideways(direction: Vector, angle: float, forward: float) -> Vector:
-    """A direction that leaves `direction` at `angle` around it; `forward` is the tangent of how far it leans ahead."""
+    """A direction that leaves `direction` at `angle` around it; `forward` is the tangent of how
+    far it leans ahead."""
     right = unit(cross(direction, (0.0, 1.0, 0.0) if abs(direction[1]) < 0.9 else (1.0, 0.0, 0.0)))
     up = cross(right, direction)
     return unit(tuple(math.cos(angle) * r + math.sin(angle) * u + forward * d for r, u, d in zip(right, up, direction)))

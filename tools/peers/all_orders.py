@@ -1,8 +1,10 @@
-"""Light of all orders beside Mitsuba's: mean ratio, and the root mean square of what blocks of 10x10 pixels of 240x135 differ by.
+"""Light of all orders beside Mitsuba's: mean ratio, and the root mean square of what blocks of 10x10 pixels
+of 240x135 differ by.
 
     cd tools && SUNFLECK=sunfleck python peers/all_orders.py ../tests/data/canopy20k/scene.ron --bounces all --samples 8 --pictures 12
 
-The reference is the mean of independent pictures, whose spread tells its own noise; that is taken out in quadrature.
+The reference is the mean of independent pictures, whose spread tells its own noise; that is
+taken out in quadrature.
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Any .blend beside Cycles: one frame by both, with as many bounces, the ratio of the means, of blocks, and a picture of three.
+"""Any .blend beside Cycles: one frame by both, with as many bounces, the ratio of the means, of blocks,
+and a picture of three.
 
     PYTHONPATH=tools .venv/bin/python tools/peers/beside_cycles.py scene.blend --frame 12 --sunfleck target/release/sunfleck --picture three.png
 
-The picture shows sunfleck's, Cycles' and ten times their difference. The world is the sky here, and lights surfaces and fog, as in
-Cycles. Simulations are run from the first frame. Exits with 1 if the means differ by more than the bar.
+The picture shows sunfleck's, Cycles' and ten times their difference. The world is the sky here, and
+lights surfaces and fog, as in Cycles. Simulations are run from the first frame. Exits with 1 if the means
+differ by more than the bar.
 """
 
 import argparse

@@ -4,8 +4,8 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/compare_cycles.py --sunfleck target/release/sunfleck
 
-Cycles with all bounces 0 is direct light and single scattering, which is what sunfleck computes. Exits with 1 if a mean differs
-by more than the bar.
+Cycles with all bounces 0 is direct light and single scattering, which is what sunfleck computes. Exits with 1
+if a mean differs by more than the bar.
 """
 
 import argparse

@@ -4,25 +4,29 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/equal_error.py --sunfleck target/release/sunfleck
 
-Every picture is a process of its own. `whole` is all that it takes: the program's start (with Blender that of Python and its
-module), reading, building, rendering, writing an EXR. `render` is that without what the same process takes for one sample a
-pixel of 16 x 9 pixels, so without start, reading and building, and without what `--stats` says that sunfleck's writing took; Cycles' stays in, some hundredths of a second
-of a minute.
+Every picture is a process of its own. `whole` is all that it takes: the program's start (with Blender that of
+Python and its module), reading, building, rendering, writing an EXR. `render` is that without what the same
+process takes for one sample a pixel of 16 x 9 pixels, so without start, reading and building, and without
+what `--stats` says that sunfleck's writing took; Cycles' stays in, some hundredths of a second of a minute.
 
-Errors are root mean square differences from a reference, whose own noise is taken out. The time to an error is read off a
-straight line between two numbers of samples, both axes logarithmic; nothing is extrapolated: where the fewest samples err by
-less, what they take is taken, which is too much. After each picture by Cycles
-sunfleck makes all of its own, of another seed: so both have a round's load alike, and what is told of sunfleck is a mean.
+Errors are root mean square differences from a reference, whose own noise is taken out. The time to an
+error is read off a straight line between two numbers of samples, both axes logarithmic; nothing is
+extrapolated: where the fewest samples err by less, what they take is taken, which is too much. After each
+picture by Cycles sunfleck makes all of its own, of another seed: so both have a round's load alike, and
+what is told of sunfleck is a mean.
 
-`--suns own,0.53,ahead` does all of it for the scene's own sun, for one with a disc of so many degrees, and for one in the middle of the picture. Of those that are not
-its own the reference is the mean of two pictures of 512 samples by sunfleck, and its noise half their difference: that such pictures are true, and those of Cycles the same, is
-shown elsewhere (`cargo bench --bench figures -- bias`, `tools/peers/compare_cycles.py`). What Cycles takes for the scene's own sun is set against all, so that seconds
-under another sun can be told in those of another machine on which Cycles was timed.
+`--suns own,0.53,ahead` does all of it for the scene's own sun, for one with a disc of so many degrees, and
+for one in the middle of the picture. Of those that are not its own the reference is the mean of two pictures
+of 512 samples by sunfleck, and its noise half their difference: that such pictures are true, and those of
+Cycles the same, is shown elsewhere (`cargo bench --bench figures -- bias`, `tools/peers/compare_cycles.py`).
+What Cycles takes for the scene's own sun is set against all, so that seconds under another sun can be told in
+those of another machine on which Cycles was timed.
 
-Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single scattering, a box
-filter one pixel wide, no denoiser, no adaptive sampling, no clamping; beyond that its defaults. Blue noise, distance and
-equiangular sampling of volumes, its biased volumes, no light tree and spatial splits were tried too: none did better by more than 10 %.
-Both have as many threads as there are processors: with fewer a thread of Cycles that waits spins, and its seconds count.
+Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single
+scattering, a box filter one pixel wide, no denoiser, no adaptive sampling, no clamping; beyond that its
+defaults. Blue noise, distance and equiangular sampling of volumes, its biased volumes, no light tree and
+spatial splits were tried too: none did better by more than 10 %. Both have as many threads as there are
+processors: with fewer a thread of Cycles that waits spins, and its seconds count.
 """
 
 import argparse
@@ -72,7 +76,8 @@ class Renderer:
         self.name, self.samples, self.command = name, samples, command
 
     def cpu_s(self, source, size, samples, seed, target):
-        """Of a process that makes a picture, from its start to its end; and of that for writing, if it tells."""
+        """Of a process that makes a picture, from its start to its end; and of that for
+        writing, if it tells."""
         stats = target.with_suffix(".json")
         command = self.command(source, size, samples, seed, target)
         with subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
@@ -86,8 +91,8 @@ class Renderer:
 
 
 def seconds_to(target, points):
-    """Where a line through points (error, seconds) meets an error, both axes logarithmic; the seconds of the first if it errs by less, not a
-    number where all err by more."""
+    """Where a line through points (error, seconds) meets an error, both axes logarithmic; the seconds of the
+    first if it errs by less, not a number where all err by more."""
     if points[0][0] <= target:
         return points[0][1]
     for (e0, t0), (e1, t1) in zip(points, points[1:]):

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Reference values for tests/library/sky.rs: skies in Mitsuba's volpath with two segments.
 
-Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with `pip install './tools[mitsuba]'`. Each scene
-is a ground and a square above it, with a box of fog or without; each pixel is the mean over its area, with the standard
-error of that mean. The test has the same scenes.
+Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with `pip install './tools[mitsuba]'`.
+Each scene is a ground and a square above it, with a box of fog or without; each pixel is the mean over its
+area, with the standard error of that mean. The test has the same scenes.
 """
 
 import json
@@ -20,7 +20,8 @@ SIZE = (6, 4)
 
 
 def image(rows, columns):
-    """Radiance of the sky of `image`: a slope, and a soft sun. Mitsuba's rows lie at the poles and evenly between."""
+    """Radiance of the sky of `image`: a slope, and a soft sun. Mitsuba's rows lie at the poles
+    and evenly between."""
     down = numpy.pi * numpy.arange(rows)[:, None] / (rows - 1)
     across = 2 * numpy.pi * ((numpy.arange(columns)[None, :] + 0.5) / columns - 0.5)
     x, y, z = numpy.sin(down) * numpy.sin(across), numpy.cos(down) + 0 * across, -numpy.sin(down) * numpy.cos(across)

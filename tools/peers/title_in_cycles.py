@@ -4,12 +4,14 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/title_in_cycles.py --sunfleck target/release/sunfleck
 
-What the two do not share is taken out of both: shine, the sky behind the picture and the sun's own disc in it. Trees, leaves with the light
-through them, fog, the sun's extent and the lens stay. Cycles has no bounces, which is direct light and single scattering.
-Errors are of one picture against a reference of many samples made here; that of Cycles also as two seeds differ, which no
-difference between the pictures themselves can raise. So many samples as Cycles needs for our error are extrapolated from those it
-was given, by the root. Its errors fall a little faster (the power 0.55 from 16 to 96 samples), so give it nearly enough:
-from 16 samples the ratio at 640x360 was a quarter too large. Processor seconds, without what reading and building take.
+What the two do not share is taken out of both: shine, the sky behind the picture and the sun's own disc
+in it. Trees, leaves with the light through them, fog, the sun's extent and the lens stay. Cycles has no
+bounces, which is direct light and single scattering. Errors are of one picture against a reference of
+many samples made here; that of Cycles also as two seeds differ, which no difference between the pictures
+themselves can raise. So many samples as Cycles needs for our error are extrapolated from those it was
+given, by the root. Its errors fall a little faster (the power 0.55 from 16 to 96 samples), so give it
+nearly enough: from 16 samples the ratio at 640x360 was a quarter too large. Processor seconds, without
+what reading and building take.
 """
 
 import argparse
