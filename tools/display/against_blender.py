@@ -3,9 +3,9 @@
 
     python tools/display/against_blender.py --sunfleck target/release/sunfleck
 
-Needs Python with bpy, OpenEXR and numpy. Every colour fills a place of 8 by 8 pixels of an EXR file, of which
-the program makes a preview (as of a frame that is kept); its ordered dither averages to the value over such a
-place. Blender saves the same colours through its own view transform with 16 bits.
+Needs Python with bpy, OpenEXR and numpy. Every colour fills a place of 8 by 8 pixels of an EXR file. The
+program makes a preview of that, as of a frame that is kept; its ordered dither averages to the value over
+such a place. Blender saves the same colours through its own view transform with 16 bits.
 """
 
 import argparse

@@ -1,9 +1,9 @@
 """Leaves: a flat blade in, a folded and curled mesh with its petiole out.
 
-A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z; it is
-one unit long from end to end, and the middle of its blade is the origin, about which it tumbles.
-One that hangs has the petiole's end as its origin instead. Invariant: the blade is an open manifold
-sheet, the petiole a closed prism or a strip beside it.
+A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z. It is one
+unit long from end to end. Its origin is the middle of its blade, about which it tumbles; of one that
+hangs it is the petiole's end. Invariant: the blade is an open manifold sheet, the petiole a closed prism
+or a strip beside it.
 """
 
 import math

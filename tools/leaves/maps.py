@@ -1,7 +1,7 @@
 """Maps of a leaf: a blade in, pictures of numbers out, which `paint` colours.
 
-Invariant: every map is a square of one size, its top row first; what a species' maps share is
-painted once, what tells individuals apart is painted by seed.
+Invariant: every map is a square of one size, its top row first. What a species' maps share is painted once;
+what tells individuals apart is painted by seed.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Pictures: maps and ages in, rows of sRGB bytes out.
 
-A leaf ages from green to brown at every point at its own pace: ahead at the edge, behind along the
-veins, mottled between (`palettes` has the colours on the way). Invariant: what lies outside the
-blade is coloured like its edge, so that filtering at the outline brings in no foreign colour.
+A leaf ages from green to brown at every point at its own pace: ahead at the edge, behind along the veins,
+mottled between. `palettes` has the colours on the way. Invariant: what lies outside the blade is coloured
+like its edge. So filtering at the outline brings in no foreign colour.
 """
 
 import math

@@ -1,9 +1,10 @@
-"""Light of all orders beside Mitsuba's: mean ratio, and the root mean square of what blocks of 10x10 pixels
-of 240x135 differ by.
+r"""Light of all orders beside Mitsuba's. Out come the mean ratio, and the root mean square of what blocks of
+10x10 pixels of 240x135 differ by.
 
-    cd tools && SUNFLECK=sunfleck python peers/all_orders.py ../tests/data/canopy20k/scene.ron --bounces all --samples 8 --pictures 12
+    cd tools && SUNFLECK=sunfleck python peers/all_orders.py ../tests/data/canopy20k/scene.ron \
+        --bounces all --samples 8 --pictures 12
 
-The reference is the mean of independent pictures, whose spread tells its own noise; that is
+The reference is the mean of independent pictures, whose spread tells its own noise. That is
 taken out in quadrature.
 """
 

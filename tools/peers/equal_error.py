@@ -4,29 +4,30 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/equal_error.py --sunfleck target/release/sunfleck
 
-Every picture is a process of its own. `whole` is all that it takes: the program's start (with Blender that of
-Python and its module), reading, building, rendering, writing an EXR. `render` is that without what the same
-process takes for one sample a pixel of 16 x 9 pixels, so without start, reading and building, and without
-what `--stats` says that sunfleck's writing took; Cycles' stays in, some hundredths of a second of a minute.
+Every picture is a process of its own. `whole` is all that it takes: start, reading, building, rendering,
+writing an EXR. With Blender, the start is that of Python and its module. `render` leaves out what the
+same process takes for one sample a pixel of 16 x 9 pixels, which is start, reading and building. It
+leaves out what `--stats` says that sunfleck's writing took, too. Cycles' writing stays in: some
+hundredths of a second of a minute.
 
 Errors are root mean square differences from a reference, whose own noise is taken out. The time to an
-error is read off a straight line between two numbers of samples, both axes logarithmic; nothing is
+error is read off a straight line between two numbers of samples, both axes logarithmic. Nothing is
 extrapolated: where the fewest samples err by less, what they take is taken, which is too much. After each
-picture by Cycles sunfleck makes all of its own, of another seed: so both have a round's load alike, and
+picture by Cycles sunfleck makes all of its own, of another seed. So both have a round's load alike, and
 what is told of sunfleck is a mean.
 
-`--suns own,0.53,ahead` does all of it for the scene's own sun, for one with a disc of so many degrees, and
-for one in the middle of the picture. Of those that are not its own the reference is the mean of two pictures
-of 512 samples by sunfleck, and its noise half their difference: that such pictures are true, and those of
-Cycles the same, is shown elsewhere (`cargo bench --bench figures -- bias`, `tools/peers/compare_cycles.py`).
-What Cycles takes for the scene's own sun is set against all, so that seconds under another sun can be told in
-those of another machine on which Cycles was timed.
+`--suns own,0.53,ahead` does all of it three times: for the scene's own sun, for one with a disc of so many
+degrees, and for one in the middle of the picture. For suns that are not the scene's own the reference is the
+mean of two pictures of 512 samples by sunfleck. Its noise is half their difference. That such pictures are
+true, and those of Cycles the same, is shown elsewhere: `cargo bench --bench figures -- bias` and
+`tools/peers/compare_cycles.py`. What Cycles takes for the scene's own sun is set against all. So seconds
+under another sun can be told in those of another machine on which Cycles was timed.
 
 Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single
-scattering, a box filter one pixel wide, no denoiser, no adaptive sampling, no clamping; beyond that its
-defaults. Blue noise, distance and equiangular sampling of volumes, its biased volumes, no light tree and
-spatial splits were tried too: none did better by more than 10 %. Both have as many threads as there are
-processors: with fewer a thread of Cycles that waits spins, and its seconds count.
+scattering, and a box filter one pixel wide. There is no denoiser, no adaptive sampling and no clamping;
+beyond that it has its defaults. Blue noise, distance and equiangular sampling of volumes, its biased volumes,
+no light tree and spatial splits were tried too. None did better by more than 10 %. Both have as many threads
+as there are processors. With fewer, a thread of Cycles that waits spins, and its seconds count.
 """
 
 import argparse

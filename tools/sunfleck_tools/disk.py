@@ -1,4 +1,4 @@
-"""Files of the disk: regular ones alone are read, and what is written appears whole or not at all.
+"""Files of the disk. Regular ones alone are read, and what is written appears whole or not at all.
 
 Invariant: a file that was there before stays as it was until what replaces it lies on the
 disk to its last byte.

@@ -1,8 +1,8 @@
 """What channels are, by their names: layers, the picture itself, and what values of a channel mean.
 
-Names are those that renderers give their passes (AOVs): Arnold (N, P, Z, motionvector), RenderMan
-(Nn, __Pworld, dPdtime), V-Ray (normals, velocity, zDepth), Redshift, Karma and Mantra (Pz, hitN,
-primId), Cycles (Vector, IndexOB, Denoising Normal). Invariant: a name that says nothing is light, of
+Names are those that renderers give their passes (AOVs). Arnold has N, P, Z and motionvector, RenderMan
+Nn, __Pworld and dPdtime, V-Ray normals, velocity and zDepth. Redshift, Karma and Mantra have Pz, hitN and
+primId, Cycles Vector, IndexOB and Denoising Normal. Invariant: a name that says nothing is light, of
 which the strictest is asked.
 """
 

@@ -1,7 +1,7 @@
 """What makes two frames too different: limits of the picture and of every channel.
 
-Invariant: each channel of amounts keeps one limit of each measure: that of the last pattern that names it,
-else the one for all; and a pattern that names no channel is not kept.
+Invariants: each channel of amounts keeps one limit of each measure: that of the last pattern that names it,
+else the one for all. A pattern that names no channel is not kept.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""A sequence as a movie: by ffmpeg into what players and browsers take, WebP without it by Pillow, an
-animated PNG by own code.
+"""A sequence as a movie. ffmpeg makes what players and browsers take; without it Pillow makes WebP. Own code
+makes an animated PNG.
 
-Invariant: every frame of the sequence has its time in the movie, also one that cannot be shown; and a movie
-that was begun and not finished is not left behind.
+Invariants: every frame of the sequence has its time in the movie, also one that cannot be shown. A movie that
+was begun and not finished is not left behind.
 """
 
 from __future__ import annotations

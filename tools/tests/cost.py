@@ -1,5 +1,6 @@
-"""What `validate` costs beside decoding alone: processor time over a folder, in turns of a few frames, so
-that a machine that others use too is as slow for one as for the other.
+"""What `validate` costs beside decoding alone: processor time over a folder, in turns of a few frames.
+
+A machine that others use too is then as slow for one as for the other.
 
     python -m tests.cost ../out/many        (in tools/; tests.many_frames makes such a folder)
 """

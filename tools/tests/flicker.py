@@ -3,9 +3,9 @@ do, each in its own way?
 
     SUNFLECK=../target/release/sunfleck python -m tests.flicker [FOLDER]        (in tools/)
 
-Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds (in
-pieces: what is there and whole is kept, so that the same command goes on after an interruption), and prints
-the figures that docs/validate.md has. Exits with 1 where a leaf is not where it can be.
+Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds. It goes
+in pieces. What is there and whole is kept, so the same command goes on after an interruption. It prints the
+figures that docs/validate.md has. Exits with 1 where a leaf is not where it can be.
 """
 
 from __future__ import annotations

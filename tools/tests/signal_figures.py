@@ -1,10 +1,10 @@
 """How soon `sunfleck render` ends after a signal:
 `SUNFLECK=... python -m tests.signal_figures [MOMENTS] [INPUT]` in tools/.
 
-A heavy frame gets SIGTERM at moments spread evenly over its first seconds: loading, baking, the building of
-trees, and rendering until all its memory is in use, which the system wants back at the end. Printed: the
-median, the 99th hundredth and the worst time from the signal to the end of the process, and what the ends
-were. A machine that does other work makes it wait: look at the median first.
+A heavy frame gets SIGTERM at moments spread evenly over its first seconds. These are loading, baking, the
+building of trees, and rendering until all its memory is in use, which the system wants back at the end.
+Printed are the median, the 99th hundredth and the worst time from the signal to the end of the process, and
+what the ends were. A machine that does other work makes it wait: look at the median first.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""What the system may do to a command: streams that are closed or full, disks that take no more,
-signals, want of memory, names and files that are none. Each ends with the right exit code, and never
-with a traceback."""
+"""What the system may do to a command.
+
+Streams are closed or full, disks take no more, signals come, memory is short, names and files are none. Each
+ends with the right exit code, and never with a traceback.
+"""
 
 from __future__ import annotations
 

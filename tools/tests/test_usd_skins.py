@@ -1,4 +1,4 @@
-"""`import-usd`: skeletons of UsdSkel, as skins of glTF where those say the same, and as points that bend
+"""`import-usd`: skeletons of UsdSkel. They are skins of glTF where those say the same, and points that bend
 where they do not."""
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Blender's settings and ours in, the custom properties that sunfleck reads out
 (docs/scene-format.md, "glTF").
 
-Invariant: every property here is a plain dictionary of numbers, texts and lists; whoever wrote one by hand
+Invariant: every property here is a plain dictionary of numbers, texts and lists. Whoever wrote one by hand
 keeps it unless the panel speaks of the same thing.
 """
 

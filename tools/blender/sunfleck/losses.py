@@ -1,7 +1,7 @@
-"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning
-(docs/blender-scenes.md).
+"""What of a .blend is not honoured, or only nearly (docs/blender-scenes.md).
 
-An error stands in the way of export; of a warning something is lost; news (`INFO`) say what was done instead.
+Invariant: each loss has an id that never changes its meaning. An error stands in the way of export; of a
+warning something is lost; news (`INFO`) say what was done instead.
 """
 
 from dataclasses import dataclass

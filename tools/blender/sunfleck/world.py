@@ -1,6 +1,8 @@
-"""The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose
-image then lies beside the exported file, as images on suns do, or a picture of whatever else its nodes show.
-Invariant: the sky is the world as it is at the frame at hand.
+"""The world in, the custom property `sunfleck_env` out.
+
+A sky is a colour all around, or an environment texture, or a picture of whatever else its nodes show. The
+texture's image lies beside the exported file, as images on suns do. Invariant: the sky is the world as it is
+at the frame at hand.
 """
 
 import math

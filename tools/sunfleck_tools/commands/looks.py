@@ -1,5 +1,7 @@
-"""What commands that make pictures of a sequence share: their arguments, and how they tell of frames that
-they cannot show."""
+"""What commands that make pictures of a sequence share.
+
+It is their arguments, and how they tell of frames that they cannot show.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verdicts to a table of counts, to what is refused by its reason, and to a list of what must not be."""
+"""Verdicts in, texts out: a table of counts, what is refused by its reason, and what must not be."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Pixels of an EXR file by OpenEXR, and why there are none.
 
 Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, with nothing on the terminal.
-A decoder that crashes takes the process along: that is the caller's to survive.
+A decoder that crashes takes the process along. That is the caller's to survive.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""A moment of a scene as the renderers beside us take it: triangles in the world, lights, a
-camera, a box of fog.
+"""A moment of a scene as the renderers beside us take it.
 
-Invariant: what a scene has beyond that is refused where it would change the light, and told where
-it changes surfaces.
+It has triangles in the world, lights, a camera and a box of fog. Invariant: what a scene has beyond that is
+refused where it would change the light, and told where it changes surfaces.
 """
 
 from __future__ import annotations

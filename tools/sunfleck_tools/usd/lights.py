@@ -1,10 +1,10 @@
 """Lights to UsdLux, all normalised: what a light emits does not depend on its size.
 
-UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a light
-of P watts that is Lambert's has the intensity P / pi, a sphere of I W/sr, which emits 4 pi I, 4 I, and a
-sun its irradiance (https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html). Blender 5.0
-agrees but for suns: it takes four times the intensity for W/m2 and twice the angle for the disc's;
-`for_blender` writes what it takes.
+UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a light of
+P watts that is Lambert's has the intensity P / pi. A sphere of I W/sr, which emits 4 pi I, has 4 I, and a sun
+its irradiance. See https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html. Blender 5.0 agrees
+but for suns: it takes four times the intensity for W/m2 and twice the angle for the disc's. `for_blender`
+writes what it takes.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The sky as a DomeLight: of one colour, or with a picture, its own or one of its gradient.
 
-USD has the picture of a dome as OpenEXR has it, +z in its middle and -x to the right of that; the
+USD has the picture of a dome as OpenEXR has it, +z in its middle and -x to the right of that. The
 renderer has -z in the middle, so a dome stands half a turn from it. Invariant: what lights nothing in the
 renderer is no light here.
 """

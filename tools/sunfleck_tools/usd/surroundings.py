@@ -1,4 +1,4 @@
-"""Fog, and what the scene says of how it is rendered, as custom properties; fog in a box also has
+"""Fog, and what the scene says of how it is rendered, as custom properties. Fog in a box also has
 a box to look at."""
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
-"""A .glb file read back, by whoever wants to know what it really says: this knows nothing
-of how it was written.
+"""A .glb file read back, to know what it really says. This knows nothing of how it was written.
 
-In goes a path, out come for times all at once the worlds of nodes, what is visible, and vertices of meshes as
-they are bent then. Invariant: interpolation is glTF's (steps, straight lines, shortest arcs), times are
-compared in single precision as files hold them.
+In goes a path. Out come worlds of nodes, what is visible, and vertices of meshes as they are bent, for times
+all at once. Invariant: interpolation is glTF's: steps, straight lines, shortest arcs. Times are compared in
+single precision, as files hold them.
 """
 
 import json

@@ -1,7 +1,7 @@
 """What was seen at every moment: where each thing was and which geometry it showed.
 
-In go graphs, out comes a `Record` of things by key. Invariant: a thing is the same from moment to moment if
-Blender says so: its object, what instances it, and its persistent id among the instances; a geometry that
+In go graphs, out comes a `Record` of things by key. Invariants: a thing is the same from moment to moment if
+Blender says so, by its object, what instances it, and its persistent id among the instances. A geometry that
 several things show is there once.
 """
 

@@ -2,8 +2,8 @@
 
 In go values at times, out come masks of those that stay. Invariant: at every time that went in, the line (or
 the arc of constant speed) through the keys that stay is within the tolerance. All tracks go along together, a
-key at a time: from the last key that stayed, the slopes that pass near enough to every key since are an
-interval, and a key that lies beyond it ends the run before it.
+key at a time. From the last key that stayed, the slopes that pass near enough to every key since are an
+interval. A key that lies beyond it ends the run before it.
 """
 
 import numpy

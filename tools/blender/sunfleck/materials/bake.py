@@ -1,7 +1,7 @@
 """Materials that are no simple mixture, baked by Cycles to pictures of what they show.
 
 In go a material and a mesh to bake it on, out comes a `Surface` of baked pictures. Invariant: nothing of the
-scene changes: all that is made for baking is removed; what was baked of the same material, on the same
+scene changes: all that is made for baking is removed. What was baked of the same material, on the same
 geometry, at the same size, is taken from the folder.
 """
 

@@ -1,7 +1,7 @@
 """What a tree of shaders shows, as colours that a node tree can compute: for baking.
 
-In go a copy of a node tree and a shader's output in it, out come parts, each a constant or a socket.
-Invariant: parts are weighted by how much of the surface is there ("cover"), so that mixtures of shaders
+In go a copy of a node tree and a shader's output in it. Out come parts, each a constant or a socket.
+Invariant: parts are weighted by how much of the surface is there ("cover"). So mixtures of shaders
 are mixtures of parts.
 """
 

@@ -2,8 +2,8 @@
 index, or attributes.
 
 In go a material and facts of an instance, out comes a copy of the material in which those are
-constants. Invariant: the random number is Cycles'; so many copies are made at most as there are
-levels, and then facts are rounded.
+constants. Invariants: the random number is Cycles'. No more copies are made than there are levels;
+beyond that facts are rounded.
 """
 
 from dataclasses import dataclass, field
