@@ -43,7 +43,9 @@ def _outcome(arguments: Sequence[str] | None) -> int:
     except SceneError as error:
         return _said(error, SCENE)
     except MemoryError as error:
-        return _said(f"{str(error) or 'memory is not enough'}: choose fewer --processes, or smaller frames", IO)
+        return _said(
+            f"{str(error) or 'memory is not enough'}: choose fewer --processes, or smaller frames", IO
+        )
     except OSError as error:
         where = f"{error.filename}: " if error.filename is not None else ""
         return _said(f"{where}{error.strerror or error}", IO)

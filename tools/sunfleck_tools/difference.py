@@ -127,7 +127,9 @@ def incomparable(output: Frame, reference: Frame) -> str | None:
 def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Difference:
     """Compares frames that are comparable."""
     overlap = Overlap(output, reference)
-    overlaps = {name: Overlap(output, reference, name) for name in output.channels if name in reference.channels}
+    overlaps = {
+        name: Overlap(output, reference, name) for name in output.channels if name in reference.channels
+    }
     names = [name for name, shared in overlaps.items() if not shared.is_empty]
     has_color = len(output.picture) == 3 and output.picture == reference.picture and not overlap.is_empty
     color = color_errors(overlap, output.picture) if has_color else None

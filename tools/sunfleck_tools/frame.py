@@ -59,7 +59,14 @@ class FileBytes:
         """What stands in the way of the pixels, as a sentence."""
         if self.read_error is None and self.bytes == 0:
             return "the file is empty"
-        found = (self.read_error, self.header_error, self.claim, self.unsupported, *self.chunk_faults[:1], self.decode_error)
+        found = (
+            self.read_error,
+            self.header_error,
+            self.claim,
+            self.unsupported,
+            *self.chunk_faults[:1],
+            self.decode_error,
+        )
         return next((fault for fault in found if fault), None)
 
 
@@ -100,7 +107,9 @@ class Frame:
     @property
     def canvas(self) -> tuple[int, int]:
         """Height and width of what is shown."""
-        width, height = window_size(self.header.display_window) if self.shows_display_window else self.header.size
+        width, height = (
+            window_size(self.header.display_window) if self.shows_display_window else self.header.size
+        )
         return height, width
 
     def on_canvas(self, values: np.ndarray) -> np.ndarray:
@@ -154,7 +163,10 @@ class Frame:
             return None
         color = [self.channels[name] for name in self.picture]
         weights = LUMINANCE if len(color) == 3 else np.ones(1, np.float32)
-        plain = [stored.dtype == np.float16 and half.plain(*self.extremes(name)) for name, stored in zip(self.picture, color)]
+        plain = [
+            stored.dtype == np.float16 and half.plain(*self.extremes(name))
+            for name, stored in zip(self.picture, color)
+        ]
         total = np.empty(color[0].shape, np.float32)
         scratch = np.empty_like(total[next(row_blocks(total.shape))])
         for rows in row_blocks(total.shape):

@@ -35,7 +35,9 @@ IDS = re.compile(rf"(\w*_)?({THINGS})?_?id\d*|index_?(ob|ma)|({THINGS})_index|cr
 CRYPTOMATTE = re.compile(r"crypto\w*\d\d$")
 DEPTHS = re.compile(r"_*(z|zback|pz|hit_?pz|distance|mist)|(\w*_)?z?_?depth(_\w*|\d*)")
 DIRECTIONS = re.compile(r"(\w*_)?(n|nn|ng|ns|hitn)|\w*normals?\d*|\w*tangents?|dpd\w+|reflvec")
-PLACES = re.compile(r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|st|uv\w*)|\w*position\w*|points?|texcoords?|disparity\w*")
+PLACES = re.compile(
+    r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|st|uv\w*)|\w*position\w*|points?|texcoords?|disparity\w*"
+)
 MOTIONS = re.compile(r"\w*(motion|velocity|vector)\w*|mv|speed|forward|backward|(\w*_)?flow")
 """Of names in small letters, whose words `_` joins."""
 VECTOR_COMPONENTS = frozenset("XYZUVWxyzuvw")
@@ -57,7 +59,9 @@ def kind(name: str) -> Kind:
         return Kind.ID
     if DIRECTIONS.fullmatch(called) or PLACES.fullmatch(called) or is_motion(name):
         return Kind.DATA
-    if DEPTHS.fullmatch(called) or (component in ("Z", "z", "ZBack") and own in ("", "rgba", "beauty", "combined")):
+    if DEPTHS.fullmatch(called) or (
+        component in ("Z", "z", "ZBack") and own in ("", "rgba", "beauty", "combined")
+    ):
         return Kind.DEPTH
     if component in ("A", "a", "alpha"):
         return Kind.ALPHA

@@ -52,7 +52,11 @@ class Limits:
 
     def exceeded(self, found: Difference) -> Iterator[str]:
         """A sentence for each limit that is not kept, as it is not where there is nothing to measure."""
-        if any(errors.not_finite for name, errors in found.channels.items() if kind(name) in (Kind.LIGHT, Kind.ALPHA)):
+        if any(
+            errors.not_finite
+            for name, errors in found.channels.items()
+            if kind(name) in (Kind.LIGHT, Kind.ALPHA)
+        ):
             yield "values are not finite"
         for measure in ("rmse", "relative_mse"):
             yield from self._of_measure(measure, found)

@@ -52,7 +52,9 @@ class Writer(Protocol):
         """No more will come."""
 
 
-def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None = None) -> list[tuple[int, str]]:
+def movie(
+    pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None = None
+) -> list[tuple[int, str]]:
     """Writes a movie; the rate is that of the first frame that says one. Returns what could not be
     shown, with reasons."""
     check_ending(out)
@@ -64,7 +66,9 @@ def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None
             break
     first = next((picture for picture in ahead if picture.pixels is not None), None)
     if first is None:
-        raise ToolError(f"none of the frames can be shown; frame {ahead[0].number}: {ahead[0].fault}", is_usage=False)
+        raise ToolError(
+            f"none of the frames can be shown; frame {ahead[0].number}: {ahead[0].fault}", is_usage=False
+        )
     height, width, _ = first.pixels.shape
     said = first.header.values.get("framesPerSecond")
     fps = fps or (said if isinstance(said, Fraction) and said > 0 else DEFAULT_FPS)
@@ -106,7 +110,9 @@ def check_ending(out: Path) -> None:
     if ending not in ENDINGS:
         raise ToolError(f"{out} is no name of a movie: expected one that ends in {', '.join(ENDINGS)}")
     if ending in BY_FFMPEG and ending != ".webp" and shutil.which("ffmpeg") is None:
-        raise ToolError(f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, OUT.png")
+        raise ToolError(
+            f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, OUT.png"
+        )
 
 
 class Ffmpeg:
@@ -116,10 +122,24 @@ class Ffmpeg:
         ending = out.suffix.lower()
         colour = [] if ending == ".webp" else COLOUR
         command = ["ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y"]
-        command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", f"{width}x{height}", "-framerate", str(fps), "-i", "pipe:0"]
+        command += [
+            "-f",
+            "rawvideo",
+            "-pix_fmt",
+            "rgb24",
+            "-video_size",
+            f"{width}x{height}",
+            "-framerate",
+            str(fps),
+            "-i",
+            "pipe:0",
+        ]
         self._errors = tempfile.TemporaryFile()
         self._process = subprocess.Popen(
-            [*command, *colour, *BY_FFMPEG[ending], str(out)], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors
+            [*command, *colour, *BY_FFMPEG[ending], str(out)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=self._errors,
         )
 
     def add(self, pixels: np.ndarray) -> None:

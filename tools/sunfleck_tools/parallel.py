@@ -121,7 +121,10 @@ def _signals_later() -> Iterator[None]:
 
 
 def _alone(
-    function: Callable[[Argument], Result], argument: Argument, context: BaseContext, if_it_dies: Callable[[Argument], Result]
+    function: Callable[[Argument], Result],
+    argument: Argument,
+    context: BaseContext,
+    if_it_dies: Callable[[Argument], Result],
 ) -> Result:
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_answer, args=(function, argument, theirs), daemon=True)

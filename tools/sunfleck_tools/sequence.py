@@ -77,7 +77,9 @@ class Listing:
     def frames(self) -> list[Named]:
         """One file a frame, ascending; of several the one that is named right."""
         chosen: dict[int, Named] = {}
-        for file in sorted(self.files, key=lambda f: (f.number, f.path.name != self.name_of(f.number), f.path.name)):
+        for file in sorted(
+            self.files, key=lambda f: (f.number, f.path.name != self.name_of(f.number), f.path.name)
+        ):
             chosen.setdefault(file.number, file)
         return list(chosen.values())
 
@@ -100,7 +102,9 @@ def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -
     long = [listing for listing in listings if len(listing.files) > 1]
     if len(long or listings) > 1:
         patterns = ", ".join(listing.pattern for listing in (long or listings)[:MOST_NAMED])
-        raise SequenceError(f"{target} holds {len(long or listings)} sequences: name one of them, such as {patterns}")
+        raise SequenceError(
+            f"{target} holds {len(long or listings)} sequences: name one of them, such as {patterns}"
+        )
     return (long or listings)[0]
 
 
@@ -119,7 +123,9 @@ def list_sequences(target: str | Path, expected: tuple[int, ...] | None = None) 
     if len(place) == 1:
         return [_matching(path, place[0], expected)]
     if not path.exists():
-        raise SequenceError(f"there is no {target}: expected a folder, a file, or a pattern such as out/name.####.exr", False)
+        raise SequenceError(
+            f"there is no {target}: expected a folder, a file, or a pattern such as out/name.####.exr", False
+        )
     raise SequenceError(f"{target} is neither a folder nor a regular file", False)
 
 
@@ -152,7 +158,11 @@ def _look_beside(listings: list[Listing]) -> None:
         for other in listings:
             theirs = {file.number for file in other.files}
             beyond = sorted(number for number in theirs if not min(own) <= number <= max(own))
-            if other is not listing and own & theirs and 0 < len(beyond) <= max(1, len(own) // NEARLY_TOGETHER):
+            if (
+                other is not listing
+                and own & theirs
+                and 0 < len(beyond) <= max(1, len(own) // NEARLY_TOGETHER)
+            ):
                 listing.elsewhere[other.pattern] = beyond
 
 
@@ -163,7 +173,9 @@ def _matching(path: Path, place: re.Match[str], expected: tuple[int, ...] | None
     files = [Named(int(number), number.lstrip("-"), entry) for entry, number in found if number is not None]
     if not files:
         raise SequenceError(f"no file matches {path}", False)
-    leftovers = [entry for entry in names if entry.name.endswith(PART_SUFFIX) and entry.name.startswith(f".{before}")]
+    leftovers = [
+        entry for entry in names if entry.name.endswith(PART_SUFFIX) and entry.name.startswith(f".{before}")
+    ]
     listing = _listing(path.parent, (before, after), files, expected, leftovers)
     listing.digits = _digits(place)
     return listing
@@ -197,7 +209,9 @@ def _listing(folder, key, files, expected, leftovers) -> Listing:
     if expected is None:
         # Numbers far apart are a slip in a name, not a billion lost frames.
         first, last = min(numbers), max(numbers)
-        expected = range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
+        expected = (
+            range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
+        )
     return Listing(folder, *key, _usual_digits(files), files, list(expected), leftovers=leftovers)
 
 

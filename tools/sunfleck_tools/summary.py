@@ -141,5 +141,7 @@ def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
             if not np.isfinite([light.min(), light.max()]).all():
                 np.nan_to_num(light, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
             lines = light.reshape(-1, step, columns * step).sum(axis=1)
-            small[block.start // step : block.stop // step, :, index] = lines.reshape(-1, columns, step).sum(axis=2)
+            small[block.start // step : block.stop // step, :, index] = lines.reshape(-1, columns, step).sum(
+                axis=2
+            )
     return (small / step**2).astype(np.float16)

@@ -52,7 +52,9 @@ def _rectangles(dark: np.ndarray) -> Iterator[Block]:
     for y in range(height + 1):
         runs = set()
         if y < height and dark[y].any():
-            runs = set(zip(np.flatnonzero(edges[y] == 1).tolist(), (np.flatnonzero(edges[y] == -1) - 1).tolist()))
+            runs = set(
+                zip(np.flatnonzero(edges[y] == 1).tolist(), (np.flatnonzero(edges[y] == -1) - 1).tolist())
+            )
             runs = {run for run in runs if run[1] - run[0] + 1 >= SMALLEST}
         for run in [run for run in open_runs if run not in runs]:
             first = open_runs.pop(run)
@@ -97,7 +99,13 @@ def unlikely_alone(found: list[Block], window: Block) -> list[Block]:
     return [block for block in found if is_bucket(block) and not is_bar(block, 0) and not is_bar(block, 1)]
 
 
-@check("black-block", Severity.ERROR, Scope.SEQUENCE, "a rectangle of the picture is black to its last value", rerender=True)
+@check(
+    "black-block",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "a rectangle of the picture is black to its last value",
+    rerender=True,
+)
 def black_block(rendered: Rendered) -> Iterator[Found]:
     """One finding a frame, for its largest."""
     for frame in rendered.decoded:

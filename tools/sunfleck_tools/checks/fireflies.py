@@ -79,7 +79,12 @@ def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, 
     return absent
 
 
-@check("firefly", Severity.WARNING, Scope.SEQUENCE, "a single pixel is far brighter than its neighbours in space and time")
+@check(
+    "firefly",
+    Severity.WARNING,
+    Scope.SEQUENCE,
+    "a single pixel is far brighter than its neighbours in space and time",
+)
 def firefly(rendered: Rendered) -> Iterator[Found]:
     """One finding a frame, for its brightest."""
     for frame in rendered.decoded:

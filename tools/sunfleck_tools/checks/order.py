@@ -50,7 +50,9 @@ def order(rendered: Rendered) -> Iterator[Found]:
     for frames in _runs(rendered.decoded):
         for i, j in _swapped(frames):
             for one, other in ((i, j), (j, i)):
-                message = f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
+                message = (
+                    f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
+                )
                 yield Found(message, frame=frames[one].number, path=frames[one].path)
 
 
@@ -59,7 +61,9 @@ def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
     run: list[FrameSummary] = []
     for frame in frames:
         fits = frame.signature is not None and number_said(frame) is None
-        if run and not (fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape):
+        if run and not (
+            fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape
+        ):
             yield run
             run = []
         if fits:
@@ -91,5 +95,9 @@ def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
         # What goes back now, here and some way on, has to go on then: where more goes back, things move so.
         around = {k for k in rough if min(abs(k - i), abs(k - j)) <= CALM_REACH}
         explained = bool(around) and around <= {k + side for k in (i, j) for side in (-1, 0, 1)}
-        if explained and len(triples) >= LEAST_TRIPLES and all(progress(*triple) >= ONWARDS for triple in triples):
+        if (
+            explained
+            and len(triples) >= LEAST_TRIPLES
+            and all(progress(*triple) >= ONWARDS for triple in triples)
+        ):
             yield i, j

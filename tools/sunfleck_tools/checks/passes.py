@@ -90,7 +90,9 @@ def normal_length(frame: Frame) -> Iterator[Found]:
             for name in names[1:]:
                 squared += np.square(frame.float(name), out=part)
             if not squared.max() <= LONGEST_NORMAL**2:
-                yield from first_bad(frame, names[0], squared > LONGEST_NORMAL**2, "part of a normal longer than 1")
+                yield from first_bad(
+                    frame, names[0], squared > LONGEST_NORMAL**2, "part of a normal longer than 1"
+                )
 
 
 @check("leaf-id", Severity.ERROR, Scope.FRAME, "a leaf's number is no whole number")
@@ -105,7 +107,12 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
                     yield from first_bad(frame, name, broken & np.isfinite(values), "not whole")
 
 
-@check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or a pixel alone moves as far as a hundred pictures")
+@check(
+    "motion",
+    Severity.ERROR,
+    Scope.FRAME,
+    "motion is not finite, or a pixel alone moves as far as a hundred pictures",
+)
 def motion(frame: Frame) -> Iterator[Found]:
     """Vectors in pixels a frame. Other renderers have their own measure, and values for
     what has no motion."""

@@ -30,7 +30,9 @@ FLICKER_RATIO = 0.02
 """Median relative step of such a run."""
 
 
-@check("black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True)
+@check(
+    "black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True
+)
 def black(rendered: Rendered) -> Iterator[Found]:
     """A light or a camera that was lost. Not what fades out, leaves the picture, or rests at the
     beginning or end."""
@@ -43,7 +45,9 @@ def black(rendered: Rendered) -> Iterator[Found]:
         steps = [side[0] for side in sides if not _fades(side, median(lit))]
         if steps and not rests:
             for frame in frames[start:end]:
-                message = f"every pixel is black, where frame {steps[0].number} has a mean of {steps[0].mean:.4g}"
+                message = (
+                    f"every pixel is black, where frame {steps[0].number} has a mean of {steps[0].mean:.4g}"
+                )
                 yield Found(message, frame=frame.number, path=frame.path)
 
 
@@ -88,7 +92,12 @@ def constant(rendered: Rendered) -> Iterator[Found]:
             yield Found("all pixels have one colour", frame=frame.number, path=frame.path)
 
 
-@check("stuck", Severity.ERROR, Scope.SEQUENCE, "a frame has the pixels of the one before, where --static does not allow it")
+@check(
+    "stuck",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "a frame has the pixels of the one before, where --static does not allow it",
+)
 def stuck(rendered: Rendered) -> Iterator[Found]:
     """One finding for each run of equal frames. A sequence may rest at its beginning and end; black frames
     are like one another."""
@@ -104,7 +113,11 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
         if len(run) > 1 and not rests and not _is_black(run[0]):
             until = f", and so do all until frame {run[-1].number}" if len(run) > 2 else ""
             meant = "" if len(run) < len(frames) else "; if nothing moves, say so by --static"
-            yield Found(f"it has the pixels of frame {run[0].number}{until}{meant}", frame=run[1].number, path=run[1].path)
+            yield Found(
+                f"it has the pixels of frame {run[0].number}{until}{meant}",
+                frame=run[1].number,
+                path=run[1].path,
+            )
         start = end
 
 
@@ -128,8 +141,12 @@ def pop(rendered: Rendered) -> Iterator[Found]:
         bends = [_bend(values, i) if 0 < i < len(values) - 1 else 0.0 for i in range(len(values))]
         for i, frame in enumerate(frames):
             around = [abs(bends[j]) for j in _around(i, len(frames), NEIGHBOURS) if abs(j - i) > 1]
-            level = max(values[i], median(values[j] for j in _around(i, len(frames), 2)) if len(frames) > 1 else 0.0)
-            if len(around) >= 3 and abs(bends[i]) > max(POP_RATIO[name] * level, POP_DEVIATIONS * median(around)):
+            level = max(
+                values[i], median(values[j] for j in _around(i, len(frames), 2)) if len(frames) > 1 else 0.0
+            )
+            if len(around) >= 3 and abs(bends[i]) > max(
+                POP_RATIO[name] * level, POP_DEVIATIONS * median(around)
+            ):
                 message = f"{label} {values[i]:.4g} between {values[i - 1]:.4g} and {values[i + 1]:.4g}"
                 yield Found(f"it pops: {message}", frame=frame.number, path=frame.path)
 

@@ -24,7 +24,9 @@ class CorpusFile:
     """Its format forbids it, so that a refusal is right."""
 
 
-def find_files(folder: Path, kinds: Collection[str] = KINDS, invalid: Collection[str] = ()) -> list[CorpusFile]:
+def find_files(
+    folder: Path, kinds: Collection[str] = KINDS, invalid: Collection[str] = ()
+) -> list[CorpusFile]:
     """All files of these kinds below the folder, ordered by name; those named in `invalid` are marked.
     Follows no links."""
     found = []

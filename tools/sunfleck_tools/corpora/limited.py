@@ -43,7 +43,9 @@ class Ended:
     took_too_long: bool
 
 
-def run_limited(command: Sequence[object], limits: Limits, environment: dict[str, str] | None = None) -> Ended:
+def run_limited(
+    command: Sequence[object], limits: Limits, environment: dict[str, str] | None = None
+) -> Ended:
     """Runs the command to its end, or to the limits'. Raises `OSError` if there is no `sh`."""
     addresses_kb = limits.memory_bytes * ADDRESSES_PER_MEMORY // 1024
     line = ["sh", "-c", UNDER_LIMITS, "sh", str(limits.cpu_s), str(addresses_kb), *map(str, command)]

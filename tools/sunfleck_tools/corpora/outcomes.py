@@ -41,7 +41,9 @@ class Outcome(str, Enum):
 
 REFUSALS = (SCENE, IO)
 RUST_PANIC = 101
-OUT_OF_MEMORY = re.compile(r"memory allocation of \d+ bytes failed|MemoryError|bad_alloc|the memory is not enough")
+OUT_OF_MEMORY = re.compile(
+    r"memory allocation of \d+ bytes failed|MemoryError|bad_alloc|the memory is not enough"
+)
 ERROR_LINE = re.compile(r"^(?:.*?: )?error(?:\[[\w-]+\])?: (?P<sentence>.*(?:(?<=:)\n\s+.*)?)$", re.MULTILINE)
 """What ends with a colon goes on in the next line."""
 WARNING_LINE = re.compile(r"^(?:.*?: )?warning(?:\[(?P<id>[\w-]+)\])?: ", re.MULTILINE)

@@ -29,7 +29,16 @@ SMALL = ("--size", "160x90", "--samples", "1")
 BLACK_MEAN = 1e-4
 """Mean radiance of a picture in which the exposure of common cameras shows nothing: a shade
 of 8 bits is 3e-4."""
-CAUSES_OF_BLACK = frozenset({"dark-frame", "no-light", "nothing-to-draw", "mesh-without-triangles", "primitive-without-positions", "points-and-lines"})
+CAUSES_OF_BLACK = frozenset(
+    {
+        "dark-frame",
+        "no-light",
+        "nothing-to-draw",
+        "mesh-without-triangles",
+        "primitive-without-positions",
+        "points-and-lines",
+    }
+)
 """Losses that say why there is nothing to be seen."""
 
 
@@ -131,7 +140,17 @@ def _render(trial: _Trial, path: Path) -> float:
     inspected = trial.sunfleck("inspect", path, "--json")
     first = _first_frame(inspected.out)
     frame = trial.scratch / "frame.####.exr"
-    trial.sunfleck("render", path, *SMALL, "--frames", "all" if first is None else first, "--out", frame, "--progress", "none")
+    trial.sunfleck(
+        "render",
+        path,
+        *SMALL,
+        "--frames",
+        "all" if first is None else first,
+        "--out",
+        frame,
+        "--progress",
+        "none",
+    )
     return mean_radiance(next(trial.scratch.glob("frame.*.exr")))
 
 

@@ -82,7 +82,11 @@ def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, pla
     *begins, size = struct.unpack_from("<5i" if header.is_tiled else "<2i", data, offset)
     at = offset + (20 if header.is_tiled else 8)
     if tuple(begins) != place:
-        found = f"row {begins[0]}" if len(begins) == 1 else f"tile {begins[0]}, {begins[1]} of level {begins[2]}, {begins[3]}"
+        found = (
+            f"row {begins[0]}"
+            if len(begins) == 1
+            else f"tile {begins[0]}, {begins[1]} of level {begins[2]}, {begins[3]}"
+        )
         yield f"says that it begins at {found}"
     elif size <= 0 or at + size > len(data):
         yield f"has {size} bytes, of which the file holds {len(data) - at}"
@@ -98,10 +102,16 @@ def _raw_bytes(header: Header, place: Place) -> int:
     left, top, right, bottom = header.data_window
     if header.is_tiled:
         wide, high, _ = header.values["tiles"]
-        columns, rows = min(wide, right - left + 1 - place[0] * wide), min(high, bottom - top + 1 - place[1] * high)
+        columns, rows = (
+            min(wide, right - left + 1 - place[0] * wide),
+            min(high, bottom - top + 1 - place[1] * high),
+        )
     else:
         columns, rows = right - left + 1, min(ROWS_OF_COMPRESSION[PIZ], bottom + 1 - place[0])
-    return sum(BYTES_OF_TYPE[c.type] * -(-columns // c.sampling[0]) * -(-rows // c.sampling[1]) for c in header.channels)
+    return sum(
+        BYTES_OF_TYPE[c.type] * -(-columns // c.sampling[0]) * -(-rows // c.sampling[1])
+        for c in header.channels
+    )
 
 
 def _blotted_out(chunk: bytes) -> int | None:

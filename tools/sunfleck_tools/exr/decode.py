@@ -71,7 +71,9 @@ def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]
         if NOT_READ in words:
             failure = failure or words[words.index(NOT_READ) :].splitlines()[0]
     # A damaged file may ask for any memory: it lacks only if there is not enough for the pixels.
-    if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(COPIES * pixel_bytes + SPARE_BYTES):
+    if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(
+        COPIES * pixel_bytes + SPARE_BYTES
+    ):
         raise MemoryError(f"memory is not enough to decode {path}")
     if failure:
         raise DecodeError(_reason(words, str(path)) or failure)
@@ -95,7 +97,9 @@ def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarra
     if channel.sampling != (1, 1):
         stored = np.repeat(np.repeat(stored, down, axis=0), across, axis=1)[:height, :width]
     if stored.shape != (height, width):
-        raise DecodeError(f"{channel.name} has {stored.shape[1]} x {stored.shape[0]} values, not {width} x {height}")
+        raise DecodeError(
+            f"{channel.name} has {stored.shape[1]} x {stored.shape[0]} values, not {width} x {height}"
+        )
     return stored
 
 

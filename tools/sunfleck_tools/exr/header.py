@@ -62,7 +62,9 @@ class Header:
     @property
     def is_tiled(self) -> bool:
         """True if chunks are tiles."""
-        return self.text("type") in ("tiledimage", "deeptile") if self.is_multipart else bool(self.flags & TILED)
+        return (
+            self.text("type") in ("tiledimage", "deeptile") if self.is_multipart else bool(self.flags & TILED)
+        )
 
     @property
     def is_deep(self) -> bool:
@@ -159,7 +161,11 @@ def _header(flags: int, values: dict[str, object], end: int) -> Header:
             raise HeaderError(f"the header has no {name}")
         return values[name]
 
-    channels, data, display = required("channels", tuple), required("dataWindow", tuple), required("displayWindow", tuple)
+    channels, data, display = (
+        required("channels", tuple),
+        required("dataWindow", tuple),
+        required("displayWindow", tuple),
+    )
     compression = required("compression", int)
     if data[2] < data[0] or data[3] < data[1]:
         raise HeaderError("the data window is empty or inside out")
@@ -181,7 +187,9 @@ def _take(data: bytes | mmap, at: int, size: int) -> bytes:
 def _name(data: bytes | mmap, at: int) -> tuple[str, int]:
     end = data.find(b"\0", at, at + LONGEST_NAME + 1)
     if end < 0:
-        raise HeaderError("the file ends within its header" if at + LONGEST_NAME >= len(data) else "a name has no end")
+        raise HeaderError(
+            "the file ends within its header" if at + LONGEST_NAME >= len(data) else "a name has no end"
+        )
     return data[at:end].decode("utf-8", "replace"), end + 1
 
 

@@ -76,7 +76,9 @@ class Container:
         except (OSError, RuntimeError):  # links in a circle
             uri.fail(f"leads to {path}, which cannot be found")
         if not any(real.is_relative_to(folder) for folder in self._folders):
-            uri.fail(f"leads out of the file's folder, to {path}: if that is meant, give --allow {path.parent}")
+            uri.fail(
+                f"leads out of the file's folder, to {path}: if that is meant, give --allow {path.parent}"
+            )
         return read_bytes(path)
 
     def view(self, index: Value) -> tuple[bytes, int, int, int]:

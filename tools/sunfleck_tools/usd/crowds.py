@@ -43,7 +43,9 @@ def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
     return {parent: sorted(each, key=lambda node: node.index) for parent, each in found.items()}
 
 
-def write_crowd(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names, for_blender: bool) -> None:
+def write_crowd(
+    prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names, for_blender: bool
+) -> None:
     """An instancer of nodes with one parent; `shapes` has one for each of them."""
     if for_blender:
         numbers = _turned_prototypes(prim, nodes, shapes, sampler, names)
@@ -69,7 +71,9 @@ def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list
     return [number[path] for path in shapes]
 
 
-def _turned_prototypes(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names) -> list[int]:
+def _turned_prototypes(
+    prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names
+) -> list[int]:
     """A prototype for each node, which turns and is scaled as it does: an instance of the mesh."""
     targets = []
     for node, path in zip(nodes, shapes):
@@ -88,7 +92,12 @@ def _say_names(prim: Prim, nodes: list[Node]) -> None:
     ids = [node.extras.member("leaf_id") for node in nodes]
     if all(each is not None for each in ids) and len({each.raw for each in ids}) == len(ids):
         prim.set("ids", Types.Int64Array, Vt.Int64Array([each.whole() for each in ids]))
-    prim.set("userProperties:sunfleck_names", Types.StringArray, Vt.StringArray([node.key for node in nodes]), custom=True)
+    prim.set(
+        "userProperties:sunfleck_names",
+        Types.StringArray,
+        Vt.StringArray([node.key for node in nodes]),
+        custom=True,
+    )
 
 
 def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler, paths: list[str]) -> None:

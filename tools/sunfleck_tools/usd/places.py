@@ -78,5 +78,7 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     # Scales are interpolated: each is written again right before the next.
     scales = [1.0 if each else HIDDEN_SCALE for each in shown]
     samples = dict(zip((codes[1:] - JUMP).tolist(), scales[:-1])) | dict(zip(codes.tolist(), scales))
-    prim.animate("xformOp:scale:shown", Types.Float3, samples.keys(), [Gf.Vec3f(each) for each in samples.values()])
+    prim.animate(
+        "xformOp:scale:shown", Types.Float3, samples.keys(), [Gf.Vec3f(each) for each in samples.values()]
+    )
     return True

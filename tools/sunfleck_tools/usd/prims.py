@@ -39,7 +39,9 @@ class Prim:
         self.path = spec.path
 
     @classmethod
-    def root(cls, layer: Sdf.Layer, name: str, kind: str = "", specifier: Sdf.Specifier = Sdf.SpecifierDef) -> Prim:
+    def root(
+        cls, layer: Sdf.Layer, name: str, kind: str = "", specifier: Sdf.Specifier = Sdf.SpecifierDef
+    ) -> Prim:
         """A prim at the top of a layer."""
         return cls(Sdf.PrimSpec(layer, name, specifier, kind))
 
@@ -47,11 +49,20 @@ class Prim:
         """A prim below this one."""
         return Prim(Sdf.PrimSpec(self.spec, name, Sdf.SpecifierDef, kind))
 
-    def set(self, name: str, kind: Sdf.ValueTypeName, value: object, uniform: bool = False, custom: bool = False) -> None:
+    def set(
+        self, name: str, kind: Sdf.ValueTypeName, value: object, uniform: bool = False, custom: bool = False
+    ) -> None:
         """An attribute that does not change."""
         self._attribute(name, kind, uniform, custom).default = value
 
-    def animate(self, name: str, kind: Sdf.ValueTypeName, codes: Iterable[float], values: Iterable, custom: bool = False) -> None:
+    def animate(
+        self,
+        name: str,
+        kind: Sdf.ValueTypeName,
+        codes: Iterable[float],
+        values: Iterable,
+        custom: bool = False,
+    ) -> None:
         """An attribute with a value at each time code; a single one does not change."""
         codes, values = list(codes), list(values)
         if len(codes) == 1:
@@ -60,7 +71,9 @@ class Prim:
         for code, value in zip(codes, values):
             layer.SetTimeSample(path, code, value)
 
-    def _attribute(self, name: str, kind: Sdf.ValueTypeName, uniform: bool, custom: bool) -> Sdf.AttributeSpec:
+    def _attribute(
+        self, name: str, kind: Sdf.ValueTypeName, uniform: bool, custom: bool
+    ) -> Sdf.AttributeSpec:
         variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
         return Sdf.AttributeSpec(self.spec, name, kind, variability, custom)
 

@@ -38,7 +38,9 @@ class Bend:
     weights: np.ndarray
 
 
-def read_bend(place: object, points_at: Callable[[float], np.ndarray], codes: np.ndarray, rest: np.ndarray) -> Bend | None:
+def read_bend(
+    place: object, points_at: Callable[[float], np.ndarray], codes: np.ndarray, rest: np.ndarray
+) -> Bend | None:
     """The movement of points; None if they stay. Raises `SceneError`, with the `place`, if
     they are too many."""
     if len(codes) * rest.size > MOST_VALUES:
@@ -47,7 +49,9 @@ def read_bend(place: object, points_at: Callable[[float], np.ndarray], codes: np
     for row, code in enumerate(codes.tolist()):
         points = points_at(code)
         if len(points) != len(rest):
-            raise SceneError(f"{place}: has {len(rest)} points at first and {len(points)} at time code {code:g}")
+            raise SceneError(
+                f"{place}: has {len(rest)} points at first and {len(points)} at time code {code:g}"
+            )
         moved[row] = (points - rest).ravel()
     bar = SMALLEST * max(float(np.ptp(rest, axis=0).max(initial=0.0)), 1e-9)
     if not len(rest) or np.abs(moved).max() <= bar:
@@ -125,7 +129,9 @@ def _one_each(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return moved[moves], weights
 
 
-def normal_targets(normals_at: Callable[[float], np.ndarray | None], bend: Bend, rest: np.ndarray) -> np.ndarray | None:
+def normal_targets(
+    normals_at: Callable[[float], np.ndarray | None], bend: Bend, rest: np.ndarray
+) -> np.ndarray | None:
     """What the weights of points have to be multiplied by to move normals (rows at rest) along, as near
     as least squares come.
 

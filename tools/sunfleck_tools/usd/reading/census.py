@@ -39,14 +39,21 @@ class Census:
     def _instances(self, prim: Usd.Prim, depth: int) -> int:
         """Of an instancer: each counts one, and what its prototype asks for."""
         if depth >= DEEPEST:
-            raise TooMuch(f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?")
+            raise TooMuch(
+                f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?"
+            )
         path = prim.GetPath()
         if path not in self._known:
             counts = self._counts(prim)
             targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()[: len(counts)]
             # One that is an instance of itself is left out when it is read.
-            prototypes = [None if path.HasPrefix(target) else prim.GetStage().GetPrimAtPath(target) for target in targets]
-            self._known[path] = sum(count * (1 + self._below(each, depth)) for count, each in zip(counts, prototypes))
+            prototypes = [
+                None if path.HasPrefix(target) else prim.GetStage().GetPrimAtPath(target)
+                for target in targets
+            ]
+            self._known[path] = sum(
+                count * (1 + self._below(each, depth)) for count, each in zip(counts, prototypes)
+            )
         return self._known[path]
 
     def _counts(self, prim: Usd.Prim) -> list[int]:
@@ -65,7 +72,10 @@ class Census:
         """What the instancers ask for that are in a prototype."""
         if not prototype:
             return 0
-        found, prims = 0, iter(Usd.PrimRange(prototype, Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)))
+        found, prims = (
+            0,
+            iter(Usd.PrimRange(prototype, Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded))),
+        )
         for prim in prims:
             if prim.IsA(UsdGeom.PointInstancer):
                 found += self._instances(prim, depth + 1)

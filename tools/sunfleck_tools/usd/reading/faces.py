@@ -56,6 +56,10 @@ def read_faces(prim: Usd.Prim, code: float, points: int) -> Faces:
             f"{prim.GetPath()}: faceVertexCounts ask for {counts.sum()} corners, faceVertexIndices have {len(corners)}"
         )
     if len(corners) and (corners.min() < 0 or corners.max() >= points):
-        raise SceneError(f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} points")
+        raise SceneError(
+            f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} points"
+        )
     holes = rows_of(mesh.GetHoleIndicesAttr(), code, 1, np.int64).ravel()
-    return Faces(counts, corners, holes, value_of(mesh.GetOrientationAttr(), code) == UsdGeom.Tokens.leftHanded)
+    return Faces(
+        counts, corners, holes, value_of(mesh.GetOrientationAttr(), code) == UsdGeom.Tokens.leftHanded
+    )

@@ -55,7 +55,9 @@ def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -
     elif kind in ("RectLight", "DiskLight"):
         lamp = reader.area(is_disk=kind == "DiskLight")
     else:
-        lost.add("usd-camera-or-light-type", prim.GetPath(), f"a {kind or 'light without a type'} is not carried")
+        lost.add(
+            "usd-camera-or-light-type", prim.GetPath(), f"a {kind or 'light without a type'} is not carried"
+        )
         return None
     reader.inputs.say_the_rest(kind)
     return lamp
@@ -87,13 +89,23 @@ class _Reader:
 
     def sun(self) -> Lamp:
         """Irradiance on a plane that faces it: radiance times pi sin2(half its angle)."""
-        angles = np.radians(np.clip(self.number("angle", 0.53), 0, 360)) / (BLENDER_ANGLE if self.blenders else 1.0)
+        angles = np.radians(np.clip(self.number("angle", 0.53), 0, 360)) / (
+            BLENDER_ANGLE if self.blenders else 1.0
+        )
         squares = np.sin(0.5 * np.minimum(angles, 2 * math.pi)) ** 2
         size = math.pi * np.where(angles > math.pi, 2 - squares, squares)
         size = np.where(angles > 0, size, 1.0)
-        irradiance = self.radiance(size) * np.where(angles > math.pi, math.pi, size)[:, None] / (BLENDER_SUN if self.blenders else 1.0)
+        irradiance = (
+            self.radiance(size)
+            * np.where(angles > math.pi, math.pi, size)[:, None]
+            / (BLENDER_SUN if self.blenders else 1.0)
+        )
         if angles.max() > WIDEST_SUN:
-            self.lost.add("usd-light-shape", self.prim.GetPath(), "a DistantLight wider than 179 degrees is one of 179 degrees")
+            self.lost.add(
+                "usd-light-shape",
+                self.prim.GetPath(),
+                "a DistantLight wider than 179 degrees is one of 179 degrees",
+            )
             angles = np.minimum(angles, WIDEST_SUN)
         lamp = Lamp(self._light("directional", irradiance), {"angle": angles[0]} if angles.max() > 0 else {})
         self._carry(lamp, "strength_w_m2", irradiance)
@@ -123,7 +135,9 @@ class _Reader:
         axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
         halves = np.linalg.svd(axes, compute_uv=False)
         if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
-            self.lost.add("usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area")
+            self.lost.add(
+                "usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area"
+            )
         return ball_area(halves)
 
     def _cylinder_area(self) -> np.ndarray:
@@ -131,7 +145,11 @@ class _Reader:
         their mean radius."""
         world = self.linears()
         along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
-        around = 0.5 * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1) * np.maximum(self.number("radius", 0.5), 0)
+        around = (
+            0.5
+            * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1)
+            * np.maximum(self.number("radius", 0.5), 0)
+        )
         self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
         return 2 * math.pi * around * along
 
@@ -141,7 +159,11 @@ class _Reader:
         softness = np.clip(self.number("shaping:cone:softness", 0.0), 0.0, 1.0)
         if outer[0] > math.pi / 2:
             if outer[0] < math.pi - 1e-6:
-                self.lost.add("usd-light-cone", self.prim.GetPath(), "a cone wider than a half space shines to all sides")
+                self.lost.add(
+                    "usd-light-cone",
+                    self.prim.GetPath(),
+                    "a cone wider than a half space shines to all sides",
+                )
             return
         outer = np.clip(outer, 1e-4, math.pi / 2)
         blend = softness if self.source.by_us or self.source.by_blender else _blend(outer, softness)

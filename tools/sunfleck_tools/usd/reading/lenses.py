@@ -59,7 +59,10 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
             _carry(seen, "fstop", codes, f_stop)
             _carry(seen, "focus_distance", codes, focus)
     offsets = [camera.GetHorizontalApertureOffsetAttr(), camera.GetVerticalApertureOffsetAttr()]
-    shift = [float(each.Get(source.first) or 0.0) * TENTHS * source.metres / max(wide[0], high[0]) for each in offsets]
+    shift = [
+        float(each.Get(source.first) or 0.0) * TENTHS * source.metres / max(wide[0], high[0])
+        for each in offsets
+    ]
     if any(shift):
         extras["shift"] = shift
     kept = custom_data(prim).get("sunfleck_camera")

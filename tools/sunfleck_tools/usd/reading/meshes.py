@@ -84,13 +84,19 @@ class Meshes:
                         elif shapes.parts:
                             moving.append((prim.GetName(), shapes, None if span.is_always else span, skin))
         pieces = [Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
-        return pieces + [Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving]
+        return pieces + [
+            Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving
+        ]
 
     def _take_turns(self, node: int, span: Span) -> None:
         """Shows a node for as long as a span lasts."""
         edges = {self.source.first: span.start <= self.source.first < span.end}
         edges.update(
-            {code: is_start for code, is_start in ((span.start, True), (span.end, False)) if self.source.first < code < np.inf}
+            {
+                code: is_start
+                for code, is_start in ((span.start, True), (span.end, False))
+                if self.source.first < code < np.inf
+            }
         )
         codes = np.array(sorted(edges))
         self.nodes.show(node, codes, np.array([edges[code] for code in codes.tolist()]))
@@ -113,14 +119,20 @@ class Meshes:
             primitive["material"] = material
         if bend is not None:
             targets = [target[part.point_of_row] for target in bend.targets]
-            primitive["targets"] = [{"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets]
+            primitive["targets"] = [
+                {"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets
+            ]
             if part.normal_targets is not None:
                 for target, normals in zip(primitive["targets"], part.normal_targets):
                     target["NORMAL"] = self.writer.floats(normals)
         return primitive
 
     def _accessor(self, name: str, values: np.ndarray) -> int:
-        return self.writer.joints(values) if name.startswith("JOINTS_") else self.writer.floats(values, name == "POSITION")
+        return (
+            self.writer.joints(values)
+            if name.startswith("JOINTS_")
+            else self.writer.floats(values, name == "POSITION")
+        )
 
     def _material(self, part: Shape) -> int | None:
         try:

@@ -76,7 +76,10 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
     """Of rotation matrices, by the largest of the four numbers (Shepperd 1978)."""
     m = turns
     trace = np.trace(m, axis1=1, axis2=2)
-    squares = np.stack([1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace], axis=1)
+    squares = np.stack(
+        [1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace],
+        axis=1,
+    )
     a, b, c = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]
     xy, xz, yz = m[:, 0, 1] + m[:, 1, 0], m[:, 0, 2] + m[:, 2, 0], m[:, 1, 2] + m[:, 2, 1]
     columns = [

@@ -61,7 +61,12 @@ class Preview:
         threshold = self.network.number("opacityThreshold")
         if threshold > 0:
             looks.material.update(alphaMode="MASK", alphaCutoff=threshold)
-        elif opacity.texture is not None or opacity.is_of_mesh or factor[3] < 1 or extras.get("alpha_mode") == "BLEND":
+        elif (
+            opacity.texture is not None
+            or opacity.is_of_mesh
+            or factor[3] < 1
+            or extras.get("alpha_mode") == "BLEND"
+        ):
             looks.material["alphaMode"] = "BLEND"
         self._read_changing_base(looks, color, opacity)
 
@@ -118,7 +123,11 @@ class Preview:
                 self.network.say("specularColor that changes over time")
             # KHR_materials_ior's 0 is the index at which the specular colour is all that counts.
             _extend(looks, "KHR_materials_ior", {"ior": 0.0})
-            _extend(looks, "KHR_materials_specular", {"specularColorFactor": [min(max(each, 0.0), 1.0) for each in color]})
+            _extend(
+                looks,
+                "KHR_materials_specular",
+                {"specularColorFactor": [min(max(each, 0.0), 1.0) for each in color]},
+            )
             return
         index = max(self.network.number("ior"), 1.0)
         if index == 1:

@@ -109,7 +109,9 @@ def _turned(profile: _Profile) -> Solid:
 
     def spun(values: np.ndarray) -> np.ndarray:
         outward, up = values[:, :1], values[:, 1:]
-        return np.stack([outward * np.cos(turns), outward * np.sin(turns), up + 0 * turns], axis=2).reshape(-1, 3)
+        return np.stack([outward * np.cos(turns), outward * np.sin(turns), up + 0 * turns], axis=2).reshape(
+            -1, 3
+        )
 
     at = np.arange(rings * AROUND).reshape(rings, AROUND)
     beside = np.roll(at, -1, axis=1)
@@ -131,7 +133,11 @@ def _joined(solids: list[Solid]) -> Solid:
     starts = np.cumsum([0] + [len(each.points) for each in solids])
     corners = np.concatenate([each.faces.corners + start for each, start in zip(solids, starts)])
     faces = Faces(np.concatenate([each.faces.counts for each in solids]), corners, np.zeros(0, np.int64))
-    return Solid(np.concatenate([each.points for each in solids]), faces, np.concatenate([each.normals for each in solids]))
+    return Solid(
+        np.concatenate([each.points for each in solids]),
+        faces,
+        np.concatenate([each.normals for each in solids]),
+    )
 
 
 def _cube(size: float) -> Solid:
@@ -152,4 +158,6 @@ def _plane(width: float, length: float, axis: str) -> Solid:
     points[:, along] = 0.5 * length * np.array([-1, -1, 1, 1])
     order = [0, 1, 2, 3] if axis == "Z" else [3, 2, 1, 0]
     normal = np.eye(3)["XYZ".index(axis)]
-    return Solid(points, Faces(np.array([4]), np.array(order), np.zeros(0, np.int64)), np.tile(normal, (4, 1)))
+    return Solid(
+        points, Faces(np.array([4]), np.array(order), np.zeros(0, np.int64)), np.tile(normal, (4, 1))
+    )

@@ -23,7 +23,12 @@ from .options import ImportOptions
 MOST_NAMED = 10
 """Of errors of one kind."""
 ENDLESS = (Pcp.ErrorArcCycle, Pcp.ErrorSublayerCycle, Pcp.ErrorCapacityExceeded)
-MISSING = (Pcp.ErrorInvalidAssetPath, Pcp.ErrorInvalidSublayerPath, Pcp.ErrorUnresolvedPrimPath, Pcp.ErrorMutedAssetPath)
+MISSING = (
+    Pcp.ErrorInvalidAssetPath,
+    Pcp.ErrorInvalidSublayerPath,
+    Pcp.ErrorUnresolvedPrimPath,
+    Pcp.ErrorMutedAssetPath,
+)
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,16 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     said = stage.GetRootLayer().documentation
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
     is_for = ours.get("for") if isinstance(ours, dict) else None
-    return Source(path, stage, fps, codes_per_second, codes, said.startswith("Blender v"), bool(ours), is_for == "blender")
+    return Source(
+        path,
+        stage,
+        fps,
+        codes_per_second,
+        codes,
+        said.startswith("Blender v"),
+        bool(ours),
+        is_for == "blender",
+    )
 
 
 def _metres(stage: Usd.Stage) -> float:
@@ -113,7 +127,9 @@ def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice:
         raise SceneError(f"{path}: {prim_path} has no variant set `{set_name}`; it has {there}")
     choices = sets.GetVariantSet(set_name).GetVariantNames()
     if choice not in choices:
-        raise SceneError(f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has {', '.join(choices)}")
+        raise SceneError(
+            f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has {', '.join(choices)}"
+        )
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         sets.GetVariantSet(set_name).SetVariantSelection(choice)
 

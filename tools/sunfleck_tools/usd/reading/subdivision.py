@@ -70,7 +70,9 @@ class Cage:
         """Edges, each once."""
         starts, ends = self.corners, self.corners[self.next_corner]
         keys, of_corner, faces = np.unique(
-            np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends), return_inverse=True, return_counts=True
+            np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends),
+            return_inverse=True,
+            return_counts=True,
         )
         sharpness = np.zeros(len(keys))
         if len(self.crease_ends):
@@ -90,7 +92,13 @@ class Cage:
         """The same, where chosen vertices stay where they are."""
         sharp = np.where(chosen, np.inf, self.vertex_sharpness)
         return Cage(
-            self.counts, self.corners, self.crease_ends, self.crease_sharpness, sharp, self.is_loop, self.smooth_triangles
+            self.counts,
+            self.corners,
+            self.crease_ends,
+            self.crease_sharpness,
+            sharp,
+            self.is_loop,
+            self.smooth_triangles,
         )
 
 
@@ -165,7 +173,11 @@ class Refinement:
             smooth = 1 / n**2
             own, by_face = 1 - 2 / n, smooth
         kind_at_end = kind[self.cage.edges.ends]
-        by_end = np.where(kind_at_end == 0, smooth[self.cage.edges.ends], np.where((kind_at_end == 1) & is_sharp, 0.125, 0.0))
+        by_end = np.where(
+            kind_at_end == 0,
+            smooth[self.cage.edges.ends],
+            np.where((kind_at_end == 1) & is_sharp, 0.125, 0.0),
+        )
         return _Rule(kind, np.choose(kind, [own, 0.75, 1.0]), by_end, np.where(kind == 0, by_face, 0.0))
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
@@ -195,7 +207,9 @@ class Refinement:
     @property
     def parents(self) -> np.ndarray:
         """The face of the cage that each finer face is of."""
-        return np.repeat(np.arange(len(self.cage.counts)), 4) if self.cage.is_loop else self.cage.face_of_corner
+        return (
+            np.repeat(np.arange(len(self.cage.counts)), 4) if self.cage.is_loop else self.cage.face_of_corner
+        )
 
     @cached_property
     def finer(self) -> Cage:
@@ -212,11 +226,21 @@ class Refinement:
             corners = np.stack([cage.corners, at_edge, centers, before], axis=1)
         left = edges.sharpness - 1
         kept = np.nonzero(left > 0)[0]
-        halves = np.stack([edges.ends[kept], np.repeat(cage.vertices + kept[:, None], 2, axis=1)], axis=2).reshape(-1, 2)
+        halves = np.stack(
+            [edges.ends[kept], np.repeat(cage.vertices + kept[:, None], 2, axis=1)], axis=2
+        ).reshape(-1, 2)
         added = len(edges.ends) + (0 if cage.is_loop else len(cage.counts))
         sharp = np.concatenate([np.maximum(cage.vertex_sharpness - 1, 0), np.zeros(added)])
         counts = np.full(len(corners), corners.shape[1])
-        return Cage(counts, corners.ravel(), halves, np.repeat(left[kept], 2), sharp, cage.is_loop, cage.smooth_triangles)
+        return Cage(
+            counts,
+            corners.ravel(),
+            halves,
+            np.repeat(left[kept], 2),
+            sharp,
+            cage.is_loop,
+            cage.smooth_triangles,
+        )
 
 
 @dataclass(frozen=True)

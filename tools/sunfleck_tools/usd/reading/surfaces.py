@@ -38,7 +38,11 @@ class Surfaces:
         self._known: dict[str, int] = {}
 
     def number(
-        self, prim: Usd.Prim | None, layers: list[str], colors: np.ndarray | None = None, glow: tuple[float, ...] | None = None
+        self,
+        prim: Usd.Prim | None,
+        layers: list[str],
+        colors: np.ndarray | None = None,
+        glow: tuple[float, ...] | None = None,
     ) -> int | None:
         """The glTF material of a material of the stage; without one, of a mesh's own `colors`
         (rows of RGB or RGBA).
@@ -79,12 +83,17 @@ class Surfaces:
             what = "is approximated by colour, roughness, metal, emission, opacity and coat"
             self.lost.add("usd-material-approximated", prim.GetPath(), f"its surface `{kind}` {what}")
         material = UsdShade.Material(prim)
-        for what, source in (("volume", material.ComputeVolumeSource()), ("displacement", material.ComputeDisplacementSource())):
+        for what, source in (
+            ("volume", material.ComputeVolumeSource()),
+            ("displacement", material.ComputeDisplacementSource()),
+        ):
             if source[0]:
                 self.lost.add("usd-material-input", prim.GetPath(), f"its {what} is not carried")
         network = Network(shader, dialect, self.textures, layers)
         Preview(network, self.bakery, self.source.codes).read(looks, extras if dialect is PREVIEW else {})
-        _keep_shares(looks.material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material"))
+        _keep_shares(
+            looks.material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material")
+        )
         return looks
 
 
@@ -108,7 +117,9 @@ def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
     strength = max(*glow, 1.0)
     material["emissiveFactor"] = [each / strength for each in glow]
     if strength > 1:
-        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": strength}
+        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {
+            "emissiveStrength": strength
+        }
     return looks
 
 
@@ -120,7 +131,11 @@ def _keep(material: dict, extras: dict) -> None:
     for name in NOT_CARRIED:
         # Textures of them have numbers of another file.
         said = extras.get(name)
-        numbers = {key: value for key, value in said.items() if not isinstance(value, dict)} if isinstance(said, dict) else {}
+        numbers = (
+            {key: value for key, value in said.items() if not isinstance(value, dict)}
+            if isinstance(said, dict)
+            else {}
+        )
         if numbers:
             material.setdefault("extensions", {})[name] = numbers
 

@@ -35,5 +35,7 @@ def seen(prims: list[Usd.Prim], source: Source) -> tuple[np.ndarray, np.ndarray]
     samples = [code for attribute in attributes for code in attribute.GetTimeSamples()]
     _, last = reach(source.codes)
     codes = np.unique([source.first, *(code for code in samples if source.first < code <= last)])
-    shown = np.array([all(each.Get(code) != UsdGeom.Tokens.invisible for each in attributes) for code in codes.tolist()])
+    shown = np.array(
+        [all(each.Get(code) != UsdGeom.Tokens.invisible for each in attributes) for code in codes.tolist()]
+    )
     return None if shown.all() else (codes, shown)
