@@ -66,7 +66,9 @@ class Curves:
 
         def world(thing):
             if thing not in worlds:
-                above = world(thing.parent) @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
+                above = (
+                    world(thing.parent) @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
+                )
                 worlds[thing] = above @ self.basis(thing, frame)
             return worlds[thing]
 
@@ -75,13 +77,19 @@ class Curves:
         return worlds
 
     def basis(self, thing, frame):
-        parts = {"location": thing.location.copy(), "rotation_quaternion": thing.rotation_quaternion.copy(), "scale": thing.scale.copy()}
+        parts = {
+            "location": thing.location.copy(),
+            "rotation_quaternion": thing.rotation_quaternion.copy(),
+            "scale": thing.scale.copy(),
+        }
         if thing.rotation_mode != "QUATERNION" or not self.curves[thing]:
             return thing.matrix_basis
         for curve in self.curves[thing]:
             if curve.data_path in parts:
                 parts[curve.data_path][curve.array_index] = curve.evaluate(frame)
-        return mathutils.Matrix.LocRotScale(parts["location"], parts["rotation_quaternion"].normalized(), parts["scale"])
+        return mathutils.Matrix.LocRotScale(
+            parts["location"], parts["rotation_quaternion"].normalized(), parts["scale"]
+        )
 
 
 class Opened(unittest.TestCase):
@@ -131,11 +139,17 @@ class Opened(unittest.TestCase):
 
     def told(self, source, frames):
         numbers = ",".join(map(str, frames))
-        return json.loads(program("inspect", ROOT / source, "--json", "--frames", numbers, "--default-light", "off"))
+        return json.loads(
+            program("inspect", ROOT / source, "--json", "--frames", numbers, "--default-light", "off")
+        )
 
     def named(self, name, kind):
         """An object; Blender numbers those that share their name with others."""
-        alike = [thing for thing in self.things.values() if thing.type == kind and thing.name.rpartition(".")[0] == name]
+        alike = [
+            thing
+            for thing in self.things.values()
+            if thing.type == kind and thing.name.rpartition(".")[0] == name
+        ]
         here = self.things.get(name)
         return here if here and here.type == kind else next(iter(alike), here)
 
@@ -149,7 +163,11 @@ class Opened(unittest.TestCase):
         if thing is None and "#" in name:
             # What `inspect` tells apart by numbers of its own, Blender does by others.
             stem = name.rpartition("#")[0]
-            alike = [self.things[key] for key in (f"{stem}.{number:03}" for number in range(1, 1000)) if key in self.things]
+            alike = [
+                self.things[key]
+                for key in (f"{stem}.{number:03}" for number in range(1, 1000))
+                if key in self.things
+            ]
             thing = min(alike, key=lambda one: self.off(one, world, worlds), default=None)
         if thing is None or thing.type == "ARMATURE":
             return self.compare_bone(source, frame, name, world)

@@ -17,7 +17,9 @@ def of(scene, frames, subframe=0.0):
     for frame in frames:
         scene.frame_set(frame, subframe=subframe)
         graph = bpy.context.evaluated_depsgraph_get()
-        found[frame] = [corners for instance in graph.object_instances if (corners := triangles(instance)) is not None]
+        found[frame] = [
+            corners for instance in graph.object_instances if (corners := triangles(instance)) is not None
+        ]
     return found
 
 
@@ -32,7 +34,9 @@ def triangles(instance):
     """Curves, texts and metaballs are there a second time as meshes; what is a child of faces or vertices
     renders there alone."""
     thing, parent = instance.object, instance.object.parent
-    is_pattern = not instance.is_instance and parent is not None and parent.instance_type in {"FACES", "VERTS"}
+    is_pattern = (
+        not instance.is_instance and parent is not None and parent.instance_type in {"FACES", "VERTS"}
+    )
     if thing.type != "MESH" or not instance.show_self or is_pattern or not thing.data.polygons:
         return None
     mesh = thing.data
@@ -59,7 +63,11 @@ def of_file(file, frames):
         for at, frame in enumerate(frames):
             if not visible[index][at]:
                 continue
-            bent = still if numpy.array_equal(weights[at], weights[0]) else file.triangles(node["mesh"], weights[at])
+            bent = (
+                still
+                if numpy.array_equal(weights[at], weights[0])
+                else file.triangles(node["mesh"], weights[at])
+            )
             matrix = worlds[index][at]
             found[frame].append(bent @ matrix[:3, :3].T + matrix[:3, 3])
     return found

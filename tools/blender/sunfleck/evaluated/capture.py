@@ -29,7 +29,9 @@ class Capture:
         self.here = {}
         if self.eye is None:
             camera = graph.scene.camera
-            self.eye = numpy.array(camera.evaluated_get(graph).matrix_world.translation if camera else (0.0, 0.0, 1e3), float)
+            self.eye = numpy.array(
+                camera.evaluated_get(graph).matrix_world.translation if camera else (0.0, 0.0, 1e3), float
+            )
 
     def shown(self, thing, source, instance):
         """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair
@@ -85,10 +87,14 @@ class Capture:
         if is_still and kept in self.still:
             found = self.still[kept]
         else:
-            materials = [material.original if material else None for material in materials_of(thing, thing.data)]
+            materials = [
+                material.original if material else None for material in materials_of(thing, thing.data)
+            ]
             slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
             made = strands.of_particles(thing, system, self.eye_in(thing, source))
-            found = self.still[kept] = self.kept(made, materials[slot : slot + 1] if materials else [], source)
+            found = self.still[kept] = self.kept(
+                made, materials[slot : slot + 1] if materials else [], source
+            )
         self.here[key] = found
         return found
 
@@ -102,7 +108,11 @@ class Capture:
         """The number of a geometry; None if there is nothing to see."""
         if made is None:
             return None
-        slots = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)} if materials else set()
+        slots = (
+            {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)}
+            if materials
+            else set()
+        )
         if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
             self.unseen.add(source.original.name)
             return None
@@ -137,7 +147,11 @@ def cannot_change(original, data):
 
 def own_materials(thing):
     """Of the slots that are the object's and not the mesh's."""
-    return tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
+    return tuple(
+        slot.material.name_full if slot.material else ""
+        for slot in thing.material_slots
+        if slot.link == "OBJECT"
+    )
 
 
 def materials_of(thing, data):

@@ -10,7 +10,12 @@ import struct
 import numpy
 
 GENERATOR = "sunfleck add-on"
-COMPONENTS = {numpy.dtype("f4"): 5126, numpy.dtype("u4"): 5125, numpy.dtype("u2"): 5123, numpy.dtype("u1"): 5121}
+COMPONENTS = {
+    numpy.dtype("f4"): 5126,
+    numpy.dtype("u4"): 5125,
+    numpy.dtype("u2"): 5123,
+    numpy.dtype("u1"): 5121,
+}
 SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 VERTICES, INDICES = 34962, 34963
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942

@@ -69,7 +69,13 @@ def digest(*pieces):
     """Of bytes and arrays."""
     made = hashlib.blake2b(digest_size=16)
     for piece in pieces:
-        made.update(piece if isinstance(piece, bytes) else numpy.ascontiguousarray(piece).data.cast("B") if piece.size else b"")
+        made.update(
+            piece
+            if isinstance(piece, bytes)
+            else numpy.ascontiguousarray(piece).data.cast("B")
+            if piece.size
+            else b""
+        )
     return made.digest()
 
 

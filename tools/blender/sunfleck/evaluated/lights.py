@@ -47,8 +47,16 @@ def punctual(light):
     channels = [max(0.0, channel) for channel in color(light)]
     # glTF's colours end at 1.
     largest = max(1.0, *channels)
-    said = {"name": light.name, "color": [channel / largest for channel in channels], "intensity": max(0.0, power_w(light)) * largest * unit}
+    said = {
+        "name": light.name,
+        "color": [channel / largest for channel in channels],
+        "intensity": max(0.0, power_w(light)) * largest * unit,
+    }
     if light.type == "SPOT":
         outer = min(0.5 * light.spot_size, math.pi / 2.0)
-        return {**said, "type": "spot", "spot": {"innerConeAngle": outer * (1.0 - light.spot_blend), "outerConeAngle": outer}}
+        return {
+            **said,
+            "type": "spot",
+            "spot": {"innerConeAngle": outer * (1.0 - light.spot_blend), "outerConeAngle": outer},
+        }
     return {**said, "type": "directional" if light.type == "SUN" else "point"}

@@ -36,7 +36,11 @@ class Shutter:
             return
         known, share = {0.0}, [0.0, 0.5, 1.0]
         for halvings in range(MOST_HALVINGS + 1):
-            found = [moment for moment in (round(self.opening + self.length * at, 9) for at in share) if moment not in known]
+            found = [
+                moment
+                for moment in (round(self.opening + self.length * at, 9) for at in share)
+                if moment not in known
+            ]
             known.update(found)
             yield found
             pieces = 4 << halvings

@@ -113,7 +113,11 @@ def quaternions(rotations):
         found[at, k] = m[at, i, k] + m[at, k, i]
         found[at, 3] = m[at, k, j] - m[at, j, k]
     at = largest == 3
-    found[at, 0], found[at, 1], found[at, 2] = m[at, 2, 1] - m[at, 1, 2], m[at, 0, 2] - m[at, 2, 0], m[at, 1, 0] - m[at, 0, 1]
+    found[at, 0], found[at, 1], found[at, 2] = (
+        m[at, 2, 1] - m[at, 1, 2],
+        m[at, 0, 2] - m[at, 2, 0],
+        m[at, 1, 0] - m[at, 0, 1],
+    )
     found[at, 3] = 1.0 + trace[at]
     return found / numpy.linalg.norm(found, axis=1, keepdims=True)
 

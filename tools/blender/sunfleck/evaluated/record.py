@@ -14,7 +14,14 @@ from ..materials import instances
 from .capture import Capture
 
 # Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
-KINDS = {"MESH": "SURFACE", "CURVES": "SURFACE", "POINTCLOUD": "SURFACE", "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
+KINDS = {
+    "MESH": "SURFACE",
+    "CURVES": "SURFACE",
+    "POINTCLOUD": "SURFACE",
+    "LIGHT": "LIGHT",
+    "CAMERA": "CAMERA",
+    "EMPTY": "EMPTY",
+}
 
 
 @dataclass
@@ -100,7 +107,11 @@ class Seen(NamedTuple):
 
 def kind_of(thing):
     """What becomes of an object: portals only tell Cycles where light comes from."""
-    is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
+    is_portal = (
+        thing.type == "LIGHT"
+        and thing.data.type == "AREA"
+        and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
+    )
     return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
 
 
@@ -153,7 +164,9 @@ class Record:
         found = self.things.get(key)
         if found is None:
             name, source = seen.thing.name, seen.source
-            found = self.things[key] = Thing(f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent)
+            found = self.things[key] = Thing(
+                f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent
+            )
             if source.kind == "SURFACE":
                 found.facts = instances.facts(seen.instance, seen.thing, seen.here.attributes(seen.instance))
         found.moments.append(len(self.moments) - 1)
@@ -172,10 +185,14 @@ class Record:
             for name in ("moments", "rows", "shown"):
                 values = getattr(thing, name)
                 setattr(thing, name, [values[at] for at in order])
-        self.all_matrices = numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
+        self.all_matrices = (
+            numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
+        )
         self.matrices = []
 
 
 def holds_fog(thing):
     """Its mesh, if it has one, only shows its author where the fog is."""
-    return thing.type in {"EMPTY", "MESH"} and (thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing)
+    return thing.type in {"EMPTY", "MESH"} and (
+        thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing
+    )

@@ -31,7 +31,10 @@ class Exported:
         expected = counts.of_record(self.record, self.frames)
         differences = list(counts.differences(expected, counts.of_file(file, self.frames)))
         differences += counts.different_materials(self.library.seen, file)
-        return expected, [Finding(id, f"frame {frame}" if frame is not None else "", more) for id, frame, more in differences]
+        return expected, [
+            Finding(id, f"frame {frame}" if frame is not None else "", more)
+            for id, frame, more in differences
+        ]
 
 
 def export(scene, path, only=None):

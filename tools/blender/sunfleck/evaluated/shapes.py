@@ -25,7 +25,9 @@ class Bend:
         self.geometries = [geometries[shape] for shape in distinct]
         self.base = geometries[shapes[0]]
         self.layout = Layout(self.base, True)
-        moved = numpy.stack([shape.positions - self.base.positions for shape in self.geometries]).reshape(len(distinct), -1)
+        moved = numpy.stack([shape.positions - self.base.positions for shape in self.geometries]).reshape(
+            len(distinct), -1
+        )
         self.chosen = mixed_from(moved)
         self.weights = weights(moved, self.chosen)
         if self.weights is None:
@@ -35,7 +37,10 @@ class Bend:
     def targets(self, document):
         positions = [self.geometries[index].positions - self.base.positions for index in self.chosen]
         vertices = self.base.corner_vertices[self.layout.corners]
-        found = [{"POSITION": document.accessor(turned(moved[vertices]).astype("f4"), bounds=True)} for moved in positions]
+        found = [
+            {"POSITION": document.accessor(turned(moved[vertices]).astype("f4"), bounds=True)}
+            for moved in positions
+        ]
         for target, normals in zip(found, self.normals()):
             target["NORMAL"] = document.accessor(normals.astype("f4"))
         return found
@@ -53,8 +58,16 @@ class Bend:
     def keys(self):
         """Times and weights of the targets there, those that straight lines give left out."""
         values = self.weights[self.of_time]
-        largest = max(1e-9, max(float(numpy.abs(self.geometries[index].positions - self.base.positions).max()) for index in self.chosen))
-        stays = thinning.straight(self.times[None], values[None], numpy.array([len(self.times)]), 0.2 * TOLERANCE_M / largest)[0]
+        largest = max(
+            1e-9,
+            max(
+                float(numpy.abs(self.geometries[index].positions - self.base.positions).max())
+                for index in self.chosen
+            ),
+        )
+        stays = thinning.straight(
+            self.times[None], values[None], numpy.array([len(self.times)]), 0.2 * TOLERANCE_M / largest
+        )[0]
         return self.times[stays], values[stays]
 
 

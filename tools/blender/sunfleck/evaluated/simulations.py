@@ -35,7 +35,9 @@ def simulates(thing):
 
 
 def is_stepped(modifier):
-    return modifier.type == "NODES" and modifier.node_group is not None and has_zone(modifier.node_group, set())
+    return (
+        modifier.type == "NODES" and modifier.node_group is not None and has_zone(modifier.node_group, set())
+    )
 
 
 def has_zone(tree, seen):

@@ -50,7 +50,10 @@ class Smoothness:
             before, here, after = (self.record.geometries[rows[1][at]] for rows in placed)
             if before.topology == here.topology == after.topology:
                 off = here.positions - (1.0 - share) * before.positions - share * after.positions
-                worst = max(worst, float(numpy.abs(off).max()) * float(numpy.abs(matrices[placed[1][0][at], :3, :3]).max()))
+                worst = max(
+                    worst,
+                    float(numpy.abs(off).max()) * float(numpy.abs(matrices[placed[1][0][at], :3, :3]).max()),
+                )
         return worst
 
 

@@ -46,7 +46,9 @@ def transparent(node):
 
 def translucent(node):
     """Lambert's surface from behind."""
-    surface = Surface({"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])})
+    surface = Surface(
+        {"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])}
+    )
     surface.normal = principled.normal(node.inputs["Normal"])
     return surface
 
@@ -63,7 +65,13 @@ def glows(surface):
 def is_matte(surface):
     """Neither a shine nor a light, and opaque."""
     specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
-    has_shine = specular is None or not specular.is_constant() or specular.number() > 0.0 or not metallic.is_constant() or metallic.number() > 0.0
+    has_shine = (
+        specular is None
+        or not specular.is_constant()
+        or specular.number() > 0.0
+        or not metallic.is_constant()
+        or metallic.number() > 0.0
+    )
     return not has_shine and not glows(surface) and surface.alpha == WHITE
 
 
@@ -128,4 +136,9 @@ def added(node):
 
 
 def is_light(surface):
-    return surface.sources.get("base") == BLACK and "through" not in surface.sources and glows(surface) and surface.alpha == WHITE
+    return (
+        surface.sources.get("base") == BLACK
+        and "through" not in surface.sources
+        and glows(surface)
+        and surface.alpha == WHITE
+    )

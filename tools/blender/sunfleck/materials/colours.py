@@ -12,7 +12,11 @@ REC709_FROM = {
 
 def working_space():
     """Its name in Blender."""
-    return getattr(bpy.data.colorspace, "working_space", "Linear Rec.709") if hasattr(bpy.data, "colorspace") else "Linear Rec.709"
+    return (
+        getattr(bpy.data.colorspace, "working_space", "Linear Rec.709")
+        if hasattr(bpy.data, "colorspace")
+        else "Linear Rec.709"
+    )
 
 
 def rec709(color):

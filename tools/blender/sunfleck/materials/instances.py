@@ -37,7 +37,12 @@ def facts(instance, thing, attributes):
     # Cycles' own are those of the instancer where there is one.
     owner = instance.parent if instance.is_instance and instance.parent else thing
     return Facts(
-        number / WORD, tuple(owner.color[:3]), owner.color[3], owner.pass_index, tuple(instance.matrix_world.translation), tuple(attributes)
+        number / WORD,
+        tuple(owner.color[:3]),
+        owner.color[3],
+        owner.pass_index,
+        tuple(instance.matrix_world.translation),
+        tuple(attributes),
     )
 
 

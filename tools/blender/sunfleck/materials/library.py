@@ -67,7 +67,9 @@ class Library:
         if material not in self.looks:
             if self.differs(material):
                 # As good as any instance's.
-                one = self.copies[material, instances.Facts()] = instances.copy(material, instances.Facts(), f"{material.name} 0")
+                one = self.copies[material, instances.Facts()] = instances.copy(
+                    material, instances.Facts(), f"{material.name} 0"
+                )
                 self.looks[one] = self.looks[material] = looked_at(one)
             else:
                 self.looks[material] = looked_at(material)
@@ -83,7 +85,12 @@ class Library:
     @staticmethod
     def attributes_of_instances():
         """Names of the attributes that any material asks instances for."""
-        nodes = (node for material in bpy.data.materials for node in dependence.nodes_of(material) if node.type == "ATTRIBUTE")
+        nodes = (
+            node
+            for material in bpy.data.materials
+            for node in dependence.nodes_of(material)
+            if node.type == "ATTRIBUTE"
+        )
         return {node.attribute_name for node in nodes if node.attribute_type == "INSTANCER"}
 
     def prepare(self, shown):
@@ -107,7 +114,9 @@ class Library:
             own = instances.rounded(own, self.levels[material])
         key = (material, own)
         if key not in self.copies:
-            self.copies[key] = instances.copy(material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}")
+            self.copies[key] = instances.copy(
+                material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}"
+            )
         return self.copies[key]
 
     def close(self):
@@ -146,8 +155,14 @@ class Library:
         look = self.look(material)
         if not look.baked:
             return False
-        uv = geometry.uvs.get(dependence.uv_of(material)) if dependence.uv_of(material) else next(iter(geometry.uvs.values()), None)
-        return uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
+        uv = (
+            geometry.uvs.get(dependence.uv_of(material))
+            if dependence.uv_of(material)
+            else next(iter(geometry.uvs.values()), None)
+        )
+        return (
+            uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
+        )
 
     def number(self, material, geometry):
         """Of the file's material."""
@@ -199,15 +214,24 @@ class Library:
                 continue
             texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
             word = "not honoured" if look.failed else f"baked at {texels} texels" if look.baked else "exact"
-            found[material.name] = f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
+            found[material.name] = (
+                f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
+            )
         return found
 
     def findings(self):
         """A word on every material that is not exact. Remembers the names of all."""
         self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
-        yield from (Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels") for material, levels in self.levels.items())
+        yield from (
+            Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels")
+            for material, levels in self.levels.items()
+        )
         for material, look in self.looks.items():
-            if material is None or (look.surface is None and not look.baked) or not any(key[0] == material for key in self.numbers):
+            if (
+                material is None
+                or (look.surface is None and not look.baked)
+                or not any(key[0] == material for key in self.numbers)
+            ):
                 continue
             name = f"the material `{material.name}`"
             if look.failed:
@@ -242,7 +266,9 @@ class Library:
 
     def animate(self, number, said, track):
         """Pointers to every number that changes."""
-        changed = {name for name in POINTERS if any(numbers[name] != track[0][1][name] for _, numbers in track)}
+        changed = {
+            name for name in POINTERS if any(numbers[name] != track[0][1][name] for _, numbers in track)
+        }
         if changed & {"emission", "emission_strength"}:
             changed |= {"emission", "emission_strength"}
             # A pointer needs something to point at.
@@ -253,7 +279,9 @@ class Library:
         frames = numpy.array([frame for frame, _ in track], float)
         for name in sorted(changed):
             values = numpy.array([numbers[name] for _, numbers in track], float).reshape(len(track), -1)
-            self.document.pointer_channel(f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values)
+            self.document.pointer_channel(
+                f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values
+            )
 
 
 def looked_at(material):
@@ -268,9 +296,14 @@ def looked_at(material):
         return Look(surface)
     except NotSimple as more:
         node = more.args[0] if more.args else None
-        losses = [loss for loss, is_so in {
-            "depends-on-view": dependence.is_of_view(material), "image-sequence": dependence.is_of_film(material)
-        }.items() if is_so]
+        losses = [
+            loss
+            for loss, is_so in {
+                "depends-on-view": dependence.is_of_view(material),
+                "image-sequence": dependence.is_of_film(material),
+            }.items()
+            if is_so
+        ]
         return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
 
 
@@ -279,7 +312,9 @@ def check_attributes(surface):
     base, alpha = surface.sources.get("base", WHITE), surface.alpha
     others = [source for name, source in surface.sources.items() if name != "base"]
     two = None not in (base.attribute, alpha.attribute) and base.attribute != alpha.attribute
-    swapped = (base.attribute is not None and base.attribute_channel == 3) or (alpha.attribute is not None and alpha.attribute_channel != 3)
+    swapped = (base.attribute is not None and base.attribute_channel == 3) or (
+        alpha.attribute is not None and alpha.attribute_channel != 3
+    )
     if two or swapped or any(source.attribute is not None for source in others):
         raise NotSimple(None)
 
@@ -293,7 +328,13 @@ def custom(owner):
     """Its custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
-        value = value.to_dict() if hasattr(value, "to_dict") else value.to_list() if hasattr(value, "to_list") else value
+        value = (
+            value.to_dict()
+            if hasattr(value, "to_dict")
+            else value.to_list()
+            if hasattr(value, "to_list")
+            else value
+        )
         try:
             found[name] = json.loads(json.dumps(value, allow_nan=False))
         except (TypeError, ValueError):
