@@ -82,7 +82,9 @@ def turns(source: Path, scratch: Path) -> list[Path]:
 
 def main() -> None:
     """Prints a line for each."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     spent = dict.fromkeys(WORKS, 0.0)
@@ -101,7 +103,9 @@ def main() -> None:
     print(f"{frames} frames, {FRAMES_A_TURN} a turn")
     alone = spent["decoding alone"]
     for name, total in spent.items():
-        print(f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, {total / alone:.2f})")
+        print(
+            f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, {total / alone:.2f})"
+        )
 
 
 if __name__ == "__main__":

@@ -52,11 +52,23 @@ def main(wanted: list[str]) -> int:
             continue
         with tempfile.TemporaryDirectory() as folder:
             size = () if "--size" in flags else SMALL
-            command = [program, "render", str(ROOT / scene), *size, *flags, "--passes", "all", "--progress", "none"]
+            command = [
+                program,
+                "render",
+                str(ROOT / scene),
+                *size,
+                *flags,
+                "--passes",
+                "all",
+                "--progress",
+                "none",
+            ]
             command += ["--out", f"{folder}/x.####.exr"]
             subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
             report = validate(folder, Options(processes=1))
-        found = ", ".join(f"{count} `{check}`" for check, count in Counter(f.check for f in report.findings).items())
+        found = ", ".join(
+            f"{count} `{check}`" for check, count in Counter(f.check for f in report.findings).items()
+        )
         print(f"| {name} | {len(report.frames)} | {found or 'nothing'} |", flush=True)
         frames, findings = frames + len(report.frames), findings + len(report.findings)
     print(f"| together | {frames} | {findings or 'nothing'} |")

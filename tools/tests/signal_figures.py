@@ -45,12 +45,19 @@ def main() -> None:
     moments = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     scene = Path(sys.argv[2]) if len(sys.argv) > 2 else HEAVY
     with tempfile.TemporaryDirectory() as folder:
-        ends = [seconds_to_end(scene, 0.02 + SPAN_S * (number * GOLDEN % 1), f"{folder}/") for number in range(moments)]
+        ends = [
+            seconds_to_end(scene, 0.02 + SPAN_S * (number * GOLDEN % 1), f"{folder}/")
+            for number in range(moments)
+        ]
         left = [name for name in os.listdir(folder) if name.endswith(".sunfleck-part")]
     took_ms = 1e3 * np.array([each for each, _ in ends])
     middle, most, worst = np.quantile(took_ms, (0.5, 0.99, 1))
-    codes = ", ".join(f"{code} {count} times" for code, count in sorted(Counter(code for _, code in ends).items()))
-    print(f"{moments} signals: median {middle:.0f} ms, 99 % within {most:.0f}, worst {worst:.0f}; {np.count_nonzero(took_ms > 100)} over 100 ms")
+    codes = ", ".join(
+        f"{code} {count} times" for code, count in sorted(Counter(code for _, code in ends).items())
+    )
+    print(
+        f"{moments} signals: median {middle:.0f} ms, 99 % within {most:.0f}, worst {worst:.0f}; {np.count_nonzero(took_ms > 100)} over 100 ms"
+    )
     print(f"exit codes {codes}; {len(left)} part files left")
 
 

@@ -11,7 +11,12 @@ from .browser import CHROMIUM, NO_CHROMIUM, Browser
 from .command import run
 from .files import frame_path, good_sequence
 
-COMPLAINTS = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded", "Network.loadingFailed")
+COMPLAINTS = (
+    "Runtime.exceptionThrown",
+    "Runtime.consoleAPICalled",
+    "Log.entryAdded",
+    "Network.loadingFailed",
+)
 
 
 @unittest.skipUnless(CHROMIUM, NO_CHROMIUM)
@@ -36,10 +41,20 @@ class Report(unittest.TestCase):
             browser.evaluate("document.querySelector('td a[href=\"#frame-4\"]').click()")
             self.assertEqual(browser.evaluate("document.querySelector(':target').id"), "frame-4")
             place = "(r => r.top >= 0 && r.bottom <= innerHeight && r.width > 0)"
-            self.assertTrue(browser.evaluate(f"{place}(document.querySelector(':target').getBoundingClientRect())"))
-            self.assertTrue(browser.evaluate("getComputedStyle(document.querySelector('#frame-4')).borderColor.includes('176')"))
+            self.assertTrue(
+                browser.evaluate(f"{place}(document.querySelector(':target').getBoundingClientRect())")
+            )
+            self.assertTrue(
+                browser.evaluate(
+                    "getComputedStyle(document.querySelector('#frame-4')).borderColor.includes('176')"
+                )
+            )
             links = "[...document.querySelectorAll('a[href^=\"#\"]')].filter(a => !document.querySelector(a.getAttribute('href'))).length"
             self.assertEqual(browser.evaluate(links), 0)
             self.assertEqual([event for event in browser.events if event.get("method") in COMPLAINTS], [])
-            requests = [e["params"]["request"]["url"] for e in browser.events if e.get("method") == "Network.requestWillBeSent"]
+            requests = [
+                e["params"]["request"]["url"]
+                for e in browser.events
+                if e.get("method") == "Network.requestWillBeSent"
+            ]
             self.assertTrue(all(url.startswith(("file://", "data:")) for url in requests), requests)

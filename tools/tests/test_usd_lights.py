@@ -37,14 +37,18 @@ class LookCase(ImportCase):
         """The last stage as the renderer sees it, by its own lights alone: rows of RGB."""
         glb = self.folder / ("case.glb" if (self.folder / "case.glb").exists() else "made.glb")
         out = self.folder / f"{glb.stem}_{frame}.exr"
-        program(f"render {glb} --frames {frame} --size {size} --samples {samples} --threads 1 --default-light off --out {out}")
+        program(
+            f"render {glb} --frames {frame} --size {size} --samples {samples} --threads 1 --default-light off --out {out}"
+        )
         channels = decode(out)
         return np.stack([np.float64(channels[each]) for each in "RGB"], axis=-1)
 
 
 def punctual(gltf: Gltf) -> dict[str, dict]:
     """Lights of KHR_lights_punctual by name."""
-    return {light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]}
+    return {
+        light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]
+    }
 
 
 def of_node(gltf: Gltf, name: str) -> dict:
@@ -105,7 +109,11 @@ class Sizes(LookCase):
 
     def watts(self, gltf: Gltf, name: str) -> float:
         lights = punctual(gltf)
-        return lights[name]["intensity"] / LUMENS_PER_WATT * 4 * math.pi if name in lights else of_node(gltf, name)["power_w"]
+        return (
+            lights[name]["intensity"] / LUMENS_PER_WATT * 4 * math.pi
+            if name in lights
+            else of_node(gltf, name)["power_w"]
+        )
 
     def test_instances_of_a_light_have_their_own_sizes(self):
         stage = self.stage()
@@ -136,8 +144,12 @@ class Sizes(LookCase):
         cylinder.CreateIntensityAttr(3.0)
         lights = punctual(self.load(stage))
         # pi L A watts over 4 pi steradians.
-        self.assertAlmostEqual(lights["sphere"]["intensity"] / LUMENS_PER_WATT / (2.0 * 2 * math.pi / 4), 1.0, delta=0.011)
-        self.assertAlmostEqual(lights["cylinder"]["intensity"] / LUMENS_PER_WATT, 3.0 * (2 * math.pi * 0.25 * 4.0) / 4, 5)
+        self.assertAlmostEqual(
+            lights["sphere"]["intensity"] / LUMENS_PER_WATT / (2.0 * 2 * math.pi / 4), 1.0, delta=0.011
+        )
+        self.assertAlmostEqual(
+            lights["cylinder"]["intensity"] / LUMENS_PER_WATT, 3.0 * (2 * math.pi * 0.25 * 4.0) / 4, 5
+        )
         self.assertEqual({loss.kind: loss.count for loss in self.imported.lost}, {"usd-light-shape": 2})
 
     @needs_program
@@ -154,7 +166,9 @@ class Sizes(LookCase):
         shader.CreateIdAttr("UsdPreviewSurface")
         shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set((0.5, 0.5, 0.5))
         shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.0)
-        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        material.CreateSurfaceOutput().ConnectToSource(
+            shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+        )
         UsdShade.MaterialBindingAPI.Apply(wall.GetPrim()).Bind(material)
         light = UsdLux.SphereLight.Define(stage, "/light")
         light.CreateRadiusAttr(15.0)
@@ -245,7 +259,17 @@ class Inputs(LookCase):
             quad(stage, "/leaf")
             stage.DefinePrim("/light", kind)
             spec = stage.GetRootLayer().GetPrimAtPath("/light")
-            names = ("intensity", "exposure", "color", "radius", "width", "angle", "length", "normalize", "shaping:cone:angle")
+            names = (
+                "intensity",
+                "exposure",
+                "color",
+                "radius",
+                "width",
+                "angle",
+                "length",
+                "normalize",
+                "shaping:cone:angle",
+            )
             for name in names:
                 Sdf.AttributeSpec(spec, f"inputs:{name}", Sdf.ValueTypeNames.String).default = "bright"
             self.load(stage)

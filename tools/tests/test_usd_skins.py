@@ -40,8 +40,16 @@ class Skins(MotionCase):
         animation.CreateScalesAttr([Gf.Vec3h(1), Gf.Vec3h(1)])
         turns = animation.CreateRotationsAttr()
         for code in range(1, 6):
-            turns.Set([Gf.Quatf(Gf.Rotation(axis, by * code).GetQuat()) for axis, by in (((0, 0, 1), 10), ((0, 1, 0), 20))], code)
-        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+            turns.Set(
+                [
+                    Gf.Quatf(Gf.Rotation(axis, by * code).GetQuat())
+                    for axis, by in (((0, 0, 1), 10), ((0, 1, 0), 20))
+                ],
+                code,
+            )
+        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
+            [animation.GetPath()]
+        )
         self.tie(stage, "/root/leaf", [0, 0, 1, 0, 1, 0, 0, 1], [1, 0, 0.75, 0.25, 1, 0, 0.5, 0.5])
         return stage
 
@@ -75,7 +83,9 @@ class Skins(MotionCase):
 
     def assert_follows(self, stage: Usd.Stage, gltf: Gltf) -> None:
         for frame in FRAMES:
-            np.testing.assert_allclose(self.skinned(gltf, frame), self.by_usd(stage, "/root/leaf", frame), atol=2e-5)
+            np.testing.assert_allclose(
+                self.skinned(gltf, frame), self.by_usd(stage, "/root/leaf", frame), atol=2e-5
+            )
 
     def test_joints_stay_joints(self):
         stage = self.armed()
@@ -125,7 +135,9 @@ class Skins(MotionCase):
                 self.assertNotIn("skins", gltf.document.raw)
                 self.assertIn("targets", gltf.document.raw["meshes"][0]["primitives"][0])
                 if name != "refined":
-                    np.testing.assert_allclose(self.bent(gltf, "leaf", 3), self.by_usd(stage, "/root/leaf", 3), atol=1e-5)
+                    np.testing.assert_allclose(
+                        self.bent(gltf, "leaf", 3), self.by_usd(stage, "/root/leaf", 3), atol=1e-5
+                    )
 
     def test_a_square_that_joints_leave_alone_is_where_it_was_bound(self):
         stage = self.armed()
