@@ -20,7 +20,9 @@ from make_gltf import (
 )
 
 # One black texel.
-BLACK = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC")
+BLACK = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC"
+)
 # One triangle as meshoptimizer's vertex codec has it would be longer; a header alone is damaged enough.
 NO_STREAM = b"\xa0\0\0\0"
 

@@ -74,7 +74,11 @@ def falls(coefficients):
 
 
 def main():
-    print("flutter ends at I* = {:.2f} to {:.2f} ({:.2f}) for Belmonte's strips".format(BELMONTE[0], BELMONTE[2], BELMONTE[1]))
+    print(
+        "flutter ends at I* = {:.2f} to {:.2f} ({:.2f}) for Belmonte's strips".format(
+            BELMONTE[0], BELMONTE[2], BELMONTE[1]
+        )
+    )
     print(f"{'':28}{'last flutter':>13}{'sinks at 0.4':>14}{'regimes from I* = 0.1':>24}")
     for name, coefficients in SETS.items():
         letters, sinks = falls(coefficients)

@@ -11,7 +11,11 @@ from trees import along, unit
 def ground_height(x: float, z: float) -> float:
     """Gentle undulation, metres; about level around the origin."""
     away = min(1.0, math.hypot(x, z) / 12.0)
-    waves = 0.22 * math.sin(0.31 * x + 0.6) * math.cos(0.27 * z) + 0.10 * math.sin(0.83 * x + 0.49 * z) + 0.06 * math.sin(1.1 * z)
+    waves = (
+        0.22 * math.sin(0.31 * x + 0.6) * math.cos(0.27 * z)
+        + 0.10 * math.sin(0.83 * x + 0.49 * z)
+        + 0.06 * math.sin(1.1 * z)
+    )
     banks = 0.9 * max(0.0, abs(x) - 6.0) / 14.0
     return away * waves + banks
 
@@ -55,7 +59,11 @@ def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
         roll = rng.uniform(-0.25, 0.25)
 
         def rachis(t: float) -> Vector:
-            return (out[0] * length * (0.2 * t + 0.7 * t * t), length * rise * (t - 0.62 * t * t), out[2] * length * (0.2 * t + 0.7 * t * t))
+            return (
+                out[0] * length * (0.2 * t + 0.7 * t * t),
+                length * rise * (t - 0.62 * t * t),
+                out[2] * length * (0.2 * t + 0.7 * t * t),
+            )
 
         for i in range(pinnae):
             t = 0.16 + 0.84 * i / pinnae
@@ -64,7 +72,13 @@ def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
             reach = length * 0.26 * math.sin(math.pi * (0.12 + 0.88 * t) ** 1.3) + 0.01
             width = length * 0.42 / pinnae
             for side in (1.0, -1.0):
-                outward = unit((side * across[0] + 0.45 * forward[0], side * roll - 0.25, side * across[2] + 0.45 * forward[2]))
+                outward = unit(
+                    (
+                        side * across[0] + 0.45 * forward[0],
+                        side * roll - 0.25,
+                        side * across[2] + 0.45 * forward[2],
+                    )
+                )
                 tip = along(base, outward, reach * rng.uniform(0.85, 1.1))
                 middle = along(base, outward, reach * 0.45)
                 first = len(mesh.positions)

@@ -64,7 +64,9 @@ def points_along(vein: list[Point], spacing: float) -> list[Point]:
     points = []
     for a, b in zip(vein, vein[1:]):
         steps = max(1, round(math.dist(a, b) / spacing))
-        points += [(a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps) for i in range(1, steps + 1)]
+        points += [
+            (a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps) for i in range(1, steps + 1)
+        ]
     return points[:-1]
 
 
@@ -117,7 +119,9 @@ def petiole(blade: Blade, detail: Detail) -> tuple[list[tuple[float, float, floa
     if detail.spacing is None:
         return [], []
     sides = detail.petiole_sides
-    rings = [0.03, -blade.petiole_length * 0.5, -blade.petiole_length] if sides else [0.02, -blade.petiole_length]
+    rings = (
+        [0.03, -blade.petiole_length * 0.5, -blade.petiole_length] if sides else [0.02, -blade.petiole_length]
+    )
     points, faces = [], []
     for z in rings:
         radius = 0.010 + 0.006 * max(0.0, -z) / blade.petiole_length
@@ -152,7 +156,9 @@ def texture_position(blade: Blade, x: float, z: float) -> tuple[float, float]:
     return (0.5 + scale * x, 0.02 + scale * (z - lowest))
 
 
-def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose, hangs: bool = False) -> Mesh:
+def make_leaf(
+    blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose, hangs: bool = False
+) -> Mesh:
     """The mesh of one leaf, whose outline may err by `outline_tolerance` blade lengths."""
     tip = max(range(len(blade.outline)), key=lambda i: blade.outline[i][1])
     right = simplify(blade.outline[: tip + 1], outline_tolerance)
@@ -163,7 +169,11 @@ def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose
     def lift(p: Point) -> float:
         # Where the veins of a maple meet there is no room for ridges between them.
         spread = min(1.0, math.hypot(*p) / 0.25)
-        return RELIEF * spread * min(1.0, distance_to_veins(p, blade.veins) / RELIEF_REACH) if detail.vein_spacing else 0.0
+        return (
+            RELIEF * spread * min(1.0, distance_to_veins(p, blade.veins) / RELIEF_REACH)
+            if detail.vein_spacing
+            else 0.0
+        )
 
     flat = [(x, z, lift((x, z))) for x, z in points]
     stem, stem_faces = petiole(blade, detail)

@@ -144,7 +144,12 @@ def oak(individual: str = "") -> Blade:
     right, left = (smooth(jittered(side, 0.010, rng), 3) for _ in range(2))
     veins = [[(0.0, 0.0), (0.0, 0.97)]]
     for mirror in (1, -1):
-        for start, x, z in [(0.07, 0.165, 0.215), (0.22, 0.265, 0.44), (0.42, 0.31, 0.685), (0.63, 0.215, 0.88)]:
+        for start, x, z in [
+            (0.07, 0.165, 0.215),
+            (0.22, 0.265, 0.44),
+            (0.42, 0.31, 0.685),
+            (0.63, 0.215, 0.88),
+        ]:
             veins.append([(0.0, start), (mirror * x * 0.5, start + (z - start) * 0.42), (mirror * x, z)])
     return Blade("oak", closed(right, left), veins, 0.16)
 

@@ -81,7 +81,9 @@ class Renderer:
         writing, if it tells."""
         stats = target.with_suffix(".json")
         command = self.command(source, size, samples, seed, target)
-        with subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+        with subprocess.Popen(
+            [str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        ) as process:
             said = process.stderr.read()
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -111,18 +113,26 @@ def numbers(text):
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("input", nargs="?", type=Path, default=LEAVES500 / "leaves500.glb")
     parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
     parser.add_argument("--reference", type=Path, default=LEAVES500 / "box.exr")
-    parser.add_argument("--reference-noise", type=float, default=0.00143, help="root mean square of its standard error")
-    parser.add_argument("--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01])
+    parser.add_argument(
+        "--reference-noise", type=float, default=0.00143, help="root mean square of its standard error"
+    )
+    parser.add_argument(
+        "--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01]
+    )
     parser.add_argument("--samples", type=numbers, default=[2, 3, 4, 8], help="of sunfleck")
     parser.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
     parser.add_argument("--sunfleck-threads", type=int, help="of sunfleck, if it shall have others")
-    parser.add_argument("--suns", type=lambda text: text.split(","), default=[OWN_SUN], help="own, degrees of a disc, ahead")
+    parser.add_argument(
+        "--suns", type=lambda text: text.split(","), default=[OWN_SUN], help="own, degrees of a disc, ahead"
+    )
     one = parser.add_argument_group("a process for one picture by Cycles, which this program starts itself")
     one.add_argument("--picture", type=Path, help=argparse.SUPPRESS)
     one.add_argument("--size", help=argparse.SUPPRESS)
@@ -173,8 +183,14 @@ class View:
             empty.append(self.empty(ours, seed))
             for own in ours.samples:
                 mine[own].append(self.point(ours, own, seed))
-        sides = ([mean(found) for found in mine.values()], statistics.fmean(empty)), (points, self.empty(theirs, number))
-        print("start, reading and building: " + ", ".join(f"{empty:.3f} CPU s" for _, empty in sides), flush=True)
+        sides = (
+            ([mean(found) for found in mine.values()], statistics.fmean(empty)),
+            (points, self.empty(theirs, number)),
+        )
+        print(
+            "start, reading and building: " + ", ".join(f"{empty:.3f} CPU s" for _, empty in sides),
+            flush=True,
+        )
         return {
             "whole": [[(error, whole) for error, whole, _ in points] for points, _ in sides],
             "render": [[(error, unwritten - empty) for error, _, unwritten in points] for points, empty in sides],
@@ -193,13 +209,24 @@ def renderers(arguments):
 
     def by_sunfleck(source, size, samples, seed, target):
         given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", own_threads, "--passes", "none", "--bounces", "0"]
-        return [arguments.sunfleck, "render", source, *given, "--stats", target.with_suffix(".json"), "--out", target]
+        return [
+            arguments.sunfleck,
+            "render",
+            source,
+            *given,
+            "--stats",
+            target.with_suffix(".json"),
+            "--out",
+            target,
+        ]
 
     def by_cycles(source, size, samples, seed, target):
         given = ["--size", size, "--cycles-samples", samples, "--seed", seed, "--threads", arguments.threads]
         return [sys.executable, __file__, source, *given, "--picture", target]
 
-    return Renderer("sunfleck", arguments.samples, by_sunfleck), Renderer("Cycles", arguments.cycles_samples, by_cycles)
+    return Renderer("sunfleck", arguments.samples, by_sunfleck), Renderer(
+        "Cycles", arguments.cycles_samples, by_cycles
+    )
 
 
 def compare(arguments, folder):
@@ -208,17 +235,23 @@ def compare(arguments, folder):
     own = View(OWN_SUN, arguments.input, colors(arguments.reference), arguments.reference_noise, folder)
     views = [own if sun == OWN_SUN else View.under(sun, own, ours) for sun in arguments.suns]
     height, width = own.reference.shape[:2]
-    print(f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: {arguments.sunfleck_threads or arguments.threads}")
+    print(
+        f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: {arguments.sunfleck_threads or arguments.threads}"
+    )
     print(f"{'sun':6} {'':9} {'samples':>8} {'seed':>5} {'RMSE':>9} {'CPU s':>9}")
     found = {}
     for number in range(1, arguments.rounds + 1):
         for view in views:
             for kind, sides in view.round(ours, theirs, number).items():
                 for target in arguments.targets:
-                    found.setdefault((view.sun, target, kind), []).append([seconds_to(target, points) for points in sides])
+                    found.setdefault((view.sun, target, kind), []).append(
+                        [seconds_to(target, points) for points in sides]
+                    )
     for (sun, target, kind), pairs in found.items():
         mine_s, other_s = (statistics.median(side) for side in zip(*pairs))
-        print(f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, ratio {told(pairs)}")
+        print(
+            f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, ratio {told(pairs)}"
+        )
         if sun != OWN_SUN and OWN_SUN in arguments.suns:
             own_pairs = [(mine, other) for (mine, _), (_, other) in zip(pairs, found[OWN_SUN, target, kind])]
             print(f"{'':6} by what Cycles takes under the scene's own sun: {told(own_pairs)}")

@@ -24,7 +24,11 @@ def image(rows, columns):
     and evenly between."""
     down = numpy.pi * numpy.arange(rows)[:, None] / (rows - 1)
     across = 2 * numpy.pi * ((numpy.arange(columns)[None, :] + 0.5) / columns - 0.5)
-    x, y, z = numpy.sin(down) * numpy.sin(across), numpy.cos(down) + 0 * across, -numpy.sin(down) * numpy.cos(across)
+    x, y, z = (
+        numpy.sin(down) * numpy.sin(across),
+        numpy.cos(down) + 0 * across,
+        -numpy.sin(down) * numpy.cos(across),
+    )
     sun = numpy.exp(80.0 * (0.48 * x + 0.6 * y - 0.64 * z - 1.0))
     sky = [0.5 + 0.2 * x + 20.0 * sun, 0.6 + 0.2 * y + 16.0 * sun, 0.9 + 0.3 * z + 12.0 * sun]
     return numpy.stack(sky, -1).astype(numpy.float32)
@@ -44,7 +48,10 @@ def square(middle, turn_x_deg, half, material):
 
 
 def matte(reflectance):
-    return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": reflectance}}}
+    return {
+        "type": "twosided",
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": reflectance}},
+    }
 
 
 def scene(kind, with_fog):
