@@ -70,7 +70,8 @@ def main():
         print(f"{finding.severity.lower()}{finding}")
     ratio, blocks = ours.mean() / theirs.mean(), sorted(ratios_of_blocks(ours, theirs))
     print(
-        f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to {blocks[-1]:.4f}"
+        f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to "
+        f"{blocks[-1]:.4f}"
     )
     if arguments.picture:
         three = numpy.concatenate([ours, theirs, 10.0 * numpy.abs(ours - theirs)], axis=1)

@@ -236,7 +236,8 @@ def compare(arguments, folder):
     views = [own if sun == OWN_SUN else View.under(sun, own, ours) for sun in arguments.suns]
     height, width = own.reference.shape[:2]
     print(
-        f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: {arguments.sunfleck_threads or arguments.threads}"
+        f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: "
+        f"{arguments.sunfleck_threads or arguments.threads}"
     )
     print(f"{'sun':6} {'':9} {'samples':>8} {'seed':>5} {'RMSE':>9} {'CPU s':>9}")
     found = {}
@@ -250,7 +251,8 @@ def compare(arguments, folder):
     for (sun, target, kind), pairs in found.items():
         mine_s, other_s = (statistics.median(side) for side in zip(*pairs))
         print(
-            f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, ratio {told(pairs)}"
+            f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, "
+            f"ratio {told(pairs)}"
         )
         if sun != OWN_SUN and OWN_SUN in arguments.suns:
             own_pairs = [(mine, other) for (mine, _), (_, other) in zip(pairs, found[OWN_SUN, target, kind])]

@@ -248,17 +248,21 @@ def main():
         )
         their_time, noise = (time_one + time_two) / 2.0, rms(one, two) / math.sqrt(2.0)
     print(
-        f"{arguments.input}, frame {arguments.frame}, {arguments.size}; mean by Cycles over mean here: {(one + two).mean() / 2.0 / mean:.4f}"
+        f"{arguments.input}, frame {arguments.frame}, {arguments.size}; mean by Cycles over mean here: "
+        f"{(one + two).mean() / 2.0 / mean:.4f}"
     )
     print(
-        f"sunfleck  {arguments.samples:5} samples: relative RMSE {rms(mine, reference):.4f}, {my_time:.2f} CPU s"
+        f"sunfleck  {arguments.samples:5} samples: relative RMSE {rms(mine, reference):.4f}, {my_time:.2f} "
+        "CPU s"
     )
     print(
-        f"Cycles    {arguments.cycles_samples:5} samples: relative RMSE {rms(one, reference):.4f} ({noise:.4f} by two seeds), {their_time:.2f} CPU s"
+        f"Cycles    {arguments.cycles_samples:5} samples: relative RMSE {rms(one, reference):.4f} "
+        f"({noise:.4f} by two seeds), {their_time:.2f} CPU s"
     )
     factor = (noise / rms(mine, reference)) ** 2
     print(
-        f"at our error Cycles takes {arguments.cycles_samples * factor:.0f} samples, {their_time * factor:.1f} CPU s (extrapolated)"
+        f"at our error Cycles takes {arguments.cycles_samples * factor:.0f} samples, "
+        f"{their_time * factor:.1f} CPU s (extrapolated)"
     )
     print(f"ratio: {their_time * factor / my_time:.1f}")
 

@@ -46,7 +46,8 @@ def contact_sheet(pictures: Iterable[Shown], counts: Sequence[int], columns: int
     rows = sum(ceil(one / columns) for one in counts)
     if rows * step_y * columns * step_x > LARGEST_SHEET:
         raise ToolError(
-            f"{count} frames of {width}x{height} pixels are no sheet: choose a smaller --width, or fewer --frames"
+            f"{count} frames of {width}x{height} pixels are no sheet: choose a smaller --width, or fewer "
+            "--frames"
         )
     sheet = np.full((GAP + rows * step_y, GAP + columns * step_x, 3), BACKGROUND, np.uint8)
     faults, places = [], _places(counts, columns)

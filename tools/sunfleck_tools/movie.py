@@ -111,7 +111,8 @@ def check_ending(out: Path) -> None:
         raise ToolError(f"{out} is no name of a movie: expected one that ends in {', '.join(ENDINGS)}")
     if ending in BY_FFMPEG and ending != ".webp" and shutil.which("ffmpeg") is None:
         raise ToolError(
-            f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, OUT.png"
+            f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, "
+            "OUT.png"
         )
 
 

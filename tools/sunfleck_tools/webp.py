@@ -34,7 +34,8 @@ class Webp:
         self._bytes += pixels.nbytes
         if self._bytes > MOST_BYTES:
             raise ToolError(
-                f"{len(self._pictures)} frames of this size are all that Pillow can hold: choose a smaller --width, or install ffmpeg"
+                f"{len(self._pictures)} frames of this size are all that Pillow can hold: choose a smaller "
+                "--width, or install ffmpeg"
             )
         self._pictures.append(Image.fromarray(pixels))
 

@@ -104,7 +104,8 @@ def main() -> None:
     alone = spent["decoding alone"]
     for name, total in spent.items():
         print(
-            f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, {total / alone:.2f})"
+            f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, "
+            f"{total / alone:.2f})"
         )
 
 

@@ -97,13 +97,16 @@ def report_flicker(folder: Path) -> None:
     print(f"{FRAMES} frames of {SIZE}; nothing moves in {100 * np.mean(shares):.0f} % of the pixels")
     worst, most = 2 + int(np.argmax(ratios)), 2 + int(np.argmax(changes))
     print(
-        f"second difference of still pixels over their sampling error: median {np.median(ratios):.3f}, largest {max(ratios):.3f} (frame {worst})"
+        f"second difference of still pixels over their sampling error: median {np.median(ratios):.3f}, "
+        f"largest {max(ratios):.3f} (frame {worst})"
     )
     print(
-        f"of its square common to both seeds: median {100 * np.median(changes):.1f} %, largest {100 * max(changes):.1f} % (frame {most})"
+        f"of its square common to both seeds: median {100 * np.median(changes):.1f} %, largest "
+        f"{100 * max(changes):.1f} % (frame {most})"
     )
     print(
-        f"second difference of the still pixels' mean light: median {np.median(means):.1e}, largest {max(means):.1e} of it"
+        f"second difference of the still pixels' mean light: median {np.median(means):.1e}, largest "
+        f"{max(means):.1e} of it"
     )
 
 
@@ -163,10 +166,12 @@ def report_leaves() -> bool:
     angles = np.arccos(np.clip(0.5 * (np.trace(between, axis1=2, axis2=3) - 1.0), -1.0, 1.0)) * 24.0
     flying = speeds > 0.02
     print(
-        f"{len(leaves)} leaves that fall, {flying.sum(axis=0).mean():.0f} of them in the air at a time; {hidden} can be hidden"
+        f"{len(leaves)} leaves that fall, {flying.sum(axis=0).mean():.0f} of them in the air at a time; "
+        f"{hidden} can be hidden"
     )
     print(
-        f"fastest {speeds.max():.2f} m/s, change of speed at most {accelerations.max():.0f} m/s2, fastest turn {angles.max():.0f} rad/s"
+        f"fastest {speeds.max():.2f} m/s, change of speed at most {accelerations.max():.0f} m/s2, fastest "
+        f"turn {angles.max():.0f} rad/s"
     )
 
     squares, lowest, who = ground_heights(scene, meshes), np.inf, ""
@@ -184,7 +189,8 @@ def report_leaves() -> bool:
 
     together, apart = most_alike(steps, angles, flying, 0), most_alike(steps, angles, flying, ALIKE_FRAMES)
     print(
-        f"the two most alike for {ALIKE_FRAMES} frames: {100 * together:.0f} % of their spread apart; at different times: {100 * apart:.0f} %"
+        f"the two most alike for {ALIKE_FRAMES} frames: {100 * together:.0f} % of their spread apart; at "
+        f"different times: {100 * apart:.0f} %"
     )
     return bool(
         hidden == 0

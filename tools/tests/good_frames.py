@@ -33,9 +33,11 @@ RENDERS = {
     ),
     "i_conventions.glb": (f"{BLENDER}/i_conventions.glb", "--samples", "4"),
     "a_leaves40_scene.glb": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "8"),
-    "a_leaves40_scene.glb, motion blur": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "16", "--shutter", "0.5"),
+    "a_leaves40_scene.glb, motion "
+    "blur": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "16", "--shutter", "0.5"),
     "e_inst_default.glb": (f"{BLENDER}/e_inst_default.glb", "--samples", "4"),
-    "h_lights_pointer_scene.glb, which fades to black": (f"{BLENDER}/h_lights_pointer_scene.glb", "--samples", "4"),
+    "h_lights_pointer_scene.glb, which fades to "
+    "black": (f"{BLENDER}/h_lights_pointer_scene.glb", "--samples", "4"),
 }  # fmt: skip
 """Small pictures of few samples: the noisier, the harder to tell from damage."""
 

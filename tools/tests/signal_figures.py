@@ -56,7 +56,8 @@ def main() -> None:
         f"{code} {count} times" for code, count in sorted(Counter(code for _, code in ends).items())
     )
     print(
-        f"{moments} signals: median {middle:.0f} ms, 99 % within {most:.0f}, worst {worst:.0f}; {np.count_nonzero(took_ms > 100)} over 100 ms"
+        f"{moments} signals: median {middle:.0f} ms, 99 % within {most:.0f}, worst {worst:.0f}; "
+        f"{np.count_nonzero(took_ms > 100)} over 100 ms"
     )
     print(f"exit codes {codes}; {len(left)} part files left")
 

@@ -30,7 +30,8 @@ class Report(unittest.TestCase):
             self.assertEqual(run("validate", folder, "--html", page)[0], 1)
             browser.open(page)
             pictures = browser.evaluate(
-                "Promise.all([...document.images].map(image => image.decode().then(() => [image.naturalWidth, image.alt])))"
+                "Promise.all([...document.images].map(image => image.decode().then(() => "
+                "[image.naturalWidth, image.alt])))"
             )
             self.assertEqual(len(pictures), 10)
             self.assertTrue(all(width > 16 and alt.startswith("frame ") for width, alt in pictures), pictures)

@@ -80,7 +80,8 @@ class Measures(unittest.TestCase):
     def test_what_cannot_be_compared_says_why(self):
         reference = write(self.folder / "r.exr", [1, 2, 3, 4])
         for output, why in (
-            (write(self.folder / "size.exr", [1, 2, 3, 4], full=5), "the pictures differ in size: 5x1 against 4x1 pixels"),
+            (write(self.folder / "size.exr", [1, 2, 3, 4], full=5), "the pictures differ in size: 5x1 "
+                                                                    "against 4x1 pixels"),
             (write(self.folder / "names.exr", [1, 2, 3, 4], names="XYZ"), "no channel in common"),
         ):
             self.assertIn(why, self.compared(output, reference).fault)

@@ -182,7 +182,8 @@ class Corpora(unittest.TestCase):
             program, report = Path(folder) / "program", Path(folder) / "report.json"
             # The second file's program ends the command that tries it.
             program.write_text(
-                f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} \"$@\"\n"
+                f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} "
+                "\"$@\"\n"
             )
             program.chmod(0o755)
             command = [

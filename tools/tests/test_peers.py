@@ -173,8 +173,10 @@ def _is_there(package: str) -> bool:
 LAMPS = {
     "point": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0))",
     "sphere": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0), radius_m: 0.05)",
-    "spot": "Spot(position_m: (1.5, 2.5, 0.8), target_m: (0, 0, 0), outer_deg: 25, blend: 0, intensity_w_per_sr: 12)",
-    "rectangle": "Rectangle(position_m: (-1.5, 2.2, 0.5), target_m: (0, 0.3, 0), width_m: 1, height_m: 0.5, power_w: 20)",
+    "spot": "Spot(position_m: (1.5, 2.5, 0.8), target_m: (0, 0, 0), outer_deg: 25, blend: 0, "
+            "intensity_w_per_sr: 12)",
+    "rectangle": "Rectangle(position_m: (-1.5, 2.2, 0.5), target_m: (0, 0.3, 0), width_m: 1, height_m: 0.5, "
+                 "power_w: 20)",
     "disc": "Disc(position_m: (1.5, 2.2, 0.5), target_m: (0, 0.3, 0), diameter_m: 0.6, power_w: 20)",
     "sun": "Sun(to_sun: (0.4, 1, 0.6), irradiance_w_per_m2: (3, 2.5, 2), angular_diameter_deg: 8)",
 }
@@ -203,7 +205,8 @@ TEXTURED = """Scene(
 SUN = 'lights: { "sun": Sun(to_sun: (0.3, 0.5, 1), irradiance_w_per_m2: 4) },'
 SKIES = {
     "constant": "sky: Constant(radiance_w_per_m2_sr: (0.6, 0.8, 1)),",
-    "gradient": "sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.35, 0.8), horizon_w_per_m2_sr: (0.8, 0.85, 0.9), ground_w_per_m2_sr: 0.3),",
+    "gradient": "sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.35, 0.8), horizon_w_per_m2_sr: (0.8, 0.85, 0.9), "
+                "ground_w_per_m2_sr: 0.3),",
     "image": 'sky: Image(image: "marked.exr", rotation_deg: 50, strength_w_per_m2_sr: (1, 2, 0.5)),',
 }
 FOG = '"haze": (min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.12, anisotropy: 0.4)'

@@ -136,11 +136,15 @@ class Passes(WithFolder):
             ("R diffuse.R ViewLayer.Combined.G albedo.R Y error.Y transmission.red", Kind.LIGHT),
             ("A diffuse.A ViewLayer.Combined.a", Kind.ALPHA),
             ("pointlight.R grid.R solid.G nearest.B zone.R", Kind.LIGHT),
-            ("Z depth.Z ViewLayer.Depth.Z zDepth.R ZBack Pz ViewLayer.Mist.Z depth.V Z-Depth.R camera_depth.R", Kind.DEPTH),
-            ("bumpNormals.R Shading-Normal.G WorldPosition.B Motion-Vector.R optical_flow.R ViewLayer.Denoising-Normal.X", Kind.DATA),
+            ("Z depth.Z ViewLayer.Depth.Z zDepth.R ZBack Pz ViewLayer.Mist.Z depth.V Z-Depth.R "
+             "camera_depth.R", Kind.DEPTH),
+            ("bumpNormals.R Shading-Normal.G WorldPosition.B Motion-Vector.R optical_flow.R "
+             "ViewLayer.Denoising-Normal.X", Kind.DATA),
             ("Object-ID.R material_index.R Cryptomatte-Object00.R renderId", Kind.ID),
-            ("N.X P.Z Normal.X Position.Y motionvector.X velocity.R ViewLayer.Vector.W uv.R Nn.x __Pworld.x forward.u RY", Kind.DATA),
-            ("leaf_id.X ID ViewLayer.IndexOB.X ViewLayer.CryptoObject00.r crypto_asset01.B object_id.R primId", Kind.ID),
+            ("N.X P.Z Normal.X Position.Y motionvector.X velocity.R ViewLayer.Vector.W uv.R Nn.x __Pworld.x "
+             "forward.u RY", Kind.DATA),
+            ("leaf_id.X ID ViewLayer.IndexOB.X ViewLayer.CryptoObject00.r crypto_asset01.B object_id.R "
+             "primId", Kind.ID),
         ):
             for name in names.split():
                 self.assertIs(kind(name), expected, name)

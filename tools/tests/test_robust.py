@@ -74,7 +74,8 @@ class Streams(WithFolder):
         for number in range(3, 13):
             (good / f"leaf.{number:04d}.exr").unlink()
         for line, code in (
-            (f"T validate {good} 2>&-", 0), (f"T validate {good} >&- 2>&- <&-", 0), (f"T validate {BAD} >&- 2>&- <&-", 1),
+            (f"T validate {good} 2>&-", 0), (f"T validate {good} >&- 2>&- "
+                                             "<&-", 0), (f"T validate {BAD} >&- 2>&- <&-", 1),
             (f"T validate {good} 2>/dev/full", 0), (f"T validate {BAD} | true", 1), (f"T validate {good} 2>&1 >/dev/null | true", 0),
             (f"T validate {good} >/dev/full", 4), (f"T validate {BAD} >/dev/full", 1), (f"T validate {good}/none 2>/dev/full", 4),
         ):  # fmt: skip

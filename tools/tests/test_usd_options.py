@@ -45,8 +45,10 @@ class Clock(LookCase):
 
     def test_samples_within_references_are_shifted(self):
         (self.folder / "mover.usda").write_text(
-            '#usda 1.0\n(\n    defaultPrim = "a"\n)\ndef Xform "a"\n{\n    double3 xformOp:translate.timeSamples = '
-            '{ 1: (0,0,0), 4: (3,0,0) }\n    uniform token[] xformOpOrder = ["xformOp:translate"]\n    def Camera "c"\n    {\n    }\n}\n'
+            '#usda 1.0\n(\n    defaultPrim = "a"\n)\ndef Xform "a"\n{\n    double3 '
+            'xformOp:translate.timeSamples = '
+            '{ 1: (0,0,0), 4: (3,0,0) }\n    uniform token[] xformOpOrder = ["xformOp:translate"]\n    def '
+            'Camera "c"\n    {\n    }\n}\n'
         )
         stage = self.stage()
         stage.ClearMetadata("startTimeCode")
@@ -184,7 +186,8 @@ class Missing(LookCase):
         ):
             path = self.folder / f"part_{len(list(self.folder.iterdir()))}.usda"
             path.write_text(
-                f'#usda 1.0\n(\n    subLayers = [@./no_layer.usda@]\n)\ndef Xform "a" ({arc})\n{{\n}}\ndef Camera "b"\n{{\n}}\n'
+                f'#usda 1.0\n(\n    subLayers = [@./no_layer.usda@]\n)\ndef Xform "a" ({arc})\n{{\n}}\ndef '
+                f'Camera "b"\n{{\n}}\n'
             )
             imported = import_usd(path, self.folder / "out.glb")
             self.assertEqual(imported.counts["cameras"], 1)

@@ -18,7 +18,8 @@ from .test_validation import run
 class Refusals(ImportCase):
     def test_what_does_not_hold_together(self):
         for text, said in (
-            ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    }\n}\n', "Cycle"),
+            ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    '
+             '}\n}\n', "Cycle"),
             ('def Xform "a" (sublayers = 3)\n', "is no stage"),
         ):
             path = self.folder / "bad.usda"

@@ -46,7 +46,8 @@ class Beside(unittest.TestCase):
                 ratio = ours.mean() / theirs.mean()
                 said = " ".join(finding.id for finding in findings)
                 print(
-                    f"{name:28} {theirs.mean():9.5f} {ratio:9.5f} {time.perf_counter() - begun:6.1f} s  {said}",
+                    f"{name:28} {theirs.mean():9.5f} {ratio:9.5f} {time.perf_counter() - begun:6.1f} s  "
+                    f"{said}",
                     flush=True,
                 )
                 self.assertLess(abs(ratio - 1.0), bar, name)

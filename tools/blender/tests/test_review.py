@@ -119,7 +119,8 @@ class Review(unittest.TestCase):
         source = self.folder / "sky.ron"
         for sky in (
             "Constant(radiance_w_per_m2_sr: (0.4, 0.2, 0.1))",
-            "Gradient(zenith_w_per_m2_sr: (0.2, 0.3, 0.8), horizon_w_per_m2_sr: (0.8, 0.7, 0.9), ground_w_per_m2_sr: 0.1)",
+            "Gradient(zenith_w_per_m2_sr: (0.2, 0.3, 0.8), horizon_w_per_m2_sr: (0.8, 0.7, 0.9), "
+            "ground_w_per_m2_sr: 0.1)",
         ):
             source.write_text(f"Scene(version: 1, meshes: {scene}, sky: {sky})")
             self.open(source, has_world=True)

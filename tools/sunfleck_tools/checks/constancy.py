@@ -123,7 +123,8 @@ def ends_early(rendered: Rendered) -> Iterator[Found]:
     if is_first_there != is_last_there:
         lost = f"after {numbers[-1]}" if is_first_there else f"before {numbers[0]}"
         yield Found(
-            f"the scene's frames are {first}-{last}, and none {lost} is there: say by --frames if that is right"
+            f"the scene's frames are {first}-{last}, and none {lost} is there: say by --frames if that is "
+            "right"
         )
 
 

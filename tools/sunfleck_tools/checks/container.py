@@ -107,7 +107,8 @@ def file_hash(frame: Frame) -> Iterator[Found]:
     elif hashes[0] != hashes[1]:
         said, has = hashes
         yield Found(
-            f"the file's hash is {has[:12]}..., its header says {said[:12]}...: it is damaged, or saved by another program"
+            f"the file's hash is {has[:12]}..., its header says {said[:12]}...: it is damaged, or saved by "
+            "another program"
         )
 
 

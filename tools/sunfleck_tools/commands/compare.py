@@ -20,7 +20,8 @@ from . import FINDINGS, OK, looks
 from .arguments import count, limit, positive, share_limit
 
 LIMITS = {
-    "--max-rmse": "root mean square error: of the colour, and of every other channel; or of those named, such as diffuse.*=0.01",
+    "--max-rmse": "root mean square error: of the colour, and of every other channel; or of those named, "
+                  "such as diffuse.*=0.01",
     "--max-relmse": "relative mean square error, likewise",
     "--max-error": "difference of a value, likewise",
 }

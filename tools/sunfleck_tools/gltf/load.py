@@ -54,7 +54,8 @@ def load(
     found = find_program(program)
     if found is None:
         raise SceneError(
-            f"{source}: needs the program sunfleck{why}, and there is none: give --sunfleck, set SUNFLECK, or put it on the PATH"
+            f"{source}: needs the program sunfleck{why}, and there is none: give --sunfleck, set SUNFLECK, "
+            "or put it on the PATH"
         )
     with tempfile.TemporaryDirectory() as folder:
         exported = Path(folder) / "scene.glb"

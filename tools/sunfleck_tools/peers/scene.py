@@ -110,7 +110,8 @@ class _Reader:
         sky = read_background(self.gltf)
         if not (lights or sky) or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
             raise SceneError(
-                f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of fog"
+                f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of "
+                "fog"
             )
         world_from_camera, fov_y_rad = self._camera(cameras)
         return PeerScene(
@@ -199,7 +200,8 @@ class _Reader:
         beyond += ["alphaMode"] if source.text_at("alphaMode", "OPAQUE") != "OPAQUE" else []
         if beyond:
             self.notes.append(
-                f"{source.path}: other renderers get a matte surface of its base colour, without {', '.join(beyond)}"
+                f"{source.path}: other renderers get a matte surface of its base colour, without "
+                f"{', '.join(beyond)}"
             )
         color, info = shading.member("baseColorFactor"), shading.member("baseColorTexture")
         texture = None if info is None else read_texture(self.gltf, info)

@@ -40,7 +40,8 @@ def html_report(report: Report) -> str:
     sections = "".join(_sequence(checked, number) for number, checked in enumerate(report.sequences, 1))
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{STYLE}</style></head>\n<body>{sections}</body></html>\n'
+        f'<meta name="viewport" '
+        f'content="width=device-width"><style>{STYLE}</style></head>\n<body>{sections}</body></html>\n'
     )
 
 

@@ -61,7 +61,8 @@ class Geometry:
                 codes = sampler.codes(*bending.curves)
                 if len(codes) * primitive.positions.nbytes > MOST_BYTES:
                     raise SceneError(
-                        f"mesh `{mesh.name}` bends for {len(codes)} frames: that is too much; export fewer frames"
+                        f"mesh `{mesh.name}` bends for {len(codes)} frames: that is too much; export fewer "
+                        "frames"
                     )
                 _write_points(prim, *thinned(codes, bending.positions(primitive, sampler.seconds(codes))))
             if primitive.normals is not None and bending is None:

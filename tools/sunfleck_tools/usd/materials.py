@@ -64,7 +64,8 @@ class Materials:
         prim.remember(ours)
         if any(name in ours for name in OURS):
             self.lost.append(
-                "light through leaves, filters and mirrors are kept as custom data alone: UsdPreviewSurface has no word for it"
+                "light through leaves, filters and mirrors are kept as custom data alone: UsdPreviewSurface "
+                "has no word for it"
             )
         return prim
 

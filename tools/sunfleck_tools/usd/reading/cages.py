@@ -187,7 +187,8 @@ def _cage(
     if len(lengths):
         if (lengths < 2).any() or lengths.sum() != len(chain):
             raise SceneError(
-                f"{prim.GetPath()}: creaseLengths ask for {lengths.sum()} points, creaseIndices have {len(chain)}"
+                f"{prim.GetPath()}: creaseLengths ask for {lengths.sum()} points, creaseIndices have "
+                f"{len(chain)}"
             )
         last = np.zeros(len(chain), bool)
         last[np.cumsum(lengths) - 1] = True

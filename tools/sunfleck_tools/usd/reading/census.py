@@ -32,8 +32,10 @@ class Census:
         self._found += self._instances(prim, 0)
         if self._found > MOST_INSTANCES:
             raise TooMuch(
-                f"{prim.GetPath()}: with it there are {self._found} instances, those within others multiplied; "
-                f"a file holds {MOST_INSTANCES}: make it smaller or inactive, or read parts of the stage by --mask"
+                f"{prim.GetPath()}: with it there are {self._found} instances, those within others "
+                "multiplied; "
+                f"a file holds {MOST_INSTANCES}: make it smaller or inactive, or read parts of the stage by "
+                "--mask"
             )
 
     def _instances(self, prim: Usd.Prim, depth: int) -> int:

@@ -76,7 +76,8 @@ class _Reader:
         here = len(self.instancer.GetProtoIndicesAttr().Get(self.source.first) or ())
         if here * len(self.codes) > MOST_MOMENTS:
             raise TooMuch(
-                f"{self.prim.GetPath()}: {here} instances that change at {len(self.codes)} times are more than "
+                f"{self.prim.GetPath()}: {here} instances that change at {len(self.codes)} times are more "
+                "than "
                 f"{MOST_MOMENTS} places: read fewer frames by --frames"
             )
         moments = [self._moment(code) for code in self.codes.tolist()]
@@ -153,7 +154,8 @@ class _Reader:
         if len(numbers) and (numbers.min() < 0 or numbers.max() >= len(self.prototypes)):
             return (
                 *_nobody(),
-                f"protoIndices go from {numbers.min()} to {numbers.max()}, of {len(self.prototypes)} prototypes",
+                f"protoIndices go from {numbers.min()} to {numbers.max()}, of {len(self.prototypes)} "
+                "prototypes",
             )
         placed = self._places(code)
         if len(placed) != len(numbers):

@@ -32,7 +32,8 @@ KINDS = {
     "usd-material-approximated": "a surface of which only the most important inputs are taken",
     "usd-material-input": "an input of a material that is not carried",
     "usd-material-value": "an input of a material, or a colour of a mesh, that is none that can be",
-    "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights other things by indirect light alone",
+    "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights other things by indirect "
+                      "light alone",
     "usd-missing": "a layer or a prim that the stage refers to and that is not there",
     "usd-normal-map": "a normal map that does not say how it is to be read",
     "usd-prim": "a prim that cannot be read, and is left out",

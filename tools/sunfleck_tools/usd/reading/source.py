@@ -128,7 +128,8 @@ def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice:
     choices = sets.GetVariantSet(set_name).GetVariantNames()
     if choice not in choices:
         raise SceneError(
-            f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has {', '.join(choices)}"
+            f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has "
+            f"{', '.join(choices)}"
         )
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         sets.GetVariantSet(set_name).SetVariantSelection(choice)
