@@ -1,4 +1,5 @@
-//! Builds a scene in code, renders it with passes and writes what it sees: `cargo run --release --example scene_in_code [FOLDER]`.
+//! Builds a scene in code, renders it with passes and writes what it sees:
+//! `cargo run --release --example scene_in_code [FOLDER]`.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -1,4 +1,5 @@
-//! A camera goes around a leaf while a bar shows how far it is: `cargo run --release --example turntable [FOLDER]`.
+//! A camera goes around a leaf while a bar shows how far it is:
+//! `cargo run --release --example turntable [FOLDER]`.
 #![allow(clippy::print_stdout)]
 
 use indicatif::{ProgressBar, ProgressStyle};

@@ -1,4 +1,5 @@
-//! Walks a glTF scene through time and says where things are and how bright it is: `cargo run --release --example walk_gltf [FOLDER [FILE.glb]]`.
+//! Walks a glTF scene through time and says where things are and how bright it is:
+//! `cargo run --release --example walk_gltf [FOLDER [FILE.glb]]`.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

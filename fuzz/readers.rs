@@ -1,5 +1,6 @@
-//! Bytes in, nothing out: each function gives them to one reader, and what it makes of them, if it takes
-//! them, to the renderer. Invariant: whatever the bytes, it comes back. tests/library/fuzzed.rs repeats what was found.
+//! Bytes in, nothing out: each function gives them to one reader, and what it makes of them, if it
+//! takes them, to the renderer. Invariant: whatever the bytes, it comes back. tests/library/fuzzed.rs
+//! repeats what was found.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;

@@ -1,11 +1,12 @@
-//! Sunfleck turns a keyframed description of falling leaves into EXR frames whose volumetric
-//! shadows are integrated exactly along each ray.
+//! Sunfleck turns a keyframed description of falling leaves into EXR frames. Their volumetric shadows are
+//! integrated exactly along each ray.
 //!
 //! # A frame
 //!
-//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds arrays with names, shapes and
-//! units. All three are whole: what a file asks for and is not honoured is in [`Scene::warnings`], what cannot be rendered is
-//! an error with a remedy, and a pass that was asked for has its values.
+//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds
+//! arrays with names, shapes and units. All three are whole. What a file asks for and is not
+//! honoured is in [`Scene::warnings`]. What cannot be rendered is an error with a remedy. A pass
+//! that was asked for has its values.
 //!
 //! ```
 //! use sunfleck::{Pass, Renderer, Scene};
@@ -31,8 +32,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Scene::builder`] makes a scene in code; `examples/` has one, a walk through a glTF file's time, and a turntable. Rendering
-//! takes the threads of the rayon pool that it is called on; no picture depends on their number.
+//! [`Scene::builder`] makes a scene in code. `examples/` has one, a walk through a glTF file's time,
+//! and a turntable. Rendering takes the threads of the rayon pool that it is called on; no picture
+//! depends on their number.
 //!
 //! # The story in ten lines
 //!
@@ -45,22 +47,26 @@
 //! 5. `scattering` knows what matter does to light: phase functions, optical depth, surfaces.
 //! 6. `transport` turns a ray into a colour: surface light times transmittance, plus the shafts.
 //! 7. `film` turns samples into pixels and passes.
-//! 8. `render` is the one loop that joins transport and film; `scanline` draws a frame without rays or shadows, in moments.
-//! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this face, and plans what a frame needs.
-//! 10. `export` writes a scene as glTF. `sequence` decides which frames, `bench` measures error against time; `cli` is what a user types.
+//! 8. `render` is the one loop that joins transport and film; `scanline` draws a frame without rays or
+//!    shadows, in moments.
+//! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this face, and plans
+//!    what a frame needs.
+//! 10. `export` writes a scene as glTF. `sequence` decides which frames, `bench` measures error against time;
+//!     `cli` is what a user types.
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 //!
 //! # Wording
 //!
-//! Transforms are named target first: `world_from_leaf` takes a leaf's points to the world. *Mesh*, *node*, *world* and
-//! *camera* are the spaces of a file; *relative* has the world's axes and the camera at its origin, and is the only one
-//! below `snapshot`. Units are metres, seconds and radians unless the name ends in another (`_deg`, `_per_m`).
-//! *Radiance* is W/(m² sr) in linear Rec. 709, *irradiance* W/m², *intensity* W/sr. A *medium* is all the fog there is;
-//! its `sigma_t` is what it takes from light in a metre, `tau` the optical depth of a stretch, `beta` the light that
-//! reaches a point in spite of both. *Shafts* are light scattered in the fog towards the eye. A *pass* is a picture
-//! beside the *beauty*; a *channel* is what EXR stores of it. A *sampler* gives low-discrepancy points, nothing else.
-//! *Exact* means that visibility is found from the geometry in closed form (docs/decisions/exactness.md).
+//! Transforms are named target first: `world_from_leaf` takes a leaf's points to the world. *Mesh*, *node*,
+//! *world* and *camera* are the spaces of a file. *Relative* space has the world's axes and the camera at its
+//! origin; below `snapshot` it is the only one. Units are metres, seconds and radians unless the name ends in
+//! another (`_deg`, `_per_m`). *Radiance* is W/(m² sr) in linear Rec. 709, *irradiance* W/m², *intensity*
+//! W/sr. A *medium* is all the fog there is. Its `sigma_t` is what it takes from light in a metre, `tau` the
+//! optical depth of a stretch. `beta` is the light that reaches a point in spite of both. *Shafts* are light
+//! scattered in the fog towards the eye. A *pass* is a picture beside the *beauty*; a *channel* is what EXR
+//! stores of it. A *sampler* gives low-discrepancy points, nothing else. *Exact* means that visibility is
+//! found from the geometry in closed form (docs/decisions/exactness.md).
 
 // What tests alone look at is no face, and stands where it belongs.
 #![cfg_attr(not(feature = "internals"), allow(dead_code, unreachable_pub, unused_imports))]

@@ -1,9 +1,9 @@
-//! The passes: pictures that a frame can hold beside its beauty. In goes a name, out come channels and how pixels are filtered.
-//! Invariant: everything that differs from pass to pass stands in one row of one table, but for the value itself
-//! (`film/pass_value.rs`).
+//! The passes: pictures that a frame can hold beside its beauty. In goes a name, out come channels and how
+//! pixels are filtered. Invariant: everything that differs from pass to pass stands in one row of one table,
+//! but for the value itself (`film/pass_value.rs`).
 //!
-//! Names and types are those that Blender 5 shows as Depth, Normal, Position and Vector; a layer has one name and no nested
-//! dots.
+//! Names and types are those that Blender 5 shows as Depth, Normal, Position and Vector; a layer has one
+//! name and no nested dots.
 
 use serde::Deserialize;
 
@@ -21,7 +21,8 @@ pub enum Precision {
 pub enum PixelRule {
     /// The weighted mean; a sample that shows no surface counts as the background.
     Mean,
-    /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface; Cycles does the same.
+    /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface;
+    /// Cycles does the same.
     Nearest,
     /// How much of it each id covers.
     Ranked,

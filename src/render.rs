@@ -60,8 +60,8 @@ pub struct Job {
 pub enum Method {
     /// Slices or segments, whichever is cheaper for the frame.
     Auto,
-    /// On epipolar slices, each solved as a whole, exactly; a picture for each light, added up. Segments where the camera has
-    /// no slices.
+    /// On epipolar slices, each solved as a whole, exactly; a picture for each light, added up. Segments
+    /// where the camera has no slices.
     Slices,
     /// Rays in each pixel, a single one at its centre; light in fog is exact along each.
     Segments,
@@ -193,7 +193,8 @@ impl Job {
         }
     }
 
-    /// All of it, as the hash in frames has it: written out, so that a name in the source can change and frames are still known.
+    /// All of it, as the hash in frames has it: written out, so that a name in the source can change and
+    /// frames are still known.
     pub fn hashed(&self) -> String {
         let Self { size, window, passes, sampling, filter, seed, mirror_depth, bounces, method } = self;
         let Transport { volume, features, .. } = self.transport(None);
@@ -261,8 +262,8 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     sum.finish(job, &survey, grid_error.as_ref())
 }
 
-/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights anything and indirect light
-/// does not have it already.
+/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights
+/// anything and indirect light does not have it already.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
     let lights = (0..exposure.middle().lights.len()).map(Component::Light);
     lights

@@ -1,4 +1,4 @@
-//! The directions of import and the place of `unsafe`, held by reading the source.
+//! The directions of import, the place of `unsafe` and the width of comments, held by reading the source.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -29,6 +29,9 @@ const ORDER: [&str; 22] = [
     "bench",
     "cli",
 ];
+
+/// As `max_width` in rustfmt.toml, which does not hold for comments.
+const MOST_COLUMNS: usize = 110;
 
 /// Lines a file may have; beyond that it holds more than one concept.
 const MOST_LINES: usize = 600;
@@ -98,7 +101,8 @@ fn code(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The paths that a file names: those that begin with `crate` or `super`, made absolute, as lists of segments.
+/// The paths that a file names: those that begin with `crate` or `super`, made absolute,
+/// as lists of segments.
 fn paths(file: &str, text: &str) -> Vec<Vec<String>> {
     let own = module_of(file);
     let code = code(text);
@@ -233,6 +237,25 @@ fn input_files_are_read_in_one_place() {
             assert!(allowed, "{file} opens files");
         }
     }
+}
+
+#[test]
+fn comments_keep_to_the_columns_of_code() {
+    let mut files = Vec::new();
+    for folder in ["src", "tests", "benches", "examples"] {
+        source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut files);
+    }
+    let mut comments = 0;
+    for file in files {
+        let text = fs::read_to_string(&file).expect("readable");
+        for (number, line) in (1..).zip(text.lines()) {
+            let is_comment = line.trim_start().starts_with("//");
+            let columns = line.chars().count();
+            comments += usize::from(is_comment);
+            assert!(!is_comment || columns <= MOST_COLUMNS, "{}:{number}: {columns} columns", file.display());
+        }
+    }
+    assert!(comments > 5_000, "comments are found: {comments}");
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! How long 20,000 falling leaves take from the file to their keys, baked and out of a store, and how many
-//! keys they have.
+//! How long 20,000 falling leaves take from the file to their keys, baked and out of a store. How
+//! many keys they have.
 
 use cpu_time::ProcessTime;
 use std::cell::RefCell;

@@ -17,7 +17,8 @@ struct Leaf {
     high: DVec3,
 }
 
-/// Prints how many pairs go through each other, in a file or in the scenes with the most leaves on the ground.
+/// Prints how many pairs go through each other, in a file or in the scenes with the most
+/// leaves on the ground.
 pub fn run(file: Option<&String>) {
     let shipped = ["autumn", "falling_leaves_long"]
         .map(|name| format!("{}/scenes/{name}/scene.ron", env!("CARGO_MANIFEST_DIR")));

@@ -1,5 +1,5 @@
-//! How long large glTF files take to be read and resolved, and how much memory: many animated nodes, and one mesh
-//! of many triangles. Each file is written here first, plain.
+//! How long large glTF files take to be read and resolved, and how much memory: many animated nodes, and one
+//! mesh of many triangles. Each file is written here first, plain.
 
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

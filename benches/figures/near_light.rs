@@ -1,5 +1,6 @@
-//! What a near light's lit parts cost, few and many, and how exact they are: one box of fog, a lamp in it,
-//! rays in all directions of a picture, every second of equal parts in shadow. One thread.
+//! What a near light's lit parts cost, few and many, and how exact they are. The scene is one box of
+//! fog with a lamp in it. Rays go in all directions of a picture, and every second of equal parts
+//! lies in shadow. One thread.
 
 use glam::{DAffine3, DVec3};
 use std::hint::black_box;

@@ -11,7 +11,8 @@ use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 
 const SIZE: Size = Size { width: 480, height: 270 };
 
-/// Both reference scenes: the fastest of `rounds` counts, by the processor's time of one thread, and by the clock with all.
+/// Both reference scenes: the fastest of `rounds` counts, by the processor's time of one thread, and
+/// by the clock with all.
 pub fn run(rounds: usize) {
     println!(
         "{} x {}, milliseconds a frame; by the clock with all threads: frames a second",

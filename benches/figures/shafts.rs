@@ -1,5 +1,5 @@
-//! What a sample costs: the ray, the light on its surface, the shafts by each method, and how far
-//! each method is from the exact one on the same rays. One thread, pixel centres.
+//! What a sample costs: the ray, the light on its surface, and the shafts by each method. How far each method
+//! is from the exact one on the same rays. One thread, pixel centres.
 
 use crate::inputs::{self, Named};
 use std::time::Instant;

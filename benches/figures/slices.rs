@@ -75,8 +75,8 @@ fn against_itself(scene: &Scene, rounds: usize) {
     table(&exposure, &reference, noise, &[1, 2, 4, 8, 16, 32], Method::Slices, rounds);
 }
 
-/// Prints CPU time and error for each number of samples, the time to the targets in between, and by slices the same for
-/// pictures of a tolerance.
+/// Prints CPU time and error for each number of samples, the time to the targets in between, and by slices
+/// the same for pictures of a tolerance.
 fn table(
     exposure: &Exposure,
     reference: &Frame,

@@ -1,5 +1,5 @@
-//! Rays against the boxes of a tree. In go a ray and a visitor, out come the leaves that it may meet, near ones first. Invariant:
-//! no box that the ray meets in exact arithmetic is left out.
+//! Rays against the boxes of a tree. In go a ray and a visitor, out come the leaves that it may meet, near
+//! ones first. Invariant: no box that the ray meets in exact arithmetic is left out.
 
 use super::{
     rounding::UNIT_ROUNDOFF,
@@ -79,7 +79,8 @@ pub(super) trait LeafVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
 }
 
-/// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a visit ended the query.
+/// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a
+/// visit ended the query.
 #[inline(always)]
 pub(super) fn visit_leaves<S: Simd>(
     simd: S,

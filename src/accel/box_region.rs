@@ -1,5 +1,6 @@
-//! Boxes of a tree against regions that affine functions bound. In go functions of position, out come the leaves that may hold
-//! something of the region. Invariant: a box is passed over only if nothing in it can, even after rounding, belong to the region.
+//! Boxes of a tree against regions that affine functions bound. In go functions of position, out come the
+//! leaves that may hold something of the region. Invariant: a box is passed over only if nothing in it can,
+//! even after rounding, belong to the region.
 
 use super::{
     block::Block,

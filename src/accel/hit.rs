@@ -1,4 +1,5 @@
-//! What rays meet. In goes nothing; these are the names that all answers use. Invariant: a hit's weights lie in the triangle.
+//! What rays meet. In goes nothing; these are the names that all answers use. Invariant: a hit's weights
+//! lie in the triangle.
 
 /// A triangle of a placed mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

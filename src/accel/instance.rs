@@ -1,5 +1,5 @@
-//! A mesh placed in a frame. In go the mesh and its place, out comes what queries need of both. Invariant: relative space; a mesh
-//! whose matrix is singular is no instance.
+//! A mesh placed in a frame. In go the mesh and its place, out comes what queries need of both. Invariant:
+//! relative space; a mesh whose matrix is singular is no instance.
 
 use super::mesh_tree::MeshTree;
 use super::wide_tree::WideTree;

@@ -1,4 +1,5 @@
-//! Which instructions there are. In goes a kernel, out comes its answer. Invariant: the answer is the same on every level.
+//! Which instructions there are. In goes a kernel, out comes its answer. Invariant: the answer is the
+//! same on every level.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
@@ -35,7 +36,8 @@ impl Level {
     }
 }
 
-/// Loops over slices that are worth compiling for the widest vectors there are. Everything below `run` has to be inlined into it, and no sum may depend on the width.
+/// Loops over slices that are worth compiling for the widest vectors there are. Everything below `run` has to
+/// be inlined into it, and no sum may depend on the width.
 pub trait Vectorized {
     /// Does it.
     fn run(self);

@@ -1,13 +1,13 @@
-//! Boxes in, answers out: which triangle a ray meets first, whether it meets any, and which parts of
-//! it lie in the shadow of a light. Invariant: answers are the same bits with and without SIMD.
+//! Boxes in, answers out: which triangle a ray meets first, whether it meets any, and which parts of it lie
+//! in the shadow of a light. Invariant: answers are the same bits with and without SIMD.
 //!
-//! A [`MeshTree`] is built once per mesh and shared; an [`InstanceTree`] places such meshes for one
-//! frame in *relative space*: world axes, with the origin at the camera, subtracted in double
-//! precision before anything is rounded. Inside, a query is re-centred once more on each instance it
-//! visits, so that single precision has to resolve a mesh, never a landscape.
+//! A [`MeshTree`] is built once per mesh and shared. An [`InstanceTree`] places such meshes for one frame in
+//! *relative space*: world axes, with the camera at the origin. The camera is subtracted in double precision
+//! before anything is rounded. Inside, a query is re-centred once more on each instance it visits. So single
+//! precision has to resolve a mesh, never a landscape.
 //!
-//! The kernels are written once over `simd::Lanes` and instantiated for AVX2 and for plain Rust;
-//! the processor is asked at run time (`level.rs`).
+//! The kernels are written once over `simd::Lanes` and instantiated for AVX2 and for plain Rust. The
+//! processor is asked at run time (`level.rs`).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -1,8 +1,8 @@
-//! Rays against trees and triangles. In: a ray in double precision; out: the nearest hit, or whether
+//! Rays against trees and triangles. In goes a ray in double precision, out comes the nearest hit, or whether
 //! there is one. Invariant: no ray slips between triangles that share an edge or a vertex.
 //!
-//! Candidates are found in single precision and settled in double precision, so a hit's distance is
-//! good to a few units in 1e16 and a ray that starts on a surface needs no offset.
+//! Candidates are found in single precision and settled in double precision. So a hit's distance is good to a
+//! few units in 1e16, and a ray that starts on a surface needs no offset.
 
 use super::{
     block::Block,

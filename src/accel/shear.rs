@@ -1,5 +1,5 @@
-//! Rays against the triangles of a block, in single precision. In go a ray and a block, out comes which of its triangles the ray
-//! meets. Invariant: no ray slips between triangles that share an edge or a vertex.
+//! Rays against the triangles of a block, in single precision. In go a ray and a block, out comes which of
+//! its triangles the ray meets. Invariant: no ray slips between triangles that share an edge or a vertex.
 
 use super::{
     block::Block,

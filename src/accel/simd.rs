@@ -65,7 +65,8 @@ pub(super) trait Simd: Copy {
     fn prefetch<T>(self, _soon_read: &T) {}
 }
 
-/// A computation that is compiled for each implementation of [`Simd`]. Everything below `run` has to be inlined into it.
+/// A computation that is compiled for each implementation of [`Simd`]. Everything below `run` has
+/// to be inlined into it.
 pub(super) trait Kernel {
     /// The answer.
     type Output;

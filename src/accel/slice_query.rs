@@ -102,7 +102,8 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
         let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
-        // The plane passes a third of them by: a leaf is flat, and the box of a flat thing that is turned is not.
+        // The plane passes a third of them by: a leaf is flat, and the box of a flat thing
+        // that is turned is not.
         let out_of_plane = here(&self.region.out_of_plane);
         if !may_vanish(&out_of_plane, mesh.tree.bounds) {
             return;

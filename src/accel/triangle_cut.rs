@@ -1,6 +1,6 @@
-//! A triangle cut by the plane of a ray and a light: which part of the ray it shadows. In: the plane's
-//! functions at its vertices; out: an interval. Invariant: triangles that share an edge get the same bits
-//! where it crosses the plane, so no light leaks between them, and nothing is ever NaN.
+//! A triangle cut by the plane of a ray and a light: which part of the ray it shadows. In go the plane's
+//! functions at its vertices, out comes an interval. Invariants: triangles that share an edge get the same
+//! bits where it crosses the plane, so no light leaks between them. Nothing is ever NaN.
 
 use super::simd::{Lanes, Mask};
 

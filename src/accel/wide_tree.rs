@@ -135,8 +135,9 @@ impl WideTree {
 /// slats of a fence took minutes. Distances that differ by a little let a third of them agree.
 const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 
-/// How small a box may be to the builder, as a fraction of the largest coordinate: smaller ones are this large and shifted by
-/// up to as much. Their areas would be rounded to the same or to nothing, and again all pairs would be as good.
+/// How small a box may be to the builder, as a fraction of the largest coordinate: smaller ones are this
+/// large and shifted by up to as much. Their areas would be rounded to the same or to nothing, and again all
+/// pairs would be as good.
 const SMALLEST_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// Its multiples modulo 1 are spread evenly, however many there are.
@@ -166,7 +167,8 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut tree, 0.05, None);
     collapse(&mut tree, leaf_size as u32, 3.0);
-    // Reinsertion sizes its stack by the depth that PLOC left, made the tree deeper, and panics where it is full.
+    // Reinsertion sizes its stack by the depth that PLOC left, made the tree deeper, and
+    // panics where it is full.
     tree.max_depth = tree.max_depth.max(depth(&tree) + 1);
     reinsertion.run(&mut tree, 0.1, None);
     let bounds = tight_bounds(&tree, boxes);

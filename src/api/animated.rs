@@ -1,5 +1,5 @@
-//! Values that may change over time, for programs that make scenes. In go keys, out come keyed values as files have them.
-//! Invariant: what is on or off jumps.
+//! Values that may change over time, for programs that make scenes. In go keys, out come keyed values as
+//! files have them. Invariant: what is on or off jumps.
 
 use serde::{Serialize, Serializer};
 

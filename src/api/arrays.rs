@@ -1,5 +1,5 @@
-//! Numbers of a frame with their shape. In go channels, out comes one array. Invariant: one value for each channel of each pixel,
-//! pixel by pixel, row by row from the top.
+//! Numbers of a frame with their shape. In go channels, out comes one array. Invariant: one value for each
+//! channel of each pixel, pixel by pixel, row by row from the top.
 
 use crate::film::Channel;
 

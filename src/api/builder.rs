@@ -1,5 +1,5 @@
-//! A scene made in code. In go named parts, out comes a scene. Invariant: parts go the way of a file, through the same reader
-//! and the same resolution, so nothing can be built that a file could not hold.
+//! A scene made in code. In go named parts, out comes a scene. Invariant: parts go the way of a file, through
+//! the same reader and the same resolution, so nothing can be built that a file could not hold.
 
 use super::falls::Fall;
 use super::lights::Light;
@@ -13,7 +13,8 @@ use crate::scene::{Baking, ResolveOptions};
 use serde::Serialize;
 use serde_json::Value;
 
-/// Collects the parts of a scene; [`Scene::builder`] starts with none. Parts of one kind have names of their own.
+/// Collects the parts of a scene; [`Scene::builder`] starts with none. Parts of one kind
+/// have names of their own.
 #[derive(Clone, Debug, Default)]
 #[must_use = "nothing is checked before `build`"]
 pub struct SceneBuilder {
@@ -108,7 +109,8 @@ fn add(parts: &mut Parts, name: &str, part: &impl Serialize) {
     parts.push((name.to_owned(), value(part)));
 }
 
-/// Parts leave out what they do not say, so that a null is what JSON has no word for: NaN, infinity, a path that is no text.
+/// Parts leave out what they do not say, so that a null is what JSON has no word for: NaN, infinity, a
+/// path that is no text.
 fn value(part: &impl Serialize) -> Value {
     let mut value = serde_json::to_value(part).unwrap_or_default();
     refuse_nulls(&mut value);

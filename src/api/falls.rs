@@ -1,5 +1,5 @@
-//! Leaves that fall, for programs that make scenes. In go numbers, out come the fields of a file. Invariant: names, units,
-//! ranges and defaults are those of docs/scene-format.md. Ranges are `[low, high]`.
+//! Leaves that fall, for programs that make scenes. In go numbers, out come the fields of a file. Invariant:
+//! names, units, ranges and defaults are those of docs/scene-format.md. Ranges are `[low, high]`.
 
 use serde::Serialize;
 

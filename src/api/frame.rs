@@ -1,5 +1,5 @@
-//! A finished frame as a program holds it. In goes what was rendered, out come arrays and files. Invariant: a file that it writes
-//! is the file that the command line would have written of the same settings.
+//! A finished frame as a program holds it. In goes what was rendered, out come arrays and files. Invariant: a
+//! file that it writes is the file that the command line would have written of the same settings.
 
 use super::arrays::Array;
 use super::error::RenderError;
@@ -115,7 +115,8 @@ impl Frame {
         self.write_png_at(path, self.exposure_stops.unwrap_or_else(|| self.auto_exposure_stops()))
     }
 
-    /// The same, brightened by so many powers of two, finite: one number for a sequence, so that it does not flicker.
+    /// The same, brightened by so many powers of two, finite: one number for a sequence, so that
+    /// it does not flicker.
     ///
     /// # Errors
     /// If the picture is too large for a PNG or the disk says no.

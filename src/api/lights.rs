@@ -1,5 +1,5 @@
-//! Lights, for programs that make scenes. In go numbers, out come the fields of a file. Invariant: names, units and ranges are
-//! those of docs/scene-format.md; there is one of each kind that files have.
+//! Lights, for programs that make scenes. In go numbers, out come the fields of a file. Invariant: names,
+//! units and ranges are those of docs/scene-format.md; there is one of each kind that files have.
 
 use super::animated::Animated;
 use serde::Serialize;

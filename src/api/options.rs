@@ -1,5 +1,5 @@
-//! What whoever loads a scene may ask for. In go choices, out comes the scene. Invariant: a choice that is not made leaves what
-//! the input says.
+//! What whoever loads a scene may ask for. In go choices, out comes the scene. Invariant: a choice that is
+//! not made leaves what the input says.
 
 use super::scene::Scene;
 use crate::description::{self, LoadError};
@@ -14,7 +14,8 @@ pub struct SceneOptions {
 }
 
 impl Scene {
-    /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`. Works on the current rayon pool.
+    /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`. Works on
+    /// the current rayon pool.
     ///
     /// # Errors
     /// If a file cannot be read, or with all that is wrong with what was found in it.
@@ -50,7 +51,8 @@ impl SceneOptions {
         self
     }
 
-    /// Pixels of the whole picture. A camera that is made up for a file without one looks so that all is seen in this shape.
+    /// Pixels of the whole picture. A camera that is made up for a file without one looks so that all
+    /// is seen in this shape.
     #[must_use]
     pub fn size(mut self, width: usize, height: usize) -> Self {
         self.wanted.size = Some(Size { width, height });
@@ -71,10 +73,12 @@ impl SceneOptions {
         self
     }
 
-    /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`. Works on the current rayon pool.
+    /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`. Works on
+    /// the current rayon pool.
     ///
     /// # Errors
-    /// If a file cannot be read, or with all that is wrong with what was found in it; if a choice cannot be met.
+    /// If a file cannot be read, or with all that is wrong with what was found in it; if a
+    /// choice cannot be met.
     pub fn load(&self, path: impl AsRef<Path>) -> Result<Scene, LoadError> {
         self.check()?;
         let description = description::load(path.as_ref())?;

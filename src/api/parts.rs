@@ -1,5 +1,6 @@
-//! What a scene is made of, for programs that make one. In go numbers, out come the fields of a file. Invariant: names, units
-//! and meanings are those of docs/scene-format.md, which has every range too; the reader of files checks them.
+//! What a scene is made of, for programs that make one. In go numbers, out come the fields of a file.
+//! Invariant: names, units and meanings are those of docs/scene-format.md, which has every range too; the
+//! reader of files checks them.
 
 use super::animated::{Animated, in_steps};
 use serde::Serialize;
@@ -41,10 +42,12 @@ pub enum Shape {
 /// What a surface is made of.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Material {
-    /// Lambert reflectance, linear Rec. 709, `0..=1`; multiplied by the texture. None is 0.8, or 1 with a texture.
+    /// Lambert reflectance, linear Rec. 709, `0..=1`; multiplied by the texture. None is 0.8,
+    /// or 1 with a texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_color: Option<[f64; 3]>,
-    /// A PNG, JPEG, WebP or PPM image in sRGB; like all images it lies relative to the folder that the program runs in.
+    /// A PNG, JPEG, WebP or PPM image in sRGB; like all images it lies relative to the folder that
+    /// the program runs in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<PathBuf>,
     /// Alpha, `0..=1`, multiplied by that of the texture; none is 1.

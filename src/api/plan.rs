@@ -1,5 +1,6 @@
-//! A picture that can be carried out. In go a scene, settings and what is asked, out comes all that a frame needs. Invariant: a
-//! plan that exists is valid, and what its passes have to know beyond light is prepared by it alone.
+//! A picture that can be carried out. In go a scene, settings and what is asked, out comes all that a
+//! frame needs. Invariant: a plan that exists is valid, and what its passes have to know beyond light is
+//! prepared by it alone.
 
 use super::error::{RenderError, Setting};
 use super::scene::Scene;
@@ -140,7 +141,8 @@ impl<'scene> Plan<'scene> {
         }
     }
 
-    /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it would end the process.
+    /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it
+    /// would end the process.
     pub(crate) fn check_memory(&self) -> Result<(), RenderError> {
         let bytes = self.job.memory_bytes();
         let mut all: Vec<u8> = Vec::new();

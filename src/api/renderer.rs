@@ -1,5 +1,6 @@
-//! What is to be rendered of a scene, said step by step. In go a scene and wishes, out comes a frame. Invariant: a wish that is
-//! not said leaves what the scene says; wishes are checked together, when the frame is rendered.
+//! What is to be rendered of a scene, said step by step. In go a scene and wishes, out comes a frame.
+//! Invariant: a wish that is not said leaves what the scene says; wishes are checked together, when
+//! the frame is rendered.
 
 use super::error::RenderError;
 use super::frame::Frame;
@@ -83,7 +84,8 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// As many samples as it takes until the estimated relative error around every pixel is at most this, `0..=1`.
+    /// As many samples as it takes until the estimated relative error around every pixel is
+    /// at most this, `0..=1`.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
         self
@@ -113,7 +115,8 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// From the frame to the middle of the time that the shutter is open, in parts of it: 0.5 opens at the frame.
+    /// From the frame to the middle of the time that the shutter is open, in parts of it:
+    /// 0.5 opens at the frame.
     pub fn shutter_position(mut self, position: f64) -> Self {
         self.settings.shutter_position = position;
         self

@@ -1,5 +1,5 @@
-//! A scene as a program holds it. In goes an input, out come frames, names and places. Invariant: a scene that exists is valid,
-//! and its files are not read again.
+//! A scene as a program holds it. In goes an input, out come frames, names and places. Invariant: a scene
+//! that exists is valid, and its files are not read again.
 
 use super::error::RenderError;
 use crate::description::Description;

@@ -1,5 +1,5 @@
-//! Fog and sky, for programs that make scenes. In go numbers, out come the fields of a file. Invariant: names, units and ranges
-//! are those of docs/scene-format.md.
+//! Fog and sky, for programs that make scenes. In go numbers, out come the fields of a file. Invariant:
+//! names, units and ranges are those of docs/scene-format.md.
 
 use super::animated::Animated;
 use serde::Serialize;

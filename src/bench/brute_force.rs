@@ -39,8 +39,8 @@ pub struct Deviation {
     pub largest: f64,
 }
 
-/// Light scattered into `rays` rays through random places of the picture, each from a random point of the light: the tree's
-/// shadows against all `triangles`.
+/// Light scattered into `rays` rays through random places of the picture, each from a random point of the
+/// light: the tree's shadows against all `triangles`.
 pub fn deviation(
     snapshot: &Snapshot,
     triangles: &[[DVec3; 3]],

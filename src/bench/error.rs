@@ -46,7 +46,8 @@ pub(super) fn colors(frame: &Frame) -> impl Iterator<Item = f64> {
     channels.flat_map(|channel| channel.pixels.iter().map(|&value| f64::from(value)))
 }
 
-/// The smallest value that at least `share` of all values do not exceed (nearest rank); `values` are reordered.
+/// The smallest value that at least `share` of all values do not exceed (nearest rank);
+/// `values` are reordered.
 pub fn percentile(values: &mut [f64], share: f64) -> f64 {
     let Some(last) = values.len().checked_sub(1) else { return f64::NAN };
     let rank = ((share * values.len() as f64).ceil() as usize).saturating_sub(1).min(last);

@@ -1,9 +1,9 @@
-//! The method that this renderer grew from, as its authors described it: for every pixel a ray
-//! against every triangle, and at every step of the image plane a shadow ray against every triangle
-//! again. In go some pixels of a picture, out come their shafts and the time. Invariant: no tree.
+//! The method that this renderer grew from, as its authors described it. Every pixel has a ray against every
+//! triangle. Every step of the image plane has a shadow ray against every triangle again. In go some pixels
+//! of a picture, out come their shafts and the time. Invariant: no tree.
 //!
-//! It is given what its authors had not: shadow rays end at the first triangle in their way, and the
-//! intersection is Moeller & Trumbore's, which costs less than comparing areas.
+//! It is given what its authors had not. Shadow rays end at the first triangle in their way. The intersection
+//! is Moeller & Trumbore's, which costs less than comparing areas.
 
 use super::Stage;
 use super::method::timed;
@@ -21,8 +21,8 @@ pub struct Literal {
     pub pixels: usize,
     /// Processor time of the whole picture at this rate, seconds.
     pub picture_s: f64,
-    /// Root mean square difference of the shafts to those found through the tree, relative to their mean; `None` where
-    /// a light has an extent, of which this method knows nothing.
+    /// Root mean square difference of the shafts to those found through the tree, relative to their mean;
+    /// `None` where a light has an extent, of which this method knows nothing.
     pub deviation: Option<f64>,
 }
 
@@ -59,8 +59,8 @@ impl Literal {
     }
 }
 
-/// How far the image plane has to be moved to leave nothing out, along the view axis, metres: to the first surface, or to
-/// the end of the fog.
+/// How far the image plane has to be moved to leave nothing out, along the view axis, metres: to the first
+/// surface, or to the end of the fog.
 pub fn depth_m(snapshot: &Snapshot) -> f64 {
     const GRID: usize = 64;
     let place = |index: usize| (index as f64 + 0.5) / GRID as f64;

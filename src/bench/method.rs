@@ -34,7 +34,8 @@ pub struct Effort {
     pub samples: u32,
     /// Shadow rays a sample and light; `None` for the exact methods.
     pub steps: Option<u32>,
-    /// The estimated relative error at which a block of pixels is good enough; `None` if every pixel has its samples.
+    /// The estimated relative error at which a block of pixels is good enough; `None` if every
+    /// pixel has its samples.
     pub tolerance: Option<f64>,
 }
 
@@ -143,7 +144,8 @@ impl Method {
         }
     }
 
-    /// The picture, on the current rayon pool. The literal method's is made through a tree: the same picture, sooner.
+    /// The picture, on the current rayon pool. The literal method's is made through a tree: the
+    /// same picture, sooner.
     pub fn picture(self, stage: &Stage, effort: Effort, seed: u32) -> Frame {
         let job = Job {
             size: stage.size,

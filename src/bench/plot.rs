@@ -11,7 +11,8 @@ const RIGHT: f64 = 30.0;
 const TOP: f64 = 72.0;
 const BOTTOM: f64 = 62.0;
 
-/// Labels: height, width of a letter, distance from their point, and the room that is kept for them on the right.
+/// Labels: height, width of a letter, distance from their point, and the room that is kept
+/// for them on the right.
 const LINE_HEIGHT: f64 = 16.0;
 const LETTER_WIDTH: f64 = 7.3;
 const LABEL_GAP: f64 = 11.0;
@@ -190,7 +191,8 @@ impl Plot {
         );
     }
 
-    /// A label at the end of each series, to the right of it where there is room; moved down where it would cover another.
+    /// A label at the end of each series, to the right of it where there is room; moved down where it
+    /// would cover another.
     fn draw_labels(&self, svg: &mut String, x: &Axis, y: &Axis) {
         let mut labels: Vec<Label> = self
             .series

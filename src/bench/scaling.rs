@@ -193,7 +193,8 @@ fn wall_s(plan: &ScalingPlan, threads: usize) -> f64 {
     started.elapsed().as_secs_f64()
 }
 
-/// Time over one / error: pictures with more and more samples against one with four times as many as the last.
+/// Time over one / error: pictures with more and more samples against one with four times
+/// as many as the last.
 fn accuracy(plan: &ScalingPlan) -> Vec<(f64, f64)> {
     let trees = MeshTrees::new(plan.scene);
     let exposure = exposure(plan, plan.scene, &trees, plan.size);
@@ -229,8 +230,8 @@ fn stage<'a>(plan: &ScalingPlan, exposure: &'a Exposure<'a>, size: Size) -> Stag
     Stage { exposure, size, mirror_depth: plan.mirror_depth, planes: (1.0, 1.0) }
 }
 
-/// The scene with `count` instances of the mesh that is placed most often, anywhere among those that there were and turned
-/// any way, each so small that their whole area stays.
+/// The scene with `count` instances of the mesh that is placed most often, anywhere among those that there
+/// were and turned any way, each so small that their whole area stays.
 fn with_leaves(plan: &ScalingPlan, count: u32) -> Scene {
     let mut scene = plan.scene.clone();
     let placements = scene.placements(plan.shutter.middle_s());

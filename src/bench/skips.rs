@@ -1,7 +1,7 @@
-//! What the renderer leaves out where a scene does not need it, each time with and without. In go a
-//! scene and a moment, out comes a row for each such skip. Invariant: the work that is skipped is
-//! brought back through the public interface alone, by a scene or a job that needs it but shows the
-//! same picture, so no inner loop has a switch for this.
+//! What the renderer leaves out where a scene does not need it, each time with and without. In go a scene and
+//! a moment, out comes a row for each such skip. Invariant: the skipped work is brought back through the
+//! public interface alone. A scene or a job that needs the work, but shows the same picture, does that. So no
+//! inner loop has a switch for it.
 
 mod on_disk;
 
@@ -137,7 +137,7 @@ fn lights(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     };
     let (dark, dim) = (with_light(0.0), with_light(NEXT_TO_NOTHING));
     row("lights that are out", "a light of power 1e-300", &|| shown(plan, &dark), &|| shown(plan, &dim))?;
-    // Slices serve no light with an extent: both sides go ray by ray.
+    // Both sides go ray by ray: with an extent each slice has a draw of its own, and so another picture.
     let by_rays = SkipsPlan { job: Job { method: Method::Segments, ..plan.job.clone() }, ..*plan };
     let extended = changed(plan, &|scene| {
         for light in &mut scene.lights {

@@ -28,7 +28,8 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Render a sequence or scene to EXR frames.
     Render(RenderArguments),
-    /// Draw a scene without shadows, in moments, or show frames that are there: pictures, a contact sheet, an animation.
+    /// Draw a scene without shadows, in moments, or show frames that are there: pictures, a contact
+    /// sheet, an animation.
     Preview(PreviewArguments),
     /// Say what an input holds, and what of it is not honoured.
     Inspect(InspectArguments),
@@ -51,7 +52,8 @@ pub(super) enum Command {
 pub(super) struct RenderArguments {
     /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
     pub(super) input: PathBuf,
-    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists, @FILE [default: all].
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists,
+    /// @FILE [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
     /// Output: a folder, or a name with ####, %04d or $F4 [default: out/NAME/NAME.####.exr].
@@ -60,10 +62,12 @@ pub(super) struct RenderArguments {
     /// Picture size: 960x540, or a percentage of the sequence's, 50% [default: the sequence's, else 960x540].
     #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
     pub(super) size: Option<SizeArgument>,
-    /// The estimated relative error of every block of 8x8 pixels at which to stop [default: the sequence's, else 0.02].
+    /// The estimated relative error of every block of 8x8 pixels at which to stop [default: the
+    /// sequence's, else 0.02].
     #[arg(long, value_parser = parse_tolerance, value_name = "X", allow_negative_numbers = true)]
     pub(super) tolerance: Option<f64>,
-    /// How often light is scattered beyond direct light and single scattering: a number, or `all` [default: the sequence's].
+    /// How often light is scattered beyond direct light and single scattering: a number, or `all`
+    /// [default: the sequence's].
     #[arg(long, value_parser = parse_bounces, value_name = "N|all")]
     pub(super) bounces: Option<Bounces>,
     /// Exactly so many samples a pixel; beside --tolerance, at most [default: the sequence's].
@@ -75,7 +79,8 @@ pub(super) struct RenderArguments {
     /// How light in fog is found.
     #[arg(long, value_enum, default_value_t)]
     pub(super) volume: Volume,
-    /// Points a ray and light, for --volume march [default: the sequence's steps] and equiangular [default: 1].
+    /// Points a ray and light, for --volume march [default: the sequence's steps] and
+    /// equiangular [default: 1].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000), value_name = "N", allow_negative_numbers = true)]
     pub(super) volume_steps: Option<u32>,
     /// Name of the camera [default: the sequence's, else the first].
@@ -105,7 +110,8 @@ pub(super) struct RenderArguments {
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
-    /// Give a frame up that takes longer to render, seconds, and go on with the next (exit code 5 at the end).
+    /// Give a frame up that takes longer to render, seconds, and go on with the next
+    /// (exit code 5 at the end).
     #[arg(long, value_parser = parse_seconds, value_name = "S", allow_negative_numbers = true)]
     pub(super) frame_timeout: Option<f64>,
     /// Write what each frame took to this file: a JSON object a line.
@@ -138,7 +144,8 @@ pub(super) struct SceneArguments {
     /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
     #[arg(long, value_enum, value_name = "on|off")]
     pub(super) default_light: Option<Switch>,
-    /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not move the same things].
+    /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not
+    /// move the same things].
     #[arg(long, value_name = "NAME|all")]
     pub(super) animation: Option<String>,
     /// Refuse an input that asks for anything that is not honoured (exit code 3).
@@ -151,7 +158,8 @@ pub(super) struct SceneArguments {
 /// What becomes of falls of many leaves, which take seconds to bake.
 #[derive(Args, Clone, Debug)]
 pub(super) struct BakeArguments {
-    /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the user's folder of caches].
+    /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the
+    /// user's folder of caches].
     #[arg(long, value_name = "FOLDER|off")]
     pub(super) bake_cache: Option<PathBuf>,
 }
@@ -162,23 +170,27 @@ pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
     pub(super) display: CurveArgument,
-    /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default: the input's, else auto].
+    /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default:
+    /// the input's, else auto].
     #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
     pub(super) exposure: Option<ExposureArgument>,
-    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens does that is not clean.
+    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens
+    /// does that is not clean.
     #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
     pub(super) bloom: f64,
 }
 
 #[derive(Args, Debug)]
 pub(super) struct PreviewArguments {
-    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), or a folder of EXR frames.
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), or a
+    /// folder of EXR frames.
     pub(super) input: PathBuf,
-    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists, @FILE [default: all].
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists,
+    /// @FILE [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
-    /// A folder or NAME.####.png for a picture a frame, NAME.png for a contact sheet, NAME.webp or NAME.apng for an
-    /// animation [default: pictures and a sheet in out/NAME.preview].
+    /// A folder or NAME.####.png for a picture a frame, NAME.png for a contact sheet, NAME.webp or NAME.apng
+    /// for an animation [default: pictures and a sheet in out/NAME.preview].
     #[arg(long, value_name = "PATTERN|DIR|FILE")]
     pub(super) out: Option<PathBuf>,
     /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270].
@@ -235,7 +247,8 @@ pub(super) struct BenchArguments {
     /// Which frame [default: the first].
     #[arg(long, allow_negative_numbers = true)]
     pub(super) frame: Option<i64>,
-    /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270, with --quick 240x135].
+    /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270,
+    /// with --quick 240x135].
     #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
     pub(super) size: Option<SizeArgument>,
     /// Name of the camera [default: the sequence's, else the first].
@@ -330,7 +343,8 @@ pub(super) struct FarmArguments {
     /// The job's folder; frames go to `frames` in it, baked falls to `bakes`.
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
-    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists, @FILE [default: all].
+    /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists,
+    /// @FILE [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
     /// Frames that a task renders, 1 to 150.
@@ -347,7 +361,8 @@ pub(super) struct FarmArguments {
 /// Each may be given several times; of those that name a channel the last counts.
 #[derive(Args, Debug)]
 pub(super) struct LimitArguments {
-    /// Largest root mean square error: of the colour, and of every other channel; or of those named, such as diffuse.*=0.01.
+    /// Largest root mean square error: of the colour, and of every other channel; or of those named,
+    /// such as diffuse.*=0.01.
     #[arg(long, value_name = "[CHANNELS=]X", value_parser = parse_limit)]
     pub(super) max_rmse: Vec<ChannelsLimit>,
     /// Largest relative mean square error, likewise.

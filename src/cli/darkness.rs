@@ -1,5 +1,5 @@
-//! Frames on which next to nothing is seen, said once a run with the likeliest cause. In go the events of a run, out comes a
-//! warning. Invariant: frames are written all the same.
+//! Frames on which next to nothing is seen, said once a run with the likeliest cause. In go the events of a
+//! run, out comes a warning. Invariant: frames are written all the same.
 
 use super::tell;
 use crate::api::Plan;

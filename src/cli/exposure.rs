@@ -1,6 +1,7 @@
-//! With what exposure pictures for eyes are made. In go what the user says and what the input says, out comes one exposure
-//! for all frames. Invariant: it depends on scene and settings alone, not on which frames are asked for, so pictures do not
-//! flicker and a frame's picture is the same alone and in a range. EXR frames know nothing of it.
+//! With what exposure pictures for eyes are made. In go what the user says and what the input says, out
+//! comes one exposure for all frames. Invariant: it depends on scene and settings alone, not on which
+//! frames are asked for. So pictures do not flicker, and a frame's picture is the same alone and in a
+//! range. EXR frames know nothing of it.
 
 use super::arguments::DisplayArguments;
 use super::parse::ExposureArgument;
@@ -14,10 +15,12 @@ use std::ops::RangeInclusive;
 const ROWS: usize = 36;
 const SAMPLES: u32 = 4;
 
-/// A picture is at most so many times as wide as it is high, or the other way round, when its exposure is chosen.
+/// A picture is at most so many times as wide as it is high, or the other way round, when
+/// its exposure is chosen.
 const LONGEST: f64 = 8.0;
 
-/// The display of all pictures; `measured` gives the exposure of a frame in the middle where nobody has said one.
+/// The display of all pictures; `measured` gives the exposure of a frame in the middle where
+/// nobody has said one.
 pub(super) fn display<E>(
     arguments: &DisplayArguments,
     of_input: Option<f64>,
@@ -46,7 +49,8 @@ pub(super) fn reference_frame(frames: &RangeInclusive<i64>) -> i64 {
 }
 
 impl Plan<'_> {
-    /// The exposure of a small picture of the frame in the middle of the input's range. Works on the current rayon pool.
+    /// The exposure of a small picture of the frame in the middle of the input's range. Works on
+    /// the current rayon pool.
     pub(super) fn auto_exposure_stops(&self) -> f64 {
         let middle = reference_frame(&self.picture.settings.frames);
         self.picture.auto_exposure_stops(middle, small(self.picture.job.size), SAMPLES)

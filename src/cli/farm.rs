@@ -1,5 +1,6 @@
-//! `sunfleck farm`: an input becomes a job for the manager of a render farm. In goes a file, out come the files that the manager
-//! takes. Invariant: the command line that tasks have has been checked, with the scene; a file is whole or not there.
+//! `sunfleck farm`: an input becomes a job for the manager of a render farm. In goes a file, out come the
+//! files that the manager takes. Invariant: the command line that tasks have has been checked, with the
+//! scene; a file is whole or not there.
 
 mod deadline;
 mod flamenco;
@@ -77,7 +78,8 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
     Ok(job)
 }
 
-/// The command line of the tasks, for all frames at once; falls are baked where machines of the farm find them. Flags that the job itself says are refused, as they stand there twice.
+/// The command line of the tasks, for all frames at once; falls are baked where machines of the farm find
+/// them. Flags that the job itself says are refused, as they stand there twice.
 fn first_task(job: &Job, frames: &str) -> Result<RenderArguments, CliError> {
     let names = Names {
         input: &job.input,

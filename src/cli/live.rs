@@ -1,5 +1,6 @@
-//! A look at frames while they are rendered, in the viewer tev. In go pictures as they come, out go packets of its protocol over
-//! TCP. Invariant: whatever the viewer does, rendering neither waits for it nor fails; what it misses are looks in between.
+//! A look at frames while they are rendered, in the viewer tev. In go pictures as they come, out go packets
+//! of its protocol over TCP. Invariant: whatever the viewer does, rendering neither waits for it nor fails;
+//! what it misses are looks in between.
 
 mod packet;
 

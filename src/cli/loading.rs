@@ -1,6 +1,6 @@
 //! An input becomes a scene, with a bar while leaves are let fall and a folder of falls that were baked
-//! before. Invariant: with the folder, without it, or with rubbish in it, the scene is the same; a folder
-//! that cannot be used is done without.
+//! before. Invariant: the scene is the same with the folder, without it, or with rubbish in it. A folder that
+//! cannot be used is done without.
 
 use super::CliError;
 use super::arguments::BakeArguments;
@@ -113,8 +113,8 @@ fn is_bake(name: &[u8]) -> bool {
     name.strip_suffix(EXTENSION.as_bytes()).is_some_and(|stem| stem.ends_with(b"."))
 }
 
-/// Removes the bakes that have not been used for longest until there is room for so many bytes, beside those that other
-/// processes are writing.
+/// Removes the bakes that have not been used for longest until there is room for so many bytes, beside those
+/// that other processes are writing.
 fn make_room(folder: &Path, bytes: u64) {
     let entries = || fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let bake = |entry: &DirEntry| is_bake(entry.file_name().as_encoded_bytes());

@@ -1,5 +1,5 @@
-//! What of a command's flags the scene has to know when it is resolved. In go arguments, out come options. Invariant: flags that
-//! change what a camera or light that is made up has to serve are among them.
+//! What of a command's flags the scene has to know when it is resolved. In go arguments, out come options.
+//! Invariant: flags that change what a camera or light that is made up has to serve are among them.
 
 use super::arguments::{
     BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
@@ -37,7 +37,8 @@ impl BenchArguments {
 }
 
 impl ExportArguments {
-    /// Of these flags. Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
+    /// Of these flags. Whoever reads the file lights it if it has no light, so it gets none
+    /// unless it is to have it.
     pub(super) fn options(&self) -> ResolveOptions {
         let no_default_light = self.scene.default_light != Some(Switch::On);
         ResolveOptions { frame_rate: self.fps, no_default_light, ..self.scene.options() }

@@ -1,4 +1,5 @@
-//! Values of flags from their text. Invariant: whatever is refused is refused with what was expected, and an example.
+//! Values of flags from their text. Invariant: whatever is refused is refused with what was
+//! expected, and an example.
 
 use crate::scene::{Bounces, Size};
 use glob::Pattern;

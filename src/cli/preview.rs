@@ -1,5 +1,6 @@
-//! `sunfleck preview`: a scene by scan line, or frames that are there, to pictures for eyes. In goes an input, out come PNG
-//! files. Invariant: every file is whole or not there; pictures are the same for any number of threads.
+//! `sunfleck preview`: a scene by scan line, or frames that are there, to pictures for eyes. In goes
+//! an input, out come PNG files. Invariant: every file is whole or not there; pictures are the same
+//! for any number of threads.
 
 use super::arguments::PreviewArguments;
 use super::bench::{MOST_PIXELS, fitting};

@@ -206,7 +206,8 @@ impl State {
         std::mem::replace(&mut self.percent_told, percent) != percent
     }
 
-    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis, and nothing at the end.
+    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis,
+    /// and nothing at the end.
     fn time_left(&self) -> String {
         let is_under_way = self.rendered() > 0.0 && self.skipped + self.written < self.frames;
         let Some(first_begun) = self.first_begun.filter(|_| is_under_way) else {
@@ -305,7 +306,8 @@ fn as_json(event: &Event) -> Value {
     }
 }
 
-/// `, noise 1.8 %`, where there is an estimate, and how much of the frame the tolerance had no samples left for.
+/// `, noise 1.8 %`, where there is an estimate, and how much of the frame the tolerance had
+/// no samples left for.
 fn quality(statistics: &Statistics) -> String {
     let Statistics { blocks, unconverged_blocks, noise, grid_error, .. } = statistics;
     let told = |what: &str, error: Option<f64>| {

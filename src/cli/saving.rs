@@ -1,5 +1,5 @@
-//! The files of commands other than `render`. Invariant: a file is whole or not there; what killed runs left of it is
-//! removed, and said with a count.
+//! The files of commands other than `render`. Invariant: a file is whole or not there; what killed runs left
+//! of it is removed, and said with a count.
 
 use super::{CliError, tell};
 use crate::diagnostic::shown;

@@ -1,6 +1,6 @@
-//! Ctrl-C and what a farm sends. In go signals, out comes the end of the process, soon. Invariant: whatever the program is at
-//! (loading, baking, building trees, rendering, writing), it has ended a tenth of a second after the signal, and no file is
-//! half-written.
+//! Ctrl-C and what a farm sends. In go signals, out comes the end of the process, soon. Invariant: whatever
+//! the program is at (loading, baking, building trees, rendering, writing), it has ended a tenth of a second
+//! after the signal, and no file is half-written.
 
 use super::{CliError, tell};
 use crate::frame_file;
@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// How long the work may take to end by itself, so that a frame that is about done is still written. Short, for the system takes its time
-/// too: 40 to 60 ms to have back the 400 MB of a large frame, page by page (docs/decisions/measuring.md#signals).
+/// How long the work may take to end by itself, so that a frame that is about done is still written. Short,
+/// for the system takes its time too: 40 to 60 ms to have back the 400 MB of a large frame, page by page
+/// (docs/decisions/measuring.md#signals).
 const GRACE: Duration = Duration::from_millis(5);
 
 /// Which signal came, if any.
@@ -37,7 +38,8 @@ impl Stop {
             watched.number.store(signal as u8, Ordering::Relaxed);
             watched.flag.store(true, Ordering::Relaxed);
             thread::sleep(GRACE);
-            // No work asks everywhere whether it should stop: what is not done by now is dropped where it stands.
+            // No work asks everywhere whether it should stop: what is not done by now is
+            // dropped where it stands.
             frame_file::abandon_writes();
             let code = watched.code(Err(CliError::Signal(signal as u8)));
             std::process::exit(i32::from(code));

@@ -1,5 +1,6 @@
-//! What each frame took, for those who plan render farms. In go the events of a run, out come
-//! lines of JSON: first one of the input's losses, then one a frame. Invariant: a frame's line is in the file once the frame is on the disk.
+//! What each frame took, for those who plan render farms. In go the events of a run, out come lines of
+//! JSON: first one of the input's losses, then one a frame. Invariant: a frame's line is in the file once
+//! the frame is on the disk.
 
 use super::CliError;
 use super::inspect::losses;
@@ -27,7 +28,8 @@ struct State {
 }
 
 impl Stats {
-    /// Starts the file over with a line of what the input asks for and does not get; without a path nothing is kept.
+    /// Starts the file over with a line of what the input asks for and does not get; without a
+    /// path nothing is kept.
     pub(super) fn new(path: Option<&Path>, remarks: &Diagnostics) -> Result<Self, CliError> {
         let path = path.map_or_else(PathBuf::new, Path::to_owned);
         let state = match path.as_os_str().is_empty() {

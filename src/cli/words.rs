@@ -1,5 +1,5 @@
-//! The words that flags take. In go words, out come the values that they stand for. Invariant: each is an enum of its own, so
-//! that help lists all of them.
+//! The words that flags take. In go words, out come the values that they stand for. Invariant: each is an
+//! enum of its own, so that help lists all of them.
 
 use crate::passes::Pass;
 use crate::scene::{LightUnits, PixelFilter};

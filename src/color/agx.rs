@@ -1,10 +1,11 @@
-//! The AgX curve: scene light of any brightness to light that a display can show. In goes linear Rec. 709, out
-//! comes linear Rec. 709 in `0..=1`. Invariant: grey stays grey, and more light never looks darker.
+//! The AgX curve: scene light of any brightness to light that a display can show. In goes linear Rec. 709,
+//! out comes linear Rec. 709 in `0..=1`. Invariant: grey stays grey, and more light never looks darker.
 //!
-//! Troy Sobotka's AgX as Blender 4 and later show it: Eary Chow's image formation, `AgXBaseRec2020.py` and
-//! `AgXBasesRGB.py` of github.com/EaryChow/AgX_LUT_Gen, from whose formulas Blender's table was made. Every colour is first
-//! mixed with a little of the other two (the inset), so that bright saturated light goes to white as film does; the channels are
-//! compressed one by one; the mix is taken back (the outset). docs/display.md has the constants and how close this is.
+//! It is Troy Sobotka's AgX as Blender 4 and later show it. Blender's table was made from Eary Chow's
+//! formulas: `AgXBaseRec2020.py` and `AgXBasesRGB.py` of github.com/EaryChow/AgX_LUT_Gen. Every colour is
+//! first mixed with a little of the other two (the inset), so bright saturated light goes to white as on
+//! film. The channels are compressed one by one. Then the mix is taken back (the outset). docs/display.md has
+//! the constants and how close this is.
 
 use glam::{Mat3, Vec3};
 use std::sync::LazyLock;
@@ -21,8 +22,8 @@ const REC_709_FROM_REC_2020: Mat3 = from_rows([
     [-0.124_550_47, 1.132_899_9, -0.008_349_42],
     [-0.018_150_76, -0.100_578_9, 1.118_729_7],
 ]);
-/// Primaries of Rec. 2020 turned by 2.14, -1.23 and -3.05 degrees and drawn in by 0.330, 0.281 and 0.125 of their distance
-/// from white; as in Blender's `config.ocio`, colour space `AgX Log`.
+/// Primaries of Rec. 2020 turned by 2.14, -1.23 and -3.05 degrees and drawn in by 0.330, 0.281 and 0.125 of
+/// their distance from white; as in Blender's `config.ocio`, colour space `AgX Log`.
 const INSET: Mat3 = from_rows([
     [0.856_627_15, 0.095_121_24, 0.048_251_61],
     [0.137_318_97, 0.761_242, 0.101_439_04],
@@ -45,8 +46,8 @@ const STOPS_ABOVE: f32 = 6.5;
 const SLOPE: f32 = 2.4;
 /// What display light is encoded with where the curve works (ITU-R BT.1886).
 const GAMMA: f32 = 2.4;
-/// How much of the change of hue that compressing channels one by one brings is kept. With all of it orange becomes
-/// yellow before it becomes white.
+/// How much of the change of hue that compressing channels one by one brings is kept. With all of it orange
+/// becomes yellow before it becomes white.
 const HUE_SHIFT_KEPT: f32 = 0.4;
 
 const fn from_rows([a, b, c]: [[f32; 3]; 3]) -> Mat3 {

@@ -1,5 +1,6 @@
-//! Scene light to the bytes that a screen is sent. In goes linear Rec. 709 of any brightness, out come sRGB values.
-//! Invariant: a byte is a function of colour and place alone, and its mean over a place of 8 by 8 pixels is the value.
+//! Scene light to the bytes that a screen is sent. In goes linear Rec. 709 of any brightness, out come sRGB
+//! values. Invariant: a byte is a function of colour and place alone, and its mean over a place of 8 by 8
+//! pixels is the value.
 
 use super::{Rgb, agx::agx, srgb_from_linear};
 
@@ -22,14 +23,16 @@ pub struct Display {
     pub curve: Curve,
     /// Brightens by powers of two before that.
     pub exposure_stops: f64,
-    /// The share of a picture's light that a lens scatters over it before all that, `0..=1`; of a single colour nothing is known of it.
+    /// The share of a picture's light that a lens scatters over it before all that, `0..=1`; of a single
+    /// colour nothing is known of it.
     pub bloom: f64,
 }
 
 /// Light beyond this is white under every curve, and its logarithm still finite.
 const GLARE: f64 = 1e9;
 
-/// Bayer's 8x8 threshold matrix (Bayer 1973, An optimum method for two-level rendition of continuous-tone pictures).
+/// Bayer's 8x8 threshold matrix (Bayer 1973, An optimum method for two-level rendition of
+/// continuous-tone pictures).
 const BAYER: [[u8; 8]; 8] = [
     [0, 32, 8, 40, 2, 34, 10, 42],
     [48, 16, 56, 24, 50, 18, 58, 26],
@@ -90,7 +93,8 @@ mod tests {
     fn agx_is_blenders() {
         for (light, shown) in BLENDER {
             let ours = AGX.encode(light.into());
-            // In between the 57 nodes a side of Blender's table its colours are off by up to a few steps of 8 bits.
+            // In between the 57 nodes a side of Blender's table its colours are off by up to a
+            // few steps of 8 bits.
             assert!(ours.abs_diff_eq(shown.into(), 2.5 / 255.0), "{light:?}: {ours}, in Blender {shown:?}");
         }
     }
@@ -106,8 +110,8 @@ mod tests {
         }
     }
 
-    /// A leaf with the sun behind it, ever brighter: it goes to white, and on the way does not become yellow, as
-    /// it does where each channel is cut off or compressed by itself.
+    /// A leaf with the sun behind it, ever brighter: it goes to white, and on the way does not become yellow,
+    /// as it does where each channel is cut off or compressed by itself.
     #[test]
     fn bright_orange_fades_to_white_without_turning_yellow() {
         let orange = Rgb::new(1.0, 0.35, 0.02);

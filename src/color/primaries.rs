@@ -24,8 +24,8 @@ impl Primaries {
         white: DVec2::new(0.3127, 0.329),
     };
 
-    /// Linear Rec. 709 from linear colours of these primaries; `None` if they span no colours. White is adapted by
-    /// Bradford's method (ICC.1:2022, annex E).
+    /// Linear Rec. 709 from linear colours of these primaries; `None` if they span no colours. White is
+    /// adapted by Bradford's method (ICC.1:2022, annex E).
     pub fn to_rec_709(self) -> Option<DMat3> {
         let ours = Self::REC_709.xyz_from_rgb()?;
         let matrix = ours.inverse() * adaptation(self.white, Self::REC_709.white) * self.xyz_from_rgb()?;

@@ -1,5 +1,5 @@
-//! Texels of images, as their files have them: in go codes, out comes linear light. Invariant: what is looked up is what
-//! single precision would hold, and an image takes no more memory than its codes.
+//! Texels of images, as their files have them: in go codes, out comes linear light. Invariant: what is looked
+//! up is what single precision would hold, and an image takes no more memory than its codes.
 
 use super::linear_from_srgb;
 use std::sync::LazyLock;

@@ -1,4 +1,5 @@
-//! An image, decoded. In goes nothing, nothing comes out. Invariant: width times height texels, in one colour space whatever the file's.
+//! An image, decoded. In goes nothing, nothing comes out. Invariant: width times height texels, in one colour
+//! space whatever the file's.
 
 use crate::color::Texels;
 

@@ -10,7 +10,8 @@ use std::io::Cursor;
 
 /// Longest side that is accepted, in texels.
 const MAX_SIDE: u32 = 16_384;
-/// Most texels that are accepted; 1 GiB once decoded, if they are radiances. A file of a few hundred kilobytes can claim them.
+/// Most texels that are accepted; 1 GiB once decoded, if they are radiances. A file of a few hundred
+/// kilobytes can claim them.
 const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
@@ -26,7 +27,8 @@ pub enum Encoding {
     Radiance,
 }
 
-/// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances, recognised by its content.
+/// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances,
+/// recognised by its content.
 ///
 /// # Errors
 /// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.

@@ -1,15 +1,16 @@
-//! KTX2 images compressed with Basis Universal in (KHR_texture_basisu), their codes out. Invariant: nothing is unpacked that
-//! is larger than the limits, whatever the file claims.
+//! KTX2 images compressed with Basis Universal in (KHR_texture_basisu), their codes out. Invariant: nothing
+//! is unpacked that is larger than the limits, whatever the file claims.
 
 use ::image::{DynamicImage, RgbaImage};
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
 /// How a KTX2 file begins (KTX 2.0 specification, 3.1).
 const IDENTIFIER: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
-/// Byte of the width, and after it of the height, the depth, and the numbers of layers, faces and levels, of four bytes
-/// each (3.4 to 3.9).
+/// Byte of the width, and after it of the height, the depth, and the numbers of layers, faces and levels, of
+/// four bytes each (3.4 to 3.9).
 const SIZES: usize = 20;
-/// Byte of where the largest level begins; its length, packed and unpacked, follow, of eight bytes each (3.12).
+/// Byte of where the largest level begins; its length, packed and unpacked, follow, of
+/// eight bytes each (3.12).
 const LEVEL: usize = 80;
 
 /// Whether bytes are a KTX2 file.
@@ -43,8 +44,8 @@ pub(super) fn decode(bytes: &[u8], most_side: u32, most_texels: u64) -> Result<D
     image.map(DynamicImage::from).ok_or_else(|| String::from("the KTX2 image has other texels than it says"))
 }
 
-/// Holds that the largest level lies in the file, and unpacks to no more than 16 bytes for 4 x 4 texels, which is the
-/// most that any of the codecs takes: the decoder believes what it reads.
+/// Holds that the largest level lies in the file, and unpacks to no more than 16 bytes for 4 x 4 texels,
+/// which is the most that any of the codecs takes: the decoder believes what it reads.
 fn check_level(bytes: &[u8], width: u32, height: u32) -> Option<()> {
     let number = |number: usize| {
         let bytes = bytes.get(LEVEL + 8 * number..)?.first_chunk()?;
@@ -61,10 +62,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A file of blocks of one colour each (UASTC, mode 8: a code of five bits, then red, green, blue and alpha).
+    /// A file of blocks of one colour each (UASTC, mode 8: a code of five bits, then red,
+    /// green, blue and alpha).
     fn file(width: u32, height: u32, colors: &[[u8; 4]]) -> Vec<u8> {
         let mut descriptor = Vec::new();
-        // Khronos Data Format 1.3, chapter 5: a basic descriptor of one sample of 128 bits in the model UASTC.
+        // Khronos Data Format 1.3, chapter 5: a basic descriptor of one sample of 128
+        // bits in the model UASTC.
         for word in [
             44,
             0,

@@ -52,7 +52,8 @@ impl SceneSource {
         }
     }
 
-    /// Whether files of its format mostly hold shapes alone, so that a scene of such a file is lit where it has no light.
+    /// Whether files of its format mostly hold shapes alone, so that a scene of such a file is lit
+    /// where it has no light.
     pub fn is_bare(&self) -> bool {
         match self {
             Self::Ron(scene) => scene.is_mesh_alone,

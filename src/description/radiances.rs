@@ -1,5 +1,6 @@
-//! Images of radiances, OpenEXR and Radiance HDR, to linear Rec. 709. Invariant: beside its result a decoder takes no more
-//! memory than three quarters of that, and 1 GiB for what a file claims of parts, channels and tiles.
+//! Images of radiances, OpenEXR and Radiance HDR, to linear Rec. 709. Invariant: beside its result a
+//! decoder takes no more memory than three quarters of that, and 1 GiB for what a file claims of
+//! parts, channels and tiles.
 
 use super::decoded_image::DecodedImage;
 use crate::color::Primaries;
@@ -67,8 +68,8 @@ pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     checked(DecodedImage { width, height, texels: rgb.pixels().map(texel).collect() })
 }
 
-/// Refuses what the decoder cannot do, and what would make it take more memory than the limits, which it does not keep to:
-/// parts and tiles of any size, and channels that have fewer samples than the picture.
+/// Refuses what the decoder cannot do, and what would make it take more memory than the limits, which it does
+/// not keep to: parts and tiles of any size, and channels that have fewer samples than the picture.
 fn check(headers: &[Header], most_texels: u64) -> Result<(), String> {
     let area = |Vec2(width, height): Vec2<usize>| (width as u64).saturating_mul(height as u64);
     let fits = |header: &Header| {
@@ -101,8 +102,8 @@ fn check(headers: &[Header], most_texels: u64) -> Result<(), String> {
     }
 }
 
-/// Linear Rec. 709 from the image's colours, if it has others. Without the attribute they are Rec. 709 (OpenEXR,
-/// "Standard attributes").
+/// Linear Rec. 709 from the image's colours, if it has others. Without the attribute they are Rec. 709
+/// (OpenEXR, "Standard attributes").
 fn ours_from_its(headers: &[Header]) -> Result<Option<DMat3>, String> {
     let said = headers.first().and_then(|header| header.shared_attributes.chromaticities);
     let Some(said) = said else { return Ok(None) };

@@ -1,6 +1,6 @@
-//! Tangents for normal maps, as MikkTSpace makes them where a file has none. In go triangles, out come tangents.
-//! Invariant: all corners that share a vertex share its tangent; vertices whose corners do not, as at the seams of
-//! mirrored texture coordinates, are there once for each.
+//! Tangents for normal maps, as MikkTSpace makes them where a file has none. In go triangles, out come
+//! tangents. Invariant: all corners that share a vertex share its tangent; vertices whose corners do not, as
+//! at the seams of mirrored texture coordinates, are there once for each.
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
@@ -38,8 +38,8 @@ impl Tangents {
     }
 }
 
-/// The tangents of triangles, some of whose corners may then be copies of vertices; `None` if too many triangles meet
-/// in one place.
+/// The tangents of triangles, some of whose corners may then be copies of vertices; `None` if too many
+/// triangles meet in one place.
 pub(crate) fn generate(vertices: Vertices<'_>, triangles: &mut [[u32; 3]]) -> Option<Tangents> {
     if most_around_a_place(vertices.positions, triangles) > MOST_AROUND_A_PLACE {
         return None;

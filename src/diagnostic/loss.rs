@@ -1,5 +1,6 @@
-//! What an input asks for and does not get, by kinds with ids that stay: `inspect --json` and `--stats` list them, `--strict`
-//! refuses them. Invariant: a kind's id is never given to another; docs/losses.md lists all of them.
+//! What an input asks for and does not get, by kinds with ids that stay: `inspect --json` and
+//! `--stats` list them, `--strict` refuses them. Invariant: a kind's id is never given to another;
+//! docs/losses.md lists all of them.
 
 use std::fmt;
 

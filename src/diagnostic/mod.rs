@@ -1,6 +1,6 @@
-//! What went wrong or was not honoured, where, and what to do about it. Invariant: a diagnostic
-//! always says what was found; a warning is a [`Loss`], with an id that stays; errors also say what
-//! was expected and how to get there.
+//! What went wrong or was not honoured, where, and what to do about it. Invariant: a diagnostic always
+//! says what was found. A warning is a [`Loss`], with an id that stays. Errors also say what was expected
+//! and how to get there.
 
 mod loss;
 mod printable;

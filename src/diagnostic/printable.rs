@@ -1,5 +1,5 @@
-//! Names to text for a terminal, which obeys what it is sent. Invariant: what comes out holds no control character but
-//! the ends of lines that the program itself puts there.
+//! Names to text for a terminal, which obeys what it is sent. Invariant: what comes out holds no control
+//! character but the ends of lines that the program itself puts there.
 
 use std::fmt::{self, Write};
 use std::path::Path;

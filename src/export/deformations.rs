@@ -1,5 +1,6 @@
-//! Morph targets and skins. In go what bends an instance, out come attributes of its primitives, weights of its node,
-//! and skins. Invariant: read back, every vertex goes where it went; those that masks cut into bent triangles nearly.
+//! Morph targets and skins. In go what bends an instance, out come attributes of its primitives, weights
+//! of its node, and skins. Invariant: read back, every vertex goes where it went; those that masks cut
+//! into bent triangles nearly.
 
 use super::Writer;
 use super::binary::Target;

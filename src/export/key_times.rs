@@ -1,8 +1,9 @@
 //! Moments in, the times of keys out. Invariant: at every frame Blender shows what the curve has there.
 //!
-//! Of keys less than a hundredth of a frame apart Blender keeps one, with the last one's value; beside a frame, the frame
-//! would show another moment. So keys stay apart and frames come first. A jump is two keys in neighbouring numbers of single
-//! precision: Blender keeps what it jumps to, which is right, and a third key shortly before holds what it jumps from.
+//! Of keys less than a hundredth of a frame apart Blender keeps one, with the last one's value. Beside a
+//! frame, that frame would show another moment. So keys stay apart and frames come first. A jump is two keys
+//! in neighbouring numbers of single precision. Blender keeps what it jumps to, which is right, and a third
+//! key shortly before holds what it jumps from.
 
 use crate::scene::{Animate, FrameRate, Segment, Track};
 use std::collections::BTreeMap;
@@ -15,8 +16,9 @@ const AT_FRAME: f64 = 1e-3;
 /// Key times for straight lines between them: of these moments, and of jumps as late as possible before
 /// and at once after; increasing, none negative, each only once in single precision.
 ///
-/// A moment too near to a frame moves away from it; of two that are too near to each other one is left out; in both cases
-/// frames around keep what lies beyond them as it is. A jump too near to a frame becomes a short slope.
+/// A moment too near to a frame moves away from it; of two that are too near to each other one is left
+/// out; in both cases frames around keep what lies beyond them as it is. A jump too near to a frame
+/// becomes a short slope.
 pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<f64> {
     let apart_s = rate.seconds(APART_FRAMES);
     let (mut taken, mut jumps, mut others, mut pairs) = (Taken(BTreeMap::new()), vec![], vec![], vec![]);

@@ -1,9 +1,10 @@
 //! Motion in, keys out. Invariant: at every moment of the file's frames the keys give what the motion
 //! gives, to single precision, here (slerp) and in Blender (components, brought to unit length).
 //!
-//! Keys of the scene itself are kept where glTF and Blender interpolate as we do: steps, and straight lines. Everything else
-//! is sampled: at every frame, where the shutter opens and closes, and at the scene's own keys. Curves are sampled with their slopes, as cubic
-//! splines: Blender reads no slopes, but has the value at every frame.
+//! Keys of the scene itself are kept where glTF and Blender interpolate as we do: steps, and straight
+//! lines. Everything else is sampled: at every frame, where the shutter opens and closes, and at the
+//! scene's own keys. Curves are sampled with their slopes, as cubic splines: Blender reads no slopes, but
+//! has the value at every frame.
 
 use super::deformations::is_straight;
 use super::{Writer, key_times};
@@ -130,8 +131,8 @@ impl Moments {
         Some(Keys { times: Times::Own(times_s), values, interpolation })
     }
 
-    /// When to ask several tracks together, so that straight lines in between are what they are: at their keys, and just
-    /// before they jump; at all moments too if one of them is curved or goes on and on.
+    /// When to ask several tracks together, so that straight lines in between are what they are: at their
+    /// keys, and just before they jump; at all moments too if one of them is curved or goes on and on.
     pub(super) fn of_tracks<'a, T: Animate + 'a>(
         &self,
         tracks: impl IntoIterator<Item = &'a Track<T>> + Clone,
@@ -214,7 +215,8 @@ fn with_slopes<T: Stored>(track: &Track<T>, times_s: &[f64], values: &[T]) -> Ve
     (0..values.len()).flat_map(with_slopes).collect()
 }
 
-/// How a track that has a value goes on towards another time, by three values close by (Abramowitz & Stegun 25.3.4).
+/// How a track that has a value goes on towards another time, by three values close by
+/// (Abramowitz & Stegun 25.3.4).
 fn slope<T: Stored>(track: &Track<T>, value: T, from_s: f64, to_s: f64) -> T {
     const LONGEST_STEP_S: f64 = 1e-4;
     // A jump has no slope.

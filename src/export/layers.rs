@@ -1,4 +1,5 @@
-//! Clear coat and sheen, as the extensions that they come from. Invariant: a material without them names neither.
+//! Clear coat and sheen, as the extensions that they come from. Invariant: a material
+//! without them names neither.
 
 use super::Writer;
 use crate::scene::{Clearcoat, Material, Sheen, TextureIndex, TextureMap};

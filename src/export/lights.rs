@@ -1,5 +1,6 @@
-//! Lights: those that glTF knows in lux and candela; their sizes, pictures on suns and area lights as `sunfleck_light`.
-//! Invariant: a light is as bright when it is read back, to the rounding of one multiplication.
+//! Lights: those that glTF knows in lux and candela; their sizes, pictures on suns and area
+//! lights as `sunfleck_light`. Invariant: a light is as bright when it is read back, to the
+//! rounding of one multiplication.
 
 use super::Writer;
 use super::materials::png;

@@ -1,5 +1,6 @@
-//! Materials that change, as pointers of KHR_animation_pointer. In goes a material and the one that was written for
-//! it, out come channels. Invariant: a number that changes has a channel, or the remarks say that it is lost.
+//! Materials that change, as pointers of KHR_animation_pointer. In goes a material and the one that
+//! was written for it, out come channels. Invariant: a number that changes has a channel, or the
+//! remarks say that it is lost.
 
 use super::Writer;
 use crate::diagnostic::Loss;

@@ -1,5 +1,5 @@
-//! Meshes, a primitive a material. Invariant: the triangles of a mesh are stored once, in however
-//! many materials and places it is shown.
+//! Meshes, a primitive a material. In goes a scene, out come glTF's meshes. Invariant: the triangles of a
+//! mesh are stored once, in however many materials and places it is shown.
 
 use super::Writer;
 use super::binary::Target;
@@ -10,10 +10,12 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A part of a glTF mesh: a mesh of ours, perhaps in a material that replaces its own, perhaps with what bends it.
+/// A part of a glTF mesh: a mesh of ours, perhaps in a material that replaces its own,
+/// perhaps with what bends it.
 type Part = (MeshIndex, Option<MaterialIndex>, Option<Bending>);
 
-/// Where in memory the targets and the influences of a deformation are: what bends instances of one mesh alike.
+/// Where in memory the targets and the influences of a deformation are: what bends
+/// instances of one mesh alike.
 type Bending = (usize, Option<usize>);
 
 /// Triangles of a mesh as they are stored, and the material that they are in by themselves.

@@ -1,6 +1,6 @@
-//! A [`Scene`] in, a glTF 2.0 file out (`.glb`): meshes shared, nodes as they are, motion as keys, and
-//! what glTF cannot say in the custom properties that `scene/from_gltf` reads. Invariant: reading the
-//! file back gives the same pictures, or [`Exported::remarks`] says what differs.
+//! A [`Scene`] in, a glTF 2.0 file out (`.glb`): meshes shared, nodes as they are, motion as keys. What glTF
+//! cannot say goes into the custom properties that `scene/from_gltf` reads. Invariant: reading the file back
+//! gives the same pictures, or [`Exported::remarks`] says what differs.
 
 mod binary;
 mod controls;

@@ -10,8 +10,8 @@ use serde_json::{Map, Value, json};
 /// How far from a matrix its parts may lie, relative to its largest element.
 const PARTS_TOLERANCE: f64 = 1e-9;
 
-/// glTF's perspective cameras have a nearer clipping plane before the eye, its orthographic ones a farther plane: those
-/// of cameras here that have none, metres.
+/// glTF's perspective cameras have a nearer clipping plane before the eye, its orthographic ones a farther
+/// plane: those of cameras here that have none, metres.
 const NEAREST_M: f64 = 1e-4;
 const FARTHEST_M: f64 = 1e6;
 

@@ -1,25 +1,29 @@
-//! How bright a picture is to those who look at it. In goes a frame, out come the exposure with which a display shows
-//! it well, and whether next to nothing of it is seen. Invariant: only beauty and alpha are looked at.
+//! How bright a picture is to those who look at it. In goes a frame, out come the exposure with which
+//! a display shows it well, and whether next to nothing of it is seen. Invariant: only beauty and
+//! alpha are looked at.
 
 use super::Frame;
 use crate::color::{Rgb, luminance};
 use crate::scene::Window;
 
-/// Pictures whose average is a stop darker or brighter than middle grey (0.18) are shown as they are; others are brought to that,
-/// so that what was lit darkly stays rather dark.
+/// Pictures whose average is a stop darker or brighter than middle grey (0.18) are shown as they are; others
+/// are brought to that, so that what was lit darkly stays rather dark.
 const DARKEST_AVERAGE: f64 = 0.09;
 const BRIGHTEST_AVERAGE: f64 = 0.36;
 
-/// Shadows count as if they were at least this part of the picture's median: how black they are says nothing of the rest.
+/// Shadows count as if they were at least this part of the picture's median: how black they are says
+/// nothing of the rest.
 const DEEPEST_SHADOW: f64 = 1.0 / 256.0;
 
-/// No picture is brightened beyond where its brightest twentieth starts to be brighter than this: what is well lit stays so.
+/// No picture is brightened beyond where its brightest twentieth starts to be brighter than this:
+/// what is well lit stays so.
 const BRIGHTEST_TWENTIETH: f64 = 1.0;
 
 /// No exposure changes by more than so many stops: what is darker is not there.
 const MOST_STOPS: f64 = 16.0;
 
-/// Mean luminance of a picture's brightest hundredth, below which nobody sees anything: four stops below middle grey.
+/// Mean luminance of a picture's brightest hundredth, below which nobody sees anything: four
+/// stops below middle grey.
 const DARK: f64 = 0.01;
 
 /// A picture on which next to nothing is seen.
@@ -30,8 +34,9 @@ pub struct Dark {
 }
 
 impl Frame {
-    /// By how many powers of two a display should brighten the picture: 0 for most, in steps of a half. The average is that of
-    /// logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 1), over the pixels that show light.
+    /// By how many powers of two a display should brighten the picture: 0 for most, in steps of a half. The
+    /// average is that of logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital
+    /// Images", equation 1), over the pixels that show light.
     pub fn auto_exposure_stops(&self) -> f64 {
         let mut lit: Vec<f64> = self.luminances().into_iter().filter(|light| *light > 0.0).collect();
         lit.sort_unstable_by(f64::total_cmp);
@@ -45,8 +50,8 @@ impl Frame {
         (2.0 * stops.clamp(-MOST_STOPS, MOST_STOPS)).round() / 2.0
     }
 
-    /// Whether next to nothing is seen. It is the brightest hundredth that has to be dark, so a lamp in the night is none. Of a part of
-    /// a picture nobody can tell.
+    /// Whether next to nothing is seen. It is the brightest hundredth that has to be dark, so a lamp in the
+    /// night is none. Of a part of a picture nobody can tell.
     pub fn darkness(&self) -> Option<Dark> {
         if self.window != Window::whole(self.full) {
             return None;
@@ -104,7 +109,8 @@ mod tests {
         assert_eq!(frame(|_| f32::NAN).auto_exposure_stops(), 0.0);
     }
 
-    /// Neither the black around a thing nor the shadow on it makes it brighter, nor a sun in the picture everything dark.
+    /// Neither the black around a thing nor the shadow on it makes it brighter, nor a sun in the
+    /// picture everything dark.
     #[test]
     fn what_is_black_and_what_glares_hardly_count() {
         let alone = |pixel: usize| if pixel < 20 { 0.2 } else { 0.0 };

@@ -1,6 +1,6 @@
-//! How far a picture still is from the truth, judged by its own samples. In goes a film whose samples
-//! came in two halves, out comes a variance for each pixel and each block of pixels. Invariant: a block is judged
-//! by its own pixels alone, and by all of them together, since a pixel's two halves may agree by chance.
+//! How far a picture still is from the truth, judged by its own samples. In goes a film whose samples came in
+//! two halves. Out comes a variance for each pixel and each block of pixels. Invariant: a block is judged by
+//! its own pixels alone, and by all of them together. A pixel's two halves may agree by chance.
 
 use super::Film;
 use crate::color::{Rgb, luminance};
@@ -10,8 +10,9 @@ use crate::color::{Rgb, luminance};
 pub struct PixelEstimate {
     /// Its luminance.
     pub luminance: f64,
-    /// Squared standard error of its colour: the mean over the channels, weighed as luminance weighs them. So it is that of the luminance where all channels
-    /// err alike, and more where they do not: an error of the hue is one too. `None` without two halves.
+    /// Squared standard error of its colour: the mean over the channels, weighed as luminance weighs them. So
+    /// it is that of the luminance where all channels err alike, and more where they do not: an error of the
+    /// hue is one too. `None` without two halves.
     pub variance: Option<f64>,
 }
 
@@ -20,17 +21,18 @@ pub struct PixelEstimate {
 pub struct BlockEstimate {
     /// Mean luminance of its pixels.
     pub luminance: f64,
-    /// Mean over its pixels of the squared standard error of their colour. Infinite where no pixel has two halves.
+    /// Mean over its pixels of the squared standard error of their colour. Infinite where no
+    /// pixel has two halves.
     pub variance: f64,
 }
 
 impl Film {
     /// What the samples of each pixel say of it, row by row; `None` where there are none.
     ///
-    /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then the pixel's value,
-    /// (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if samples are independent, for
-    /// then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b). Halves that complete one another
-    /// err in opposite directions, and the value is better than that.
+    /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then the
+    /// pixel's value, (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if
+    /// samples are independent, for then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b).
+    /// Halves that complete one another err in opposite directions, and the value is better than that.
     pub fn estimates(&self) -> Vec<Option<PixelEstimate>> {
         (0..self.weights.len()).map(|pixel| self.estimate(pixel)).collect()
     }
@@ -51,7 +53,8 @@ impl Film {
 }
 
 impl BlockEstimate {
-    /// Of those of its pixels that are known. Where there is but one half, half as many samples vary twice as much.
+    /// Of those of its pixels that are known. Where there is but one half, half as many
+    /// samples vary twice as much.
     pub fn of(pixels: impl Iterator<Item = PixelEstimate>) -> Self {
         let (mut luminances, mut count) = (0.0, 0.0_f64);
         let (mut variances, mut judged) = (0.0, 0.0);
@@ -137,7 +140,8 @@ mod tests {
         assert!((estimate.variance - expected).abs() < 1e-6 && expected > 1.0, "{estimate:?} {expected}");
     }
 
-    /// Independent samples of variance 1/12: the mean of n of them has variance 1 / (12 n), however they are halved.
+    /// Independent samples of variance 1/12: the mean of n of them has variance 1 / (12 n),
+    /// however they are halved.
     #[test]
     fn independent_samples_have_the_variance_that_statistics_says() {
         for (known, fresh) in [(4, 4), (12, 4), (2, 14)] {

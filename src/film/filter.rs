@@ -1,5 +1,6 @@
-//! The window of Blackman and Harris, by which a pixel can be a mean of what is around it. In goes a distance from the
-//! pixel's centre, out comes a weight; or the other way round, for samples that all weigh the same. Invariant: the weight is that of one axis, and adds up to 1.
+//! The window of Blackman and Harris, by which a pixel can be a mean of what is around it. In goes a distance
+//! from the pixel's centre, out comes a weight; or the other way round, for samples that all weigh the same.
+//! Invariant: the weight is that of one axis, and adds up to 1.
 
 use std::array;
 use std::f64::consts::TAU;
@@ -8,11 +9,12 @@ use std::sync::LazyLock;
 /// How wide the window is, pixels: as Blender has it unless told otherwise.
 const WIDTH_PX: f64 = 1.5;
 
-/// Its terms of 0 to 3 waves (Harris 1978, "On the use of windows for harmonic analysis with the discrete Fourier transform", table 1,
-/// four terms, minimum).
+/// Its terms of 0 to 3 waves (Harris 1978, "On the use of windows for harmonic analysis with the discrete
+/// Fourier transform", table 1, four terms, minimum).
 const TERMS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 
-/// Entries of both tables. Between them the weight is found to 1e-5, places to 1e-4 pixels but at the very ends, where hardly any sample lies.
+/// Entries of both tables. Between them the weight is found to 1e-5, places to 1e-4 pixels but at the very
+/// ends, where hardly any sample lies.
 const ENTRIES: usize = 1024;
 
 /// What a place counts for a pixel for whose centre it lies so far to one side; 0 beyond 0.75 pixels.
@@ -24,7 +26,8 @@ pub fn weight(distance_px: f64) -> f64 {
     if at >= ENTRIES as f64 { 0.0 } else { between(TABLE.as_slice(), at) }
 }
 
-/// How far from the pixel's centre a sample lies that is drawn as [`weight`] is dense, for a number in `0..1`.
+/// How far from the pixel's centre a sample lies that is drawn as [`weight`] is dense,
+/// for a number in `0..1`.
 pub fn offset_px(number: f64) -> f64 {
     static TABLE: LazyLock<[f64; ENTRIES + 2]> =
         LazyLock::new(|| array::from_fn(|entry| where_sum_is(entry as f64 / ENTRIES as f64)));

@@ -71,7 +71,8 @@ pub struct PixelPlace {
 }
 
 impl Precision {
-    /// The half that a value is stored as. Finite values beyond the range become the largest one; infinity and NaN stay.
+    /// The half that a value is stored as. Finite values beyond the range become the largest one;
+    /// infinity and NaN stay.
     pub fn half_from(value: f32) -> f16 {
         f16::from_f32(if value.is_finite() { value.clamp(-HALF_MAX, HALF_MAX) } else { value })
     }

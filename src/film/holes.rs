@@ -4,8 +4,8 @@
 
 use super::{Channel, Window};
 
-/// Fills every pixel that is not `known`. The first `mean_channels` channels take the mean of the known among the eight
-/// neighbours, the others the first known one in reading order, for ids and depths do not mix.
+/// Fills every pixel that is not `known`. The first `mean_channels` channels take the mean of the known among
+/// the eight neighbours, the others the first known one in reading order, for ids and depths do not mix.
 ///
 /// A window without any known pixel is left as it is.
 pub(super) fn fill(window: Window, mut known: Vec<bool>, channels: &mut [Channel], mean_channels: usize) {

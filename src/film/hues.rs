@@ -1,8 +1,10 @@
-//! Light of many hues. In go samples by single points of a light, each with its hue, out come colours as all of the light gives them. Invariant: what does
-//! not depend on the light is left as it is, and where all points are seen alike no hue of a single one is left.
+//! Light of many hues. In go samples by single points of a light, each with its hue, out come colours as all
+//! of the light gives them. Invariant: what does not depend on the light is left as it is, and where all
+//! points are seen alike no hue of a single one is left.
 //!
-//! A picture on a sun has points that are red and points that are blue, and a pixel has met a few of them. By how much these are redder than all of the sun is known: its
-//! own hue is 1. So what the light gives is corrected by that, in each channel on its own.
+//! A picture on a sun has points that are red and points that are blue, and a pixel has met a few of them. By
+//! how much these are redder than all of the sun is known: its own hue is 1. So what the light gives is
+//! corrected by that, in each channel on its own.
 
 use super::Channel;
 use crate::color::Rgb;
@@ -64,9 +66,11 @@ impl HueSums {
 
 /// What all of a light gives, by what points of it do whose mean hue is `hue`.
 ///
-/// Where these are brighter in a channel than all points together they are divided by that (the ratio estimate: Cochran 1977, "Sampling
-/// Techniques", 6.2); where they are darker, and perhaps without any light, what is missing is what would come without hues (the difference estimate, 7.1). Neither is below 0,
-/// both are right at once if all points are seen alike, and else err by what visibility and hue have in common, which falls as samples grow in number.
+/// Where these are brighter in a channel than all points together they are divided by that (the ratio
+/// estimate: Cochran 1977, "Sampling Techniques", 6.2); where they are darker, and perhaps without any light,
+/// what is missing is what would come without hues (the difference estimate, 7.1). Neither is below 0, both
+/// are right at once if all points are seen alike, and else err by what visibility and hue have in common,
+/// which falls as samples grow in number.
 fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {
     let channel =
         |i: usize| if hue[i] > 1.0 { hued[i] / hue[i] } else { hued[i] + plain[i] * (1.0 - hue[i]) };
@@ -82,7 +86,8 @@ pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
     [h[0], h[1], h[2], p[0], p[1], p[2], s[0], s[1], s[2]].map(|value| value as f32)
 }
 
-/// Corrects the channels of a picture whose samples weigh `weights`: the first three, and those of the light scattered in fog from number `shafts` on.
+/// Corrects the channels of a picture whose samples weigh `weights`: the first three, and those of the light
+/// scattered in fog from number `shafts` on.
 pub(super) fn correct(
     channels: &mut [Channel],
     shafts: Option<usize>,
@@ -130,7 +135,8 @@ mod tests {
     }
 
     proptest! {
-        /// Seen alike from all points, light has the colour of all of them, whichever were met; what shines by itself is the mean that it always was.
+        /// Seen alike from all points, light has the colour of all of them, whichever were met; what shines
+        /// by itself is the mean that it always was.
         #[test]
         fn no_hue_of_a_point_is_left(
             points in prop::collection::vec((prop::array::uniform3(0.0..3.0_f64), 0.1..2.0_f64, 0.0..9.0_f64, any::<bool>()), 2..20),

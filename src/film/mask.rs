@@ -8,7 +8,8 @@ use crate::scene::{Size, Window};
 pub struct Mask {
     window: Window,
     wanted: Vec<bool>,
-    /// The blocks that the window touches, in blocks from the picture's corner, and which of them hold some of the pixels.
+    /// The blocks that the window touches, in blocks from the picture's corner, and which of them
+    /// hold some of the pixels.
     blocks: Window,
     is_inhabited: Vec<bool>,
 }
@@ -70,7 +71,8 @@ impl Mask {
         })
     }
 
-    /// Pixels around one that is not wanted, of which none is either: its block, or it alone. `None` if it is wanted.
+    /// Pixels around one that is not wanted, of which none is either: its block, or it alone.
+    /// `None` if it is wanted.
     pub fn unwanted_around(&self, x: usize, y: usize) -> Option<Window> {
         let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);
         let is_inhabited = self.blocks.index(column, row).is_some_and(|block| self.is_inhabited[block]);

@@ -54,8 +54,8 @@ pub(super) fn packed(mattes: &[Matte; MATTES_OF_A_SAMPLE]) -> [f32; PACKED] {
     packed
 }
 
-/// Channels of a film's pixels, whose samples weigh `weights`: `CryptoObject00.RGBA` and so on, an id and its coverage
-/// in each pair (Cryptomatte specification 1.2.0).
+/// Channels of a film's pixels, whose samples weigh `weights`: `CryptoObject00.RGBA` and so on, an id and its
+/// coverage in each pair (Cryptomatte specification 1.2.0).
 pub(super) fn channels(lists: &[MatteList], weights: &[f64]) -> Vec<Channel> {
     let names = (0..LAYERS).flat_map(|layer| "RGBA".chars().map(move |letter| (layer, letter)));
     let mut channels: Vec<Channel> = names

@@ -1,7 +1,7 @@
-//! Samples become pixels. In go any number of weighted [`Sample`]s a pixel, in any order and from
-//! any method; out comes a [`Frame`] of named channels. Invariant: per pixel only sums of weight and of
-//! weight times value are kept and divided once, at the end, so nothing assumes one ray per pixel
-//! sample or weights that add up to a known total.
+//! Samples become pixels. In go any number of weighted [`Sample`]s a pixel, in any order and from any
+//! method; out comes a [`Frame`] of named channels. Invariant: a pixel keeps only sums of weight and of
+//! weight times value, which are divided once, at the end. So nothing assumes one ray per pixel sample,
+//! or weights with a known total.
 
 mod blocks;
 mod brightness;
@@ -50,14 +50,15 @@ pub struct Film {
     nearest_distances_px: Vec<f32>,
     /// What that sample showed: the channels of the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
-    /// What each pixel's samples know of the light's hues, all of them and the fresh half; empty if it has none.
+    /// What each pixel's samples know of the light's hues, all of them and the fresh half;
+    /// empty if it has none.
     hues: Vec<[HueSums; 2]>,
     /// Which objects cover each pixel; empty unless somebody asks.
     mattes: Vec<MatteList>,
 }
 
-/// Zeros in memory that has been written to: a sum reads its memory first, for which the system would show a page of zeros and then, for the
-/// write, another.
+/// Zeros in memory that has been written to: a sum reads its memory first, for which the system would show a
+/// page of zeros and then, for the write, another.
 fn written_zeros(count: usize) -> Vec<f64> {
     std::iter::repeat_n(std::hint::black_box(0.0), count).collect()
 }
@@ -68,7 +69,8 @@ impl Film {
         Self::of(full, window, KeptPasses::new(passes, false))
     }
 
-    /// The same of a picture of one light whose points have hues: to its samples [`Sample::hue`] is still to come.
+    /// The same of a picture of one light whose points have hues: to its samples
+    /// [`Sample::hue`] is still to come.
     pub fn with_hues(full: Size, window: Window, passes: &[Pass]) -> Self {
         Self::of(full, window, KeptPasses::new(passes, true))
     }
@@ -114,7 +116,8 @@ impl Film {
         self.add_to_half(false, splat, sample);
     }
 
-    /// The same with a sample of the fresh half, by which [`Film::estimates`] judges what was known without it.
+    /// The same with a sample of the fresh half, by which [`Film::estimates`] judges what
+    /// was known without it.
     pub fn add_fresh(&mut self, splat: &Splat, sample: &Sample) {
         self.add_to_half(true, splat, sample);
     }
@@ -131,7 +134,8 @@ impl Film {
         }
     }
 
-    /// All samples so far of these pixels are the known half of what comes next; other pixels keep the halves that they are judged by.
+    /// All samples so far of these pixels are the known half of what comes next; other pixels keep the halves
+    /// that they are judged by.
     pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
         for (index, (x, y)) in self.window.pixels().enumerate() {
             if pixels.contains(x, y) {
@@ -148,7 +152,8 @@ impl Film {
         Splats::new(self.window, self.passes.clone())
     }
 
-    /// Adds lists of samples, each as if by [`Film::add`] or [`Film::add_fresh`], in all threads of the current pool.
+    /// Adds lists of samples, each as if by [`Film::add`] or [`Film::add_fresh`], in all threads
+    /// of the current pool.
     pub fn add_all(&mut self, lists: &[Splats]) {
         let pixels = self.weights.len().div_ceil(rayon::current_num_threads());
         let bands: Vec<Band> = self.bands(pixels).collect();
@@ -187,10 +192,11 @@ impl Film {
         })
     }
 
-    /// Adds what another film of the same picture and the same passes has gathered, such as a tile or a stack of slices.
+    /// Adds what another film of the same picture and the same passes has gathered, such as a
+    /// tile or a stack of slices.
     ///
-    /// Where the two overlap the order of pasting decides the rounding of the sums and, between samples equally near
-    /// to a pixel's centre, which one the data passes show: paste in a fixed order.
+    /// Where the two overlap the order of pasting decides the rounding of the sums and, between samples
+    /// equally near to a pixel's centre, which one the data passes show: paste in a fixed order.
     pub fn paste(&mut self, part: &Self) {
         debug_assert_eq!(self.passes, part.passes, "parts of one picture have the same passes");
         let stride = self.stride();

@@ -1,5 +1,5 @@
-//! What a sample shows in each pass. In go a sample and a pass, out come the numbers of its channels (`passes.rs` says which).
-//! Invariant: where no surface is seen they are the pass's background.
+//! What a sample shows in each pass. In go a sample and a pass, out come the numbers of its channels
+//! (`passes.rs` says which). Invariant: where no surface is seen they are the pass's background.
 
 use crate::passes::Pass;
 use crate::transport::Sample;

@@ -1,12 +1,13 @@
-//! Sums become a picture. In goes a film, out comes a frame of named channels, in the order in which films keep their passes.
-//! Invariant: sums are divided by weights once, here.
+//! Sums become a picture. In goes a film, out comes a frame of named channels, in the order in which films
+//! keep their passes. Invariant: sums are divided by weights once, here.
 
 use super::splats::BEAUTY;
 use super::{Channel, Film, Frame, Precision, holes, hues, mattes};
 use crate::passes::Pass;
 
 impl Film {
-    /// Pixels of the full picture that have no sample yet; [`Film::resolve`] would fill them from their neighbours.
+    /// Pixels of the full picture that have no sample yet; [`Film::resolve`] would fill them
+    /// from their neighbours.
     pub fn holes(&self) -> Vec<(usize, usize)> {
         let pixels = self.window.pixels().zip(&self.weights);
         pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()

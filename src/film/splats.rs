@@ -12,7 +12,8 @@ use crate::transport::Sample;
 /// Names of the beauty's channels, in the order of the sums.
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
-/// The most numbers that a sample can have: the beauty's, at most four for each pass, its part in hues and its mattes.
+/// The most numbers that a sample can have: the beauty's, at most four for each pass, its part in
+/// hues and its mattes.
 pub(super) const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + hues::PACKED + mattes::PACKED;
 
 /// Which passes a film keeps, by the rule that makes pixels of samples.
@@ -55,7 +56,8 @@ impl KeptPasses {
         self.mean_channels() + self.nearest_channels() + hues + mattes
     }
 
-    /// Calls back with the values of all channels in order, those of the mean first, those of the mattes last.
+    /// Calls back with the values of all channels in order, those of the mean first,
+    /// those of the mattes last.
     #[inline(always)]
     pub(super) fn pack(&self, sample: &Sample, mut put: impl FnMut(&[f32])) {
         let [red, green, blue] = sample.radiance.to_array();

@@ -1,5 +1,6 @@
-//! One bank of fog: where it is, how dense it is there, what it does to light. In go lines, out come lengths and densities. Invariant: lengths
-//! are exact also for lines that run in a face of the bank's box, and finite also for lines that do not end.
+//! One bank of fog: where it is, how dense it is there, what it does to light. In go lines, out come lengths
+//! and densities. Invariant: lengths are exact also for lines that run in a face of the bank's box, and
+//! finite also for lines that do not end.
 
 use super::beer_lambert::NOTHING_LEFT;
 use super::falloff::{Climb, Falloff};
@@ -59,7 +60,8 @@ impl FogBank {
         Self { density: Density::Thinning(falloff), ..self }
     }
 
-    /// The share of its scattering that harmonics up to l = 2 do not tell from going straight on: delta-M, `f = g^3` (Wiscombe 1977, "The delta-M method", eq. 14).
+    /// The share of its scattering that harmonics up to l = 2 do not tell from going straight on: delta-M,
+    /// `f = g^3` (Wiscombe 1977, "The delta-M method", eq. 14).
     pub(super) fn forward_peak(&self) -> f64 {
         self.g.max(0.0).powi(3)
     }
@@ -181,7 +183,8 @@ impl FogBank {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {
             let (from, to) = (from[axis], to[axis]);
-            // Between two points inside a pair of faces the way crosses neither: mostly so, and no division then.
+            // Between two points inside a pair of faces the way crosses neither: mostly so,
+            // and no division then.
             if from.abs().max(to.abs()) <= 1.0 {
                 continue;
             }

@@ -1,6 +1,6 @@
-//! Fog that thins out with height: a line through it in, how much fog lies along the line out.
-//! Invariant: all lengths are closed forms in which nothing cancels, however flat the line, however
-//! thin the fog and however far above it the line starts.
+//! Fog that thins out with height. In goes a line through it, out comes how much fog lies along the line.
+//! Invariant: all lengths are closed forms in which nothing cancels. That holds however flat the line,
+//! however thin the fog and however far above it the line starts.
 
 use super::beer_lambert::mean_transmittance;
 use crate::math::Ray;

@@ -1,5 +1,6 @@
-//! The parts of a ray that a light reaches. In go intervals in shadow and intervals that are dimmed (*veils*), out come the lit parts in
-//! order, each with the share of the light that is left there. Invariant: the order in which they are added does not show, to the last bit.
+//! The parts of a ray that a light reaches. In go intervals in shadow and intervals that are dimmed
+//! (*veils*), out come the lit parts in order, each with the share of the light that is left there.
+//! Invariant: the order in which they are added does not show, to the last bit.
 
 use crate::color::Rgb;
 use crate::light::FrozenLight;
@@ -13,7 +14,8 @@ pub struct LitSegments {
     range: (f64, f64),
     /// What dims the rest of it.
     veils: Vec<Veil>,
-    /// Where each piece between the ends of veils begins, and what gets through there; before the first, everything.
+    /// Where each piece between the ends of veils begins, and what gets through there; before
+    /// the first, everything.
     pieces: Vec<(f64, Rgb)>,
     /// Of those that cover a piece.
     product: RunningProduct,
@@ -92,7 +94,8 @@ impl LitSegments {
         }
     }
 
-    /// Calls `lit(start, end, share)` for the lit parts of a range, in order, with the share of the light that is left there.
+    /// Calls `lit(start, end, share)` for the lit parts of a range, in order, with the share of the
+    /// light that is left there.
     pub(super) fn for_each_part(&self, range: &Range<f64>, mut lit: impl FnMut(f64, f64, Rgb)) {
         self.shadows.for_each_gap(range.start, range.end, |start, end| {
             self.for_each_piece(start, end, &mut lit);

@@ -1,5 +1,5 @@
-//! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is at all. Invariant: where
-//! banks overlap their coefficients add up, and so do their optical depths.
+//! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is at
+//! all. Invariant: where banks overlap their coefficients add up, and so do their optical depths.
 
 use super::FogBank;
 use super::beer_lambert::exp_minus;
@@ -73,7 +73,8 @@ impl Medium {
         spans.reduce(|(a, b), (enter, leave)| (a.min(enter), b.max(leave)))
     }
 
-    /// Light scattered per metre at a point, per unit of irradiance and steradian: `sum(sigma_s * phase)`, 1/(m sr).
+    /// Light scattered per metre at a point, per unit of irradiance and steradian:
+    /// `sum(sigma_s * phase)`, 1/(m sr).
     pub fn scattering_at(&self, point: DVec3, cos_deflection: f64) -> Rgb {
         self.banks
             .iter()
@@ -98,7 +99,8 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.g.powi(degree))).sum()
     }
 
-    /// The same without what goes on in nearly the same direction: `sum(sigma_s (g^degree - f))`, see [`Medium::without_peaks`].
+    /// The same without what goes on in nearly the same direction: `sum(sigma_s (g^degree - f))`, see
+    /// [`Medium::without_peaks`].
     pub fn scattering_without_peak_at(&self, point: DVec3, degree: i32) -> Rgb {
         let share = |fog: &FogBank| fog.density(point) * (fog.g.powi(degree) - fog.forward_peak());
         self.banks.iter().map(|fog| fog.sigma_s * share(fog)).sum()

@@ -1,9 +1,10 @@
-//! Fog. In go rays, lights and what is lit, out come optical depths and light scattered towards the eye. Invariant: a shadow is
-//! something that this module is told; it knows no surfaces, cameras or pixels.
+//! Fog. In go rays, lights and what is lit, out come optical depths and light scattered towards the eye.
+//! Invariant: a shadow is something that this module is told; it knows no surfaces, cameras or pixels.
 //!
-//! [`Medium`] is what all fog together is asked: `medium.rs` by points and rays, `scattered.rs` for the light of a ray, [`FogSlice`] for all rays of a
-//! half plane. What it is made of are banks (`bank.rs`), whose density is even or thins out with height (`falloff.rs`). Which closed
-//! form a ray's stretch has (`stretch.rs`), if any, is decided in `sun_stretch.rs` and `near_light.rs`; transport never knows.
+//! [`Medium`] is what all fog together is asked: `medium.rs` by points and rays, `scattered.rs` for the light
+//! of a ray, [`FogSlice`] for all rays of a half plane. What it is made of are banks (`bank.rs`), whose
+//! density is even or thins out with height (`falloff.rs`). Which closed form a ray's stretch has
+//! (`stretch.rs`), if any, is decided in `sun_stretch.rs` and `near_light.rs`; transport never knows.
 
 mod bank;
 mod beer_lambert;

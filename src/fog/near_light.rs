@@ -1,14 +1,14 @@
-//! What a near light scatters into a ray. In go a stretch of fog and a light, out comes the integral
-//! over any part of it that is lit. Invariant: few parts are integrated one by one, by rules whose order
-//! follows from where the integrand is not analytic; many share one antiderivative, fitted to a
-//! tolerance.
+//! What a near light scatters into a ray. In go a stretch of fog and a light, out comes the integral over any
+//! lit part of it. A few parts of even fog that is not deep are integrated one by one. The order of their
+//! rules follows from where the integrand is not analytic. Otherwise all parts share one antiderivative.
+//! Invariant: it is fitted to a tolerance.
 //!
-//! The variable is `x = asinh((t - nearest) / gap)`, the Gudermannian inverse of the equiangular angle
-//! `theta` (Kulla & Fajardo 2012): `dt / distance^2 = dtheta / gap = dx / (gap cosh x)`. In `theta` a
-//! phase function is a peak as narrow as `1 - |g|` at the far end; in `x`
-//! the cosine of the deflection is `-tanh x`, and Henyey & Greenstein's function becomes
-//! `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`: a step as wide as the integrand's other changes,
-//! whose singularities, like those of `cosh x`, lie at the distance `pi / 2` from the real axis for every `g`.
+//! The variable is `x = asinh((t - nearest) / gap)`, with
+//! `dt / distance^2 = dtheta / gap = dx / (gap cosh x)`. It is the inverse Gudermannian of the equiangular
+//! angle `theta` (Kulla & Fajardo 2012). In `theta` a phase function is a peak as narrow as `1 - |g|` at the
+//! far end. In `x` the cosine of the deflection is `-tanh x`. Henyey & Greenstein's function becomes
+//! `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`: a step as wide as the integrand's other changes. Its
+//! singularities, like those of `cosh x`, lie `pi / 2` from the real axis for every `g`.
 
 use super::LitSegments;
 use super::beer_lambert::exp_minus;
@@ -45,7 +45,8 @@ const SMALLEST_SHARE: f64 = 1e-18;
 /// What a fit may be wrong by, as a share of the whole that it is fitted to.
 const FIT_TOLERANCE: f64 = 1e-8;
 
-/// From about so many parts on a fit costs no more than the parts one by one (`cargo bench --bench figures -- near`).
+/// From about so many parts on a fit costs no more than the parts one by one
+/// (`cargo bench --bench figures -- near`).
 const MANY_PARTS: usize = 20;
 
 /// How far a rule reaches, see [`NearLight::part`].
@@ -164,9 +165,10 @@ impl<'a> NearLight<'a> {
 
     /// Where the integrand has poles on the real axis just before and just after the stretch.
     ///
-    /// The way to the light enters a bank through a face `y_i = a` at the fraction `(a - y_i(t)) / (p_i - y_i(t))`
-    /// of itself, `p` being the light in the bank's own space: a pole where the ray has come as far as the
-    /// light along the axis `i`. Within the stretch there is none, as `a` lies between.
+    /// The way to the light enters a bank through a face `y_i = a` at the fraction
+    /// `(a - y_i(t)) / (p_i - y_i(t))` of itself, `p` being the light in the bank's own space: a pole
+    /// where the ray has come as far as the light along the axis `i`. Within the stretch there is none,
+    /// as `a` lies between.
     fn poles(&self) -> (f64, f64) {
         let (first, last) = (self.x(self.stretch.start), self.x(self.stretch.end));
         let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -191,7 +193,8 @@ impl<'a> NearLight<'a> {
     }
 
     fn x(&self, t: f64) -> f64 {
-        // `asinh` of the library keeps its relative precision near 0, at three times the time; the absolute one will do.
+        // `asinh` of the library keeps its relative precision near 0, at three times the time; the
+        // absolute one will do.
         let ratio = ((t - self.nearest) / self.gap).clamp(-LARGEST_RATIO, LARGEST_RATIO);
         (ratio.abs() + (ratio * ratio + 1.0).sqrt()).ln().copysign(ratio)
     }

@@ -1,5 +1,5 @@
-//! Light that fog scatters towards the start of a ray. In go the lit parts of the ray, out comes radiance. Invariant: nothing is sampled,
-//! nothing is stepped.
+//! Light that fog scatters towards the start of a ray. In go the lit parts of the ray, out comes radiance.
+//! Invariant: nothing is sampled, nothing is stepped.
 
 use super::near_light::NearLight;
 use super::stretch::Stretch;

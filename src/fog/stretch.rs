@@ -1,5 +1,6 @@
-//! A ray cut into stretches. In go a ray through fog and a light, out come parts on which the fog's parameters are
-//! constant. Invariant: on a stretch the optical depths to the eye and to the light are smooth.
+//! A ray cut into stretches. In go a ray through fog and a light, out come parts on which the
+//! fog's parameters are constant. Invariant: on a stretch the optical depths to the eye and to
+//! the light are smooth.
 
 use super::phase::henyey_greenstein;
 use super::{FogBank, Medium};

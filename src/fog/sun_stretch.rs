@@ -40,8 +40,8 @@ impl SunStretch {
     }
 }
 
-/// Where the optical depth from the eye to `t` and on to a distant light is linear in the metres of fog on the
-/// way, counted at the density of the fog's base.
+/// Where the optical depth from the eye to `t` and on to a distant light is linear in the metres of fog on
+/// the way, counted at the density of the fog's base.
 pub(super) struct ClosedForm {
     /// `sigma_s * phase`, per metre at base density and sr.
     scattering: Rgb,
@@ -100,8 +100,8 @@ impl ClosedForm {
 
     /// `integral of density * exp(-tau) dt` over `[start, end]`, times the scattering.
     ///
-    /// The integral is written as `metres * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the ends'
-    /// depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
+    /// The integral is written as `metres * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the
+    /// ends' depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
     fn integral(&self, start: f64, end: f64) -> Rgb {
         let (before, metres) = (self.metres(self.start, start), self.metres(start, end));
         let one = |at_start: f64, per_m: f64| {

@@ -1,5 +1,6 @@
-//! Pictures one after another as an animated PNG, which viewers without animation show the first picture of. In go pictures
-//! of one size and a rate, out come the file's bytes. Invariant: only compressed pictures are kept.
+//! Pictures one after another as an animated PNG, which viewers without animation show the first
+//! picture of. In go pictures of one size and a rate, out come the file's bytes. Invariant: only
+//! compressed pictures are kept.
 
 use super::Picture;
 use super::preview::png_size;

@@ -1,8 +1,10 @@
-//! Pictures one after another as an animated WebP, without loss. In go pictures of one size and a rate, out come the file's
-//! bytes. Invariant: a picture begins within half a millisecond of its time, however many there are (up to 1000 a second).
+//! Pictures one after another as an animated WebP, without loss. In go pictures of one size and a rate, out
+//! come the file's bytes. Invariant: a picture begins within half a millisecond of its time, however many
+//! there are (up to 1000 a second).
 //!
-//! Each picture is a still WebP of the crate `image`, taken out of its own file. Chunks and fields are those of the WebP Container
-//! Specification, <https://developers.google.com/speed/webp/docs/riff_container> (RFC 9649, section 2); numbers are little-endian.
+//! Each picture is a still WebP of the crate `image`, taken out of its own file. Chunks and fields are those
+//! of the WebP Container Specification, <https://developers.google.com/speed/webp/docs/riff_container> (RFC
+//! 9649, section 2); numbers are little-endian.
 
 use super::Picture;
 use crate::scene::{FrameRate, Size};

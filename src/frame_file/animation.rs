@@ -1,5 +1,6 @@
-//! Pictures one after another to a file that browsers play, over and over. In go pictures of one size and a rate, out comes
-//! an animated PNG or WebP. Invariant: only compressed pictures are kept, and the file is whole or not there.
+//! Pictures one after another to a file that browsers play, over and over. In go pictures of one size and
+//! a rate, out comes an animated PNG or WebP. Invariant: only compressed pictures are kept, and the file
+//! is whole or not there.
 
 use super::animated_png::AnimatedPng;
 use super::animated_webp::AnimatedWebP;

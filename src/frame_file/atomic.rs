@@ -13,7 +13,8 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), FrameFileError> {
     write_whole(path, &[bytes])
 }
 
-/// Writes a file that is made of parts, by way of a temporary file in the same folder, which is created if need be.
+/// Writes a file that is made of parts, by way of a temporary file in the same folder, which
+/// is created if need be.
 ///
 /// # Errors
 /// If the folder cannot be made or the file not be written; what was there before is then still there.
@@ -52,8 +53,8 @@ fn write_in(folder: &Path, path: &Path, name: &OsStr, parts: &[&[u8]]) -> io::Re
     writes.retain(|path| *path != unfinished);
     persisted?;
     drop(writes);
-    // The new name is an entry of the folder, which the disk should learn of too. Network shares refuse that (EINVAL,
-    // ENOTSUP, EIO); the frame's own bytes are safe by then.
+    // The new name is an entry of the folder, which the disk should learn of too. Network shares refuse that
+    // (EINVAL, ENOTSUP, EIO); the frame's own bytes are safe by then.
     #[cfg(unix)]
     let _ = fs::File::open(folder).and_then(|folder| folder.sync_all());
     Ok(())
@@ -66,7 +67,8 @@ fn writes() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes what this process is writing, and has all later writes wait for ever: for the moment before it exits.
+/// Removes what this process is writing, and has all later writes wait for ever: for the
+/// moment before it exits.
 pub fn abandon_writes() {
     let unfinished = writes();
     unfinished.iter().for_each(|path| drop(fs::remove_file(path)));

@@ -1,21 +1,25 @@
-//! The glare of a lens, in pictures for eyes. In goes a plane of linear light and how much of it the lens scatters, out comes the
-//! plane with that share around where it was. Invariant: a plane of one value stays as it is, and so does any of whose light nothing is scattered.
+//! The glare of a lens, in pictures for eyes. In goes a plane of linear light and how much of it the lens
+//! scatters, out comes the plane with that share around where it was. Invariant: a plane of one value stays
+//! as it is, and so does any of whose light nothing is scattered.
 
 use rayon::prelude::*;
 
-/// The widths of what is scattered, standard deviations in parts of the picture's height. Each has as much light as the next, which is half as
-/// wide, so together they fall as the square of the distance: between the powers 2 and 3 by which eyes and lenses scatter (Spencer et al. 1995,
-/// "Physically-based glare effects for digital images", section 2).
+/// The widths of what is scattered, standard deviations in parts of the picture's height. Each has as much
+/// light as the next, which is half as wide, so together they fall as the square of the distance: between the
+/// powers 2 and 3 by which eyes and lenses scatter (Spencer et al. 1995, "Physically-based glare effects for
+/// digital images", section 2).
 const WIDTHS: [f64; 6] = [1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
-/// So many box filters in a row are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian filters by cascaded uniform filters").
+/// So many box filters in a row are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian filters
+/// by cascaded uniform filters").
 const BOXES: usize = 3;
 
-/// Light beyond this is scattered as if it were this: what is not a number, or has no end, would be all over the picture.
+/// Light beyond this is scattered as if it were this: what is not a number, or has no end, would be
+/// all over the picture.
 const BRIGHTEST: f32 = 1e9;
 
-/// Scatters a share of the light, `0..=1`, of a plane of rows of `width` pixels. `height_px` is the height of the whole picture, of which the plane may be a
-/// part: what lies beyond it scatters nothing into it.
+/// Scatters a share of the light, `0..=1`, of a plane of rows of `width` pixels. `height_px` is the height of
+/// the whole picture, of which the plane may be a part: what lies beyond it scatters nothing into it.
 pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, share: f64) {
     if share == 0.0 || plane.is_empty() {
         return;

@@ -13,8 +13,9 @@ use exr::meta::header::{ImageAttributes, LayerAttributes};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Writes a frame to `path`, whole or not at all; folders are created. Values beyond the range of half channels are
-/// stored as the largest half; NaN and infinity are stored as they are, for the caller to have refused.
+/// Writes a frame to `path`, whole or not at all; folders are created. Values beyond the range of
+/// half channels are stored as the largest half; NaN and infinity are stored as they are, for the
+/// caller to have refused.
 ///
 /// # Errors
 /// If the disk says no, or the frame has no pixels.
@@ -72,8 +73,9 @@ fn stored(channel: &Channel) -> AnyChannel<FlatSamples> {
     AnyChannel::new(text(&channel.name), samples)
 }
 
-/// Puts the header's attributes in the order of their names: the encoder keeps some of them in a hash map and writes them
-/// in an order that differs from run to run. The header's length stays the same, so no offset behind it changes.
+/// Puts the header's attributes in the order of their names: the encoder keeps some of them in a hash map
+/// and writes them in an order that differs from run to run. The header's length stays the same, so no
+/// offset behind it changes.
 fn sort_attributes(file: &mut [u8]) -> Option<()> {
     /// Magic number and version.
     const PREAMBLE: usize = 8;

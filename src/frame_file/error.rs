@@ -21,7 +21,8 @@ pub enum FrameFileError {
         /// The system's reason.
         source: io::Error,
     },
-    /// The bytes could not be brought to the disk. Nothing is left under the file's name that was not there before.
+    /// The bytes could not be brought to the disk. Nothing is left under the file's name that
+    /// was not there before.
     #[error("cannot write {}: {source}", shown(path))]
     Write {
         /// The file.

@@ -1,5 +1,5 @@
-//! The fingerprint of a whole file, which stands in the file itself. In go its bytes, out come 64 digits. Invariant: any byte
-//! changed, added or taken away changes it, in the header as in the pixels.
+//! The fingerprint of a whole file, which stands in the file itself. In go its bytes, out come 64 digits.
+//! Invariant: any byte changed, added or taken away changes it, in the header as in the pixels.
 
 use sha2::{Digest, Sha256};
 use std::ops::Range;

@@ -1,5 +1,5 @@
-//! Temporary files beside the final ones, and what killed runs left of them. Invariant: only names that [`temporary`]
-//! makes are removed, and none that another process is still writing.
+//! Temporary files beside the final ones, and what killed runs left of them. Invariant: only names that
+//! [`temporary`] makes are removed, and none that another process is still writing.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, TryLockError};
@@ -15,8 +15,8 @@ const RANDOM_LETTERS: usize = 6;
 /// Where files cannot be locked, a temporary one as old as this is nobody's: no frame takes a day to write.
 const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// A temporary file for a file of this name, in its folder, that this process has locked: which tells others that
-/// somebody is at work on it. Dropped on an error, it removes itself.
+/// A temporary file for a file of this name, in its folder, that this process has locked: which tells others
+/// that somebody is at work on it. Dropped on an error, it removes itself.
 pub(super) fn temporary(folder: &Path, name: &OsStr) -> io::Result<NamedTempFile> {
     let mut prefix = OsString::from(".");
     prefix.push(name);
@@ -46,11 +46,11 @@ fn claimed(mut create: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<
     }
 }
 
-/// Removes what killed runs left of the temporary files of a folder's files, of those that are wanted by the bytes of
-/// their final names; says what it removed.
+/// Removes what killed runs left of the temporary files of a folder's files, of those that are wanted by the
+/// bytes of their final names; says what it removed.
 ///
-/// None that another process is still writing is touched: two runs of the same frame at the same time both end with whole
-/// frames.
+/// None that another process is still writing is touched: two runs of the same frame at the same time both
+/// end with whole frames.
 pub fn remove_abandoned(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     entries
@@ -68,7 +68,8 @@ pub fn final_name(temporary: &[u8]) -> Option<&[u8]> {
     letters.iter().all(u8::is_ascii_alphanumeric).then(|| name.strip_suffix(b"."))?
 }
 
-/// Whether no process is at work on a temporary file: its lock is free, or, where there are no locks, it is old.
+/// Whether no process is at work on a temporary file: its lock is free, or, where there are
+/// no locks, it is old.
 fn is_abandoned(temporary: &Path) -> bool {
     // A pipe of such a name is none of ours, and would be waited for.
     let is_file = fs::symlink_metadata(temporary).is_ok_and(|metadata| metadata.is_file());

@@ -1,6 +1,7 @@
-//! What makes two frames too different: limits of the picture and of every channel, as `sunfleck-tools compare` has them.
-//! In goes a comparison, out come sentences. Invariant: each channel keeps one limit of each measure: that of the last
-//! pattern that names it, else the one for all; and a pattern that names no channel is not kept.
+//! What makes two frames too different: limits of the picture and of every channel, as
+//! `sunfleck-tools compare` has them. In goes a comparison, out come sentences. Invariants: each channel
+//! keeps one limit of each measure: that of the last pattern that names it, else the one for all. A pattern
+//! that names no channel is not kept.
 
 use super::{Comparison, Errors};
 use glob::Pattern;
@@ -23,8 +24,8 @@ pub enum Measure {
 pub struct Limit {
     /// In what.
     pub measure: Measure,
-    /// In the channels whose names fit, each by itself; without a pattern in red, green and blue together, and in every
-    /// other channel.
+    /// In the channels whose names fit, each by itself; without a pattern in red, green and blue together,
+    /// and in every other channel.
     pub channels: Option<Pattern>,
     /// By so much.
     pub most: f64,

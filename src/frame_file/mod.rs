@@ -1,10 +1,10 @@
-//! A finished [`Frame`] to an EXR file and back, with where it came from. In goes a frame and its
-//! [`Provenance`], out comes a file that is whole or not there. Invariant: the same frame and
-//! provenance give the same bytes, and no file ever bears its final name before all its bytes are on the disk.
+//! A finished [`Frame`] to an EXR file and back, with where it came from. In go a frame and its
+//! [`Provenance`], out comes a file that is whole or not there. Invariants: the same frame and provenance
+//! give the same bytes. No file bears its final name before all its bytes are on the disk.
 //!
 //! # What a file looks like
-//! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window is the full
-//! picture, the data window the part that was rendered. Besides the standard attributes:
+//! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window
+//! is the full picture, the data window the part that was rendered. Besides the standard attributes:
 //!
 //! | attribute | what |
 //! |---|---|
@@ -13,18 +13,20 @@
 //! | `sunfleck:pixelHash` | SHA-256 of the pixels, see below |
 //! | `sunfleck:fileHash` | SHA-256 of the whole file, with zeros for its own digits |
 //! | `sunfleck:seed`, `sunfleck:samples` | decimal texts |
-//! | `sunfleck:sequenceFrames` | the first and the last frame of the input, `1-48`, whatever a run was asked for |
+//! | `sunfleck:sequenceFrames` | the input's first and last frame, `1-48`, whatever a run was asked for |
 //!
 //! # The pixel hash
-//! SHA-256 over the channels in order of their names; of each: name, a zero byte, its type (`half`, `float` or `uint`), a zero
-//! byte, then its values as stored, little-endian, row by row from the top of the data window. From the file alone, in Python:
+//! SHA-256 over the channels in order of their names. Of each come its name, a zero byte, its type (`half`,
+//! `float` or `uint`) and a zero byte. Then come its values as stored: little-endian, row by row from the top
+//! of the data window. From the file alone, in Python:
 //!
 //! ```python
 //! import hashlib, OpenEXR
 //! part = OpenEXR.File("name.0001.exr", separate_channels=True)
 //! digest = hashlib.sha256()
+//! kinds = {"e": ("half", "<f2"), "f": ("float", "<f4"), "I": ("uint", "<u4")}
 //! for name, channel in sorted(part.channels().items(), key=lambda item: item[0].encode()):
-//!     kind, stored = {"e": ("half", "<f2"), "f": ("float", "<f4"), "I": ("uint", "<u4")}[channel.pixels.dtype.char]
+//!     kind, stored = kinds[channel.pixels.dtype.char]
 //!     digest.update(name.encode() + b"\0" + kind.encode() + b"\0" + channel.pixels.astype(stored).tobytes())
 //! assert digest.hexdigest() == part.header()["sunfleck:pixelHash"]
 //! ```

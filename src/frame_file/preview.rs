@@ -1,5 +1,5 @@
-//! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes, whether it was just
-//! rendered or is read from its file; the EXR stays the picture, this is a look at it.
+//! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes,
+//! whether it was just rendered or is read from its file. The EXR stays the picture; this is a look at it.
 
 use super::bloom::bloom;
 use super::{FrameFileError, atomic};
@@ -80,7 +80,8 @@ impl Picture {
     }
 }
 
-/// The channels of a frame's colour: its own, else those of its first layer that has some, else its luminance.
+/// The channels of a frame's colour: its own, else those of its first layer that has
+/// some, else its luminance.
 fn color(frame: &Frame) -> Option<[&Channel; 3]> {
     let of_layer = |layer: &str| {
         let [red, green, blue] = ["R", "G", "B"].map(|name| frame.channel(&format!("{layer}{name}")));

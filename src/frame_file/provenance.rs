@@ -27,8 +27,8 @@ const IMAGE_COUNTER_NAME: &str = "imageCounter";
 pub struct Provenance {
     /// Number of the frame in its sequence; EXR holds 32 bits of it.
     pub frame: i64,
-    /// The first and the last frame that the input itself has, whichever of them a run is asked for: a chunk of a farm writes the
-    /// bytes of the whole, and a last frame that is lost is missed.
+    /// The first and the last frame that the input itself has, whichever of them a run is asked for: a chunk
+    /// of a farm writes the bytes of the whole, and a last frame that is lost is missed.
     pub sequence_frames: (i64, i64),
     /// Frames a second, the same in every frame of a sequence.
     pub frame_rate: FrameRate,
@@ -57,7 +57,8 @@ pub struct Provenance {
 pub struct Attributes(pub BTreeMap<String, String>);
 
 impl Provenance {
-    /// True if a file with these attributes shows the same scene, rendered in the same way by the same version.
+    /// True if a file with these attributes shows the same scene, rendered in the same
+    /// way by the same version.
     pub(super) fn matches(&self, attributes: &Attributes) -> bool {
         attributes.get(VERSION_NAME) == Some(VERSION)
             && attributes.get(SCENE_HASH_NAME) == Some(&self.scene_hash)

@@ -39,8 +39,9 @@ impl FrameFile {
     }
 }
 
-/// Reads a flat EXR file, ours or anybody's. Of several parts the first one's data window counts, and those with the same one
-/// are read, their channels called `part.channel`. Pixels outside of the display window are left out.
+/// Reads a flat EXR file, ours or anybody's. Of several parts the first one's data window counts, and
+/// those with the same one are read, their channels called `part.channel`. Pixels outside of the display
+/// window are left out.
 ///
 /// # Errors
 /// If it cannot be read, is damaged, is of another kind, or claims more pixels than its size can hold.
@@ -134,7 +135,8 @@ impl Seen {
     fn of(header: &Header) -> Option<Self> {
         let display = header.shared_attributes.display_window;
         let (position, size) = (header.own_attributes.layer_position, header.layer_size);
-        // Along one side: how much lies before the display window, where the seen part begins, and how long it is.
+        // Along one side: how much lies before the display window, where the seen part
+        // begins, and how long it is.
         let side = |position: i32, from: i32, length: usize, full: usize| {
             let start = i64::from(position) - i64::from(from);
             let before = usize::try_from(-start).unwrap_or(0);

@@ -1,5 +1,5 @@
-//! Light of one channel along all ordinates that cross the same planes, one way and the other. In go sources, out come moments. Invariant: an ordinate and its opposite share
-//! what half a cell does to light.
+//! Light of one channel along all ordinates that cross the same planes, one way and the other. In go sources,
+//! out come moments. Invariant: an ordinate and its opposite share what half a cell does to light.
 
 use super::grid::Grid;
 use super::halo::Halo;
@@ -49,7 +49,8 @@ pub(super) struct Carrier<'a> {
     /// By plane.
     walled: Vec<Vec<Walled<'a>>>,
     pairs: Vec<Pair>,
-    /// Of each node for one pair: what half a cell lets through, what it adds, and the radiance in the middle.
+    /// Of each node for one pair: what half a cell lets through, what it adds, and the
+    /// radiance in the middle.
     leaf_extinction: Vec<f32>,
     through: Vec<f32>,
     added: [Vec<f32>; 2],
@@ -208,7 +209,8 @@ impl<'a> Carrier<'a> {
         }
     }
 
-    /// The same for nodes some of whose neighbours are behind walls: from there comes what the walls send out.
+    /// The same for nodes some of whose neighbours are behind walls: from there comes
+    /// what the walls send out.
     fn past_walls(&mut self, (side, plane): (usize, usize), taps: &Taps, of_walls: &[f32]) {
         let planes = self.planes;
         let steps = [0, 1, 2, 3].map(|tap| taps.step(tap));

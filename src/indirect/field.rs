@@ -1,5 +1,6 @@
-//! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a [`Field`] that tells irradiance on surfaces and
-//! light that fog scatters. Invariant: what it holds has been scattered at least once, or comes from the sky; never straight from a lamp or a sun.
+//! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a
+//! [`Field`] that tells irradiance on surfaces and light that fog scatters. Invariant: what it holds has been
+//! scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
 use super::first_light::FirstLight;
 use super::fluence::Glow;
@@ -170,8 +171,8 @@ impl Field {
         field.glows.iter().map(move |glow| (glow, glow.mean(&corners), glow.mean_times(&corners)))
     }
 
-    /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction
-    /// radiance.
+    /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of
+    /// harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
     pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
         let basis = basis(travel);
         self.across_levels(world, &|field| {

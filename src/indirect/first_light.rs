@@ -1,5 +1,6 @@
-//! Where light of lamps and suns is scattered first by leaves and fog. In go a snapshot and rays of its lights, out come sources on the grid. Invariant: power is
-//! conserved; what a ray carries lands where the ray does.
+//! Where light of lamps and suns is scattered first by leaves and fog. In go a snapshot and rays
+//! of its lights, out come sources on the grid. Invariant: power is conserved; what a ray carries
+//! lands where the ray does.
 
 use super::fluence::{Fluence, Glow};
 use super::grid::{Grid, Stretch};

@@ -1,5 +1,6 @@
-//! Light of lamps and suns on its way through the grid. In go rays' places, directions and powers, out comes what each node has of them. Invariant: what a place has is
-//! shared out among the nodes about it, and none of it is lost.
+//! Light of lamps and suns on its way through the grid. In go rays' places, directions and powers, out
+//! comes what each node has of them. Invariant: what a place has is shared out among the nodes about it,
+//! and none of it is lost.
 
 use super::grid::Corners;
 use super::harmonics::{COUNT, basis};
@@ -31,7 +32,8 @@ impl Glow {
     }
 }
 
-/// Power times way, by node: of one direction alone, or by harmonics of the direction. All numbers of a node lie side by side.
+/// Power times way, by node: of one direction alone, or by harmonics of the direction. All numbers of a
+/// node lie side by side.
 pub(super) struct Fluence {
     harmonics: usize,
     values: Vec<f32>,

@@ -1,5 +1,6 @@
-//! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their weights. Invariant: cells lie at
-//! whole multiples of their side in world space, whatever moves and wherever the camera is; so a field never pulses with either.
+//! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their
+//! weights. Invariant: cells lie at whole multiples of their side in world space, whatever moves and wherever
+//! the camera is; so a field never pulses with either.
 
 use crate::math::Ray;
 use glam::{DVec3, I64Vec3};
@@ -77,7 +78,8 @@ impl Grid {
         (self.position(0), self.position(self.count() - 1))
     }
 
-    /// The cells that a node stands for, from half a cell before the first to half a cell past the last, in world space.
+    /// The cells that a node stands for, from half a cell before the first to half a cell past the
+    /// last, in world space.
     pub(super) fn volume(&self) -> (DVec3, DVec3) {
         let (low, high) = self.bounds();
         (low - 0.5 * self.cell_m, high + 0.5 * self.cell_m)
@@ -118,8 +120,8 @@ impl Grid {
         x + row * y + layer * z
     }
 
-    /// The cells that a part of a ray of world space runs through, one after the other, if all of it lies within the grid's (Amanatides & Woo 1987, "A fast voxel
-    /// traversal algorithm for ray tracing").
+    /// The cells that a part of a ray of world space runs through, one after the other, if all of it lies
+    /// within the grid's (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
     pub(super) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {
         let strides = self.strides();
         let origin = ray.origin / self.cell_m - self.first.as_dvec3();

@@ -1,5 +1,5 @@
-//! Real spherical harmonics up to l = 2: how radiance at a point differs by direction. In go directions, out come nine numbers.
-//! Invariant: the basis is orthonormal over the sphere.
+//! Real spherical harmonics up to l = 2: how radiance at a point differs by direction. In go directions, out
+//! come nine numbers. Invariant: the basis is orthonormal over the sphere.
 
 use crate::color::Rgb;
 use glam::DVec3;
@@ -11,7 +11,8 @@ pub(super) const COUNT: usize = 9;
 /// The degree of each coefficient.
 pub(super) const DEGREE: [usize; COUNT] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
 
-/// What a clamped cosine makes of each degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps", eq. 8).
+/// What a clamped cosine makes of each degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for
+/// irradiance environment maps", eq. 8).
 const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
 
 /// All basis functions of a direction.
@@ -35,13 +36,15 @@ pub(super) fn basis(direction: DVec3) -> [f64; COUNT] {
     ]
 }
 
-/// What a surface that scatters evenly, and faces `normal`, sends out per unit of its radiosity times its area.
+/// What a surface that scatters evenly, and faces `normal`, sends out per unit of its
+/// radiosity times its area.
 pub(super) fn cosine_lobe(normal: DVec3) -> [f64; COUNT] {
     let basis = basis(normal);
     std::array::from_fn(|index| COSINE_LOBE[DEGREE[index]] * basis[index])
 }
 
-/// What irradiance on a surface that faces `normal` is of the moments of radiance by the direction of *travel*.
+/// What irradiance on a surface that faces `normal` is of the moments of radiance by the
+/// direction of *travel*.
 pub(super) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
 }

@@ -1,5 +1,6 @@
-//! Light that reaches leaves: gathered once a leaf and side, asked by every ray that meets one. In go a field and leaves, out comes irradiance. Invariant: a leaf is no longer
-//! than a cell, so that its middle stands for all of it.
+//! Light that reaches leaves: gathered once a leaf and side, asked by every ray that meets one. In go a
+//! field and leaves, out comes irradiance. Invariant: a leaf is no longer than a cell, so that its middle
+//! stands for all of it.
 
 use super::field::{Field, Gathered};
 use super::harmonics::Lobe;

@@ -1,8 +1,10 @@
-//! Leaves and fog as one turbid medium, node by node. In go fog and surfels, out come what is lost of light and where the rest goes. Invariant: matter that absorbs
-//! nothing, in even light from all sides, sends out exactly what it takes.
+//! Leaves and fog as one turbid medium, node by node. In go fog and surfels, out come what is lost of light
+//! and where the rest goes. Invariant: matter that absorbs nothing, in even light from all sides, sends out
+//! exactly what it takes.
 //!
-//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands", with each leaf's own normal in place of a distribution of normals: of `|cos|`
-//! the harmonics up to l = 2 are kept, `3/16 + 15/16 cos^2`, so that a node's leaves are two sums of outer products.
+//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands". Each leaf's own normal
+//! takes the place of a distribution of normals. Of `|cos|` the harmonics up to l = 2 are kept:
+//! `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
 
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
@@ -150,8 +152,8 @@ fn pairs<const N: usize, const M: usize>(which: &[usize; N], lobe: &[f32; COUNT]
 
 /// What a surfel adds to its nodes, per leaf area by volume.
 ///
-/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what leaves is `B+ + B- = 2 (rho + tau) e` and
-/// `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
+/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what
+/// leaves is `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
 struct SurfelTerms {
     normals: [f32; 6],
     lobe: [f32; COUNT],

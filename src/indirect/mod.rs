@@ -1,8 +1,10 @@
-//! Light of all orders of scattering but the first: from leaf to leaf, from sky to ground, within fog. In goes a snapshot, out comes an [`Indirect`] that every ray
-//! may ask. Invariant: nothing in it is random, and nothing depends on where the camera stands in a cell of its grid.
+//! Light of all orders of scattering but the first: from leaf to leaf, from sky to ground, within fog. In
+//! goes a snapshot, out comes an [`Indirect`] that every ray may ask. Invariant: nothing in it is random, and
+//! nothing depends on where the camera stands in a cell of its grid.
 //!
-//! Direct light and single scattering stay exact, in `transport`. What comes after is solved on a world grid by discrete ordinates (Chandrasekhar 1950, "Radiative
-//! Transfer"), leaves and fog together as one turbid medium: `field.rs` is the loop over orders.
+//! Direct light and single scattering stay exact, in `transport`. What comes after is solved on a world grid
+//! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
+//! medium there. `field.rs` is the loop over orders.
 
 mod carrier;
 mod extent;
@@ -49,7 +51,8 @@ pub struct Indirect {
 }
 
 impl Indirect {
-    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of no use. `aspect` is width / height of the picture.
+    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of
+    /// no use. `aspect` is width / height of the picture.
     pub fn new(
         snapshot: &Snapshot,
         bounces: Bounces,
@@ -111,7 +114,8 @@ impl Indirect {
         radiance
     }
 
-    /// Radiance that fog scatters into a camera ray before it has gone `distance` metres, if it lets `through` of what is behind it.
+    /// Radiance that fog scatters into a camera ray before it has gone `distance` metres, if it lets
+    /// `through` of what is behind it.
     pub fn seen_in_fog(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
         self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance, through))
     }

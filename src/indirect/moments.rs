@@ -1,5 +1,6 @@
-//! Nine numbers a channel and node: radiance by direction of travel, or sources of it. Invariant: laid out by channel, then by harmonic, then by node, so that
-//! what is done to all nodes is done to neighbours in memory.
+//! Nine numbers a channel and node: radiance by direction of travel, or sources of it. Invariant: laid
+//! out by channel, then by harmonic, then by node, so that what is done to all nodes is done to
+//! neighbours in memory.
 
 use super::grid::Corners;
 use super::harmonics::COUNT;

@@ -1,5 +1,6 @@
-//! Whether walls stand between a place and the nodes about it. In go the triangles of walls, out come nodes without those that are hidden. Invariant: what lies on one side of
-//! a wall neither gets light from nodes on the other nor gives them any.
+//! Whether walls stand between a place and the nodes about it. In go the triangles of walls, out come nodes
+//! without those that are hidden. Invariant: what lies on one side of a wall neither gets light from nodes on
+//! the other nor gives them any.
 
 use super::grid::{Corners, Grid};
 use super::surroundings::WallTriangle;
@@ -7,7 +8,8 @@ use glam::{DVec3, Vec3};
 
 /// Triangles of walls, by cell.
 pub(super) struct Occluders {
-    /// The triangles about each cell of eight nodes; of the cell after node N they end where those of N + 1 begin.
+    /// The triangles about each cell of eight nodes; of the cell after node N they end where
+    /// those of N + 1 begin.
     about_cell: Vec<CellTriangle>,
     starts: Vec<u32>,
     /// Of each node, whether a wall is about one of the cells that meet there.
@@ -74,7 +76,8 @@ impl Occluders {
         };
     }
 
-    /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest` is the first of them.
+    /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest`
+    /// is the first of them.
     fn about(&self, lowest: usize) -> &[CellTriangle] {
         &self.about_cell[self.starts[lowest] as usize..self.starts[lowest + 1] as usize]
     }

@@ -1,5 +1,6 @@
-//! The directions along which light is swept. In goes nothing, out come unit vectors and their share of the sphere. Invariant: with each
-//! direction there is its opposite, and polynomials of the direction up to degree 11 are integrated exactly.
+//! The directions along which light is swept. In goes nothing, out come unit vectors and their share of the
+//! sphere. Invariant: with each direction there is its opposite, and polynomials of the direction up to
+//! degree 11 are integrated exactly.
 
 use glam::DVec3;
 use std::f64::consts::PI;

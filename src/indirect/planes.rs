@@ -1,7 +1,9 @@
-//! Planes of nodes that light crosses one after the other, and how they lie in memory. In goes the size of a grid, out come numbers of nodes. Invariant: the nodes of
-//! a row of a plane are neighbours in memory, whatever the axis.
+//! Planes of nodes that light crosses one after the other, and how they lie in memory. In goes the size
+//! of a grid, out come numbers of nodes. Invariant: the nodes of a row of a plane are neighbours in
+//! memory, whatever the axis.
 
-/// How nodes lie in memory: as in the grid, where neighbours along x are next to one another, or with x and y changed.
+/// How nodes lie in memory: as in the grid, where neighbours along x are next to one another, or
+/// with x and y changed.
 #[derive(Clone, Copy)]
 pub(super) struct Layout {
     /// Nodes along each axis.

@@ -1,5 +1,5 @@
-//! Rays that carry the light of lamps and suns. In go lights, out come rays and their powers. Invariant: rays are tied to the world and to the lights, never to
-//! leaves, so what a leaf gets changes evenly as it moves.
+//! Rays that carry the light of lamps and suns. In go lights, out come rays and their powers. Invariant: rays
+//! are tied to the world and to the lights, never to leaves, so what a leaf gets changes evenly as it moves.
 
 use super::grid::Grid;
 use super::swept_fog::SweptFog;

@@ -1,5 +1,6 @@
-//! From order to order: sweep, scatter, sweep again. In go first sources and the sky, out comes the light of all orders that are wanted. Invariant: a round adds
-//! one order of scattering, and what is left after the last is a geometric series.
+//! From order to order: sweep, scatter, sweep again. In go first sources and the sky, out comes the light of
+//! all orders that are wanted. Invariant: a round adds one order of scattering, and what is left after the
+//! last is a geometric series.
 
 use super::carrier::{Inflow, Sources};
 use super::halo::Halo;
@@ -17,7 +18,8 @@ use std::f64::consts::PI;
 /// Rounds when all of them are wanted.
 const MOST_ROUNDS: u32 = 24;
 const FEWEST_ROUNDS: u32 = 3;
-/// What is left after the last round, as a share of all light, when a geometric series tells it well; and by how much a round more may change what it tells.
+/// What is left after the last round, as a share of all light, when a geometric series tells it well; and by
+/// how much a round more may change what it tells.
 const REST: f64 = 0.01;
 const SURPRISE: f64 = 2e-4;
 /// Of light that goes on and on: a closed scene that absorbs nothing has no end.
@@ -41,7 +43,8 @@ pub(super) struct Scatterers<'a> {
     pub(super) walls: &'a Walls,
 }
 
-/// Light on its way to the next order: what matter sends out, per metre and steradian, and walls, as radiance.
+/// Light on its way to the next order: what matter sends out, per metre and steradian,
+/// and walls, as radiance.
 struct Leaving {
     matter: Moments,
     walls: Vec<Rgb>,
@@ -55,7 +58,8 @@ impl Leaving {
 }
 
 impl Rounds<'_> {
-    /// All light, and that part of it that fog is not to see. `on_walls` is what lamps and suns shine on each patch, W/m^2.
+    /// All light, and that part of it that fog is not to see. `on_walls` is what lamps and suns shine
+    /// on each patch, W/m^2.
     pub(super) fn run(
         mut self,
         bounces: Bounces,

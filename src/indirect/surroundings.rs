@@ -1,5 +1,6 @@
-//! What light meets on its way from order to order, in world space: small things as surfels, large ones as walls. In goes a snapshot, out come both and
-//! the box that they fill. Invariant: each visible triangle is part of one of them.
+//! What light meets on its way from order to order, in world space: small things as surfels, large ones as
+//! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
+//! part of one of them.
 
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -51,7 +52,8 @@ impl WallTriangle {
     }
 }
 
-/// Parts that look alike wherever they are: mesh and material, whether these are its blended triangles, and the part's number.
+/// Parts that look alike wherever they are: mesh and material, whether these are its blended triangles,
+/// and the part's number.
 type Looks = ((usize, Option<usize>), bool, usize);
 
 /// What a part does to light.
@@ -129,7 +131,8 @@ impl<'a> Surroundings<'a> {
         corners.map(|corner| (corner, corner)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// How wide leaves are, as the mean by their area over all parts narrower than `widest_m`; 0 if there are none.
+    /// How wide leaves are, as the mean by their area over all parts narrower than
+    /// `widest_m`; 0 if there are none.
     pub(super) fn leaf_width_m(&self, widest_m: f64) -> f64 {
         let leaves = self.parts.iter().filter(|part| part.width_m < widest_m);
         let (weighted, all) = leaves.fold((0.0, 0.0), |(weighted, all), leaf| {
@@ -269,7 +272,8 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// The middles of the equal triangles that cutting each side of a triangle in `count` makes, by its second and third corner's weights.
+/// The middles of the equal triangles that cutting each side of a triangle in `count` makes, by its second
+/// and third corner's weights.
 fn middles(count: f64) -> impl Iterator<Item = (f64, f64)> {
     let side = count as usize;
     let middle =

@@ -1,8 +1,10 @@
-//! Light carried across the grid along every ordinate. In go matter, sources and what comes in from outside, out come moments of radiance. Invariant: sums have a
-//! fixed order, so the same field comes from any number of threads.
+//! Light carried across the grid along every ordinate. In go matter, sources and what comes in from
+//! outside, out come moments of radiance. Invariant: sums have a fixed order, so any number of threads
+//! gives the same field.
 //!
-//! Planes of nodes across the ordinate's largest component follow one another; each node takes what leaves the four cells before it, half a cell
-//! of matter, its own source, and half a cell again (a step scheme of second order; Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
+//! Planes of nodes across the ordinate's largest component follow one another. Each node takes what leaves
+//! the four cells before it, half a cell of matter, its own source, and half a cell again. This is a step
+//! scheme of second order (Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
 
 use super::carrier::{Carrier, Sources};
 use super::grid::Grid;
@@ -38,7 +40,8 @@ impl<'a> Sweeper<'a> {
         Self { count: grid.count(), turned, carriers: carriers.collect() }
     }
 
-    /// The moments of radiance that sources give where they, and nothing else, are scattered no more. Once `cancelled` says true, what comes is of no use.
+    /// The moments of radiance that sources give where they, and nothing else, are scattered no more. Once
+    /// `cancelled` says true, what comes is of no use.
     pub(super) fn sweep(&mut self, sources: &Sources, cancelled: &(dyn Fn() -> bool + Sync)) -> Moments {
         let turned = sources.of_matter.map(|values| self.turned.of_grid(values));
         let turned = Sources { of_matter: &turned, ..*sources };

@@ -1,5 +1,6 @@
-//! What a sweep does to many nodes at once. In go slices that are neighbours in memory, out come the same. Invariant: no node asks for another of the same plane, so eight are
-//! found at once, and each by the same operations in the same order whatever the width.
+//! What a sweep does to many nodes at once. In go slices that are neighbours in memory, out come the same.
+//! Invariant: no node asks for another of the same plane, so eight are found at once, and each by the same
+//! operations in the same order whatever the width.
 
 use super::harmonics::COUNT;
 use crate::accel::Vectorized;
@@ -36,7 +37,8 @@ impl Vectorized for Prepare<'_> {
             let odd = b1 * s1[node] + b2 * s2[node] + b3 * s3[node];
             let (transmitted, mean) = exp_minus_and_mean(half_way * (fog[node] + leaves[node]));
             through[node] = transmitted;
-            // Harmonics cut short may be negative where they should be nearly nothing; sums over ordinates are right only if that stays.
+            // Harmonics cut short may be negative where they should be nearly nothing; sums over ordinates
+            // are right only if that stays.
             let gain = half_way * mean;
             along[node] = gain * (even + odd);
             against[node] = gain * (even - odd);
@@ -109,7 +111,8 @@ impl Vectorized for Accumulate<'_> {
     }
 }
 
-/// `exp(-x)` and its mean over `0..x`, `x >= 0`, within 3e-6 of 1: no branch and no call, so that eight are found at once.
+/// `exp(-x)` and its mean over `0..x`, `x >= 0`, within 3e-6 of 1: no branch and no call, so that
+/// eight are found at once.
 ///
 /// Padé's approximation of `exp(-x / 16)`, squared four times.
 #[inline(always)]
@@ -123,7 +126,8 @@ fn exp_minus_and_mean(x: f32) -> (f32, f32) {
     let square = root * root;
     let fourth = square * square;
     let eighth = fourth * fourth;
-    // 1 - r = z / (even + z / 2), and 1 - r^16 is that times (1 + r)(1 + r^2)(1 + r^4)(1 + r^8): no digits are lost where hardly any light is.
+    // 1 - r = z / (even + z / 2), and 1 - r^16 is that times (1 + r)(1 + r^2)(1 + r^4)(1 + r^8): no digits
+    // are lost where hardly any light is.
     let of_bounded =
         (1.0 / 16.0) / (even + 0.5 * z) * ((1.0 + root) * (1.0 + square)) * ((1.0 + fourth) * (1.0 + eighth));
     let beyond = if x > MOST { MOST / x } else { 1.0 };

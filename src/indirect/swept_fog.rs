@@ -1,7 +1,9 @@
-//! Fog as ordinates see it. In goes a medium, out come what dims light and what is scattered. Invariant: what is not scattered is not lost either.
+//! Fog as ordinates see it. In goes a medium, out come what dims light and what is scattered. Invariant: what
+//! is not scattered is not lost either.
 //!
-//! Harmonics up to l = 2 do not tell light that is scattered nearly straight ahead from light that is not scattered: where all orders are wanted, it counts as that, delta-M
-//! (Wiscombe 1977), and still goes as the sun's own light does. Where orders are counted, every scattering counts.
+//! Harmonics up to l = 2 cannot tell light that is scattered nearly straight ahead from light that is not
+//! scattered. Where all orders are wanted, such light counts as not scattered (delta-M, Wiscombe 1977), and
+//! still goes as the sun's own light does. Where orders are counted, every scattering counts.
 
 use crate::color::Rgb;
 use crate::fog::Medium;

@@ -1,5 +1,6 @@
-//! Indirect light that fog scatters towards the eye, ready to be looked up. In go a field and a snapshot, out comes the light of any part of any ray of the camera. Invariant:
-//! what a ray's start and end have is the prefix sum of the same steps, so parts of a ray add up to the whole.
+//! Indirect light that fog scatters towards the eye, ready to be looked up. In go a field and a snapshot, out
+//! comes the light of any part of any ray of the camera. Invariant: what a ray's start and end have is the
+//! prefix sum of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
 use crate::color::Rgb;
@@ -16,8 +17,9 @@ const FAR_STEPS: usize = 48;
 
 /// Prefix sums along a coarse grid of camera rays.
 ///
-/// What is looked up is the mean radiance of all fog before a distance, by how much of it is seen; how much fog a ray really goes through it tells itself. So the
-/// borders of fog are as sharp as they are, and fog in even light is as bright as that everywhere.
+/// What is looked up is the mean radiance of all fog before a distance, by how much of it is seen; how much
+/// fog a ray really goes through it tells itself. So the borders of fog are as sharp as they are, and fog in
+/// even light is as bright as that everywhere.
 pub(super) struct ViewedFog {
     columns: usize,
     rows: usize,
@@ -26,7 +28,8 @@ pub(super) struct ViewedFog {
     sums: Vec<Seen>,
 }
 
-/// What is seen of fog before a distance: its mean radiance by channel, weighed by what it takes of light behind it, and that weight.
+/// What is seen of fog before a distance: its mean radiance by channel, weighed by what it takes of light
+/// behind it, and that weight.
 #[derive(Clone, Copy, Default)]
 #[repr(align(16))]
 struct Seen([f32; 4]);
@@ -54,7 +57,8 @@ impl ViewedFog {
         Some(Self { columns, rows, depths, sums })
     }
 
-    /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1, if fog lets `through` of what is behind it.
+    /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1, if
+    /// fog lets `through` of what is behind it.
     pub(super) fn before(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
         let place = if distance.is_finite() {
             snapshot.view.film_place(ray.at(distance))

@@ -1,4 +1,5 @@
-//! Light of lamps and suns on walls. In go patches of walls, out comes the irradiance on each. Invariant: where its shadow rays start depends on the wall and the grid alone.
+//! Light of lamps and suns on walls. In go patches of walls, out comes the irradiance on each. Invariant:
+//! where its shadow rays start depends on the wall and the grid alone.
 
 use super::grid::Grid;
 use super::swept_fog::SweptFog;

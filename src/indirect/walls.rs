@@ -1,5 +1,6 @@
-//! Walls between the nodes of a grid: ground, trunks, rooms. In go triangles, out come the links from node to node that they cut, and the patches that are seen
-//! instead. Invariant: no light goes along a link that a wall cuts, however thin it is.
+//! Walls between the nodes of a grid: ground, trunks, rooms. In go triangles, out come the links from node to
+//! node that they cut, and the patches that are seen instead. Invariant: no light goes along a link that a
+//! wall cuts, however thin it is.
 
 use super::grid::Grid;
 use super::occluders::{CLEAR, CellTriangle, Occluders};
@@ -243,7 +244,8 @@ impl Walls {
         self
     }
 
-    /// The irradiance on each patch by light at the nodes that see it: `irradiance` answers for a node and a normal.
+    /// The irradiance on each patch by light at the nodes that see it: `irradiance` answers
+    /// for a node and a normal.
     pub(super) fn irradiances(&self, irradiance: impl Fn(usize, DVec3) -> Rgb) -> Vec<Rgb> {
         let of_patch = |patch: &Patch| {
             let (mut weighted, mut all) = (Rgb::ZERO, 0.0);
@@ -257,7 +259,8 @@ impl Walls {
     }
 }
 
-/// Where a way from one place to another crosses a triangle, as a share of the way (Möller & Trumbore 1997). Edges count as inside.
+/// Where a way from one place to another crosses a triangle, as a share of the way (Möller & Trumbore 1997).
+/// Edges count as inside.
 fn crossing([a, b, c]: &[DVec3; 3], from: DVec3, to: DVec3) -> Option<f64> {
     const SLACK: f64 = 1e-9;
     let (ab, ac, way) = (*b - *a, *c - *a, to - from);

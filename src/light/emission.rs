@@ -126,7 +126,8 @@ mod tests {
         assert!((cone.falloff(0.6) - 0.5).abs() < 1e-15);
     }
 
-    /// Its cone is nearly a plane, which the ray crosses: found by chance, when the quadratic's discriminant lost its digits.
+    /// Its cone is nearly a plane, which the ray crosses: found by chance, when the quadratic's
+    /// discriminant lost its digits.
     #[test]
     fn a_nearly_flat_cone_has_a_border() {
         let axis = DVec3::new(0.08563129501431122, -0.10191341377931044, 0.9911008714586116).normalize();

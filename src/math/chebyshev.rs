@@ -1,6 +1,6 @@
-//! The antiderivative of a smooth function, fitted once and then asked often. In go a function, an
-//! interval and a tolerance, out comes the integral over any part of the interval. Invariant: the
-//! error of the whole is estimated from the fit itself, and pieces are halved until it is met.
+//! The antiderivative of a smooth function, fitted once and then asked often. In go a function, an interval
+//! and a tolerance. Out comes the integral over any part of the interval. Invariant: the error of the whole
+//! is estimated from the fit itself, and pieces are halved until it is met.
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -10,7 +10,8 @@ use std::sync::LazyLock;
 const DEGREE: usize = 16;
 const POINTS: usize = DEGREE + 1;
 
-/// A bound on the work for functions that are not smooth after all: with this many pieces the fit stays as it is.
+/// A bound on the work for functions that are not smooth after all: with this many pieces
+/// the fit stays as it is.
 const MAX_PIECES: usize = 512;
 
 /// Half angles `j pi / DEGREE`, whose cosines are the Chebyshev points of the second kind.
@@ -40,8 +41,8 @@ struct Piece {
 }
 
 impl Antiderivative {
-    /// Fits `function` over `[start, end]`, so that the integral over the whole is wrong by no more than about
-    /// `tolerance` times itself in each component. What is there is replaced, its memory kept.
+    /// Fits `function` over `[start, end]`, so that the integral over the whole is wrong by no more than
+    /// about `tolerance` times itself in each component. What is there is replaced, its memory kept.
     pub fn fit(&mut self, function: impl Fn(f64) -> DVec3, start: f64, end: f64, tolerance: f64) {
         self.pieces.clear();
         self.pieces.push(Piece::new(&function, start, end));

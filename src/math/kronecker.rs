@@ -4,8 +4,8 @@
 /// The golden ratio's fractional part.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Point `number` of the sequence `frac(shift + number / g)`, with `g` the golden ratio (Roberts 2018, "The unreasonable effectiveness of
-/// quasirandom sequences"); `shift` is in `[0, 1)`.
+/// Point `number` of the sequence `frac(shift + number / g)`, with `g` the golden ratio (Roberts 2018, "The
+/// unreasonable effectiveness of quasirandom sequences"); `shift` is in `[0, 1)`.
 pub fn kronecker(shift: f64, number: usize) -> f64 {
     let sum = shift + number as f64 * GOLDEN;
     // As `fract`, which is a call on processors of old.
@@ -16,7 +16,8 @@ pub fn kronecker(shift: f64, number: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// The defining property of a low-discrepancy sequence: every run of `n` has about `n / 4` in each quarter.
+    /// The defining property of a low-discrepancy sequence: every run of `n` has about
+    /// `n / 4` in each quarter.
     #[test]
     fn runs_of_neighbours_are_spread() {
         for start in (0..1000).step_by(37) {

@@ -1,5 +1,6 @@
-//! Low-discrepancy points whose places in an order are given. In goes a place, out come coordinates. Invariant: together with the place itself they are a
-//! Sobol sequence, so those of every aligned run of places are evenly spread, and so are those of places that only ever halve their distance.
+//! Low-discrepancy points whose places in an order are given. In goes a place, out come coordinates.
+//! Invariant: together with the place itself they are a Sobol sequence. So the points of every aligned run of
+//! places are evenly spread, and so are those of places that only ever halve their distance.
 
 use super::sampler::mix;
 use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
@@ -9,8 +10,9 @@ const SEQUENCE_BITS: u32 = 16;
 
 /// The coordinates that belong to a place.
 ///
-/// The first coordinate of a Sobol sequence is its van der Corput sequence: the number of a point is its first coordinate with its binary digits in reverse.
-/// So with that as the place any other coordinate is known, whichever places are asked for first. Each has an Owen scrambling of its own.
+/// The first coordinate of a Sobol sequence is its van der Corput sequence: the number of a point is its
+/// first coordinate with its binary digits in reverse. So with that as the place any other coordinate is
+/// known, whichever places are asked for first. Each has an Owen scrambling of its own.
 pub struct PlacedPoints {
     /// The place, as a binary fraction.
     place: u32,

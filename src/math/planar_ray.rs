@@ -1,5 +1,6 @@
-//! A ray within a half plane that it starts on the edge of. In go reach, which is the distance from the edge, and height, which
-//! is that along it, both per metre; out comes a slope. Invariant: the ray leads away from the edge.
+//! A ray within a half plane that it starts on the edge of. In go reach, which is the distance from
+//! the edge, and height, which is that along it, both per metre; out comes a slope. Invariant: the
+//! ray leads away from the edge.
 
 use glam::DVec2;
 

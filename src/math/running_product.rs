@@ -1,5 +1,6 @@
-//! A product of factors that come and go. In go factors with fixed places, out comes the product of all, at any time.
-//! Invariant: a change takes as many multiplications as the number of places has binary digits, and nothing is divided.
+//! A product of factors that come and go. In go factors with fixed places, out comes the product of all,
+//! at any time. Invariant: a change takes as many multiplications as the number of places has binary
+//! digits, and nothing is divided.
 
 use crate::color::Rgb;
 

@@ -1,7 +1,9 @@
-//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels, out comes whether a slice in a place
-//! need be looked at. Invariant: no slice that crosses one is left out, however its own fan differs from the centre's.
+//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels. Out
+//! comes whether a slice in a place need be looked at. Invariant: no slice that crosses one is left out,
+//! however its own fan differs from the centre's.
 //!
-//! A late round has many slices and few pixels, and most slices meet none of these: to draw them all the same took most of its time under a sun with a picture on it.
+//! A late round has many slices and few pixels, and most slices meet none of these. Drawing them all the same
+//! took most of its time under a sun with a picture on it.
 
 use crate::film::Mask;
 use crate::scene::Window;
@@ -17,8 +19,8 @@ pub(super) struct Bearings {
 }
 
 impl Bearings {
-    /// Those of the slices of `base` that meet pixels which are wanted in a ring, and `margin_rad` to either side. Slices may have axes that are up to
-    /// `deviation_rad` away from that of `base`.
+    /// Those of the slices of `base` that meet pixels which are wanted in a ring, and `margin_rad` to either
+    /// side. Slices may have axes that are up to `deviation_rad` away from that of `base`.
     pub(super) fn new(base: &Fan, ring: Ring, deviation_rad: f64, wanted: &Mask, margin_rad: f64) -> Self {
         let mut is_wanted = vec![false; PARTS];
         let is_in_ring = |block: &Window| {
@@ -73,7 +75,8 @@ mod tests {
     }
 
     proptest! {
-        /// Slices in the order of one fan, and those of fans that differ from it, in a ring that they are kept in order in.
+        /// Slices in the order of one fan, and those of fans that differ from it, in a ring that they
+        /// are kept in order in.
         #[test]
         fn no_slice_that_meets_wanted_pixels_is_left_out(
             (elevation_deg, azimuth_deg) in (-89.0..89.0_f64, -180.0..180.0_f64),

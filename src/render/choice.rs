@@ -1,6 +1,6 @@
-//! Whether a frame is rendered from slices or by rays, and why. In goes an exposure, out comes the
-//! cheaper of the ways that can serve. Invariant: the choice depends on the scene at that frame alone,
-//! never on a crop, a clock or a number of threads, so that a part of a picture is a part of the whole.
+//! Whether a frame is rendered from slices or by rays, and why. In goes an exposure, out comes the cheaper of
+//! the ways that can serve. Invariant: the choice depends on the scene at that frame alone, never on a crop,
+//! a clock or a number of threads. So a part of a picture is a part of the whole.
 
 use super::Method;
 use super::draws::Draws;
@@ -71,8 +71,9 @@ pub fn choose(exposure: &Exposure) -> Choice {
     Choice { method, reason }
 }
 
-/// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture,
-/// and none of them at the eye or about it: among points on all sides some lie next to the eye, and a few slices do not average them.
+/// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture, and
+/// none of them at the eye or about it: among points on all sides some lie next to the eye, and a few
+/// slices do not average them.
 pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     let at_camera = |light: &Luminaire| match light.centre() {
         FrozenLight::Sun { .. } => false,
@@ -90,7 +91,8 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     }
 }
 
-/// How far fans may deviate over a picture, in widths of it: so many times as many slices are laid as meet it.
+/// How far fans may deviate over a picture, in widths of it: so many times as many slices
+/// are laid as meet it.
 const FARTHEST_DEVIATION: f64 = 100.0;
 
 /// Whether the fans of a light deviate too far over the picture.
@@ -185,7 +187,8 @@ mod tests {
         }
     }
 
-    /// Slices are laid over all that fans deviate by, and a picture of a ten-thousandth of that is met by few.
+    /// Slices are laid over all that fans deviate by, and a picture of a ten-thousandth
+    /// of that is met by few.
     #[test]
     fn narrow_pictures_of_wide_suns_want_rays_whoever_asks() {
         let sun = || LightKind::SunDisc(SunDisc::even(Track::from(0.2)));

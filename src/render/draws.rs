@@ -1,10 +1,11 @@
-//! What each slice is seen with: a moment of the shutter, a point of the lens and a point of the
-//! light. In goes a slice's place, out comes its draw. Invariant: draws of neighbouring slices are
-//! spread evenly over all that there is, after each round, and what has no extent is not drawn at all.
+//! What each slice is seen with: a moment of the shutter, a point of the lens and a point of the light. In
+//! goes a slice's place, out comes its draw. Invariants: after each round, draws of neighbouring slices are
+//! spread evenly over all that there is. What has no extent is not drawn at all.
 //!
-//! A pixel sees as many slices as it has samples, one beside the other, so what counts is how evenly every
-//! short run of draws is spread. A Sobol sequence by place keeps each aligned run of `2^k` even, in two dimensions as well as in one, whatever rounds have come to it, and
-//! Owen's scrambling leaves no pattern from one run to the next: additive recurrences, which have one, showed as hatching.
+//! A pixel sees as many slices as it has samples, side by side. So every short run of draws must be spread
+//! evenly. A Sobol sequence by place keeps each aligned run of `2^k` even, in one dimension and in two,
+//! whatever rounds have come to it. Owen's scrambling leaves no pattern from one run to the next. Additive
+//! recurrences have one: it showed as hatching.
 
 use crate::color::Rgb;
 use crate::math::PlacedPoints;
@@ -77,8 +78,8 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Draw { snapshot, lens_point, light, hue }
     }
 
-    /// How far the fans of the draws deviate from the middle one's, at most, radians; 0 if there is nothing to draw, `None` if the light
-    /// is where the camera is.
+    /// How far the fans of the draws deviate from the middle one's, at most, radians; 0 if there is nothing
+    /// to draw, `None` if the light is where the camera is.
     pub(super) fn deviation_rad(&self, size: Size) -> Option<f64> {
         let base = self.middle().fan(size)?;
         let probes =

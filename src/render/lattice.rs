@@ -1,14 +1,15 @@
-//! Which slices a picture is made of, and where on them its samples lie. In go the fan of the
-//! light's centre and how far the light, the lens and the shutter make it deviate, out come slices by
-//! number. Invariant: a sample counts as much as the area of the picture that it stands for, wherever its own fan is.
+//! Which slices a picture is made of, and where on them its samples lie. In go the fan of the light's centre
+//! and how far the light, the lens and the shutter make it deviate. Out come slices by number. Invariant: a
+//! sample counts as much as the area of the picture that it stands for, wherever its own fan is.
 //!
-//! Slices lie at equal angles, and in each pixel that it crosses a slice has a chord. With a light, a lens or a shutter that has an extent,
-//! each slice has a fan of its own, whose axis is not quite that of the others, and would leave
-//! its place in the lattice. So each slice is rotated so that it passes through its lattice place half way across its ring
-//! (`rings.rs`); but about the axis, and about its far side, where they deviate too far for that.
+//! Slices lie at equal angles, and a slice has a chord in each pixel that it crosses. With a light, a lens or
+//! a shutter that has an extent, each slice has a fan of its own. The axis of that fan is not quite that of
+//! the others, and the slice would leave its place in the lattice. So each slice is rotated until it passes
+//! through its place half way across its ring (`rings.rs`). It stays as it is about the axis, and about its
+//! far side, where fans deviate too far for that.
 //!
-//! Where slices share draws, every so many places a draw comes again, so that each has slices over all of the picture, a pixel
-//! apart, whose swaths reach to each other.
+//! Where slices share draws, a draw comes again every so many places. Each draw then has slices over all of
+//! the picture, a pixel apart, whose swaths reach to each other.
 
 use super::bearings::Bearings;
 use super::layout::{Facts, Layout};
@@ -20,8 +21,8 @@ use crate::scene::Size;
 use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
 use std::f64::consts::{PI, TAU};
 
-/// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where all slices see the same it lies
-/// as evenly between its neighbours as can be.
+/// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where
+/// all slices see the same it lies as evenly between its neighbours as can be.
 const SAMPLES_PER_SLICE: f64 = 4.0;
 
 /// The same where slices have draws of their own, of which one tells little.
@@ -33,10 +34,12 @@ const FEWEST_SLICES_PER_PX: f64 = 0.5;
 /// The same where slices have draws of their own.
 const FEWEST_DRAWS_PER_PX: f64 = 1.0;
 
-/// A swath counts by its slice and one line on either side of it, or two where it is wider than so many pixels.
+/// A swath counts by its slice and one line on either side of it, or two where it is wider
+/// than so many pixels.
 const WIDE_SWATH_PX: f64 = 0.8;
 
-/// Swaths of shared draws are no wider: what counts in a pixel must not lie farther away than a crop looks (`rounds.rs`).
+/// Swaths of shared draws are no wider: what counts in a pixel must not lie farther away than a crop
+/// looks (`rounds.rs`).
 const WIDEST_SWATH_PX: f64 = 2.0;
 
 /// In what slices with draws of their own differ.
@@ -46,7 +49,8 @@ pub(super) struct Differing {
     pub(super) deviation_rad: f64,
     /// Whether they have moments of their own.
     pub(super) in_time: bool,
-    /// Whether their points of the light are not all as bright as each other: those of a lamp lie nearer or farther.
+    /// Whether their points of the light are not all as bright as each other: those of a lamp
+    /// lie nearer or farther.
     pub(super) in_brightness: bool,
 }
 
@@ -64,7 +68,8 @@ pub(super) struct Lattice {
 
 struct RingLattice {
     ring: Ring,
-    /// The angle from the axis at which slices pass through their places; without one they go by their own angles.
+    /// The angle from the axis at which slices pass through their places; without one they go
+    /// by their own angles.
     anchor: Option<f64>,
     /// How far beyond the base's angles there are slices all the same.
     margin_rad: f64,
@@ -80,8 +85,9 @@ struct RingLattice {
 }
 
 impl Lattice {
-    /// The slices of all rounds, of `base`, which all are the same or differ by their draws. `segments` tells how many a slice
-    /// gathers, and `shift` gives the random shifts of ring after ring, across the slices and along them.
+    /// The slices of all rounds, of `base`, which all are the same or differ by their draws. `segments`
+    /// tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the
+    /// slices and along them.
     pub(super) fn new(
         base: Fan,
         differing: Option<Differing>,
@@ -177,7 +183,8 @@ impl RingLattice {
             ring,
             anchor: is_anchored.then_some(0.5 * (low + high)),
             margin_rad,
-            // The cell of the slice before the first reaches into the picture, unless that is the last one again.
+            // The cell of the slice before the first reaches into the picture, unless
+            // that is the last one again.
             first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * row_rad,
             place_rad: row_rad / per_row as f64,
             from,
@@ -227,7 +234,8 @@ impl RoundLattice<'_> {
         let place = self.places.of(number);
         let ring = &self.lattice.rings[self.lattice.ring(place)?];
         let angle = ring.angle(place);
-        // Where slices are rotated their angles lie closer together or farther apart, and so must their samples.
+        // Where slices are rotated their angles lie closer together or farther apart, and
+        // so must their samples.
         let (angle, spread) =
             ring.anchor.map_or((angle, 1.0), |anchor| drawn.angle_through(base, angle, anchor));
         let slice = drawn.slice(angle, ring.ring)?;
@@ -261,7 +269,8 @@ pub(super) struct PlacedSlice {
     phase: f64,
     /// What a sample counts for each unit of area per radian that it stands for.
     pub(super) weight_per_area: f64,
-    /// From the middle between it and the slice before, of its round or its draw, to the middle between it and the next.
+    /// From the middle between it and the slice before, of its round or its draw, to the middle
+    /// between it and the next.
     swath_rad: f64,
 }
 
@@ -301,8 +310,8 @@ impl PlacedSlice {
     }
 }
 
-/// A dither mask, `0..1`, by an additive recurrence in two dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences").
+/// A dither mask, `0..1`, by an additive recurrence in two dimensions (Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences").
 fn dither(x: usize, y: usize) -> f64 {
     (x as f64 * 0.754_877_666_246_692_7 + y as f64 * 0.569_840_290_998_053_2).fract()
 }
@@ -316,7 +325,8 @@ mod tests {
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
-    /// The draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that deviates far, where gathering is dear.
+    /// The draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that deviates
+    /// far, where gathering is dear.
     fn drawn(differing: Differing) -> (BTreeSet<usize>, Vec<f64>) {
         let (sin, cos) = 50_f64.to_radians().sin_cos();
         let base = Fan::of_pinhole(0.7, SIZE, DVec3::new(0.0, sin, -cos));

@@ -1,5 +1,5 @@
-//! Which slices a picture has. In go facts about its light, lens, shutter and samples, out comes one of four layouts. Invariant: the
-//! choice is the whole picture's, whichever part of it is wanted.
+//! Which slices a picture has. In go facts about its light, lens, shutter and samples, out comes one of four
+//! layouts. Invariant: the choice is the whole picture's, whichever part of it is wanted.
 //!
 //! A *draw* is a moment of the shutter, a point of the lens and a point of the light (`draws.rs`).
 
@@ -10,8 +10,8 @@ pub(super) enum Layout {
     Common,
     /// Each has its own, but their fans differ so little that slices keep their places between one another.
     InRings,
-    /// Slices a pixel apart share one, so that pixels side by side have seen the same points of light and lens: what these have
-    /// wrong is as smooth as what they light.
+    /// Slices a pixel apart share one, so that pixels side by side have seen the same points of light and
+    /// lens: what these have wrong is as smooth as what they light.
     SharedDraws,
     /// Each has its own, and knows nothing of its neighbours.
     OwnDraws,
@@ -28,13 +28,15 @@ pub(super) struct Facts {
     pub(super) rings: u32,
     /// Whether draws differ in time: shared, a few moments would show as so many copies of what moves.
     pub(super) in_time: bool,
-    /// Whether points of the light are not all as bright as each other: those of a lamp lie nearer or farther.
+    /// Whether points of the light are not all as bright as each other: those of a lamp
+    /// lie nearer or farther.
     pub(super) in_brightness: bool,
     /// Samples a pixel when all rounds are done.
     pub(super) samples: u32,
 }
 
-/// With more than so many samples a pixel every slice has a draw of its own: what swaths of a pixel's width blur would be most of the error.
+/// With more than so many samples a pixel every slice has a draw of its own: what swaths of a pixel's width
+/// blur would be most of the error.
 const SHARED_DRAWS_TO: u32 = 128;
 
 impl Layout {

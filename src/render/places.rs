@@ -1,20 +1,23 @@
-//! Which places slices have among all that any round may ask for. In goes a slice's number, out come its place and where along it its samples lie. Invariant: slices of a round lie half way
-//! between those of the rounds before, so all rounds together are one lattice, as even as if it had been rendered at once.
+//! Which places slices have among all that any round may ask for. In goes a slice's number, out come its
+//! place and where along it its samples lie. Invariant: slices of a round lie half way between those of the
+//! rounds before. So all rounds together are one lattice, as even as if it had been rendered at once.
 
 use super::rounds::{Round, Schedule};
 
 /// Of a single round: places and phases are a lattice in two dimensions, and none of few points is more even.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// The phase from place to place in rows of [`FINEST`] places. It, its double and so on, which are those of rows of fewer, have been sought by a computer: with each the
-/// lattice, in pixels of twice to eight times as many slices as places in a row, has no two points closer than 0.64 by the root of a point's share. The golden ratio has 0.89, its half 0.79, its
-/// quarter 0.56.
+/// The phase from place to place in rows of [`FINEST`] places. It, its double and so on, which are those of
+/// rows of fewer, have been sought by a computer: with each the lattice, in pixels of twice to eight times as
+/// many slices as places in a row, has no two points closer than 0.64 by the root of a point's share. The
+/// golden ratio has 0.89, its half 0.79, its quarter 0.56.
 const PHASE_STEP: f64 = 0.960_362_336_315_445_8;
 
 /// See [`PHASE_STEP`].
 const FINEST: f64 = 16384.0;
 
-/// The places of a round. A *row* is what lies between a slice of the first round and the next; all rows have as many places.
+/// The places of a round. A *row* is what lies between a slice of the first round and the next; all rows
+/// have as many places.
 #[derive(Clone, Copy)]
 pub(super) struct Places {
     /// From slice to slice.
@@ -83,7 +86,8 @@ mod tests {
         assert!((0..20).all(|number| places.of(number) == number));
     }
 
-    /// The shortest distance between points of the lattice of places and phases, where a pixel sees so many slices, by the root of a point's share.
+    /// The shortest distance between points of the lattice of places and phases, where a pixel sees so many
+    /// slices, by the root of a point's share.
     fn evenness(per_row: usize, slices: f64) -> f64 {
         let distance = |number: usize| {
             let phase = phase(number, per_row);

@@ -1,7 +1,7 @@
-//! Rounds until a picture is good enough. In goes a picture to be rendered in rounds, out comes its
-//! film and what its blocks are still in error by. Invariant: whether a block or a pixel goes on depends on
-//! its block's samples and on those with which the blocks next to it are first judged alone, so that a part of a picture has
-//! the pixels of the whole.
+//! Rounds until a picture is good enough. In goes a picture to be rendered in rounds, out come its film and
+//! the errors that its blocks still have. Invariant: a part of a picture has the pixels of the whole. Whether
+//! a block or a pixel goes on depends on two things: its block's samples, and those by which the blocks
+//! beside it are first judged alone.
 
 use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;
@@ -92,7 +92,8 @@ pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined 
     Refined { film, blocks, variances, rounds: 1 }
 }
 
-/// Renders rounds until every block of the window reaches the goal, or its pixels have all the samples they may.
+/// Renders rounds until every block of the window reaches the goal, or its pixels have all
+/// the samples they may.
 ///
 /// Each round doubles the samples of the pixels that take part in it, and its samples judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
@@ -119,7 +120,8 @@ struct Refinement<'a, P> {
     goal: &'a Goal<'a>,
     film: Film,
     window_blocks: Blocks,
-    /// Those, and the ones around: what they show when they are first judged tells whether a block at the window's rim goes on.
+    /// Those, and the ones around: what they show when they are first judged tells whether a block at the
+    /// window's rim goes on.
     blocks: Blocks,
     variances: Vec<f64>,
     goes_on: Vec<bool>,
@@ -188,8 +190,8 @@ impl<'a, P: Picture> Refinement<'a, P> {
         Judgement { pixels, blocks: estimates, excess, decides, is_first }
     }
 
-    /// A block goes on while it exceeds its goal. When first judged it also goes on if one next to it does: an edge that the one
-    /// has missed by chance may show in the other.
+    /// A block goes on while it exceeds its goal. When first judged it also goes on if one next to it does:
+    /// an edge that the one has missed by chance may show in the other.
     fn choose_blocks(&mut self, judgement: &Judgement) {
         for block in 0..self.blocks.count() {
             if !self.goes_on[block] {
@@ -212,13 +214,14 @@ impl<'a, P: Picture> Refinement<'a, P> {
     }
 
     fn neighbourhood_exceeds(&self, block: usize, judgement: &Judgement) -> bool {
-        // What pictures before know of a block next to it depends on how far it went on, so this block's own has to do.
+        // What pictures before know of a block next to it depends on how far it went on, so this
+        // block's own has to do.
         let exceeds = |near: usize| self.goal.excess(&judgement.blocks[near], block) > 1.0;
         self.blocks.neighbourhood(block).any(exceeds)
     }
 
-    /// A pixel goes on with its block unless it and those next to it have hardly any of the block's variance: one that has missed
-    /// an edge by chance lies next to one that has not.
+    /// A pixel goes on with its block unless it and those next to it have hardly any of the block's variance:
+    /// one that has missed an edge by chance lies next to one that has not.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
         let variance = |(x, y)| judgement.pixels[film.window().index(x, y)?]?.variance;
@@ -244,8 +247,9 @@ impl<'a, P: Picture> Refinement<'a, P> {
 
 /// What each pixel's samples say of it.
 ///
-/// Its halves complete one another: slices of the one lie between those of the other. If the error falls as samples to the power -p, the whole varies by 4^-p of what
-/// each half, A or B, does; then (A + B) / 2 varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
+/// Its halves complete one another: slices of the one lie between those of the other. If the error falls as
+/// samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then (A + B) / 2 varies
+/// by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
 fn estimates(film: &Film, convergence: f64) -> Vec<Option<PixelEstimate>> {
     let completion = (4.0_f64.powf(convergence) - 1.0).recip();
     let completed = |PixelEstimate { luminance, variance }| PixelEstimate {
@@ -285,7 +289,8 @@ impl Goal<'_> {
     }
 }
 
-/// How many more samples blocks are likely to take that have so many a pixel, in blocks times samples a pixel.
+/// How many more samples blocks are likely to take that have so many a pixel, in blocks
+/// times samples a pixel.
 fn samples_left(excess: &[f64], samples: u32, most: u32, convergence: f64) -> f64 {
     let samples = f64::from(samples);
     let wanted = |excess: &f64| (samples * excess.powf(1.0 / convergence)).min(f64::from(most)) - samples;

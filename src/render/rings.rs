@@ -1,11 +1,13 @@
-//! In which rings about the axis slices are laid out, and how densely. In go the fan of the light's centre, how far others
-//! deviate and what slices cut, out come rings. Invariant: the choice is the whole picture's, whichever part of it is wanted.
+//! In which rings about the axis slices are laid out, and how densely. In go the fan of the light's centre,
+//! how far others deviate and what slices cut. Out come rings. Invariant: the choice is the whole picture's,
+//! whichever part of it is wanted.
 //!
-//! A slice with a draw of its own passes through its place half way across its ring, and is the farther from where it belongs the farther one looks from
-//! there: then pixels see now more slices, now fewer. In narrow rings all stay in order, but each ring gathers anew what its slices cut.
+//! A slice with a draw of its own passes through its place half way across its ring. The farther one looks
+//! from there, the farther the slice is from where it belongs, and pixels see now more slices, now fewer. In
+//! narrow rings all stay in order, but each ring gathers anew what its slices cut.
 //!
-//! Slices that share a fan are always in order, but lie close together near its epipole, where most of them tell nothing that others do not: there are
-//! fewer of them there.
+//! Slices that share a fan are always in order, but lie close together near its epipole. Most of them tell
+//! nothing there that others do not, so there are fewer of them.
 
 use crate::transport::slices::{Fan, Ring, Separation, Slice};
 use std::f64::consts::PI;
@@ -16,18 +18,20 @@ const COUNTS: [u32; 4] = [1, 2, 4, 8];
 /// What a sample costs, in segments that a slice gathers, by what rings add to the time of leaves500.
 const SEGMENTS_PER_SAMPLE: f64 = 5.0;
 
-/// By how many places slices are off where nothing of their order is left to lose. In `title` at its full size they are off by hundreds, and 8 rings, for
-/// the same time, err by a quarter more than one.
+/// By how many places slices are off where nothing of their order is left to lose. In `title` at its full
+/// size they are off by hundreds, and 8 rings, for the same time, err by a quarter more than one.
 const MOST_PASSED: f64 = 20.0;
 
 /// How many slices of a ring are asked what they cut.
 const PROBES: u32 = 3;
 
-/// Slices that share a fan are too many within this part of the way from its axis to where they lie farthest apart. With the sun amid leaves500 a ninth of the time
-/// is spent there, on a hundredth of the square of the error.
+/// Slices that share a fan are too many within this part of the way from its axis to where they lie
+/// farthest apart. With the sun amid leaves500 a ninth of the time is spent there, on a hundredth of the
+/// square of the error.
 const NEAR_EPIPOLE: f64 = 0.1;
 
-/// At its rim they still lie so many times as close as there. With all of them it would be ten times, so a quarter are left.
+/// At its rim they still lie so many times as close as there. With all of them it would be ten times,
+/// so a quarter are left.
 const CLOSER_AT_RIM: f64 = 2.5;
 
 /// What decides about rings, beside the fan.
@@ -68,7 +72,8 @@ impl RingFacts<'_> {
         costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(1, |(count, _)| count)
     }
 
-    /// The picture in so many rings, and what lies about the axis and about its far side in others: there slices deviate too far to be kept in any place, or lie too close.
+    /// The picture in so many rings, and what lies about the axis and about its far side in others: there
+    /// slices deviate too far to be kept in any place, or lie too close.
     pub(super) fn cut(&self, base: &Fan, count: u32) -> Vec<Ring> {
         let extent = base.extent();
         let about_axis_rad = if self.is_drawn { 2.0 * self.deviation_rad } else { near_epipole_rad(base) };
@@ -105,9 +110,10 @@ impl RingFacts<'_> {
         gathered + SEGMENTS_PER_SAMPLE * samples
     }
 
-    /// How many times the samples of slices in order a ring needs for the same error. Under a sun of 0.53 degrees the error of leaves500 in 1 to 16
-    /// rings goes as (1 + 6 passed)^(1/4) / samples, where slices leave their places by `passed` others at the ring's borders; and as `passed`
-    /// itself grows with the samples, it takes (1 + 6 passed)^(1/3) times as many.
+    /// How many times the samples of slices in order a ring needs for the same error. Under a sun of 0.53
+    /// degrees the error of leaves500 in 1 to 16 rings goes as (1 + 6 passed)^(1/4) / samples, where slices
+    /// leave their places by `passed` others at the ring's borders; and as `passed` itself grows with the
+    /// samples, it takes (1 + 6 passed)^(1/3) times as many.
     fn disorder(&self, base: &Fan, ring: Ring) -> f64 {
         (1.0 + 6.0 * self.passed(base, ring).min(MOST_PASSED)).cbrt()
     }
@@ -176,7 +182,8 @@ mod tests {
         }
     }
 
-    /// The more slices, the more of them each leaves its place by: order is worth as much among many as among few.
+    /// The more slices, the more of them each leaves its place by: order is worth as much
+    /// among many as among few.
     #[test]
     fn many_samples_are_worth_as_many_rings_as_few() {
         for samples in [4.0, 16.0, 64.0] {
@@ -194,7 +201,8 @@ mod tests {
         );
     }
 
-    /// A small disc in rings keeps its slices in their places; under one that deviates far no half of them completes the other.
+    /// A small disc in rings keeps its slices in their places; under one that deviates far no half of them
+    /// completes the other.
     #[test]
     fn what_deviates_far_is_not_ordered() {
         for (deviation_deg, ordered) in [(0.0, true), (0.27, true), (0.9, false), (6.0, false)] {

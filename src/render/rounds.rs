@@ -6,11 +6,12 @@ use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
-/// From how far away what is seen may count in a pixel: its edges move along their slices, but no farther than to where they meet the next, which moves as far, and a
-/// swath reaches into the next pixel.
+/// From how far away what is seen may count in a pixel: its edges move along their slices, but no farther
+/// than to where they meet the next, which moves as far, and a swath reaches into the next pixel.
 const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 
-/// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have ended before (docs/decisions/tolerance.md).
+/// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have
+/// ended before (docs/decisions/tolerance.md).
 const FIRST_SAMPLES: u32 = 8;
 
 /// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
@@ -59,8 +60,8 @@ impl Schedule {
     }
 }
 
-/// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All rounds so far
-/// together are spread as evenly as one with all their samples would be.
+/// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All
+/// rounds so far together are spread as evenly as one with all their samples would be.
 #[derive(Clone, Copy)]
 pub(super) struct Round<'a> {
     /// How many rounds there were before.
@@ -86,8 +87,9 @@ impl Round<'_> {
         self.number == 0
     }
 
-    /// What is seen in one pixel may count in another beside it if both lie in one square of so many pixels, and where edges go on is known as far: after the
-    /// first round a block, so that none depends on how far others go on.
+    /// What is seen in one pixel may count in another beside it if both lie in one square of so many
+    /// pixels, and where edges go on is known as far: after the first round a block, so that none depends
+    /// on how far others go on.
     pub(super) fn region_side(&self) -> usize {
         if self.is_first() { usize::MAX } else { BLOCK_SIDE }
     }
@@ -99,8 +101,8 @@ impl Round<'_> {
         self.is_first() || region(from) == region(to) && self.wanted.contains(to.0, to.1)
     }
 
-    /// The pixels whose samples count somewhere: those that are wanted, and those next to them as far as the filter reaches. What lies next to the film
-    /// reaches into it.
+    /// The pixels whose samples count somewhere: those that are wanted, and those next to them as far as the
+    /// filter reaches. What lies next to the film reaches into it.
     pub(super) fn seen(&self, full: Size, filter: PixelFilter) -> Mask {
         match filter {
             PixelFilter::Box if !self.is_first() => self.wanted.clone(),
@@ -118,7 +120,8 @@ pub(super) trait Picture {
     /// How its errors fall with the number of samples, as a power.
     fn convergence(&self) -> f64;
 
-    /// With fewer samples a pixel what they have wrong may be the same all over a block, and its halves agree by chance.
+    /// With fewer samples a pixel what they have wrong may be the same all over a block, and its
+    /// halves agree by chance.
     fn fewest_samples(&self) -> u32;
 
     /// Adds the samples of a round.

@@ -1,6 +1,7 @@
-//! The component of one light, from slices. In go a picture's lattice and a round, out come samples on a film. Invariant: samples
-//! reach the film in the order of their slices, whatever thread solved them, and weigh as much as the area of the pixel that they
-//! stand for, so a pixel is the mean over what its slices see of it.
+//! The component of one light, from slices. In go a picture's lattice and a round, out come samples
+//! on a film. Invariants: samples reach the film in the order of their slices, whatever thread solved
+//! them. They weigh as much as the area of the pixel that they stand for. So a pixel is the mean over
+//! what its slices see of it.
 
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice, PlacedSlice};
@@ -21,11 +22,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Slices that a thread solves before its samples go to the film: enough for threads to end together, few enough for the caches.
+/// Slices that a thread solves before its samples go to the film: enough for threads to end together, few
+/// enough for the caches.
 const BATCH_PER_THREAD: usize = 16;
 
-/// Samples a pixel before those of slices with draws of their own are judged: a few points of a light throw a few shadows, each as sharp as if there were
-/// no half shadow, and between those all halves agree (docs/decisions/tolerance.md).
+/// Samples a pixel before those of slices with draws of their own are judged: a few points of a light throw a
+/// few shadows, each as sharp as if there were no half shadow, and between those all halves agree
+/// (docs/decisions/tolerance.md).
 const FEWEST_DRAWN_SAMPLES: u32 = 16;
 
 /// One light's component of a picture.
@@ -178,7 +181,8 @@ impl Picture for LightPicture<'_> {
             Some(Placed { draw, fan, slice })
         };
         let count = lattice.count();
-        // Kept from batch to batch: giving so much memory back and asking for it again costs a tenth of the time.
+        // Kept from batch to batch: giving so much memory back and asking for it again costs
+        // a tenth of the time.
         let batch = BATCH_PER_THREAD * rayon::current_num_threads();
         let mut solved: Vec<Splats> = vec![film.splats(); batch];
         for first in (0..count).step_by(batch) {
@@ -189,7 +193,8 @@ impl Picture for LightPicture<'_> {
                 SlicesScratch::default,
                 |scratch, (index, samples)| {
                     let number = first + index;
-                    // Of a lattice's slices every other one is a lattice too; what nobody judges has no halves.
+                    // Of a lattice's slices every other one is a lattice too; what nobody
+                    // judges has no halves.
                     samples.start(job.is_judged() && (!round.is_first() || number % 2 == 1));
                     let is_wanted = lattice.is_wanted(number) && !(watch.cancelled)();
                     if let Some(placed) = is_wanted.then(|| placed(number)).flatten() {

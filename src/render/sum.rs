@@ -93,7 +93,8 @@ impl Sum {
 }
 
 impl Sum {
-    /// Root mean square of the standard error over some blocks, as a share of their mean; a block of which nothing is known errs by all of its light.
+    /// Root mean square of the standard error over some blocks, as a share of their mean; a block of which
+    /// nothing is known errs by all of its light.
     fn noise(&self, frame: &Frame, blocks: &Blocks, of: impl Iterator<Item = usize>) -> f64 {
         let (mut squares, mut light, mut pixels) = (0.0, 0.0, 0.0);
         for block in of {

@@ -1,6 +1,6 @@
-//! How bright the picture is, roughly, before any of it is rendered: what errors are measured
-//! against where it is dark, and which component matters most. In go a snapshot and a job, out come luminances.
-//! Invariant: the whole picture is surveyed whatever part of it is wanted, so all crops agree.
+//! How bright the picture is, roughly, before any of it is rendered: what errors are measured against where
+//! it is dark, and which component matters most. In go a snapshot and a job, out come luminances. Invariant:
+//! the whole picture is surveyed whatever part of it is wanted, so all crops agree.
 
 use super::Job;
 use crate::color::{Rgb, luminance};
@@ -37,8 +37,8 @@ impl Survey {
         let mut by_brightness: Vec<(Component, f64)> = components.into_iter().map(with_luminance).collect();
         by_brightness.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mean: f64 = by_brightness.iter().map(|(_, luminance)| luminance).sum();
-        // A component's noise is in proportion to it, and falls with about the power 3/4 of its samples: then all components
-        // together take the fewest if variances are nearly as luminances.
+        // A component's noise is in proportion to it, and falls with about the power 3/4 of its samples: then
+        // all components together take the fewest if variances are nearly as luminances.
         let even = 1.0 / by_brightness.len() as f64;
         let proportion = |luminance: f64| if mean > 0.0 { luminance / mean } else { even };
         let share = |luminance| EVEN_SHARE * even + (1.0 - EVEN_SHARE) * proportion(luminance);
@@ -54,8 +54,8 @@ impl Survey {
     }
 }
 
-/// Mean over the picture of a component. Rays into a sun are left out, if there are others: it is a thousand times as bright as all the rest, and were it
-/// among these few rays the whole picture would count as dark.
+/// Mean over the picture of a component. Rays into a sun are left out, if there are others: it is a thousand
+/// times as bright as all the rest, and were it among these few rays the whole picture would count as dark.
 fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, component: Component) -> f64 {
     let transport = job.transport(indirect);
     let (columns, rows) = RAYS;

@@ -207,7 +207,8 @@ impl SeenMesh {
     }
 }
 
-/// The rows in which a triangle may cover samples; `None` if it covers none. Small ones often lie between them.
+/// The rows in which a triangle may cover samples; `None` if it covers none. Small ones
+/// often lie between them.
 fn rows(vertices: [&Vertex; 3], projection: &Projection, lattices: &[Lattice]) -> Option<[u32; 2]> {
     let (low, high) = projection.bounds(vertices)?;
     let mut found: Option<[u32; 2]> = None;

@@ -1,11 +1,11 @@
-//! A look at a frame in moments: triangles one after another into a depth buffer, without a ray, a tree or a shadow. In
-//! goes a [`Snapshot`], out comes a [`Frame`]. Invariants: a pixel is a function of snapshot and size alone; what is seen
-//! where is decided in double precision from the triangles' vertices, sharing no code with `accel`, so that each can
-//! vouch for the other.
+//! A look at a frame in moments: triangles one after another into a depth buffer, without a ray, a tree or a
+//! shadow. In goes a [`Snapshot`], out comes a [`Frame`]. Invariants: a pixel is a function of snapshot and
+//! size alone. What is seen where is decided in double precision from the triangles' vertices. No code is
+//! shared with `accel`, so that each can vouch for the other.
 //!
-//! Visibility first, then light (Burns and Hunt 2013, "The Visibility Buffer"): bands of rows find which triangle each
-//! sample shows, then each pixel is shaded once a triangle that it shows. The light is that of `transport` without
-//! shadows and without light in fog; fog dims what lies behind it.
+//! Visibility comes first, then light (Burns and Hunt 2013, "The Visibility Buffer"). Bands of rows find
+//! which triangle each sample shows, then each pixel is shaded once a triangle that it shows. The light is
+//! that of `transport` without shadows and without light in fog; fog dims what lies behind it.
 
 mod bands;
 mod projection;
@@ -43,11 +43,11 @@ pub fn draw(snapshot: &Snapshot, size: Size) -> Frame {
     Frame { full: size, window: Window::whole(size), channels: channels.collect() }
 }
 
-/// Distance along the view axis (planar Z) of the nearest opaque surface at every pixel's centre, metres, row by row from the
-/// top; `None` where there is none.
+/// Distance along the view axis (planar Z) of the nearest opaque surface at every pixel's centre, metres, row
+/// by row from the top; `None` where there is none.
 ///
-/// A centre on a triangle's very edge belongs to it. Of two triangles that share the edge both count, and the nearer is
-/// seen, so nothing shows through between them.
+/// A centre on a triangle's very edge belongs to it. Of two triangles that share the edge both count, and the
+/// nearer is seen, so nothing shows through between them.
 pub fn depths(snapshot: &Snapshot, size: Size) -> Vec<Option<f64>> {
     let bands = Bands::new(snapshot, size, &CENTRES);
     let depths = (0..bands.count()).into_par_iter().map(|band| {

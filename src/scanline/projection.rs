@@ -1,5 +1,6 @@
-//! From relative space to the picture, without dividing. Invariant: what a perspective camera sees at a place (x, y) of its
-//! picture lies along (x, y, 1) in the space used here; nothing is clipped, not even behind the eye.
+//! From relative space to the picture, without dividing. Invariant: what a perspective camera sees at
+//! a place (x, y) of its picture lies along (x, y, 1) in the space used here. Nothing is clipped, not
+//! even behind the eye.
 
 use crate::scene::Size;
 use crate::snapshot::View;
@@ -14,7 +15,8 @@ pub(super) struct Projection {
     half: DVec2,
     middle: DVec2,
     size: DVec2,
-    /// Planes through the eye and the picture's sides: what is seen has products of 0 and more with all of them.
+    /// Planes through the eye and the picture's sides: what is seen has products of 0 and
+    /// more with all of them.
     sides: [DVec3; 4],
 }
 
@@ -27,8 +29,8 @@ pub(super) struct Vertex {
     pub(super) depth: f64,
     /// Where it is seen, or where the picture ends in that direction; of a point before the eye.
     pixels: DVec2,
-    /// A bit for each of the picture's sides that it lies beyond, and one for behind the eye: what has all its vertices
-    /// beyond the same one is not seen (the outcodes of Cohen and Sutherland).
+    /// A bit for each of the picture's sides that it lies beyond, and one for behind the eye: what has all
+    /// its vertices beyond the same one is not seen (the outcodes of Cohen and Sutherland).
     beyond: u8,
 }
 
@@ -105,8 +107,8 @@ impl Projection {
     /// The same of a triangle that is partly behind the eye.
     #[cold]
     fn bounds_about_the_eye(&self, triangle: [&Vertex; 3]) -> Option<(DVec2, DVec2)> {
-        // Its part between the picture's sides (Sutherland and Hodgman 1974) has a box. The four sides meet in the
-        // eye, so nothing behind it is left, and they take the place of a near plane.
+        // Its part between the picture's sides (Sutherland and Hodgman 1974) has a box. The four sides meet
+        // in the eye, so nothing behind it is left, and they take the place of a near plane.
         let places = triangle.map(|vertex| vertex.place);
         let inside = self.sides.iter().fold(places.to_vec(), |polygon, side| clipped(&polygon, *side));
         match inside.as_slice() {

@@ -1,5 +1,5 @@
-//! What samples show becomes colours. In goes what is visible, out come a band's pixels. Invariant: a pixel is
-//! shaded once for each triangle that it shows, however many of its samples show it.
+//! What samples show becomes colours. In goes what is visible, out come a band's pixels. Invariant: a pixel
+//! is shaded once for each triangle that it shows, however many of its samples show it.
 
 use super::bands::{Bands, NOTHING, Visible};
 use crate::color::Rgb;

@@ -1,14 +1,14 @@
-//! One triangle to the samples that it covers (Olano and Greer 1997, "Triangle scan conversion using 2D homogeneous
-//! coordinates"). Invariant: two triangles that share an edge agree, but for the sign, on which side of it every sample
-//! lies, so no sample falls between them.
+//! One triangle to the samples that it covers (Olano and Greer 1997, "Triangle scan conversion using 2D
+//! homogeneous coordinates"). Invariant: two triangles that share an edge agree, but for the sign, on which
+//! side of it every sample lies. So no sample falls between them.
 
 use super::projection::Vertex;
 use glam::DVec3;
 
 /// A triangle, ready to be asked about places of the picture.
 pub(super) struct EdgeForms {
-    /// With the place as `d = (x, y, 1)`, `d . edges[i]` has the weight of vertex i: all three have the sign of their sum
-    /// where the triangle is, in front of the eye. Positive inside.
+    /// With the place as `d = (x, y, 1)`, `d . edges[i]` has the weight of vertex i: all three have the sign
+    /// of their sum where the triangle is, in front of the eye. Positive inside.
     edges: [DVec3; 3],
     depths: [f64; 3],
 }
@@ -43,8 +43,8 @@ impl EdgeForms {
 }
 
 impl Line<'_> {
-    /// The range of x, in the picture's plane, within which it may be covered, but for rounding. `None` if it is
-    /// not.
+    /// The range of x, in the picture's plane, within which it may be covered, but for rounding.
+    /// `None` if it is not.
     pub(super) fn span(&self) -> Option<(f64, f64)> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (edge, rest) in self.forms.edges.iter().zip(self.rests) {

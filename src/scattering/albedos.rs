@@ -1,7 +1,9 @@
-//! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of `f0` and of `f90` in the
-//! albedo; together they are that of a white coat, for light that is reflected once. Under Cycles' shadowing two more follow: what goes
-//! from the one to the other where Fresnel's equations take the place of Schlick's term, and those equations' mean over the microfacets that
-//! the eye sees and that mirror it upwards, each counted alike. Invariant: a table is made once, when it is first asked.
+//! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of
+//! `f0` and of `f90` in the albedo. Together they are the albedo of a white coat, for light that is reflected
+//! once. Two more follow under Cycles' shadowing. One is what goes from the first factor to the second where
+//! Fresnel's equations take the place of Schlick's term. The other is the mean of those equations over the
+//! microfacets that the eye sees and that mirror it upwards, each counted alike. Invariant: a table is made
+//! once, when it is first asked.
 
 use super::ggx::{Shadowing, fresnel, schlick, visible_normal};
 use crate::math::gauss_legendre;
@@ -15,7 +17,8 @@ pub const LEAST_ROUGHNESS: f64 = 0.03;
 /// Numbers of the last row and column of the table.
 const LAST_ROW: usize = 111;
 const LAST_COLUMN: usize = 79;
-/// Microfacets that an entry of the table is the mean of: from the one that faces the eye to the rim, and half around.
+/// Microfacets that an entry of the table is the mean of: from the one that faces the eye to the
+/// rim, and half around.
 const RINGS: usize = 20;
 const AROUND: usize = 20;
 /// Without a divisor in common with `AROUND`.
@@ -83,8 +86,8 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 
 /// The table, by roughness and by cosine.
 ///
-/// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the roughness,
-/// and columns in that of the cosine's root over it, plus one.
+/// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the
+/// roughness, and columns in that of the cosine's root over it, plus one.
 struct Albedos {
     directional: Vec<[[f64; 4]; LAST_COLUMN + 1]>,
     /// Over all directions, by their cosine.
@@ -143,16 +146,17 @@ fn albedos(shadowing: Shadowing) -> Albedos {
     Albedos { means: std::array::from_fn(mean), directional }
 }
 
-/// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those each
-/// reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible normals", equation 19).
+/// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those
+/// each reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible
+/// normals", equation 19).
 fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 4] {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
     let mut sum = [0.0; 4];
     for ring in 0..RINGS {
         for (step, &around) in around.iter().enumerate() {
-            // Denser towards the rim, where light begins to be lost below the surface. No two at the same distance from
-            // it (a lattice: Niederreiter 1992, chapter 5), or all would be lost there at once.
+            // Denser towards the rim, where light begins to be lost below the surface. No two at the same
+            // distance from it (a lattice: Niederreiter 1992, chapter 5), or all would be lost there at once.
             let within = (step * STRIDE % AROUND) as f64 + 0.5;
             let left = 1.0 - (ring as f64 + within / AROUND as f64) / RINGS as f64;
             let half = visible_normal(alpha, to_eye, around, 1.0 - left * left);

@@ -1,5 +1,6 @@
-//! The GGX distribution of microfacets, as glTF 2.0 has it in appendix B.3. In go unit vectors and alpha, the square of the
-//! roughness, out come densities and shares. Invariant: `visible_normal` picks as densely as distribution and shadowing say.
+//! The GGX distribution of microfacets, as glTF 2.0 has it in appendix B.3. In go unit vectors and alpha, the
+//! square of the roughness, out come densities and shares. Invariant: `visible_normal` picks as densely as
+//! distribution and shadowing say.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_PI;
@@ -21,8 +22,8 @@ pub(super) fn smith(alpha2: f64, cos: f64) -> f64 {
 pub(super) enum Shadowing {
     /// As in glTF: from one as if there were no other.
     Separable,
-    /// As in Cycles: what is low is hidden from both (Heitz 2014, "Understanding the masking-shadowing function in
-    /// microfacet-based BRDFs", equation 99).
+    /// As in Cycles: what is low is hidden from both (Heitz 2014, "Understanding the masking-shadowing
+    /// function in microfacet-based BRDFs", equation 99).
     Correlated,
 }
 
@@ -39,8 +40,9 @@ impl Shadowing {
     }
 }
 
-/// A visible normal of the microfacets about +z: a point of a spherical cap, in that direction `around` its axis and
-/// so much of the way to its rim (Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3).
+/// A visible normal of the microfacets about +z: a point of a spherical cap, in that direction `around` its
+/// axis and so much of the way to its rim (Dupuy and Benyoub 2023, "Sampling visible GGX normals with
+/// spherical caps", listing 3).
 pub(super) fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f64) -> DVec3 {
     let stretched = (to_eye * DVec3::new(alpha, alpha, 1.0)).normalize();
     let z = (1.0 - to_rim) * (1.0 + stretched.z) - stretched.z;
@@ -48,9 +50,9 @@ pub(super) fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f
     ((across.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize()
 }
 
-/// What Schlick's term stands for, by Fresnel's equations: how far the reflectance has risen from that along the normal, 0, to
-/// that at grazing angles, 1; of a dielectric of refractive index 1.5 (Pharr, Jakob and Humphreys 2023, "Physically based
-/// rendering", 9.3.5).
+/// What Schlick's term stands for, by Fresnel's equations: how far the reflectance has risen from that along
+/// the normal, 0, to that at grazing angles, 1; of a dielectric of refractive index 1.5 (Pharr, Jakob and
+/// Humphreys 2023, "Physically based rendering", 9.3.5).
 pub(super) fn fresnel(cos: f64) -> f64 {
     const ETA: f64 = 1.5;
     const F0: f64 = 0.04;

@@ -1,20 +1,23 @@
-//! The shiny coat of a surface: glTF's metallic-roughness model for one light direction. In go unit vectors and
-//! a normal, out come a BRDF and what is left for the matte surface beneath. Invariant: coat and a white surface
-//! beneath give back what they receive, no more; both are reciprocal, but for what metals scatter more than once.
+//! The shiny coat of a surface: glTF's metallic-roughness model for one light direction. In go unit
+//! vectors and a normal, out come a BRDF and what is left for the matte surface beneath. Invariants: coat
+//! and a white surface beneath give back what they receive, no more. Both are reciprocal, but for what
+//! metals scatter more than once.
 //!
-//! The coat is that of the glTF 2.0 specification, appendix B.3: a GGX distribution of microfacets with separable Smith
-//! shadowing and Schlick's Fresnel term. Beneath it the specification's example weighs Lambert by `1 - F(v.h)`,
-//! which gives up to nearly twice what it receives at grazing angles, and leaves renderers free to do
-//! better (B.1). Here it is weighed by what the coat leaves on the way in and on the way out:
-//! `(1 - E(v)) (1 - E(l)) / (1 - E_mean)` with the coat's albedo `E` (Kelemen and Szirmay-Kalos 2001, "A
-//! microfacet based coupled specular-matte BRDF model", equation 4).
+//! The coat is that of the glTF 2.0 specification, appendix B.3: a GGX distribution of microfacets with
+//! separable Smith shadowing and Schlick's Fresnel term. Beneath it the specification's example weighs
+//! Lambert by `1 - F(v.h)`. At grazing angles that gives up to nearly twice what it receives; B.1 leaves
+//! renderers free to do better. Here Lambert is weighed by what the coat leaves on the way in and on the way
+//! out. The weight is `(1 - E(v)) (1 - E(l)) / (1 - E_mean)`, with the coat's albedo `E`. It is equation 4 of
+//! Kelemen and Szirmay-Kalos 2001, "A microfacet based coupled specular-matte BRDF model".
 //!
-//! Light that meets several microfacets is lost to the model, over two thirds of it on the roughest metals. They get
-//! it back as in Cycles: the BRDF is scaled up by what its albedo for the eye lacks (Turquin 2019, "Practical multiple
-//! scattering compensation for microfacet models", equation 16), tinted by further reflections.
+//! The model loses light that meets several microfacets: over two thirds of it on the roughest metals.
+//! Metals get it back as in Cycles, tinted by further reflections: the BRDF is scaled up by what its
+//! albedo for the eye lacks. That is equation 16 of Turquin 2019, "Practical multiple scattering
+//! compensation for microfacet models".
 //!
-//! Of Blender's Principled BSDF the coat is as Cycles has it: Fresnel's equations take the place of Schlick's term, shadowing is
-//! correlated, and what lies beneath is weighed by what the coat leaves towards the eye alone, which is not reciprocal.
+//! Blender's Principled BSDF has its coat as Cycles has it. Fresnel's equations take the place of Schlick's
+//! term, and shadowing is correlated. What lies beneath is weighed by what the coat leaves towards the eye
+//! alone, which is not reciprocal.
 
 use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
 use super::ggx::{Shadowing, distribution, fresnel, schlick, smith, visible_normal};
@@ -22,7 +25,8 @@ use crate::color::Rgb;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// The mean of [`fresnel`] over the hemisphere, as a surface sees it: 0.0918 of all light is reflected at an index of 1.5.
+/// The mean of [`fresnel`] over the hemisphere, as a surface sees it: 0.0918 of all light is
+/// reflected at an index of 1.5.
 const MEAN_FRESNEL: f64 = (0.0918 - 0.04) / 0.96;
 
 /// A coat.
@@ -104,12 +108,14 @@ impl Gloss {
         Self { principled: Some(Principled { share: 1.0, further }), repeated, ..own }
     }
 
-    /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal reflects again is not lost.
+    /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal
+    /// reflects again is not lost.
     pub fn with_metal(self, share: f64, color: Rgb) -> Self {
         if share <= 0.0 {
             return self;
         }
-        // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90: Schlick's term over the hemisphere.
+        // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90: Schlick's term
+        // over the hemisphere.
         let further = self.further(color + (Rgb::ONE - color) / 21.0);
         let mut repeated = Reflectance { f0: share * further * color, f90: share * further };
         if let Some(of_coat) = self.repeated {
@@ -122,9 +128,9 @@ impl Gloss {
         Self { all, repeated: Some(repeated), principled, ..self }
     }
 
-    /// What microfacets reflect again, of what they reflect once of light from everywhere: of that, 1 - E_mean meets another one, a
-    /// geometric series (Kulla and Conty 2017, "Revisiting physically based shading at Imageworks", appendix; without its first
-    /// bounce, which is the BRDF).
+    /// What microfacets reflect again, of what they reflect once of light from everywhere: of that, 1 -
+    /// E_mean meets another one, a geometric series (Kulla and Conty 2017, "Revisiting physically based
+    /// shading at Imageworks", appendix; without its first bounce, which is the BRDF).
     fn further(&self, one_bounce: Rgb) -> Rgb {
         let [mean0, mean90] = self.albedos.mean();
         let mean = mean0 + mean90;
@@ -153,8 +159,8 @@ impl Gloss {
         reflected * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith_of_light)
     }
 
-    /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine: where a
-    /// visible microfacet mirrors the eye. It may lie below the surface.
+    /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine:
+    /// where a visible microfacet mirrors the eye. It may lie below the surface.
     pub fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
         let across = normal.any_orthonormal_vector();
         let up = normal.cross(across);
@@ -175,8 +181,8 @@ impl Gloss {
         0.5 * distribution(alpha2, normal, half) / smith(alpha2, cos_eye)
     }
 
-    /// What the BRDF of the matte surface beneath is to be multiplied with, for the cosines of both directions; of what
-    /// is no metal, for nothing lies beneath metal.
+    /// What the BRDF of the matte surface beneath is to be multiplied with, for the cosines of both
+    /// directions; of what is no metal, for nothing lies beneath metal.
     pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
         if let Some(own) = self.principled {
             return Rgb::splat(self.let_out(own, cos_eye));
@@ -192,9 +198,10 @@ impl Gloss {
         Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
     }
 
-    /// What a Principled BSDF's coat leaves of light towards the eye, in all colours what it leaves of the one that it reflects most
-    /// (Cycles 5.0, `closure_layering_weight`). What it reflects is estimated as there: microfacets count alike, however much
-    /// of their light others hide, and what is hidden is taken off all of it (`bsdf_microfacet_estimate_albedo`).
+    /// What a Principled BSDF's coat leaves of light towards the eye, in all colours what it leaves of the
+    /// one that it reflects most (Cycles 5.0, `closure_layering_weight`). What it reflects is estimated as
+    /// there: microfacets count alike, however much of their light others hide, and what is hidden is taken
+    /// off all of it (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
         let [part0, part90, _, risen] = self.albedos.towards(cos);
         let white = part0 + part90;
@@ -226,7 +233,8 @@ mod tests {
         DVec2::from_angle(angle).extend(0.0) * (1.0 - cos * cos).sqrt() + cos * DVec3::Z
     }
 
-    /// The integral over the hemisphere of a function of the direction to the light, fine about where a mirror would reflect.
+    /// The integral over the hemisphere of a function of the direction to the light, fine about where a
+    /// mirror would reflect.
     fn over_lights(to_eye: DVec3, f: impl Fn(DVec3) -> Rgb) -> Rgb {
         // Half vectors, in angles from the normal that crowd about it: l = 2 (v.h) h - v, dl = 4 (v.h) dh.
         let (rings, around) = (1200, 240);
@@ -316,7 +324,8 @@ mod tests {
         assert!((white(1.0) - exact).abs() < 1e-3, "{} {exact}", white(1.0));
     }
 
-    /// Of every roughness, at every angle: white metal, and half of it beside a white matte surface under a leaf's coat.
+    /// Of every roughness, at every angle: white metal, and half of it beside a white matte surface
+    /// under a leaf's coat.
     #[test]
     fn white_metal_gives_back_all() {
         for roughness in [0.0, 0.1, 0.25, 0.4, 0.7, 0.98, 1.0] {
@@ -335,7 +344,8 @@ mod tests {
         }
     }
 
-    /// What a metal reflects in all of Kulla and Conty's series: some of the light once, the rest by its colour again.
+    /// What a metal reflects in all of Kulla and Conty's series: some of the light once, the rest
+    /// by its colour again.
     #[test]
     fn coloured_metal_is_tinted_by_what_it_reflects_again() {
         let color = Rgb::new(0.9, 0.5, 0.0);
@@ -357,8 +367,9 @@ mod tests {
         assert!(gain.x > gain.y && gain.y > gain.z && gain.z > 1.0, "{gain}");
     }
 
-    /// Of every roughness, at every angle: white under a Principled BSDF's coat gives back what it gets, but for what Cycles' estimate of
-    /// the coat is off by: 0.2 % from above, at grazing angles 1 %, and twice that along a smooth one.
+    /// Of every roughness, at every angle: white under a Principled BSDF's coat gives back what it gets, but
+    /// for what Cycles' estimate of the coat is off by: 0.2 % from above, at grazing angles 1 %, and twice
+    /// that along a smooth one.
     #[test]
     fn a_principled_coat_gives_back_about_all() {
         for roughness in [0.0, 0.1, 0.25, 0.5, 0.7, 1.0] {
@@ -383,7 +394,8 @@ mod tests {
         assert!((0.04 + 0.96 * fresnel(brewster) - 0.5 * perpendicular).abs() < 1e-12);
     }
 
-    /// Of every roughness, at every angle: a white surface under no coat along the normal, under a leaf's, and under one of diamond.
+    /// Of every roughness, at every angle: a white surface under no coat along the normal, under a leaf's,
+    /// and under one of diamond.
     #[test]
     fn white_furnace() {
         for roughness in [0.0, 0.04, 0.06, 0.1, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0] {

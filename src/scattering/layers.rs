@@ -1,9 +1,10 @@
-//! What lies over a surface: the sheen of cloth, and a clear coat over all. In goes what the surface scatters without them,
-//! out comes what it scatters beneath them and they themselves. Invariant: reciprocal if the surface is, and no more is
-//! given back than is received if the surface keeps to that.
+//! What lies over a surface: the sheen of cloth, and a clear coat over all. In goes what the surface scatters
+//! without them, out comes what it scatters beneath them and they themselves. Invariant: reciprocal if the
+//! surface is, and no more is given back than is received if the surface keeps to that.
 //!
-//! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`, as KHR_materials_sheen
-//! says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`, which is not reciprocal.
+//! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`,
+//! as KHR_materials_sheen says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`,
+//! which is not reciprocal.
 
 use super::{Gloss, Sheen};
 use crate::color::Rgb;
@@ -39,8 +40,8 @@ impl Clearcoat {
 }
 
 impl Layers {
-    /// BSDF times cosine of the surface with its layers, 1/sr, of that without them; `normal` is that of the sheen, and
-    /// the light lies on the side of the eye if `is_before`.
+    /// BSDF times cosine of the surface with its layers, 1/sr, of that without them; `normal` is that of the
+    /// sheen, and the light lies on the side of the eye if `is_before`.
     pub fn over(
         &self,
         mut scattered: Rgb,
@@ -66,7 +67,8 @@ impl Layers {
         scattered
     }
 
-    /// Share of what the surface emits or mirrors that comes through to the eye: a coat is in its way, fibres are not.
+    /// Share of what the surface emits or mirrors that comes through to the eye: a coat is in its
+    /// way, fibres are not.
     pub fn lets_out(&self, to_eye: DVec3) -> f64 {
         self.clearcoat.as_ref().map_or(1.0, |coat| 1.0 - coat.albedo(to_eye))
     }
@@ -88,7 +90,8 @@ mod tests {
         (DVec2::from_angle(angle) * (1.0 - cos * cos).sqrt()).extend(cos)
     }
 
-    /// The integral over the hemisphere, with directions that crowd about the horizon: there a coat shines in a narrow range of azimuths.
+    /// The integral over the hemisphere, with directions that crowd about the horizon: there a coat shines in
+    /// a narrow range of azimuths.
     fn over_lights(f: impl Fn(DVec3) -> f64) -> f64 {
         let (rings, around) = (400, 512);
         let mut sum = 0.0;
@@ -174,7 +177,8 @@ mod tests {
         }
     }
 
-    /// By hand: along the normal a rough sheen is (2 + 1) sin / (2 pi) over 4 (1 + lambda(1) + lambda(l)) cos.
+    /// By hand: along the normal a rough sheen is (2 + 1) sin / (2 pi) over 4 (1 +
+    /// lambda(1) + lambda(l)) cos.
     #[test]
     fn a_rough_sheen_is_that_of_the_extension() {
         let to_light = direction(0.6, 0.0);

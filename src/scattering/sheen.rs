@@ -1,9 +1,9 @@
-//! The sheen of cloth: glTF's KHR_materials_sheen for one light direction. In go unit vectors and a normal, out come
-//! a BRDF and its albedo. Invariant: it is reciprocal and never gives back more than it receives.
+//! The sheen of cloth: glTF's KHR_materials_sheen for one light direction. In go unit vectors and a normal,
+//! out come a BRDF and its albedo. Invariant: it is reciprocal and never gives back more than it receives.
 //!
-//! Fibres stand up and catch light from the side: the "Charlie" distribution with its fitted shadowing (Estevez and
-//! Kulla 2017, "Production friendly microfacet sheen BRDF"). Below a roughness of 0.3 the fit gives up to 2.5 times
-//! what arrives at grazing angles; there it is divided by its albedo.
+//! Fibres stand up and catch light from the side: the "Charlie" distribution with its fitted shadowing
+//! (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF"). Below a roughness of 0.3 the fit
+//! gives up to 2.5 times what arrives at grazing angles; there it is divided by its albedo.
 
 use super::albedos::split;
 use crate::color::Rgb;
@@ -11,7 +11,8 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// By how much albedos are taken for larger than the table says, whose true values are up to 3.5 % larger at grazing angles.
+/// By how much albedos are taken for larger than the table says, whose true values are up to 3.5 %
+/// larger at grazing angles.
 const SAFETY: f64 = 1.04;
 
 /// Smoother sheens are taken for this rough: the distribution has no limit.
@@ -45,7 +46,8 @@ impl Sheen {
         self.color * charlie(self.alpha, normal.cross(half).length(), cos_eye, cos_light) / most
     }
 
-    /// Share of the light from a direction that it reflects, all directions together, in its brightest channel.
+    /// Share of the light from a direction that it reflects, all directions together, in
+    /// its brightest channel.
     pub fn albedo(&self, cos: f64) -> f64 {
         self.color.max_element() * self.uncolored(cos).min(1.0)
     }

@@ -1,5 +1,5 @@
-//! The animations of a glTF file, by name. Invariant: one that is played moves what no other one that is played does,
-//! unless whoever renders asked for all of them.
+//! The animations of a glTF file, by name. Invariant: one that is played moves what no other one that is
+//! played does, unless whoever renders asked for all of them.
 
 use super::FrameRate;
 

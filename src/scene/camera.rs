@@ -22,8 +22,8 @@ pub struct Camera {
     pub clip: Clip,
 }
 
-/// Blender's clip start and end: only surfaces between two planes at right angles to the view axis are seen. Mirrors,
-/// light and fog know nothing of them.
+/// Blender's clip start and end: only surfaces between two planes at right angles to the view axis are seen.
+/// Mirrors, light and fog know nothing of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clip {
     /// Distance of the nearer plane along the view axis, metres, at least 0.
@@ -98,8 +98,8 @@ impl Camera {
         (half, self.shift * 2.0 * half.max_element())
     }
 
-    /// OpenGL's projection of camera space, but for depth: as clipping planes may lie infinitely far away, the
-    /// third row gives the distance along the view axis.
+    /// OpenGL's projection of camera space, but for depth: as clipping planes may lie infinitely far away,
+    /// the third row gives the distance along the view axis.
     pub fn projection(&self, aspect: f64, time_s: f64) -> DMat4 {
         let (half, middle) = self.picture(aspect, time_s);
         let (scale, offset) = (half.recip(), middle / half);

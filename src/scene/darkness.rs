@@ -1,5 +1,6 @@
-//! Why next to nothing is seen of a scene. In go the scene, its camera, a time and how much of the picture things cover; out
-//! comes the likeliest cause, with a remedy. Invariant: a cause is one that the scene's own numbers show.
+//! Why next to nothing is seen of a scene. In go the scene, its camera, a time and how much of the
+//! picture things cover; out comes the likeliest cause, with a remedy. Invariant: a cause is one that the
+//! scene's own numbers show.
 
 use super::{Instance, Light, LightKind, LightUnits, Scene};
 use crate::color::Rgb;
@@ -7,8 +8,9 @@ use crate::diagnostic::{Diagnostic, Place};
 use glam::{DVec3, Vec3};
 use std::fmt;
 
-/// Lights below these are dim where they are measured in lux or candela: a sun of a deep dusk, W/m^2, and lamps, W/sr (68 lux, 102 cd). Numbers
-/// of watts, as Blender's unitless mode writes them, come to less when they are taken for lux and candela.
+/// Lights below these are dim where they are measured in lux or candela: a sun of a deep dusk, W/m^2, and
+/// lamps, W/sr (68 lux, 102 cd). Numbers of watts, as Blender's unitless mode writes them, come to less when
+/// they are taken for lux and candela.
 const DIM_SUN: f64 = 0.1;
 const DIM_LAMP: f64 = 0.15;
 
@@ -77,7 +79,8 @@ pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnos
     Some(Diagnostic::note(place, cause.to_string()).remedy(cause.remedy()))
 }
 
-/// The brightest light's lux or candela, if that is what the file's lights were read in and all of them are dim.
+/// The brightest light's lux or candela, if that is what the file's lights were read in and
+/// all of them are dim.
 fn dim_lights(scene: &Scene, time_s: f64) -> Option<f64> {
     let is_dim = |light: &Light| match light.kind {
         LightKind::Sun | LightKind::SunDisc(_) => brightest(light, time_s) < DIM_SUN,

@@ -1,6 +1,7 @@
-//! Light for inputs that have none: a soft key sun and an even sky, as in a viewer of models. In goes a scene with a
-//! camera, out comes one that is lit. Invariant: the lights stand still in the frame of the camera at the first frame, so
-//! a frame rendered alone is the frame of the sequence, and a moving camera does not make the light flicker.
+//! Light for inputs that have none: a soft key sun and an even sky, as in a viewer of models. In goes a
+//! scene with a camera, out comes one that is lit. Invariant: the lights stand still in the frame of the
+//! camera at the first frame. So a frame rendered alone is the frame of the sequence, and a moving camera
+//! does not make the light flicker.
 
 use super::{
     Light, LightKind, Motion, Node, RenderSettings, Scene, Sky, SkyLight, SkyPicture, SunDisc, Track,
@@ -18,14 +19,15 @@ const TO_KEY: DVec3 = DVec3::new(-0.5, 0.7, 0.75);
 /// The whole angle of the sun's disc, radians: shadows have soft edges.
 const KEY_DIAMETER: f64 = 10.0 * PI / 180.0;
 
-/// W/m^2. A white surface that faces the camera sends back about 1 W m^-2 sr^-1 with the sky's light, and middle grey (0.18) about 0.18,
-/// which display transforms show in the middle of their range.
+/// W/m^2. A white surface that faces the camera sends back about 1 W m^-2 sr^-1 with the sky's light, and
+/// middle grey (0.18) about 0.18, which display transforms show in the middle of their range.
 const KEY_IRRADIANCE: f64 = 1.1 * PI;
 
 /// W m^-2 sr^-1, from everywhere.
 const SKY_RADIANCE: f64 = 0.25;
 
-/// Whether nothing lights the scene and nothing lies behind it; what glows by itself is seen better with a light beside it.
+/// Whether nothing lights the scene and nothing lies behind it; what glows by itself is seen better
+/// with a light beside it.
 pub(super) fn is_wanted(scene: &Scene) -> bool {
     scene.lights.is_empty() && scene.sky.is_none() && scene.background == Rgb::ZERO
 }

@@ -1,6 +1,7 @@
-//! A camera for inputs that have none: at three quarters, so near that everything is seen in all frames and little else.
-//! In go a scene, its frames and the picture's shape, out comes where the camera stands. Invariant: it stands still, and
-//! depends on the whole range of frames, so a frame rendered alone is the frame of the sequence.
+//! A camera for inputs that have none: at three quarters, so near that everything is seen in all frames and
+//! little else. In go a scene, its frames and the picture's shape, out comes where the camera stands.
+//! Invariant: it stands still, and depends on the whole range of frames. So a frame rendered alone is the
+//! frame of the sequence.
 
 use super::{Camera, Clip, Instance, Lens, Motion, Node, Placement, RenderSettings, Scene, Track};
 use glam::{DVec2, DVec3};
@@ -23,8 +24,8 @@ const MARGIN: f64 = 1.12;
 /// Everything is at least so far away, by the extent of all of it.
 const NEAREST: f64 = 0.1;
 
-/// No more moments of the range are looked at, and no more corners of triangles over all of them, as long as the first and
-/// the last moment are.
+/// No more moments of the range are looked at, and no more corners of triangles over all of them, as long as
+/// the first and the last moment are.
 const MOST_MOMENTS: usize = 25;
 const MOST_CORNERS: usize = 40_000_000;
 
@@ -97,7 +98,8 @@ impl Frustum {
 /// Everything that is to be seen, as far as a camera has to know that looks along fixed axes.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// How far it reaches outwards across the sides of a frustum through the origin: right, left, top, bottom.
+    /// How far it reaches outwards across the sides of a frustum through the origin:
+    /// right, left, top, bottom.
     sides: [f64; 4],
     /// The least and the largest coordinates along the camera's axes.
     low: DVec3,
@@ -108,8 +110,9 @@ impl Seen {
     const NOTHING: Self =
         Self { sides: [f64::NEG_INFINITY; 4], low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
-    /// A point in the camera's axes. Its frustum, moved so that the apex is `a`, holds the point `p` if |p.x - a.x| <= t.x (a.z - p.z),
-    /// and likewise in y: so of all points count those that are farthest across each of the four sides.
+    /// A point in the camera's axes. Its frustum, moved so that the apex is `a`, holds the point `p` if
+    /// |p.x - a.x| <= t.x (a.z - p.z), and likewise in y: so of all points count those that are farthest
+    /// across each of the four sides.
     fn point(p: DVec3, tangents: DVec2) -> Self {
         let deep = tangents * p.z;
         Self { sides: [p.x + deep.x, -p.x + deep.x, p.y + deep.y, -p.y + deep.y], low: p, high: p }
@@ -191,7 +194,8 @@ mod tests {
         Motion::Still(DAffine3::from_translation(place))
     }
 
-    /// How far corners lie from the picture's middle at a frame, by half its width and height, right and up; all must be before the camera.
+    /// How far corners lie from the picture's middle at a frame, by half its width and height, right and up;
+    /// all must be before the camera.
     fn places(scene: &Scene, settings: &RenderSettings, frame: f64) -> Vec<DVec2> {
         let time_s = settings.frame_rate.seconds(frame);
         let placements = scene.placements(time_s);
@@ -221,7 +225,8 @@ mod tests {
         scene
     }
 
-    /// Whatever the picture's shape and wherever things are, the farthest corner keeps the margin and no more.
+    /// Whatever the picture's shape and wherever things are, the farthest corner keeps
+    /// the margin and no more.
     #[test]
     fn the_picture_is_filled_to_the_margin_in_every_shape() {
         for (width, height) in [(960, 540), (540, 960), (100, 100), (1000, 10)] {

@@ -10,8 +10,9 @@ use glam::DVec2;
 /// as high. Larger pictures are averaged.
 pub const DISC_CELLS: usize = 512;
 
-/// Colours over the unit disc, and points of it in proportion to the mean of their channels. Of luminance red is only
-/// a fifth: points drawn by that would be few where the picture is red alone, and each five times as bright.
+/// Colours over the unit disc, and points of it in proportion to the mean of their channels. Of
+/// luminance red is only a fifth: points drawn by that would be few where the picture is red alone,
+/// and each five times as bright.
 #[derive(Clone, Debug)]
 pub struct DiscPicture {
     colors: Vec<[f32; 3]>,
@@ -51,14 +52,16 @@ impl DiscPicture {
         Some(Self { colors: colors.iter().map(|color| color.as_vec3().to_array()).collect(), by_brightness })
     }
 
-    /// A point of the disc, and the colour of all light if it came from there: its channels are 1 on average, and at most 3.
+    /// A point of the disc, and the colour of all light if it came from there: its channels are 1 on
+    /// average, and at most 3.
     pub fn point(&self, u: DVec2) -> (DVec2, Rgb) {
         let (cell, place) = self.by_brightness.pick(u);
         let color = self.color(cell);
         (disc_from_square(place), color / brightness(color))
     }
 
-    /// Whether all of it has one colour, brighter here and darker there, so that points differ in nothing but their place.
+    /// Whether all of it has one colour, brighter here and darker there, so that points differ in
+    /// nothing but their place.
     pub fn is_grey(&self) -> bool {
         self.colors.iter().all(|[red, green, blue]| red == green && green == blue)
     }

@@ -46,7 +46,8 @@ impl FogShape {
     }
 }
 
-/// Density in proportion to `exp(-h / scale_height)` at a height h above a plane, and as on the plane below it.
+/// Density in proportion to `exp(-h / scale_height)` at a height h above a plane, and as
+/// on the plane below it.
 #[derive(Clone, Debug)]
 pub struct HeightFalloff {
     /// The plane `y = base` of the shape's own space. Heights are metres at right angles to it.

@@ -1,8 +1,8 @@
-//! Lights: a node, a colour and a kind. Invariant: a light shines along its node's -Z
-//! (glTF and Blender); powers are radiometric, per channel, never photometric.
+//! Lights: a node, a colour and a kind. Invariants: a light shines along its node's -Z (glTF and Blender).
+//! Powers are radiometric, per channel, never photometric.
 //!
 //! To add a light: a variant here, its reading in `from_ron` and `from_gltf`, and its frozen form in
-//! `snapshot`: a distribution over the two kinds of light without extent that `transport` knows.
+//! `snapshot`. That form is a distribution over the two kinds of light without extent that `transport` knows.
 
 use super::{NodeIndex, SunPicture, SunShows, Track};
 use crate::color::Rgb;

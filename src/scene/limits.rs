@@ -1,5 +1,6 @@
-//! How large a scene may be, and how small what it is seen with. In goes a resolved scene, out come errors with places.
-//! Invariant: in a scene that passes, squares of lengths stay finite in single precision wherever a tree or a triangle forms them.
+//! How large a scene may be, and how small what it is seen with. In goes a resolved scene, out come errors
+//! with places. Invariant: in a scene that passes, squares of lengths stay finite in single precision
+//! wherever a tree or a triangle forms them.
 
 use super::{Camera, Lens, Light, Motion, Scene, Track};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
@@ -117,7 +118,8 @@ impl Reach {
     }
 }
 
-/// A bound on how many times longer a matrix makes a vector, which is exact where its columns are at right angles.
+/// A bound on how many times longer a matrix makes a vector, which is exact where its columns
+/// are at right angles.
 fn largest_stretch(matrix: DMat3) -> f64 {
     // The square of the stretch is an eigenvalue of the transpose times the matrix (Gershgorin's discs).
     let squared = matrix.transpose() * matrix;

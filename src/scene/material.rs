@@ -122,7 +122,8 @@ pub struct Sheen {
 pub enum AlphaMode {
     /// Alpha is ignored.
     Opaque,
-    /// The share `1 - alpha + alpha * filter_color` of what lies behind shows, and the share alpha of the surface.
+    /// The share `1 - alpha + alpha * filter_color` of what lies behind shows, and the share
+    /// alpha of the surface.
     Blend,
 }
 

@@ -2,8 +2,9 @@
 //! single-precision number too. Invariant: equal names have equal numbers, in any scene and any program.
 
 /// A name's number: its MurmurHash3 with one bit flipped where that would be no normal number
-/// (Friedman and Jones 2015, "Fully automatic ID mattes with support for motion blur and transparency"; Cryptomatte
-/// specification 1.2.0, "ID generation" and "uint32_to_float32"). Read as an `f32` it is what a channel holds.
+/// (Friedman and Jones 2015, "Fully automatic ID mattes with support for motion blur and
+/// transparency"; Cryptomatte specification 1.2.0, "ID generation" and "uint32_to_float32"). Read as
+/// an `f32` it is what a channel holds.
 pub fn matte_id(name: &str) -> u32 {
     const EXPONENT: u32 = 0xff << 23;
     let hash = murmur3(name.as_bytes());
@@ -31,7 +32,8 @@ pub fn murmur3(bytes: &[u8]) -> u32 {
 mod tests {
     use super::*;
 
-    /// Published vectors of the 32-bit hash with seed 0, and those of the specification's example of a manifest.
+    /// Published vectors of the 32-bit hash with seed 0, and those of the specification's
+    /// example of a manifest.
     #[test]
     fn known_hashes() {
         for (text, hash) in [

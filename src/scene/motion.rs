@@ -35,7 +35,8 @@ pub enum Motion {
 pub enum Rotation {
     /// Interpolated along the shortest arc.
     Quaternion(Track<DQuat>),
-    /// Angles in radians about x, then y, then z (Blender's XYZ order), so that more than half a turn can be keyed.
+    /// Angles in radians about x, then y, then z (Blender's XYZ order), so that more than
+    /// half a turn can be keyed.
     EulerXyz(Track<DVec3>),
 }
 

@@ -1,5 +1,5 @@
-//! What whoever loads a scene may ask for. In go choices, out come the settings that a made-up camera and light depend on.
-//! Invariant: a choice that is not made leaves what the input says.
+//! What whoever loads a scene may ask for. In go choices, out come the settings that a made-up camera and
+//! light depend on. Invariant: a choice that is not made leaves what the input says.
 
 use super::{FrameRate, RenderSettings, Size};
 

@@ -106,8 +106,8 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// Where a tolerance stops that comes without a number of samples. Edges in a picture err as about the power -3/4
-    /// of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
+    /// Where a tolerance stops that comes without a number of samples. Edges in a picture err as about the
+    /// power -3/4 of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
     pub const MOST: u32 = 1024;
 
     /// What somebody asks for who may name a number of samples, a tolerance, both or neither: who names
@@ -187,7 +187,8 @@ pub struct RenderSettings {
     pub frame_rate: FrameRate,
     /// First and last frame.
     pub frames: RangeInclusive<i64>,
-    /// Whether the input has no others. A scene by itself has any frame: the range is what is rendered of it where nobody asks.
+    /// Whether the input has no others. A scene by itself has any frame: the range is what is rendered of
+    /// it where nobody asks.
     pub only_these_frames: bool,
     /// Picture size.
     pub size: Size,
@@ -205,7 +206,8 @@ pub struct RenderSettings {
     pub shutter: f64,
     /// From the frame to the middle of that time, in parts of it: 0 is centred on the frame, 0.5 opens at it.
     pub shutter_position: f64,
-    /// By how many powers of two pictures for eyes are brightened, -100 to 100; `None` leaves it to what they show. Frames know nothing of it.
+    /// By how many powers of two pictures for eyes are brightened, -100 to 100; `None` leaves it to what they
+    /// show. Frames know nothing of it.
     pub exposure_stops: Option<f64>,
     /// How often light may be reflected by mirrors, `0..`.
     pub mirror_depth: u32,

@@ -1,6 +1,6 @@
-//! The sky: radiance that comes from infinitely far away in every direction, as what lies behind the scene
-//! and as light. Invariant: its picture is not black all over, and has a table of where it is bright
-//! unless it is the same everywhere.
+//! The sky: radiance that comes from infinitely far away in every direction. It lies behind the scene, and is
+//! light. Invariant: its picture is not black all over, and has a table of where it is bright unless it is
+//! the same everywhere.
 
 use super::{Texture, Track, Wrap};
 use crate::color::{Rgb, Texels, luminance};
@@ -59,7 +59,8 @@ pub enum SkyLight {
 
 /// Cells along an edge of the table, which is the square that [`sphere_from_square`] takes.
 const CELLS: usize = 256;
-/// An image is looked up at so many places across, or at each of its texels if those are more, to fill the table.
+/// An image is looked up at so many places across, or at each of its texels if those are
+/// more, to fill the table.
 const LOOKED_UP: usize = 1024;
 
 /// Cells for means: of even height, and of even longitude, so that all are of one size.
@@ -112,7 +113,8 @@ impl Sky {
         self.table.is_some()
     }
 
-    /// Whether much of its light comes from a small part of it, so that things cast shadows with borders in it.
+    /// Whether much of its light comes from a small part of it, so that things cast
+    /// shadows with borders in it.
     pub fn has_sun(&self) -> bool {
         /// So many times as bright as the mean.
         const BRIGHT: f64 = 16.0;
@@ -122,7 +124,8 @@ impl Sky {
         densities.filter(|density| *density > BRIGHT).sum::<f64>() > MUCH * (CELLS * CELLS) as f64
     }
 
-    /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles, before the picture is turned.
+    /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles, before
+    /// the picture is turned.
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
         let means = self.means.get_or_init(|| {
             let cells = 0..MEAN_ROWS * MEAN_COLUMNS;
@@ -147,8 +150,8 @@ impl Sky {
 }
 
 impl SkyPicture {
-    /// An image of longitudes and latitudes, and in how many of its texels a radiance was below 0, which filters leave
-    /// behind and which counts as 0.
+    /// An image of longitudes and latitudes, and in how many of its texels a radiance was below 0, which
+    /// filters leave behind and which counts as 0.
     pub fn of_image(name: String, [width, height]: [usize; 2], texels: Texels) -> (Self, usize) {
         let mut texels = texels.into_floats();
         let is_negative = |texel: &&mut [f32; 4]| texel[..3].iter().any(|value| *value < 0.0);
@@ -194,7 +197,8 @@ impl SkyPicture {
     }
 }
 
-/// The direction that a place of an image of longitudes and latitudes shows, `[0, 1]^2` from its top left corner.
+/// The direction that a place of an image of longitudes and latitudes shows, `[0, 1]^2` from
+/// its top left corner.
 fn direction_of(place: DVec2) -> DVec3 {
     let ((sin_across, cos_across), (sin_down, cos_down)) =
         ((TAU * (place.x - 0.5)).sin_cos(), (PI * place.y).sin_cos());

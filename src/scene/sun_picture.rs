@@ -1,5 +1,5 @@
-//! What a sun's disc shows: an image, a fractal, a limb darker than the middle. Invariant: a picture is bright somewhere;
-//! one that stays the same is made once.
+//! What a sun's disc shows: an image, a fractal, a limb darker than the middle. Invariant: a picture is
+//! bright somewhere; one that stays the same is made once.
 
 use super::{DISC_CELLS, DiscPicture, Julia, Texture, Wrap, limb_darkening};
 use crate::color::Rgb;

@@ -1,5 +1,4 @@
-//! Frame numbers from what the user types. Invariant: each frame once, in the order of first
-//! mention.
+//! Frame numbers from what the user types. Invariant: each frame comes once, in the order of first mention.
 //!
 //! | written | means |
 //! |---|---|
@@ -101,7 +100,8 @@ fn parse_item(item: &str, all: &RangeInclusive<i64>) -> Result<(RangeInclusive<i
     Ok((first..=last, step.0))
 }
 
-/// The integer that `text` begins with, and what follows. Frame numbers are those that EXR's `imageCounter` can hold.
+/// The integer that `text` begins with, and what follows. Frame numbers are those that EXR's
+/// `imageCounter` can hold.
 fn split_number(text: &str) -> Option<(i64, &str)> {
     let text = text.trim_start();
     let digits_at = usize::from(text.starts_with('-'));

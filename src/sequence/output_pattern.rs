@@ -1,12 +1,13 @@
-//! A frame's number to the path of its file. Invariant: two frames never have the same path unless
-//! the pattern has no place for the number, and then [`OutputPattern::check`] refuses more than one frame. Bytes of a name
-//! that are no text are kept.
+//! A frame's number to the path of its file. Invariant: two frames have the same path only if the pattern has
+//! no place for the number. [`OutputPattern::check`] refuses more than one frame then. Bytes of a name that
+//! are no text are kept.
 //!
 //! | written | frame 7 |
 //! |---|---|
 //! | (nothing) | `out/NAME/NAME.0007.exr` |
 //! | `DIR/` or a folder that exists | `DIR/NAME.0007.exr` |
-//! | `x.####.exr`, `x.@@@@.exr`, `x.%04d.exr`, `x.%04i.exr`, `x.$F4.exr`, `x.${F4}.exr`, `x.<F4>.exr` | `x.0007.exr` |
+//! | `x.####.exr`, `x.@@@@.exr`, `x.%04d.exr`, `x.%04i.exr` | `x.0007.exr` |
+//! | `x.$F4.exr`, `x.${F4}.exr`, `x.<F4>.exr` | `x.0007.exr` |
 //! | `x.#.exr`, `x.@.exr`, `x.%d.exr`, `x.$F.exr`, `x.${F}.exr`, `x.<F>.exr` | `x.7.exr` |
 //! | `x.exr` | `x.exr`, for one frame only |
 

@@ -78,10 +78,10 @@ struct Finished {
 
 /// Renders and writes the frames of a job that are not skipped, in order.
 ///
-/// `provenance` is asked before rendering, for its hashes decide what is skipped. `render` gets a callback for the fraction
-/// done, which it may call from any thread; if it fails after `stop` was set, that counts as stopping, and without a picture
-/// the frame is given up and the next one begun. `report` hears
-/// of everything and may be called from two threads at once.
+/// `provenance` is asked before rendering, for its hashes decide what is skipped. `render` gets a callback
+/// for the fraction done, which it may call from any thread; if it fails after `stop` was set, that counts as
+/// stopping, and without a picture the frame is given up and the next one begun. `report` hears of everything
+/// and may be called from two threads at once.
 ///
 /// # Errors
 /// The first failure ends the run; the frame being rendered meanwhile is finished and dropped.

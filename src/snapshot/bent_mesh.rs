@@ -1,6 +1,6 @@
-//! Meshes in the shape that they have at one moment, ready to be hit. In go an instance and its pose, out come
-//! vertices and trees. Invariant: the same pose of the same instance is the same mesh, whoever asked
-//! for another in between; an instance that keeps its pose keeps its trees.
+//! Meshes in the shape that they have at one moment, ready to be hit. In go an instance and its pose, out
+//! come vertices and trees. Invariant: the same pose of the same instance is the same mesh, whoever asked for
+//! another in between; an instance that keeps its pose keeps its trees.
 
 use crate::accel::MeshTree;
 use crate::scene::{Pose, Shape};

@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// steps of about a pixel; odd, so that one of them is the middle.
 const MOMENTS: usize = 33;
 
-/// Instances of all moments together. Each takes half a kilobyte, places and its share of the tree: four gigabytes.
+/// Instances of all moments together. Each takes half a kilobyte, places and its share of the
+/// tree: four gigabytes.
 const MOST_PLACED: usize = 1 << 23;
 /// However many instances there are: the opening's, the middle's and the closing's.
 const FEWEST_MOMENTS: usize = 3;
@@ -35,7 +36,8 @@ impl<'scene> Exposure<'scene> {
         Self::of(scene, trees, (camera, aspect), shutter, |times_s| times_s)
     }
 
-    /// Only the moment in the middle, with the lights of all: enough to choose how to render, in a small part of the memory.
+    /// Only the moment in the middle, with the lights of all: enough to choose how to render, in a
+    /// small part of the memory.
     pub fn middle_of(
         scene: &'scene Scene,
         trees: &MeshTrees,
@@ -128,8 +130,8 @@ impl<'scene> Exposure<'scene> {
     }
 }
 
-/// How many moments a shutter has that is open for so long, in any unit: fewer where each takes much memory, an odd number
-/// always.
+/// How many moments a shutter has that is open for so long, in any unit: fewer where each takes much memory,
+/// an odd number always.
 fn count(scene: &Scene, duration: f64) -> usize {
     if duration <= 0.0 || scene.is_still() {
         return 1;

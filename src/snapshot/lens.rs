@@ -133,8 +133,8 @@ impl View {
         Ray { origin: in_plane(lens_point), direction }
     }
 
-    /// Where the middle of the lens sees a point of relative space, as [`View::ray`] has film positions, also beyond the
-    /// picture; `None` if it is not before the camera.
+    /// Where the middle of the lens sees a point of relative space, as [`View::ray`] has film positions, also
+    /// beyond the picture; `None` if it is not before the camera.
     pub fn film_place(&self, point: DVec3) -> Option<DVec2> {
         let across = DVec2::new(point.dot(self.right), point.dot(self.up));
         if self.is_orthographic {

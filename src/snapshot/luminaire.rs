@@ -91,8 +91,8 @@ impl Luminaire {
         self
     }
 
-    /// The same where fog of that extinction, 1/m, surrounds it. A sphere shines at its surface, but its points lie within:
-    /// it gets back what fog would take on the way out.
+    /// The same where fog of that extinction, 1/m, surrounds it. A sphere shines at its surface, but its
+    /// points lie within: it gets back what fog would take on the way out.
     pub fn in_fog(mut self, extinction_per_m: Rgb) -> Self {
         if let (Extent::Ball { radius }, FrozenLight::Point { intensity, .. }) =
             (&self.extent, &mut self.centre)
@@ -133,7 +133,8 @@ impl Luminaire {
         point
     }
 
-    /// The same with all the light's colour, and its hue: what it must be multiplied by, each channel 1 on average over the light.
+    /// The same with all the light's colour, and its hue: what it must be multiplied by, each channel 1 on
+    /// average over the light.
     pub fn hued_point(&self, u: [f64; 3]) -> (FrozenLight, Rgb) {
         let in_square = DVec2::new(u[0], u[1]);
         let mut hue = Rgb::ONE;
@@ -195,11 +196,12 @@ fn span(axes: &[DVec3; 2], along: DVec2) -> DVec3 {
     along.x * axes[0] + along.y * axes[1]
 }
 
-/// How much more of a sphere's light gets through fog if it comes from its surface, not from the points of [`in_ball`]. `depth`
-/// is the optical depth of its radius.
+/// How much more of a sphere's light gets through fog if it comes from its surface, not from the points of
+/// [`in_ball`]. `depth` is the optical depth of its radius.
 ///
-/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` on the mean of its points, in units of
-/// what comes from its middle. Over all chords seen from afar, `2 ((t - 1) exp(t) + 1) / t^2` and `2 I1(t) / t`, here both by their power series.
+/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` on the mean of its points, in units
+/// of what comes from its middle. Over all chords seen from afar, `2 ((t - 1) exp(t) + 1) / t^2` and
+/// `2 I1(t) / t`, here both by their power series.
 fn surface_per_ball(depth: f64) -> f64 {
     /// Beyond it, where nothing shines through any more, as at it.
     const MOST: f64 = 30.0;

@@ -1,5 +1,6 @@
-//! What a mesh is made of: leaves, bodies, walls. In goes a mesh, out come its connected parts and the places that stand for them. Invariant: all is chosen in
-//! mesh space, so that a part that moves keeps its places; chosen in world space, rounding would pick others from frame to frame.
+//! What a mesh is made of: leaves, bodies, walls. In goes a mesh, out come its connected parts and the places
+//! that stand for them. Invariant: all is chosen in mesh space, so that a part that moves keeps its places;
+//! chosen in world space, rounding would pick others from frame to frame.
 
 use crate::scene::{Mesh, Scene};
 use glam::{DVec3, Vec3};

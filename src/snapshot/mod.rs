@@ -1,7 +1,7 @@
-//! One shutter interval, frozen and ready to trace. In go a [`Scene`], its mesh trees and a time,
-//! out comes a [`Snapshot`]. Invariants: `Snapshot::new` is pure; below it there is no frame number
-//! and no absolute time; everything is in *relative space*, world axes with the camera at the
-//! origin, subtracted in double precision, so that a scene far from the origin loses nothing.
+//! One shutter interval, frozen and ready to trace. In go a [`Scene`], its mesh trees and a time, out comes a
+//! [`Snapshot`]. Invariants: `Snapshot::new` is pure. Below it there is no frame number and no absolute time.
+//! Everything is in *relative space*: world axes, with the camera at the origin. The camera is subtracted in
+//! double precision, so a scene far from the world's origin loses nothing.
 
 mod bent_mesh;
 mod blended;

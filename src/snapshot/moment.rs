@@ -1,6 +1,7 @@
-//! A scene at one moment, in relative space: instances, fog, lights and materials, as its nodes place them. In go a
-//! scene, a time and where the eye is, out comes what a snapshot is made of. Invariant: what is invisible, or has no
-//! extent, is not there; but lights stay, switched off, so that all moments of a shutter have the same.
+//! A scene at one moment, in relative space: instances, fog, lights and materials, as its nodes place
+//! them. In go a scene, a time and where the eye is, out comes what a snapshot is made of. Invariant:
+//! what is invisible, or has no extent, is not there. But lights stay, switched off, so that all moments
+//! of a shutter have the same.
 
 use super::bent_mesh::BentMesh;
 use super::{Luminaire, MeshTrees};

@@ -1,5 +1,5 @@
-//! Where the camera sees a surface's point at a frame, a frame before and a frame after. In go a triangle and a
-//! place on it, out come pixels. Invariant: pure; no tree is built and no ray traced for it.
+//! Where the camera sees a surface's point at a frame, a frame before and a frame after. In go a triangle and
+//! a place on it, out come pixels. Invariant: pure; no tree is built and no ray traced for it.
 //!
 //! The point is followed, whatever moment of the shutter it was seen at: so all samples of a still leaf
 //! agree, and motion blur moves no vector.
@@ -26,7 +26,8 @@ struct Moment {
 }
 
 impl MotionField {
-    /// From the moments a frame before, at the frame and a frame after; the rest is as for [`super::Snapshot::new`].
+    /// From the moments a frame before, at the frame and a frame after; the rest is as for
+    /// [`super::Snapshot::new`].
     pub fn new(scene: &Scene, camera: usize, size: Size, times_s: [f64; MOMENTS]) -> Self {
         let aspect = size.width as f64 / size.height as f64;
         let moments = times_s.map(|time_s| {
@@ -69,8 +70,8 @@ impl MotionField {
         self.vectors(|moment| moment.view.film_place_of_direction(direction))
     }
 
-    /// Blender's vectors: from where it is to where it was, and from where it will be to where it is, in pixels to the right
-    /// and up; 0 where the camera cannot see that far behind itself.
+    /// Blender's vectors: from where it is to where it was, and from where it will be to where it is, in
+    /// pixels to the right and up; 0 where the camera cannot see that far behind itself.
     fn vectors(&self, film_place: impl Fn(&Moment) -> Option<DVec2>) -> [f64; 4] {
         let [before, now, after] = self.moments.each_ref().map(film_place);
         let pixels = DVec2::new(self.size.width as f64, -(self.size.height as f64));

@@ -1,5 +1,6 @@
-//! Placed meshes as they stand, for who draws them one after another instead of following rays. In goes a snapshot, out
-//! come triangles in relative space. Invariant: the triangles are those of the trees, taken from the same vertices.
+//! Placed meshes as they stand, for who draws them one after another instead of following rays. In goes a
+//! snapshot, out come triangles in relative space. Invariant: the triangles are those of the trees, taken
+//! from the same vertices.
 
 use super::{MeshPart, Snapshot};
 use crate::accel::PrimitiveId;
@@ -64,7 +65,8 @@ impl<'a> DrawnMesh<'a> {
         self.snapshot.parts.of(self.mesh())
     }
 
-    /// The same for meshes that look the same in one snapshot, wherever they are: the numbers of mesh and material.
+    /// The same for meshes that look the same in one snapshot, wherever they are: the numbers
+    /// of mesh and material.
     pub fn looks(self) -> (usize, Option<usize>) {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
         (instance.mesh, instance.material)

@@ -47,7 +47,8 @@ impl<'scene> FrozenSky<'scene> {
         self.sky.lights == SkyLight::SurfacesAndFog
     }
 
-    /// A direction that two uniform numbers pick, about as densely as it is bright; `None` if it is the same everywhere.
+    /// A direction that two uniform numbers pick, about as densely as it is bright; `None` if it is
+    /// the same everywhere.
     pub fn pick(&self, u: DVec2) -> Option<DVec3> {
         self.sky.pick(u).map(|direction| turned(direction, self.turn))
     }

@@ -152,8 +152,8 @@ impl Snapshot<'_> {
 }
 
 impl Facet<'_> {
-    /// How far along a ray its plane lies; not a number if the ray starts in that plane, to rounding: it meets it
-    /// nowhere else, or runs within it.
+    /// How far along a ray its plane lies; not a number if the ray starts in that plane, to rounding: it
+    /// meets it nowhere else, or runs within it.
     pub fn distance_along(&self, ray: &Ray) -> f64 {
         let way = self.first_corner - ray.origin;
         let height = way.dot(self.normal);
@@ -247,12 +247,12 @@ impl Facet<'_> {
 }
 
 impl Bending<'_> {
-    /// The direction of a normal map's texel at a point of the triangle, in the world's axes, and the normal that it
-    /// would be unbent; neither of unit length.
+    /// The direction of a normal map's texel at a point of the triangle, in the world's axes, and the normal
+    /// that it would be unbent; neither of unit length.
     ///
-    /// Like Blender and its bakers this neither normalises nor squares up what it interpolates, and bends in the
-    /// mesh's own space (Mikkelsen 2008, "Simulation of wrinkled surfaces revisited", 2.2; glTF 2.0, 3.9.3: +X is
-    /// to the right in the texture, +Y up, +Z towards the viewer; only x and y are scaled).
+    /// Like Blender and its bakers this neither normalises nor squares up what it interpolates, and bends in
+    /// the mesh's own space (Mikkelsen 2008, "Simulation of wrinkled surfaces revisited", 2.2; glTF 2.0,
+    /// 3.9.3: +X is to the right in the texture, +Y up, +Z towards the viewer; only x and y are scaled).
     fn bent(&self, corners: [usize; 3], weights: [f64; 3], texel: DVec3, scale: f64) -> [DVec3; 2] {
         let between = |value: &dyn Fn(usize) -> Vec3| -> DVec3 {
             (0..3).map(|corner| weights[corner] * value(corners[corner]).as_dvec3()).sum()

@@ -1,6 +1,6 @@
-//! Direct light on a surface. In goes a surface point, out the radiance that it scatters towards the
-//! eye. Invariant: what the light falls on and what the eye sees are both judged by the flat triangle, so
-//! a light is either before a surface or behind it, whatever the shading normal says.
+//! Direct light on a surface. In goes a surface point, out comes the radiance that it scatters towards the
+//! eye. Invariant: the flat triangle judges both what the light falls on and what the eye sees. So a light is
+//! either before a surface or behind it, whatever the shading normal says.
 
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -72,8 +72,8 @@ impl Unshadowed {
     }
 }
 
-/// What a surface scatters towards the eye of the radiance from a direction, per steradian: the BSDF times the
-/// cosine, 1/sr.
+/// What a surface scatters towards the eye of the radiance from a direction, per steradian: the BSDF
+/// times the cosine, 1/sr.
 #[inline]
 pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let beneath = beneath_layers(point, to_light);

@@ -1,5 +1,5 @@
-//! Indirect light of a ray and of a point: what the field of light that was scattered before adds. In go rays and points, out come radiances. Invariant: nothing is added
-//! unless the path's light has it.
+//! Indirect light of a ray and of a point: what the field of light that was scattered before adds. In go rays
+//! and points, out come radiances. Invariant: nothing is added unless the path's light has it.
 
 use super::path::{Path, Start};
 use super::visibility::Way;

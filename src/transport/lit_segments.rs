@@ -1,5 +1,6 @@
-//! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit segments: opaque triangles end the light
-//! on an interval of the ray, blended ones dim it there. Invariant: where light begins and ends is never sampled.
+//! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit
+//! segments. Opaque triangles end the light on an interval of the ray, blended ones dim it there. Invariant:
+//! where light begins and ends is never sampled.
 
 use super::visibility::Way;
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
@@ -86,8 +87,8 @@ fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range
     snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
 }
 
-/// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond: its shadow and what it
-/// lets through, as seen from a place on the ray.
+/// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond:
+/// its shadow and what it lets through, as seen from a place on the ray.
 pub(super) fn shadows_in_line(
     snapshot: &Snapshot,
     ray: &Ray,

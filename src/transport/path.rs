@@ -1,5 +1,6 @@
-//! What is carried along a path. In go a snapshot, a way to follow rays and the light that is wanted; every leg of the path reads
-//! them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one thread's.
+//! What is carried along a path. In go a snapshot, a way to follow rays and the light that is wanted.
+//! Every leg of the path reads them, draws random numbers and uses memory that the thread keeps.
+//! Invariant: a path is one thread's.
 
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;

@@ -159,7 +159,8 @@ fn radiance_of(
 }
 
 impl Path<'_> {
-    /// What the film is to know of a leg, by light that has no hue yet; `surface` is what the data passes show.
+    /// What the film is to know of a leg, by light that has no hue yet; `surface` is what
+    /// the data passes show.
     pub(super) fn sample(&self, leg: &Leg, surface: Option<&SurfacePoint>, ray: &Ray, hue: Rgb) -> Sample {
         let Self { snapshot, transport, .. } = self;
         let Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes } =
@@ -231,7 +232,8 @@ impl Path<'_> {
         (leg, solid.or(surface))
     }
 
-    /// Front to back: the shafts and what each blended surface shows itself, and what all of them let through.
+    /// Front to back: the shafts and what each blended surface shows itself, and what all
+    /// of them let through.
     fn blended(&mut self, shafts: Rgb, ray: &Ray, blended: &[BlendedHit], mirrors_left: u32) -> (Shown, Rgb) {
         let (snapshot, light) = (self.snapshot, self.light);
         let (mut sum, mut seen_through) = (Shown { radiance: shafts, ..Shown::default() }, Rgb::ONE);

@@ -12,7 +12,8 @@ pub struct Sample {
     /// The part that shines by itself, surfaces and the background, in mirrors too.
     pub emitted: Rgb,
     /// In a picture of one light what is still to be multiplied by: the hue of the light's point, see
-    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but what is emitted or indirect is without it. Else 1.
+    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but what is emitted or indirect
+    /// is without it. Else 1.
     pub hue: Rgb,
     /// The part that surfaces show of indirect light, in mirrors too.
     pub indirect: Rgb,
@@ -20,7 +21,8 @@ pub struct Sample {
     pub shafts: Rgb,
     /// Of that part what was scattered before.
     pub indirect_shafts: Rgb,
-    /// What fog and blended surfaces let through from the first opaque surface, or from the background if there is none.
+    /// What fog and blended surfaces let through from the first opaque surface, or from the
+    /// background if there is none.
     pub transmittance: Rgb,
     /// Coverage, `0..=1`, by which the radiance is premultiplied.
     pub alpha: f64,
@@ -33,7 +35,8 @@ pub struct Sample {
     pub mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
-/// Objects that a sample may show: blended ones, and the opaque one behind them. Of more, the last ones are left out.
+/// Objects that a sample may show: blended ones, and the opaque one behind them. Of more, the
+/// last ones are left out.
 pub const MATTES_OF_A_SAMPLE: usize = 4;
 
 /// The share of a sample that belongs to an object; none of it unless the share is more than 0.

@@ -1,9 +1,9 @@
 //! Light of the sky, scattered once by surfaces and by fog. In go a ray or a point of a surface and uniform
 //! numbers, out comes an estimate of what the sky adds. Invariant: unbiased, and one shadow ray each.
 //!
-//! Directions are picked either as densely as the matter scatters or as densely as the sky is bright, and
-//! weighed by the mean of both densities: Veach and Guibas' balance heuristic with one sample (1995,
-//! "Optimally combining sampling techniques for Monte Carlo rendering", section 3.3).
+//! Directions are picked either as densely as the matter scatters or as densely as the sky is bright. They
+//! are weighed by the mean of both densities: the balance heuristic with one sample. See Veach and Guibas
+//! 1995, "Optimally combining sampling techniques for Monte Carlo rendering", section 3.3.
 
 use super::direct::scattered_per_radiance;
 use super::path::Path;

@@ -1,11 +1,12 @@
-//! The many blended surfaces that one ray passes. In go the ray, its surfaces and the lights, out comes what each surface
-//! scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps, where shadow rays of their own, each through
-//! as many surfaces, would take `n^2 log n`.
+//! The many blended surfaces that one ray passes. In go the ray, its surfaces and the lights. Out comes what
+//! each surface scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps. Shadow rays
+//! of their own, each through as many surfaces, would take `n^2 log n`.
 //!
-//! What dims a light anywhere on the ray lies in the plane through both, so one walk through the tree finds it for all surfaces
-//! at once; a sweep along the ray keeps the product of what is in the way. Under a lamp or sun the values are those of the
-//! shadow rays, to rounding. Textured surfaces are asked one by one where they are in the way, until next to nothing is
-//! left. Light of the sky, and mirrors, are left to a few surfaces that stand for all.
+//! What dims a light anywhere on the ray lies in the plane through both. So one walk through the tree finds
+//! it for all surfaces at once, and a sweep along the ray keeps the product of what is in the way. Under a
+//! lamp or sun the values are those of the shadow rays, to rounding. Textured surfaces are asked one by one
+//! where they are in the way, until next to nothing is left. Light of the sky, and mirrors, are left to a few
+//! surfaces that stand for all.
 
 use super::direct;
 use super::lit_segments::{met_at, shadows_in_line};
@@ -177,8 +178,9 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Of surfaces chosen in proportion to what the ray's start sees of them: how many each stands for, and 0 for the others. The
-/// expected value of each is 1 (systematic sampling: Madow 1949, "On the theory of systematic sampling, II").
+/// Of surfaces chosen in proportion to what the ray's start sees of them: how many each stands for, and 0
+/// for the others. The expected value of each is 1 (systematic sampling: Madow 1949, "On the theory of
+/// systematic sampling, II").
 fn shares(blended: &[BlendedHit], u: f64) -> Vec<f64> {
     let mut seen_through = Rgb::ONE;
     let weights: Vec<f64> = blended
@@ -283,7 +285,8 @@ mod tests {
         FrozenLight::Sun { to_light: to_light.normalize(), irradiance: Rgb::ONE }
     }
 
-    /// So many layers, one behind the other, each a little tilted, and so thin that a ray sees through all of them.
+    /// So many layers, one behind the other, each a little tilted, and so thin that a ray sees
+    /// through all of them.
     fn layers(count: usize) -> Vec<Layer> {
         let layer = |index: usize| {
             let place = index as f64 / count as f64;
@@ -296,7 +299,8 @@ mod tests {
         (0..count).map(layer).collect()
     }
 
-    /// How many factors the sweeps of surfaces and of fog multiply on a ray through so many layers: of both, under a lamp.
+    /// How many factors the sweeps of surfaces and of fog multiply on a ray through so many layers:
+    /// of both, under a lamp.
     fn multiplications(count: usize) -> [usize; 2] {
         let scene = scene(&layers(count), false);
         let trees = MeshTrees::new(&scene);
@@ -320,8 +324,8 @@ mod tests {
         ]
     }
 
-    /// Eight times as many layers take less than twelve times as many steps, where products that are formed anew at
-    /// each surface take 64 times as many.
+    /// Eight times as many layers take less than twelve times as many steps, where products that are formed
+    /// anew at each surface take 64 times as many.
     #[test]
     fn steps_grow_as_n_log_n() {
         let [few, many] = [64, 512].map(multiplications);

@@ -112,7 +112,8 @@ fn whatever_is_skipped_changes_no_bit() {
             .iter()
             .any(|name| row.starts_with(name))
         {
-            // Numbers that differ in the last bit; a light of a picometre; rays by themselves, not from slices.
+            // Numbers that differ in the last bit; a light of a picometre; rays by
+            // themselves, not from slices.
             1e-5
         } else {
             0.0

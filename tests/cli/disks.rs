@@ -1,5 +1,6 @@
-//! Disks that fail: full ones, folders that vanish or take no files, files in folders' places. The exit code is that of
-//! input and output, a message helps, older good files stay whole and nothing half-written is left.
+//! Disks that fail: full ones, folders that vanish or take no files, files in folders' places. The exit
+//! code is that of input and output, a message helps, older good files stay whole and nothing
+//! half-written is left.
 #![cfg(unix)]
 
 use crate::program::{Outcome, Studio, outcome};
@@ -10,7 +11,8 @@ use std::process::{Command, Stdio};
 
 const INPUT_OUTPUT: i32 = 4;
 
-/// Runs the program where no file may grow beyond so many blocks of 512 bytes, which stands in for the end of a disk.
+/// Runs the program where no file may grow beyond so many blocks of 512 bytes, which stands in
+/// for the end of a disk.
 fn with_full_disk(studio: &Studio, blocks: u32, line: &str) -> Outcome {
     let program = env!("CARGO_BIN_EXE_sunfleck");
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} {line}");

@@ -1,5 +1,5 @@
-//! docs/extras.schema.json describes the custom properties of every glTF file that there is here, and
-//! those that `export` writes; and it describes no others than are read.
+//! docs/extras.schema.json describes the custom properties of every glTF file that there is here, and those
+//! that `export` writes. It describes no others than are read.
 
 use crate::program::{Studio, repository};
 use crate::schema::violations;

@@ -1,5 +1,5 @@
-//! What people see of files that say little: a camera and light that are made up, an exposure that shows something, and a word
-//! where next to nothing is seen.
+//! What people see of files that say little. A camera and light are made up, the exposure shows something,
+//! and a word is said where next to nothing is seen.
 
 use crate::program::{Studio, repository};
 use image::RgbImage;

@@ -74,7 +74,8 @@ fn frames_that_are_there_are_shown_as_they_are() {
     assert!(studio.fail("preview b", 2).contains("remedy"));
 }
 
-/// What a lens scatters makes edges half as high, but for what stays close by, and the frame beside it knows nothing of it.
+/// What a lens scatters makes edges half as high, but for what stays close by, and the frame beside it
+/// knows nothing of it.
 #[test]
 fn bloom_is_in_pictures_for_eyes_alone() {
     let studio = Studio::new();

@@ -1,5 +1,5 @@
-//! Checks JSON against a JSON Schema, of which it knows the words that ours use, and no others: a schema
-//! cannot ask for anything that is not checked.
+//! Checks JSON against a JSON Schema. Invariant: it knows the words that our schemas use, and no others, so a
+//! schema cannot ask for anything that is not checked.
 
 use serde_json::Value;
 

@@ -1,5 +1,5 @@
-//! What goes wrong around the program: streams that take nothing, files that are none, outputs that would be lost, viewers
-//! that do not read. Frames are written, and the exit code is the right one.
+//! What goes wrong around the program: streams that take nothing, files that are none, outputs that would be
+//! lost, viewers that do not read. Frames are written, and the exit code is the right one.
 #![cfg(unix)]
 
 use crate::program::{Studio, outcome, repository};
@@ -191,8 +191,8 @@ fn two_runs_on_one_range_both_end_with_whole_frames() {
     }
 }
 
-/// The signal comes at any moment of loading, baking, rendering or writing. How soon the program ends is a figure; that it
-/// ends by itself with the right code, and that only whole frames are left, is a promise.
+/// The signal comes at any moment of loading, baking, rendering or writing. How soon the program ends is a
+/// figure; that it ends by itself with the right code, and that only whole frames are left, is a promise.
 #[test]
 fn signals_are_heard_at_any_moment() {
     let studio = Studio::new();

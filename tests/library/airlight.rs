@@ -1,5 +1,5 @@
-//! Light scattered by fog without anything in the way, against closed forms and against an
-//! independent dense quadrature written straight from the reference model.
+//! Light scattered by fog without anything in the way. It is held against closed forms, and against dense
+//! quadrature written straight from the reference model.
 
 use crate::common::{EXACT, add_fog, add_light, camera_at, look};
 use glam::DVec3;

@@ -14,7 +14,8 @@ use sunfleck::transport::{MarchSteps, Sample, Scratch, Transport, VolumeMethod, 
 const SIGMA_T: f64 = 0.25;
 const SIGMA_S: f64 = 0.2;
 
-/// A camera at the origin in a box of fog that reaches 4 m up and 10 m forward, under an overhead sun of 7 W/m2.
+/// A camera at the origin in a box of fog that reaches 4 m up and 10 m forward, under an
+/// overhead sun of 7 W/m2.
 fn foggy() -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
     let (low, high) = (DVec3::new(-6.0, -5.0, -10.0), DVec3::new(6.0, 4.0, 1.0));

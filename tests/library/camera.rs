@@ -1,5 +1,5 @@
-//! Lens and shutter against closed forms: how soft what is out of focus is, what is keyed, and when the
-//! shutter is open.
+//! Lens and shutter against closed forms. How soft what is out of focus is, what is keyed, and when
+//! the shutter is open.
 
 use crate::common::{camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
@@ -16,8 +16,8 @@ fn keyed<T: Animate>(from: T, to: T) -> Track<T> {
     Track::new(vec![key(0.0, from), key(1.0, to)], Extend::Hold).expect("good keys")
 }
 
-/// The share of the lens that sees a wall 4 m away, which ends at the vertical plane x = 0, in the middle row of the
-/// picture, `tangent` to the right of the axis; focus is pulled from the wall to 2 m within a second.
+/// The share of the lens that sees a wall 4 m away, which ends at the vertical plane x = 0, in the middle row
+/// of the picture, `tangent` to the right of the axis; focus is pulled from the wall to 2 m within a second.
 fn share(time_s: f64, blades: u32, tangent: f64) -> f64 {
     let mut scene = camera_at(DVec3::ZERO);
     // A right angle and a sensor of 36 mm: a focal length of 18 mm, and a lens of 0.5 m to either side.
@@ -53,8 +53,8 @@ fn share(time_s: f64, blades: u32, tangent: f64) -> f64 {
     f64::from((0..count).filter(|&index| meets(index)).count() as u32) / f64::from(count)
 }
 
-/// From a point l of the lens a ray meets the wall's plane at l (1 - 4 / F) + 4 tan: focused at 2 m, from all points to the
-/// right of 4 tan it meets the wall.
+/// From a point l of the lens a ray meets the wall's plane at l (1 - 4 / F) + 4 tan: focused at 2 m, from all
+/// points to the right of 4 tan it meets the wall.
 #[test]
 fn an_edge_out_of_focus_is_as_soft_as_the_lens_is_wide() {
     for tangent in [-0.11, -0.05, 0.0, 0.03, 0.1] {

@@ -1,4 +1,5 @@
-//! Clipping planes of cameras: which surfaces they hide from the eye, and that they hide them from nothing else.
+//! Clipping planes of cameras: which surfaces they hide from the eye, and that they hide
+//! them from nothing else.
 
 use crate::common::{EXACT, INSTANT, add_fog, add_light, camera_at, look, place};
 use glam::{DAffine3, DVec2, DVec3};
@@ -130,7 +131,8 @@ fn vector(range: std::ops::Range<f64>) -> impl Strategy<Value = DVec3> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// In fog, through what does not show: shadows of triangles that the ray passes are as a fine march finds them.
+    /// In fog, through what does not show: shadows of triangles that the ray passes are as a
+    /// fine march finds them.
     #[test]
     fn rays_through_hidden_surfaces(
         corners in prop::collection::vec(vector(-1.5..1.5), 9),
@@ -176,7 +178,8 @@ fn load(path: &Path) -> Scene {
     scene::resolve(description, None).map_err(|error| error.to_string()).unwrap().0
 }
 
-/// Files with the planes of Blender's own defaults and others: a near thing before `znear`, a far one behind `zfar`.
+/// Files with the planes of Blender's own defaults and others: a near thing before `znear`, a
+/// far one behind `zfar`.
 #[test]
 fn planes_of_gltf_files() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/clipping");

@@ -1,5 +1,6 @@
-//! The pass of depth while things move: each pixel shows a place where something was at a moment of the shutter, and over
-//! pixels all moments alike. Held against every moment in double precision, by rays and from slices.
+//! The pass of depth while things move: each pixel shows a place where something was at a moment of
+//! the shutter, and over pixels all moments alike. Held against every moment in double precision, by
+//! rays and from slices.
 
 use crate::common::{EXACT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};

@@ -38,7 +38,8 @@ fn suns() -> Vec<(&'static str, Option<SunPicture>)> {
     ]
 }
 
-/// A perpendicular plane gets from the disc, by its points and by what is seen of it, what it gets from parallel light.
+/// A perpendicular plane gets from the disc, by its points and by what is seen of it, what it gets
+/// from parallel light.
 #[test]
 fn a_disc_is_as_bright_as_parallel_light() {
     let power = Rgb::new(20.0, 18.0, 14.0);
@@ -120,7 +121,8 @@ fn light_goes_both_ways() {
             (ways(0.5, 3.0), ways(-0.7, 1.0)),
             (ways(0.2, 5.0), ways(-1.0, 0.0)),
         ] {
-            // The sheet looks the same from behind, so that an eye there is one here that sees it turned about.
+            // The sheet looks the same from behind, so that an eye there is one here that
+            // sees it turned about.
             let scattered = |to_eye: DVec3, to_sun: DVec3| {
                 let flip = if to_eye.z < 0.0 { DVec3::new(1.0, 1.0, -1.0) } else { DVec3::ONE };
                 seen(&material, -to_eye * flip, &[(to_sun * flip, 1.0)]).x / to_sun.z.abs()
@@ -133,9 +135,9 @@ fn light_goes_both_ways() {
     println!("reciprocity of leaves: off by {largest:.1e} at most");
 }
 
-/// Suns all around with what each gives of a light that comes evenly from everywhere, dense where a coat across z shines
-/// for this eye: on the eye's side by the microfacets that mirror them, which crowd about the normal; behind on rings.
-/// All is the same on both sides of the plane through the eye and the normal.
+/// Suns all around with what each gives of a light that comes evenly from everywhere, dense where a coat
+/// across z shines for this eye: on the eye's side by the microfacets that mirror them, which crowd about the
+/// normal; behind on rings. All is the same on both sides of the plane through the eye and the normal.
 fn suns_all_around(to_eye: DVec3) -> Vec<(DVec3, f64)> {
     let (across, up) = ((to_eye - to_eye.z * DVec3::Z).try_normalize().unwrap_or(DVec3::X), DVec3::Z);
     let side = up.cross(across);
@@ -161,8 +163,8 @@ fn suns_all_around(to_eye: DVec3) -> Vec<(DVec3, f64)> {
     suns
 }
 
-/// Light from everywhere: what comes back to the eye is what falls on both sides, if the leaf takes nothing away, however
-/// rough it is and however it is seen; else it is less.
+/// Light from everywhere: what comes back to the eye is what falls on both sides, if the leaf takes nothing
+/// away, however rough it is and however it is seen; else it is less.
 #[test]
 fn leaves_give_back_what_they_receive() {
     for cos in [1.0, 0.7, 0.3, 0.1, 0.04_f64] {

@@ -1,5 +1,5 @@
-//! Scenes written as glTF and read back: the same pictures, the same places, and a file that an
-//! independent reader (the `gltf` crate's own JSON types and validation) takes too.
+//! Scenes written as glTF and read back. They give the same pictures and the same places. An independent
+//! reader (the `gltf` crate's own JSON types and validation) takes the file too.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;
@@ -75,7 +75,8 @@ fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
 #[derive(Default)]
 struct Difference {
     pixels: usize,
-    /// Pixels that differ by more than [`EDGE`]: each with the largest difference of a channel, over the mean.
+    /// Pixels that differ by more than [`EDGE`]: each with the largest difference of a
+    /// channel, over the mean.
     apart: Vec<f64>,
     /// How many of them there are, those that touch one before counted with it.
     groups: usize,
@@ -170,13 +171,15 @@ const SEEDS: std::ops::Range<u32> = 0..6;
 // Keys in single precision move leaves by up to a millionth of a metre.
 const SAME: f64 = 3e-5;
 
-/// A pixel that differs by more, over the mean, has a sample on the other side of an edge. With four samples a pixel, one slice to its width,
-/// such a sample shows whole; where there is none no pixel differs by a third of this.
+/// A pixel that differs by more, over the mean, has a sample on the other side of an edge. With four
+/// samples a pixel, one slice to its width, such a sample shows whole; where there is none no pixel
+/// differs by a third of this.
 const EDGE: f64 = 1e-3;
 
-/// How many pixels may have one; a sample counts in up to a few, side by side, as swaths of slices reach beyond a pixel. A sample has one if an edge is as near to it as a leaf has moved: in an
-/// earlier `falling_leaves` the shadow of a leaf ended on the ground 0.15 micrometres from one, which the file moved by
-/// 0.29. With all keys moved by one micrometre there were 60 such pixels, and the others missed [`SAME`].
+/// How many pixels may have one; a sample counts in up to a few, side by side, as swaths of slices reach
+/// beyond a pixel. A sample has one if an edge is as near to it as a leaf has moved: in an earlier
+/// `falling_leaves` the shadow of a leaf ended on the ground 0.15 micrometres from one, which the file moved
+/// by 0.29. With all keys moved by one micrometre there were 60 such pixels, and the others missed [`SAME`].
 const MOST_APART: f64 = 5e-5;
 
 #[test]
@@ -252,7 +255,8 @@ fn an_image_sky_looks_the_same() {
     assert!(difference.apart.is_empty() && difference.relative_rmse() < 1e-6);
 }
 
-/// An image, a fractal that turns and changes under a disc that grows, and a darker limb, on suns that are seen.
+/// An image, a fractal that turns and changes under a disc that grows, and a darker limb,
+/// on suns that are seen.
 #[test]
 fn pictures_on_suns_look_the_same() {
     let folder = tempfile::tempdir().unwrap();

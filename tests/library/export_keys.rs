@@ -8,7 +8,8 @@ use std::path::Path;
 use sunfleck::scene::{RenderSettings, Scene};
 use sunfleck::{description, export, scene};
 
-/// Keys nearer than this are one to Blender (measured in 5.0.1): with the last one's value, and at the frame if one was there.
+/// Keys nearer than this are one to Blender (measured in 5.0.1): with the last one's value, and at the
+/// frame if one was there.
 const ONE_KEY_FRAMES: f64 = 0.01;
 /// Nearer than this to a key its value is shown.
 const AT_KEY_FRAMES: f64 = 1e-4;

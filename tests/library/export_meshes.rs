@@ -7,8 +7,8 @@ use sunfleck::scene::{
 };
 use sunfleck::{description, export};
 
-/// A flat mesh has no normals, without which glTF knows no tangents; those here are not what its texture coordinates
-/// would give, as where a texture transform turns them.
+/// A flat mesh has no normals, without which glTF knows no tangents; those here are not what its texture
+/// coordinates would give, as where a texture transform turns them.
 #[test]
 fn flat_meshes_keep_tangents_for_their_normal_maps() {
     let slanted = |x: f32, y: f32| Vec3::new(x, y, 0.3 * x * y);

@@ -1,4 +1,5 @@
-//! The public face: what a program can load, build, ask for and get. Invariant: only names at the crate's root are used here.
+//! The public face: what a program can load, build, ask for and get. Invariant: only names at the
+//! crate's root are used here.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -72,7 +73,8 @@ fn every_pass_that_is_asked_for_has_its_values() {
     };
     assert!((value(Pass::Depth, 0) - 4.0).abs() < 1e-5);
     assert!((value(Pass::Normal, 2) - 1.0).abs() < 1e-5);
-    // A picture 9 pixels high shows 2 * 4 * tan(22.5 degrees) metres at that depth; vectors point to where things were.
+    // A picture 9 pixels high shows 2 * 4 * tan(22.5 degrees) metres at that depth; vectors point
+    // to where things were.
     let pixels_per_m = 9.0 / (8.0 * 22.5_f64.to_radians().tan());
     assert!((value(Pass::Motion, 0) + 0.1 * pixels_per_m).abs() < 1e-4, "{}", value(Pass::Motion, 0));
     assert_eq!(frame.pass(Pass::Normal).expect("there").channels, ["Normal.X", "Normal.Y", "Normal.Z"]);
@@ -217,7 +219,8 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
     assert!(beauty.mean()[0] > 0.0);
 }
 
-/// A ball on a floor, seen from the front, to which each test adds its own part; and the same as a file's fields.
+/// A ball on a floor, seen from the front, to which each test adds its own part; and the
+/// same as a file's fields.
 fn stage() -> SceneBuilder {
     let object =
         |mesh: &str| Object { mesh: Some(mesh.into()), material: Some("grey".into()), ..Object::default() };

@@ -1,4 +1,4 @@
-//! `fall` blocks from outside: the same leaves whatever is asked of the scene, an author's own keys, and
+//! `fall` blocks from outside. The same leaves whatever is asked of the scene, an author's own keys, and
 //! the way through glTF.
 
 use glam::DVec3;
@@ -151,7 +151,8 @@ fn leaves_fall_the_same_way_through_gltf() {
     }
 }
 
-/// Blocks name grounds that meet at x = 0, and leaves of each come down on both: none is in either, on its way or at rest.
+/// Blocks name grounds that meet at x = 0, and leaves of each come down on both: none is in either,
+/// on its way or at rest.
 #[test]
 fn no_leaf_is_below_the_ground_of_another_block() {
     let folder = tempfile::tempdir().unwrap();

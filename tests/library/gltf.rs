@@ -1,5 +1,5 @@
-//! glTF files from Blender 5.0.1: what tests/blender does not compare with Blender's own evaluation, and the
-//! reference scene against the numbers it was made from (tests/data/blender/README.md).
+//! glTF files from Blender 5.0.1. What tests/library/blender does not compare with Blender's own evaluation
+//! is here. The reference scene is held against the numbers it was made from (tests/data/blender/README.md).
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::Value;

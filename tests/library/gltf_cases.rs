@@ -1,5 +1,6 @@
-//! glTF files as people have them, with something missing, damaged or unusual: each is seen as well as it can be, and
-//! what is lost is told by its kind. Most show the triangle of ok.gltf: then the rest of them must look like it.
+//! glTF files as people have them, with something missing, damaged or unusual. Each is seen as well
+//! as it can be, and what is lost is told by its kind. Most show the triangle of ok.gltf: then the
+//! rest of them must look like it.
 
 use crate::common::{EXACT, INSTANT, camera_at};
 use glam::DVec3;
@@ -240,8 +241,8 @@ fn clips_that_move_different_things_play_together() {
     assert!(places.contains(&DVec3::new(3.0, 0.0, 0.0)) && places.contains(&DVec3::new(0.0, 3.0, 0.0)));
 }
 
-/// The middle of the triangle is seen and lit along its normal: `F D / 4` with `D = 1 / (pi alpha^2)` above, Lambert
-/// beneath (KHR_materials_pbrSpecularGlossiness: `(1 - max(specular)) diffuse / pi`).
+/// The middle of the triangle is seen and lit along its normal: `F D / 4` with `D = 1 / (pi alpha^2)` above,
+/// Lambert beneath (KHR_materials_pbrSpecularGlossiness: `(1 - max(specular)) diffuse / pi`).
 #[test]
 fn specular_and_gloss_shine_as_their_extension_says() {
     for name in ["specgloss_only_not_required.gltf", "specgloss_required.gltf"] {
@@ -296,7 +297,8 @@ fn alpha_of_vertices_blends() {
     }
 }
 
-/// Alpha is 0.1 at the feet of the triangle and 1 at its tip: what is above a half is left of it, 4/9 of its height.
+/// Alpha is 0.1 at the feet of the triangle and 1 at its tip: what is above a half is left of
+/// it, 4/9 of its height.
 #[test]
 fn alpha_of_vertices_masks() {
     let mut document = json_of("vertex_alpha_blend.gltf");

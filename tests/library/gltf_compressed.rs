@@ -1,5 +1,5 @@
 //! The same scene as Blender writes it plain, with Draco, and through gltfpack (meshopt and quantised
-//! numbers): the same leaves in the same places, to what the compression keeps; and damaged streams.
+//! numbers). The same leaves are in the same places, to what the compression keeps. And damaged streams.
 
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;

@@ -1,6 +1,7 @@
-//! Damaged and hostile glTF files: each is read as far as it makes sense and tells what is lost, or is refused with a
-//! message that names the reason; whatever is changed in a good file nothing panics. The files under
-//! tests/data/invalid/gltf and tests/data/lenient/gltf are tests/data/valid/gltf/leaf.gltf with one thing wrong.
+//! Damaged and hostile glTF files. Each is read as far as it makes sense and tells what is lost, or is
+//! refused with a message that names the reason. Nothing panics, whatever is changed in a good file. The
+//! files under tests/data/invalid/gltf and tests/data/lenient/gltf are tests/data/valid/gltf/leaf.gltf
+//! with one thing wrong.
 
 use proptest::prelude::*;
 use serde_json::Value;

@@ -1,5 +1,5 @@
-//! One leaf, said in every way that glTF 2.0 allows (tools/corpus/make_gltf.py): each file must give
-//! the picture of the plain one, seen by the same rays.
+//! One leaf, said in every way that glTF 2.0 allows (tools/corpus/make_gltf.py). Each file must give the
+//! picture of the plain one, seen by the same rays.
 
 use crate::common::{EXACT, INSTANT};
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! Fog that thins out with height, alone and together with boxes: against closed forms, and against
-//! dense quadrature written straight from the reference model.
+//! Fog that thins out with height, alone and together with boxes. It is held against closed forms, and
+//! against dense quadrature written straight from the reference model.
 
 use crate::common::{EXACT, INSTANT, add_fog, add_layer, add_light, camera_at, place};
 use glam::{DAffine3, DVec3};
@@ -120,8 +120,8 @@ fn dense(
     sum
 }
 
-/// The quadrature does not know where the light's way kinks, so its pieces are short where that may be: its own error
-/// is some 1e-7.
+/// The quadrature does not know where the light's way kinks, so its pieces are short where that may be: its
+/// own error is some 1e-7.
 fn short_pieces() -> Vec<f64> {
     let near = (0..200).map(|index| 0.2 * f64::from(index));
     near.chain((6..14).map(|power| 2_f64.powi(power))).collect()

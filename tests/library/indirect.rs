@@ -46,7 +46,8 @@ fn add_instance(scene: &mut Scene) {
     scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation: None });
 }
 
-/// Square leaves of .2 m, turned and placed by a sequence without a pattern, in a cube of 4 m before the camera.
+/// Square leaves of .2 m, turned and placed by a sequence without a pattern, in a cube of
+/// 4 m before the camera.
 fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
     scene.materials.push(material);
     let material = scene.materials.len() - 1;
@@ -279,7 +280,8 @@ fn truth(first: usize) -> Truth {
 }
 
 impl Truth {
-    /// Mean ratio, and the root mean square of what blocks differ by, as a share of the mean, without the truth's own noise.
+    /// Mean ratio, and the root mean square of what blocks differ by, as a share of the mean, without
+    /// the truth's own noise.
     fn judge(&self, frame: &Frame) -> (f64, f64) {
         let columns = SIZE.width / 10;
         let (mut ours, mut theirs, mut square) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO);

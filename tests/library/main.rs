@@ -1,5 +1,6 @@
-//! The library against closed forms, brute force and other people's renderers, and its files there and back. One
-//! crate, as each would be linked with all of the library; a module is run by `cargo test --test library indirect::`.
+//! The library against closed forms, brute force and other people's renderers, and its files there and back.
+//! One crate, as each would be linked with all of the library; a module is run by
+//! `cargo test --test library indirect::`.
 #![allow(missing_docs, clippy::unwrap_used)]
 #![allow(clippy::print_stdout, reason = "with --nocapture the tests show what they measure")]
 

@@ -83,7 +83,8 @@ fn rays_meet_what_the_texture_shows() {
     }
 }
 
-/// A closed curve: how far inside a point is, in texels (negative outside, exact near the curve), and points all along it.
+/// A closed curve: how far inside a point is, in texels (negative outside, exact near the curve), and
+/// points all along it.
 struct Shape {
     name: &'static str,
     inside: fn(DVec2) -> f64,
@@ -133,8 +134,9 @@ const SHAPES: [Shape; 3] = [
     },
 ];
 
-/// Alpha of an edge one texel wide in 8 bits: how far the outline is from the shape and the shape from the outline, and how
-/// much area it has more, all in texels. What the bilinear texture itself is off by is in it.
+/// Alpha of an edge one texel wide in 8 bits: how far the outline is from the shape and the shape
+/// from the outline, and how much area it has more, all in texels. What the bilinear texture
+/// itself is off by is in it.
 #[test]
 fn outlines_keep_to_shapes_in_area_and_edge() {
     let folder = tempfile::tempdir().unwrap();

@@ -100,8 +100,8 @@ fn a_wall_that_slides() {
     }
 }
 
-/// A camera that pans by the angle a, anticlockwise from above: what lies in the middle was at the left, by the
-/// tangent of a. The background moves as surfaces do.
+/// A camera that pans by the angle a, anticlockwise from above: what lies in the middle was at the left, by
+/// the tangent of a. The background moves as surfaces do.
 #[test]
 fn a_camera_that_pans() {
     let mut scene = camera_at(DVec3::ZERO);
@@ -133,8 +133,8 @@ fn a_camera_that_pans() {
     assert!(walls > 100 && skies > 100);
 }
 
-/// Whatever turns, bends or travels: the place of the hit in its triangle, put into that triangle a frame before and
-/// after, and through OpenGL's matrices.
+/// Whatever turns, bends or travels: the place of the hit in its triangle, put into that triangle a frame
+/// before and after, and through OpenGL's matrices.
 fn assert_equal_to_vertices(scene: &Scene, times_s: [f64; 3], least: usize) {
     let trees = MeshTrees::new(scene);
     let shutter = Shutter { open_s: times_s[1], close_s: times_s[1] };

@@ -1,4 +1,4 @@
-//! What a near light scatters into a ray, part by part and all parts together, against a dense
+//! What a near light scatters into a ray, part by part and all parts together. It is held against a dense
 //! quadrature along the ray.
 
 use glam::{DAffine3, DVec3};

@@ -1,4 +1,5 @@
-//! What lies between slices: straight edges, those of leaves and those of shadows, against the areas of pixels that lie on either side of them.
+//! What lies between slices. Straight edges, those of leaves and those of shadows are held against the areas
+//! of pixels that lie on either side of them.
 
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};

@@ -1,5 +1,5 @@
-//! Pixels by a filter wider than a pixel: against its own integral, by rays and from slices, and what every
-//! picture promises whatever filters it.
+//! Pixels by a filter wider than a pixel, by rays and from slices, against its own integral. And what every
+//! picture promises, whatever filters it.
 
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
@@ -22,7 +22,8 @@ fn leaves500() -> Scene {
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 
-/// Where something shines: what lies to the right of a line through a place of the picture, which leans by an angle.
+/// Where something shines: what lies to the right of a line through a place of the picture,
+/// which leans by an angle.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     through_px: DVec2,
@@ -137,8 +138,8 @@ fn an_edge_is_as_soft_as_the_filter() {
     }
 }
 
-/// Late passes see what lies beside the pixels that still want samples, so that these stay means over the whole filter. (Samples
-/// of rays lie within their pixel's own filter from the start.)
+/// Late passes see what lies beside the pixels that still want samples, so that these stay means over the
+/// whole filter. (Samples of rays lie within their pixel's own filter from the start.)
 #[test]
 fn passes_to_a_tolerance_keep_the_filter() {
     for edge in EDGES {

@@ -1,4 +1,5 @@
-//! Whether one sees leaves of `title` twice: leaves beside each other that look alike, and leaves that move in step.
+//! Whether one sees leaves of `title` twice: leaves beside each other that look alike, and
+//! leaves that move in step.
 //!
 //! `cargo test --test library repetition:: -- --nocapture` prints the figures of docs/gallery/README.md.
 
@@ -21,12 +22,14 @@ const FRAMES_PER_S: f64 = 24.0;
 const PICTURE: (usize, usize) = (960, 540);
 /// Leaves that are this near to each other, in heights of the picture, are compared by an eye.
 const NEAR: f64 = 0.25;
-/// Two leaves are alike if their points are less than this apart, in parts of a leaf's size (root mean squares) ...
+/// Two leaves are alike if their points are less than this apart, in parts of a leaf's size
+/// (root mean squares) ...
 const ALIKE_SHAPE: f64 = 0.15;
 /// ... and their colours less than this, in parts of themselves.
 const ALIKE_COLOR: f64 = 0.1;
 
-/// Two leaves are in step if their velocities are less than this apart, in parts of how much all vary; or a bit more, if their turns are, too.
+/// Two leaves are in step if their velocities are less than this apart, in parts of how much all vary; or a
+/// bit more, if their turns are, too.
 const IN_STEP: f64 = 0.1;
 const IN_STEP_AND_TURN: f64 = 0.25;
 
@@ -46,7 +49,8 @@ struct Look {
     /// Where it is in the picture, in heights of it.
     place: DVec2,
     pixels: usize,
-    /// The same points of all leaves of its species, as they lie in the picture about their middle; root mean square 1.
+    /// The same points of all leaves of its species, as they lie in the picture about their
+    /// middle; root mean square 1.
     shape: Vec<DVec2>,
     /// Of the light that it reflects and lets through.
     color: Rgb,
@@ -75,8 +79,8 @@ fn seconds(frame: u32) -> f64 {
     f64::from(frame) / FRAMES_PER_S
 }
 
-/// Where a place in the texture lies on a leaf: in the triangle that holds it or comes nearest to that. Also the least weight
-/// that one of its vertices has there, below 0 if none holds it.
+/// Where a place in the texture lies on a leaf: in the triangle that holds it or comes nearest to that. Also
+/// the least weight that one of its vertices has there, below 0 if none holds it.
 fn on_leaf(mesh: &Mesh, at: Vec2) -> (DVec3, f64) {
     let at = at.as_dvec2();
     let places = mesh.triangles.iter().filter_map(|triangle| {
@@ -194,7 +198,8 @@ fn leaves_side_by_side_are_not_alike() {
         let of_a_species = || pairs(leaves).filter(|(a, b)| a.species == b.species);
         let near: Vec<_> = of_a_species().filter(|(a, b)| a.is_near(b)).collect();
         let alike = near.iter().filter(|(a, b)| a.is_like(b)).count();
-        // What neighbours have in common by chance: as much as leaves of their two blocks that are no neighbours.
+        // What neighbours have in common by chance: as much as leaves of their two blocks
+        // that are no neighbours.
         let mut far: BTreeMap<_, (f64, f64)> = BTreeMap::new();
         for (a, b) in of_a_species().filter(|(a, b)| !a.is_near(b)) {
             let (pairs, alike) = far.entry((a.block(), b.block())).or_default();

@@ -243,8 +243,8 @@ fn edges_through_centres() {
     assert_eq!(middle, [false, false, true, true, true, false, false, false, false]);
 }
 
-/// A square that the sun shines on straight: its radiance is albedo / pi of the irradiance, times the fog's transmittance; and a
-/// half-covered pixel is half of it.
+/// A square that the sun shines on straight: its radiance is albedo / pi of the irradiance, times the fog's
+/// transmittance; and a half-covered pixel is half of it.
 #[test]
 fn colours_are_those_of_the_light_and_edges_are_smooth() {
     let mut scene = camera_at(DVec3::ZERO);

@@ -216,7 +216,8 @@ fn previews_stand_beside_the_frames() {
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0001.png"]);
 }
 
-/// Frames that are kept have pictures too, the same as if they had been rendered; a file that gives none is told.
+/// Frames that are kept have pictures too, the same as if they had been rendered; a file
+/// that gives none is told.
 #[test]
 fn kept_frames_get_previews_from_their_files() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Shiny surfaces, normal maps, vertex colours and textures with coordinates of their own, seen by rays; and
+//! Shiny surfaces, normal maps, vertex colours and textures with coordinates of their own, seen by rays. And
 //! what becomes of glTF's material extensions.
 
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};
@@ -61,8 +61,8 @@ fn assert_close(found: Rgb, expected: Rgb) {
     assert!(error <= 1e-9, "{found} {expected}: {error:.1e}");
 }
 
-/// The specification's formulas, written as they stand there (glTF 2.0, B.3.2), and what metal reflects again: the
-/// series of all further reflections, each of the share of light that meets another microfacet.
+/// The specification's formulas, written as they stand there (glTF 2.0, B.3.2), and what metal reflects
+/// again: the series of all further reflections, each of the share of light that meets another microfacet.
 #[test]
 fn a_metal_is_that_of_the_specification() {
     let base = Rgb::new(0.9, 0.6, 0.2);
@@ -109,7 +109,8 @@ fn textures_multiply_metallic_and_roughness() {
     assert_close(seen(&lit(mapped, to_sun), toward), seen(&lit(plain, to_sun), toward));
 }
 
-/// A coat that reflects nothing is none; one over a dark surface is all there is; one over a leaf lets light through.
+/// A coat that reflects nothing is none; one over a dark surface is all there is; one over a
+/// leaf lets light through.
 #[test]
 fn what_lies_beneath_the_coat() {
     let (to_sun, toward) = (DVec3::new(0.3, 0.2, 1.0), DVec3::new(0.2, -0.1, -1.0));

@@ -29,7 +29,8 @@ fn with_sky(mut scene: Scene, picture: SkyPicture) -> Scene {
     scene
 }
 
-/// A square of `half` metres each way about a point, facing a unit vector, one edge as near to x as that allows.
+/// A square of `half` metres each way about a point, facing a unit vector, one edge as near
+/// to x as that allows.
 fn add_square(scene: &mut Scene, middle: DVec3, normal: DVec3, half: f64, material: Material) {
     let right = DVec3::X.reject_from_normalized(normal);
     let right = right.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
@@ -106,8 +107,8 @@ fn an_open_plane_is_lit_by_its_half_of_the_sky() {
     assert_close(seen(&scene, down, 1 << 13).radiance, 0.4 * FRAC_1_PI * irradiance_from_above(), 2e-3);
 }
 
-/// Under a square at the height h with half sides a, whose form factor is known (Howell, configuration C-11, times
-/// four): F = 4 / pi * X / sqrt(1 + X^2) atan(X / sqrt(1 + X^2)), X = a / h.
+/// Under a square at the height h with half sides a, whose form factor is known (Howell, configuration C-11,
+/// times four): F = 4 / pi * X / sqrt(1 + X^2) atan(X / sqrt(1 + X^2)), X = a / h.
 #[test]
 fn a_roof_takes_its_form_factor_away() {
     let mut scene = with_sky(camera_at(DVec3::new(0.0, 1.0, 0.0)), SkyPicture::Even(GREY));
@@ -161,7 +162,8 @@ fn leaves_are_lit_from_both_sides() {
     assert_close(seen(&scene, DVec3::new(0.2, 1.0, 0.1), 1 << 14).radiance, expected, 2e-3);
 }
 
-/// Fog so thin that nothing is lost on the way scatters, per metre, sigma_s times the sky as the phase function sees it.
+/// Fog so thin that nothing is lost on the way scatters, per metre, sigma_s times the sky as the
+/// phase function sees it.
 #[test]
 fn thin_fog_shows_the_mean_of_the_sky() {
     let sigma = 1e-7;
@@ -192,8 +194,8 @@ fn lattice(count: usize) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Single scattering along a ray by quadrature over the ray and all directions, with the fog's depths as `scene` has
-/// them and light wherever `lit` says so.
+/// Single scattering along a ray by quadrature over the ray and all directions, with the fog's depths as
+/// `scene` has them and light wherever `lit` says so.
 fn dense(scene: &Scene, direction: DVec3, g: f64, lit: impl Fn(DVec3) -> bool) -> Rgb {
     let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
     let (medium, sky) = (&snapshot.medium, snapshot.sky.expect("a sky"));

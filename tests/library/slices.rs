@@ -105,8 +105,8 @@ fn sun_through_height_fog() {
     assert_equal(&scene);
 }
 
-/// A box of it with its base in the middle, alone and beside a layer without bounds, under suns from all sides: high, level with
-/// the base, low before the camera, and below the base.
+/// A box of it with its base in the middle, alone and beside a layer without bounds, under suns from all
+/// sides: high, level with the base, low before the camera, and below the base.
 #[test]
 fn suns_all_round_height_fog() {
     for (towards, layer) in [
@@ -215,7 +215,8 @@ fn spot() {
     assert_equal(&with_light(kind, place, 200.0));
 }
 
-/// Every seventh leaf lets half of the light through: rays that it touches are followed by themselves, and no other.
+/// Every seventh leaf lets half of the light through: rays that it touches are followed by
+/// themselves, and no other.
 #[test]
 fn some_leaves_blended() {
     let lamp = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));

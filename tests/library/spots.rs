@@ -1,4 +1,5 @@
-//! Spots of glTF files: hard edges, which are inner angles as large as the outer ones, and beams of up to 180 degrees.
+//! Spots of glTF files: hard edges, and beams of up to 180 degrees. Inner angles of hard edges are as
+//! large as the outer ones.
 
 use crate::common::{EXACT, look, sheet};
 use glam::{DAffine3, DVec3};
@@ -100,8 +101,8 @@ fn angles_survive_a_journey() {
     }
 }
 
-/// A hard edge is one: the sheet is as bright as under a point within the cone, and black beyond it. A half space
-/// lights everything before it.
+/// A hard edge is one: the sheet is as bright as under a point within the cone, and black beyond it. A half
+/// space lights everything before it.
 #[test]
 fn hard_cones_light_a_sheet() {
     for (angle, film_edge) in [(FRAC_PI_4, 1.0), (FRAC_PI_2, f64::INFINITY)] {

@@ -1,5 +1,5 @@
-//! Rendering until an error is small enough: what is estimated against the truth, and what the
-//! pictures promise whatever is estimated.
+//! Rendering until an error is small enough. What is estimated is held against the truth. What pictures
+//! promise holds whatever is estimated.
 
 use crate::common::{INSTANT, add_light, camera_at};
 use glam::DVec3;
@@ -185,7 +185,8 @@ fn suns_of_two_hues_have_the_error_that_is_estimated() {
     assert!((0.65..1.3).contains(&median), "true by estimated: {median:.2} of {} blocks", by_estimate.len());
 }
 
-/// Each sample is lit in one hue, and pictures of few samples have that of all the sun: as rays do that see many points each, in the leaf's half shadow too.
+/// Each sample is lit in one hue, and pictures of few samples have that of all the sun: as rays do that see
+/// many points each, in the leaf's half shadow too.
 #[test]
 fn few_samples_have_the_hue_of_the_whole_sun() {
     let scene = leaf_before_two_hues();
@@ -238,7 +239,8 @@ fn a_sun_that_is_seen_does_not_make_the_rest_dark() {
     assert!((errors[0] / errors[1] - 1.0).abs() < 1e-3, "{errors:?}");
 }
 
-/// Passes of 8, 8 and 16 samples share one lattice and one sequence of draws; if each had its own, they would err by half as much again.
+/// Passes of 8, 8 and 16 samples share one lattice and one sequence of draws; if each had its own, they would
+/// err by half as much again.
 #[test]
 fn passes_err_no_more_than_all_their_samples_at_once() {
     let (sharp, mut soft) = (leaves500(), leaves500());
@@ -280,7 +282,8 @@ fn a_picture_without_noise_takes_one_pass() {
     }
 }
 
-/// A few points of a large sun throw a few sharp shadows, between which nothing tells that they are wrong: no block ends with so few.
+/// A few points of a large sun throw a few sharp shadows, between which nothing tells that they are wrong: no
+/// block ends with so few.
 #[test]
 fn half_shadows_are_not_judged_by_a_few_points_of_the_sun() {
     let scene = leaf_before_two_hues();

@@ -1,5 +1,6 @@
-//! Files in, the numbers in them out, each with a way to the file in which another number takes its place. Invariant: every number
-//! of the text or the JSON is one of them, but for the versions that files have to say.
+//! Files in, the numbers in them out, each with a way to the file in which another number takes its
+//! place. Invariant: every number of the text or the JSON is one of them. Only the versions that files
+//! have to say are not.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -8,7 +9,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// What takes the place of every number: the smallest and largest of both precisions, and what lies around the limits.
+/// What takes the place of every number: the smallest and largest of both precisions, and what
+/// lies around the limits.
 const NUMBERS: [&str; 9] =
     ["0", "-1", "5e-324", "1e-30", "1e15", "-1e15", "1e30", "3.4028235e38", "1.7976931348623157e308"];
 
@@ -93,7 +95,8 @@ fn places_in_ron(text: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// The numbers of a glTF file, in its JSON and its buffer, but those that are the same in a file that was `seen` before.
+/// The numbers of a glTF file, in its JSON and its buffer, but those that are the same in a file
+/// that was `seen` before.
 pub(crate) fn of_gltf(file: &'static str, seen: &mut BTreeSet<(String, String)>) -> Vec<Field> {
     let json: Value = serde_json::from_slice(&std::fs::read(data(file)).unwrap()).unwrap();
     let mut pointers = Vec::new();

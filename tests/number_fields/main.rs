@@ -1,5 +1,6 @@
-//! Every number of RON scenes, sequences and glTF files, at its ends and far beyond: each input is rendered or refused with its
-//! place, in little time and memory. The files in tests/data/numbers hold what the good files beside them have no room for.
+//! Every number of RON scenes, sequences and glTF files, at its ends and far beyond. Each input is rendered
+//! or refused with its place, in little time and memory. The files in tests/data/numbers hold what the good
+//! files beside them have no room for.
 #![allow(clippy::unwrap_used)]
 
 mod fields;
@@ -64,8 +65,8 @@ impl Bench {
         }
     }
 
-    /// Every thread takes one field after the other, and renders alone: what is slow is told from what waits. How many files
-    /// were tried.
+    /// Every thread takes one field after the other, and renders alone: what is slow is told from what waits.
+    /// How many files were tried.
     fn assert_all_answered(&self, fields: &[Field]) -> usize {
         let since = Instant::now();
         let next = AtomicUsize::new(0);
@@ -149,7 +150,8 @@ impl Bench {
     }
 }
 
-/// Whether an error, if it is one, tells where in the file the number is, what belongs there and how to get there.
+/// Whether an error, if it is one, tells where in the file the number is, what belongs there
+/// and how to get there.
 fn is_helpful(error: &Diagnostic, input: &Path) -> bool {
     let is_placed = match &error.place {
         Place::Text { file, .. } | Place::Field { file, .. } => file.file_name() == input.file_name(),
@@ -158,8 +160,8 @@ fn is_helpful(error: &Diagnostic, input: &Path) -> bool {
     error.severity != Severity::Error || is_placed && error.expected.is_some() && error.remedy.is_some()
 }
 
-/// The numbers in what a refusal expects, such as `a number from 0 to 1`, and their neighbours on either side; but not those that
-/// are tried in any case.
+/// The numbers in what a refusal expects, such as `a number from 0 to 1`, and their neighbours on either
+/// side; but not those that are tried in any case.
 fn ends_named_in(expected: &str, field: &Field) -> Vec<String> {
     let words = expected.split(|c: char| !c.is_ascii_alphanumeric() && !"+-.".contains(c));
     let ends = words.filter(|word| word.starts_with(|c: char| c == '-' || c.is_ascii_digit()));

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Writes the small glTF files of tests/data/valid/gltf/same: one leaf, said in every way that glTF 2.0 allows.
+"""Writes the small glTF files of tests/data/valid/gltf/same: one leaf, said in every way
+that glTF 2.0 allows.
 
     python3 tools/corpus/make_gltf.py tests/data/valid/gltf/same
 
-Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring; tests/library/gltf_valid.rs renders them all.
-No library is used: what is written is what the specification says, not what a library makes of it.
+Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring;
+tests/library/gltf_valid.rs renders them all. No library is used: what is written is what the specification
+says, not what a library makes of it.
 """
 
 import base64
@@ -101,15 +103,26 @@ class File:
         self.json["accessors"].append(accessor)
         return len(self.json["accessors"]) - 1
 
-    def accessor(self, values: list, component: int = F32, shape: str = "SCALAR", *, stride: int | None = None,
-                 normalized: bool = False) -> int:
+    def accessor(
+        self,
+        values: list,
+        component: int = F32,
+        shape: str = "SCALAR",
+        *,
+        stride: int | None = None,
+        normalized: bool = False,
+    ) -> int:
         """Numbers, packed one element after another or every `stride` bytes."""
         data = bytearray()
         for value in values:
             element = packed(value, component)
             data += element + b"\xcc" * ((stride or len(element)) - len(element))
-        accessor = {"bufferView": self.view(bytes(data), stride), "componentType": component, "count": len(values),
-                    "type": shape}
+        accessor = {
+            "bufferView": self.view(bytes(data), stride),
+            "componentType": component,
+            "count": len(values),
+            "type": shape,
+        }
         if normalized:
             accessor["normalized"] = True
         return self.add(accessor)
@@ -131,7 +144,12 @@ class File:
         text = json.dumps(document).encode()
         text += b" " * (-len(text) % 4)
         binary = bytes(self.binary) + b"\0" * (-len(self.binary) % 4 + slack)
-        chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
+        chunks = (
+            struct.pack("<II", len(text), 0x4E4F534A)
+            + text
+            + struct.pack("<II", len(binary), 0x004E4942)
+            + binary
+        )
         chunks += extra_chunk
         return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
@@ -185,8 +203,9 @@ def indices_none() -> File:
 def indices_at_an_offset_into_a_shared_view() -> File:
     file = leaf(indices=False)
     data = struct.pack("<3H", 9, 9, 9) + struct.pack("<6H", *INDICES)
-    file.primitive["indices"] = file.add({"bufferView": file.view(data), "byteOffset": 6, "componentType": U16,
-                                          "count": 6, "type": "SCALAR"})
+    file.primitive["indices"] = file.add(
+        {"bufferView": file.view(data), "byteOffset": 6, "componentType": U16, "count": 6, "type": "SCALAR"}
+    )
     return file
 
 
@@ -289,8 +308,9 @@ def quantized(component: int, steps: int, normalized: bool, one: float) -> File:
     file.use("KHR_mesh_quantization", required=True)
     whole = [tuple(int(x * steps) for x in p) for p in POSITIONS]
     size = struct.calcsize(LETTERS[component]) * 3
-    file.primitive["attributes"]["POSITION"] = file.accessor(whole, component, "VEC3", stride=(size + 3) // 4 * 4,
-                                                             normalized=normalized)
+    file.primitive["attributes"]["POSITION"] = file.accessor(
+        whole, component, "VEC3", stride=(size + 3) // 4 * 4, normalized=normalized
+    )
     file.json["nodes"][0]["scale"] = [one / steps] * 3
     return file
 
@@ -449,12 +469,16 @@ def clearcoat_and_sheen_of_none() -> File:
     file.use("KHR_materials_clearcoat", required=True)
     file.use("KHR_materials_sheen")
     file.material["extensions"]["KHR_materials_clearcoat"] = {"clearcoatTexture": {"index": 0}}
-    file.material["extensions"]["KHR_materials_sheen"] = {"sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": {"index": 0}}
+    file.material["extensions"]["KHR_materials_sheen"] = {
+        "sheenRoughnessFactor": 0.5,
+        "sheenRoughnessTexture": {"index": 0},
+    }
     return file
 
 
 def with_normal_map(normals: bool) -> File:
-    """A normal map that counts nothing; with normals, which are those of the triangles, each has its own vertices."""
+    """A normal map that counts nothing; with normals, which are those of the triangles, each has
+    its own vertices."""
     file = textured(uvs_f32)
     file.material["normalTexture"] = {"index": 0, "scale": 0}
     if normals:
@@ -462,7 +486,9 @@ def with_normal_map(normals: bool) -> File:
         attributes["POSITION"] = file.accessor([POSITIONS[i] for i in INDICES], F32, "VEC3")
         attributes["TEXCOORD_0"] = file.accessor([UVS[i] for i in INDICES], F32, "VEC2")
         half = math.sqrt(0.2)
-        attributes["NORMAL"] = file.accessor([(half, 0, 2 * half)] * 3 + [(-half, 0, 2 * half)] * 3, F32, "VEC3")
+        attributes["NORMAL"] = file.accessor(
+            [(half, 0, 2 * half)] * 3 + [(-half, 0, 2 * half)] * 3, F32, "VEC3"
+        )
         del file.primitive["indices"]
     return file
 
@@ -757,14 +783,25 @@ def light_with_a_picture_and_no_disc() -> File:
 @case
 def asset_says_everything() -> File:
     file = leaf()
-    file.json["asset"] |= {"minVersion": "2.0", "generator": "by hand", "copyright": "none", "extras": {"a": [1]}}
+    file.json["asset"] |= {
+        "minVersion": "2.0",
+        "generator": "by hand",
+        "copyright": "none",
+        "extras": {"a": [1]},
+    }
     return file
 
 
 @case
 def extensions_required_that_show_nothing() -> File:
     file = leaf()
-    for extension in ("KHR_xmp_json_ld", "EXT_structural_metadata", "KHR_node_hoverability", "MSFT_lod", "OMI_physics_body"):
+    for extension in (
+        "KHR_xmp_json_ld",
+        "EXT_structural_metadata",
+        "KHR_node_hoverability",
+        "MSFT_lod",
+        "OMI_physics_body",
+    ):
         file.use(extension, required=True)
     return file
 
@@ -807,7 +844,9 @@ def main(folder: Path) -> None:
     (folder / "buffer beside (1) ä.bin").write_bytes(plain.binary)
     beside = plain.finish(uri="buffer%20beside%20(1)%20%C3%A4.bin")
     (folder / "buffer_in_a_file.gltf").write_bytes(beside)
-    (folder / "compact_json.gltf").write_bytes(json.dumps(json.loads(plain.finish()), separators=(",", ":")).encode())
+    (folder / "compact_json.gltf").write_bytes(
+        json.dumps(json.loads(plain.finish()), separators=(",", ":")).encode()
+    )
 
 
 if __name__ == "__main__":

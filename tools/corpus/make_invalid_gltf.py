@@ -3,9 +3,11 @@
 
     python3 tools/corpus/make_invalid_gltf.py tests/data
 
-What can be done without what is wrong stands in `lenient/gltf`, what is refused in `invalid/gltf`; a new file in the latter.
+What can be done without what is wrong stands in `lenient/gltf`, what is refused in `invalid/gltf`; a
+new file in the latter.
 
-Each is the leaf of make_gltf.py with one thing wrong; tests/library/gltf_invalid.rs tells what must be said of it.
+Each is the leaf of make_gltf.py with one thing wrong; tests/library/gltf_invalid.rs tells
+what must be said of it.
 """
 
 import base64
@@ -18,7 +20,9 @@ from make_gltf import (
 )
 
 # One black texel.
-BLACK = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC")
+BLACK = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC"
+)
 # One triangle as meshoptimizer's vertex codec has it would be longer; a header alone is damaged enough.
 NO_STREAM = b"\xa0\0\0\0"
 

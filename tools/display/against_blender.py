@@ -3,9 +3,9 @@
 
     python tools/display/against_blender.py --sunfleck target/release/sunfleck
 
-Needs Python with bpy, OpenEXR and numpy. Every colour fills a place of 8 by 8 pixels of an EXR file, of which the program makes
-a preview (as of a frame that is kept); its ordered dither averages to the value over such a place. Blender saves the same
-colours through its own view transform with 16 bits.
+Needs Python with bpy, OpenEXR and numpy. Every colour fills a place of 8 by 8 pixels of an EXR file. The
+program makes a preview of that, as of a frame that is kept; its ordered dither averages to the value over
+such a place. Blender saves the same colours through its own view transform with 16 bits.
 """
 
 import argparse
@@ -25,9 +25,11 @@ KNOWN = [
     [0.4, 0.15, 0.02], [8, 3, 0.2], [0.8, 0.5, 0.05],
 ]
 
-SCENE = 'Scene(version: 1, meshes: {"m": Quad(size_m: 1.0)}, materials: {"a": ()}, objects: {"o": (mesh: "m", material: "a")}, \
+SCENE = (
+    'Scene(version: 1, meshes: {"m": Quad(size_m: 1.0)}, materials: {"a": ()}, objects: {"o": (mesh: "m", material: "a")}, \
 cameras: {"c": (position_m: (0.0, 1.0, 1.0), look_at_m: (0.0, 0.0, 0.0))}, \
 lights: {"s": Sun(to_sun: (0.0, 1.0, 0.0), irradiance_w_per_m2: 1.0)})'
+)
 
 
 def in_blender(colors, folder):
@@ -70,7 +72,9 @@ def in_sunfleck(colors, folder, program):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--sunfleck", default="target/release/sunfleck", help="the program")
     program = parser.parse_args().sunfleck
     random = np.random.default_rng(0)

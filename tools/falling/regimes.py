@@ -1,9 +1,10 @@
-"""How a plate falls under the equations of Andersen, Pesavento & Wang (J. Fluid Mech. 541, 2005, 91-104), by inertia
-and coefficients: in goes nothing, out comes a line for each set of coefficients.
+"""How a plate falls under the equations of Andersen, Pesavento & Wang (J. Fluid Mech. 541, 2005, 91-104), by
+inertia and coefficients: in goes nothing, out comes a line for each set of coefficients.
 
-A second implementation, of its own: `src/scene/fall/plate.rs` keeps the chord's direction as cosine and sine, this an
-angle. Letters: F flutter, T tumble, x anything else (chaotic, or a swing of more than half a turn); one for each I*, from
-0.1 on in steps of 0.05. Lengths are in half chords, speeds in sqrt(2 areal_mass g / (pi air_density)).
+A second implementation, of its own: `src/scene/fall/plate.rs` keeps the chord's direction as cosine and
+sine, this an angle. Letters: F flutter, T tumble, x anything else (chaotic, or a swing of more than half
+a turn); one for each I*, from 0.1 on in steps of 0.05. Lengths are in half chords, speeds in sqrt(2
+areal_mass g / (pi air_density)).
 
     python tools/falling/regimes.py
 """
@@ -12,7 +13,8 @@ import numpy as np
 
 STEP, SETTLED, END = 0.02, 160.0, 400.0
 INERTIA = np.arange(0.1, 2.001, 0.05)
-# Belmonte, Eisenberg & Moses, Phys. Rev. Lett. 81 (1998) 345: Fr = sqrt(areal_mass / (air_density chord)) = 0.67 +- 0.05.
+# Belmonte, Eisenberg & Moses, Phys. Rev. Lett. 81 (1998) 345: Fr = sqrt(areal_mass / (air_density
+# chord)) = 0.67 +- 0.05.
 BELMONTE = [4.0 * froude**2 / np.pi for froude in (0.62, 0.67, 0.72)]
 # C_T, C_R, A, B, mu_1, mu_2
 PAPER = (1.2, np.pi, 1.4, 1.0, 0.2, 0.2)
@@ -72,7 +74,11 @@ def falls(coefficients):
 
 
 def main():
-    print("flutter ends at I* = {:.2f} to {:.2f} ({:.2f}) for Belmonte's strips".format(BELMONTE[0], BELMONTE[2], BELMONTE[1]))
+    print(
+        "flutter ends at I* = {:.2f} to {:.2f} ({:.2f}) for Belmonte's strips".format(
+            BELMONTE[0], BELMONTE[2], BELMONTE[1]
+        )
+    )
     print(f"{'':28}{'last flutter':>13}{'sinks at 0.4':>14}{'regimes from I* = 0.1':>24}")
     for name, coefficients in SETS.items():
         letters, sinks = falls(coefficients)

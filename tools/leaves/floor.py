@@ -1,4 +1,5 @@
-"""The forest's floor: ground and ferns, metres. Invariant: y is up, and pieces of ground meet without a gap."""
+"""The forest's floor: ground and ferns, metres. Invariant: y is up, and pieces of ground
+meet without a gap."""
 
 import math
 import random
@@ -10,13 +11,18 @@ from trees import along, unit
 def ground_height(x: float, z: float) -> float:
     """Gentle undulation, metres; about level around the origin."""
     away = min(1.0, math.hypot(x, z) / 12.0)
-    waves = 0.22 * math.sin(0.31 * x + 0.6) * math.cos(0.27 * z) + 0.10 * math.sin(0.83 * x + 0.49 * z) + 0.06 * math.sin(1.1 * z)
+    waves = (
+        0.22 * math.sin(0.31 * x + 0.6) * math.cos(0.27 * z)
+        + 0.10 * math.sin(0.83 * x + 0.49 * z)
+        + 0.06 * math.sin(1.1 * z)
+    )
     banks = 0.9 * max(0.0, abs(x) - 6.0) / 14.0
     return away * waves + banks
 
 
 def litter_position(x: float, z: float, tile_m: float) -> tuple[float, float]:
-    """Where a point of the ground lies in the picture that repeats every `tile_m`: turned and swayed, so that no rows of it line up."""
+    """Where a point of the ground lies in the picture that repeats every `tile_m`: turned and swayed, so that
+    no rows of it line up."""
     swayed_x = x + 1.9 * math.sin(0.21 * z + 0.9) + 1.1 * math.sin(0.13 * x - 0.37 * z)
     swayed_z = z + 1.7 * math.sin(0.24 * x + 0.4) + 1.2 * math.sin(0.31 * x + 0.17 * z)
     return ((0.83 * swayed_x + 0.56 * swayed_z) / tile_m, (0.56 * swayed_x - 0.83 * swayed_z) / tile_m)
@@ -41,7 +47,8 @@ def make_ground(left: float, right: float, near: float, far: float, cell_m: floa
 
 
 def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
-    """A fern: fronds that arch outward, each with two rows of narrow pinnae; texture coordinates lie on one leaf."""
+    """A fern: fronds that arch outward, each with two rows of narrow pinnae; texture
+    coordinates lie on one leaf."""
     rng = random.Random(seed)
     mesh = Mesh()
     for f in range(fronds):
@@ -52,7 +59,11 @@ def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
         roll = rng.uniform(-0.25, 0.25)
 
         def rachis(t: float) -> Vector:
-            return (out[0] * length * (0.2 * t + 0.7 * t * t), length * rise * (t - 0.62 * t * t), out[2] * length * (0.2 * t + 0.7 * t * t))
+            return (
+                out[0] * length * (0.2 * t + 0.7 * t * t),
+                length * rise * (t - 0.62 * t * t),
+                out[2] * length * (0.2 * t + 0.7 * t * t),
+            )
 
         for i in range(pinnae):
             t = 0.16 + 0.84 * i / pinnae
@@ -61,7 +72,13 @@ def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:
             reach = length * 0.26 * math.sin(math.pi * (0.12 + 0.88 * t) ** 1.3) + 0.01
             width = length * 0.42 / pinnae
             for side in (1.0, -1.0):
-                outward = unit((side * across[0] + 0.45 * forward[0], side * roll - 0.25, side * across[2] + 0.45 * forward[2]))
+                outward = unit(
+                    (
+                        side * across[0] + 0.45 * forward[0],
+                        side * roll - 0.25,
+                        side * across[2] + 0.45 * forward[2],
+                    )
+                )
                 tip = along(base, outward, reach * rng.uniform(0.85, 1.1))
                 middle = along(base, outward, reach * 0.45)
                 first = len(mesh.positions)

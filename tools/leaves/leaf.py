@@ -1,9 +1,9 @@
 """Leaves: a flat blade in, a folded and curled mesh with its petiole out.
 
-A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z; it is
-one unit long from end to end, and the middle of its blade is the origin, about which it tumbles.
-One that hangs has the petiole's end as its origin instead. Invariant: the blade is an open manifold
-sheet, the petiole a closed prism or a strip beside it.
+A leaf lies in the xz plane with its upper side towards +y, tip towards -z, petiole towards +z. It is one
+unit long from end to end. Its origin is the middle of its blade, about which it tumbles; of one that
+hangs it is the petiole's end. Invariant: the blade is an open manifold sheet, the petiole a closed prism
+or a strip beside it.
 """
 
 import math
@@ -25,7 +25,8 @@ class Detail:
     petiole_sides: int
     smooth: bool
     vein_spacing: float | None = None
-    """Distance of points along the side veins; None for a blade that is even between its midrib and its edge."""
+    """Distance of points along the side veins; None for a blade that is even between its
+    midrib and its edge."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +64,15 @@ def points_along(vein: list[Point], spacing: float) -> list[Point]:
     points = []
     for a, b in zip(vein, vein[1:]):
         steps = max(1, round(math.dist(a, b) / spacing))
-        points += [(a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps) for i in range(1, steps + 1)]
+        points += [
+            (a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps) for i in range(1, steps + 1)
+        ]
     return points[:-1]
 
 
 def interior_points(blade: Blade, outline: list[Point], detail: Detail) -> list[Point]:
-    """The midrib, side veins if there are any, and a hexagonal grid mirrored about the midrib, away from them and from the edge."""
+    """The midrib, side veins if there are any, and a hexagonal grid mirrored about the midrib, away from them
+    and from the edge."""
     spine = [(0.0, (i + 1) / (detail.spine_points + 1)) for i in range(detail.spine_points)]
     spine = [p for p in spine if contains(outline, p) and distance_to_outline(p, outline) > 0.005]
     if detail.spacing is None:
@@ -110,11 +114,14 @@ def bend(x: float, z: float, lift: float, pose: Pose) -> Vector:
 
 
 def petiole(blade: Blade, detail: Detail) -> tuple[list[tuple[float, float, float]], list[tuple[int, ...]]]:
-    """Points as (x, z, lift) and faces: a tapered prism, a strip if it has no sides, nothing for the canopy."""
+    """Points as (x, z, lift) and faces: a tapered prism, a strip if it has no sides,
+    nothing for the canopy."""
     if detail.spacing is None:
         return [], []
     sides = detail.petiole_sides
-    rings = [0.03, -blade.petiole_length * 0.5, -blade.petiole_length] if sides else [0.02, -blade.petiole_length]
+    rings = (
+        [0.03, -blade.petiole_length * 0.5, -blade.petiole_length] if sides else [0.02, -blade.petiole_length]
+    )
     points, faces = [], []
     for z in rings:
         radius = 0.010 + 0.006 * max(0.0, -z) / blade.petiole_length
@@ -149,7 +156,9 @@ def texture_position(blade: Blade, x: float, z: float) -> tuple[float, float]:
     return (0.5 + scale * x, 0.02 + scale * (z - lowest))
 
 
-def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose, hangs: bool = False) -> Mesh:
+def make_leaf(
+    blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose, hangs: bool = False
+) -> Mesh:
     """The mesh of one leaf, whose outline may err by `outline_tolerance` blade lengths."""
     tip = max(range(len(blade.outline)), key=lambda i: blade.outline[i][1])
     right = simplify(blade.outline[: tip + 1], outline_tolerance)
@@ -160,7 +169,11 @@ def make_leaf(blade: Blade, detail: Detail, outline_tolerance: float, pose: Pose
     def lift(p: Point) -> float:
         # Where the veins of a maple meet there is no room for ridges between them.
         spread = min(1.0, math.hypot(*p) / 0.25)
-        return RELIEF * spread * min(1.0, distance_to_veins(p, blade.veins) / RELIEF_REACH) if detail.vein_spacing else 0.0
+        return (
+            RELIEF * spread * min(1.0, distance_to_veins(p, blade.veins) / RELIEF_REACH)
+            if detail.vein_spacing
+            else 0.0
+        )
 
     flat = [(x, z, lift((x, z))) for x, z in points]
     stem, stem_faces = petiole(blade, detail)

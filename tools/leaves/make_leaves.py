@@ -71,7 +71,12 @@ AGES = {
 # Leaves that turn from patch to patch.
 PATCHINESS = {"maple turning": 0.85, "maple flaming": 0.62}
 # What hangs close to the camera against the light has a picture of the light through it, too.
-LIT_THROUGH = {"maple": ["lime", "yellow", "amber", "red", "turning", "flaming"], "oak": ["russet"], "ginkgo": ["yellow"], "beech": ["copper"]}
+LIT_THROUGH = {
+    "maple": ["lime", "yellow", "amber", "red", "turning", "flaming"],
+    "oak": ["russet"],
+    "ginkgo": ["yellow"],
+    "beech": ["copper"],
+}
 
 
 def leaves() -> dict[str, tuple[Mesh, Detail]]:
@@ -80,13 +85,19 @@ def leaves() -> dict[str, tuple[Mesh, Detail]]:
     for blade in (species() for species in SPECIES):
         pose = POSES[blade.name]
         for detail, tolerances in TOLERANCES.items():
-            meshes[f"{blade.name}_{detail.suffix}"] = (make_leaf(blade, detail, tolerances[blade.name], pose), detail)
+            meshes[f"{blade.name}_{detail.suffix}"] = (
+                make_leaf(blade, detail, tolerances[blade.name], pose),
+                detail,
+            )
         for detail in (FAR, CANOPY):
             hanging = make_leaf(blade, detail, TOLERANCES[detail][blade.name], pose, hangs=True)
             meshes[f"{blade.name}_{detail.suffix}_hanging"] = (hanging, detail)
     for name, pose in MORE_MAPLES.items():
         if name in NEAR_MAPLES:
-            meshes[f"maple_near_{name}"] = (make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose), NEAR)
+            meshes[f"maple_near_{name}"] = (
+                make_leaf(maple(name), NEAR, TOLERANCES[NEAR]["maple"], pose),
+                NEAR,
+            )
         meshes[f"maple_far_{name}"] = (make_leaf(maple(name), FAR, TOLERANCES[FAR]["maple"], pose), FAR)
     for blade, poses in ((maple, MORE_MAPLES), (oak, MORE_OAKS), (beech, MORE_BEECHES)):
         for name, pose in poses.items():
@@ -125,9 +136,14 @@ def make_textures(folder: Path, only: str) -> None:
         for name, age in AGES[blade.name].items():
             maps = blemished(shared, f"{blade.name} {name}")
             patchiness = PATCHINESS.get(f"{blade.name} {name}", EVEN)
-            write_png(folder / f"{blade.name}_{name}.png", paint_leaf(maps, RAMPS[blade.name], age, patchiness))
+            write_png(
+                folder / f"{blade.name}_{name}.png", paint_leaf(maps, RAMPS[blade.name], age, patchiness)
+            )
             if name in LIT_THROUGH.get(blade.name, []):
-                write_png(folder / f"{blade.name}_{name}_through.png", paint_light_through(maps, RAMPS[blade.name], age, patchiness))
+                write_png(
+                    folder / f"{blade.name}_{name}_through.png",
+                    paint_light_through(maps, RAMPS[blade.name], age, patchiness),
+                )
             print(f"{blade.name}_{name}.png", flush=True)
     if "litter".startswith(only):
         write_png(folder / "litter.png", paint_litter(blades, 640))
@@ -142,7 +158,13 @@ def main() -> None:
     """Reads the command line."""
     scene = Path(__file__).resolve().parents[2] / "scenes" / "woods"
     parser = argparse.ArgumentParser(description="Makes the meshes and textures of scenes/woods.")
-    parser.add_argument("folder", nargs="?", type=Path, default=scene, help="where meshes/ and textures/ go (default: %(default)s)")
+    parser.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=scene,
+        help="where meshes/ and textures/ go (default: %(default)s)",
+    )
     parser.add_argument("--meshes", action="store_true", help="meshes only")
     parser.add_argument("--only", default="", metavar="NAME", help="textures whose names start so")
     arguments = parser.parse_args()

@@ -1,7 +1,7 @@
 """Maps of a leaf: a blade in, pictures of numbers out, which `paint` colours.
 
-Invariant: every map is a square of one size, its top row first; what a species' maps share is
-painted once, what tells individuals apart is painted by seed.
+Invariant: every map is a square of one size, its top row first. What a species' maps share is painted once;
+what tells individuals apart is painted by seed.
 """
 
 import math
@@ -45,7 +45,9 @@ def fill(polygon: list[tuple[float, float]], size: int) -> list[bytearray]:
     edges = list(zip(polygon, polygon[1:] + polygon[:1]))
     for y, row in enumerate(rows):
         cuts = sorted(
-            x0 + (y + 0.5 - y0) / (y1 - y0) * (x1 - x0) for (x0, y0), (x1, y1) in edges if (y0 > y + 0.5) != (y1 > y + 0.5)
+            x0 + (y + 0.5 - y0) / (y1 - y0) * (x1 - x0)
+            for (x0, y0), (x1, y1) in edges
+            if (y0 > y + 0.5) != (y1 > y + 0.5)
         )
         for start, end in zip(cuts[::2], cuts[1::2]):
             first, last = max(0, math.ceil(start - 0.5)), min(size, math.ceil(end - 0.5))
@@ -62,13 +64,22 @@ def distance_inside(mask: list[bytearray]) -> Map:
         above, row = d[y - 1], d[y]
         for x in range(1, size - 1):
             if row[x]:
-                row[x] = min(row[x - 1] + straight, above[x] + straight, above[x - 1] + diagonal, above[x + 1] + diagonal)
+                row[x] = min(
+                    row[x - 1] + straight,
+                    above[x] + straight,
+                    above[x - 1] + diagonal,
+                    above[x + 1] + diagonal,
+                )
     for y in range(size - 2, -1, -1):
         below, row = d[y + 1], d[y]
         for x in range(size - 2, 0, -1):
             if row[x]:
                 row[x] = min(
-                    row[x], row[x + 1] + straight, below[x] + straight, below[x + 1] + diagonal, below[x - 1] + diagonal
+                    row[x],
+                    row[x + 1] + straight,
+                    below[x] + straight,
+                    below[x + 1] + diagonal,
+                    below[x - 1] + diagonal,
                 )
     return d
 
@@ -79,7 +90,11 @@ def stamp_line(strength: Map, a, b, radius_a: float, radius_b: float, reach: flo
     size = len(strength)
     for i in range(steps + 1):
         t = i / steps
-        cx, cy, radius = a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, radius_a + (radius_b - radius_a) * t
+        cx, cy, radius = (
+            a[0] + (b[0] - a[0]) * t,
+            a[1] + (b[1] - a[1]) * t,
+            radius_a + (radius_b - radius_a) * t,
+        )
         extent = radius * reach
         for y in range(max(0, int(cy - extent)), min(size, int(cy + extent) + 2)):
             row = strength[y]
@@ -167,7 +182,8 @@ def blemished(maps: LeafMaps, seed: str) -> LeafMaps:
 
 
 def cell_edges(size: int, cells: int, rng: random.Random) -> Map:
-    """1 on the edges between the cells of scattered points, one a lattice cell (Worley, "A cellular texture basis function", 1996)."""
+    """1 on the edges between the cells of scattered points, one a lattice cell (Worley, "A cellular texture
+    basis function", 1996)."""
     points = [[(x + rng.random(), y + rng.random()) for x in range(cells)] for y in range(cells)]
     rows = []
     for j in range(size):

@@ -58,7 +58,8 @@ def number(value: float) -> str:
 
 
 def write_obj(path: Path, name: str, mesh: Mesh, smooth: bool) -> None:
-    """Writes an OBJ file; `smooth` adds vertex normals. A mesh without texture coordinates has none in the file."""
+    """Writes an OBJ file; `smooth` adds vertex normals. A mesh without texture coordinates has
+    none in the file."""
     lines = [f"# {name}: {mesh.triangle_count()} triangles, made by tools/leaves/make_leaves.py", f"o {name}"]
     lines += ["v " + " ".join(map(number, p)) for p in mesh.positions]
     lines += ["vt " + " ".join(map(number, uv)) for uv in mesh.uvs]

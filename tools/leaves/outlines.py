@@ -68,7 +68,8 @@ def jittered(points: list[Point], amount: float, rng: random.Random) -> list[Poi
 
 
 def maple(individual: str = "") -> Blade:
-    """Norway maple: five long lobes with drawn-out teeth, sinuses between them; another individual is cut a little differently."""
+    """Norway maple: five long lobes with drawn-out teeth, sinuses between them; another individual is cut a
+    little differently."""
     rng = random.Random("maple" + individual)
     side = [
         (0.00, 0.00), (0.09, -0.075), (0.21, -0.085), (0.385, -0.135), (0.345, -0.01), (0.43, 0.035),
@@ -131,7 +132,8 @@ def birch() -> Blade:
 
 
 def oak(individual: str = "") -> Blade:
-    """Pedunculate oak: rounded lobes, widest beyond the middle, a short petiole; another individual is cut a little differently."""
+    """Pedunculate oak: rounded lobes, widest beyond the middle, a short petiole; another individual is cut a
+    little differently."""
     rng = random.Random("oak" + individual)
     side = [
         (0.00, 0.00), (0.045, -0.012), (0.075, 0.035), (0.065, 0.10), (0.13, 0.155), (0.185, 0.20), (0.175, 0.25),
@@ -142,13 +144,19 @@ def oak(individual: str = "") -> Blade:
     right, left = (smooth(jittered(side, 0.010, rng), 3) for _ in range(2))
     veins = [[(0.0, 0.0), (0.0, 0.97)]]
     for mirror in (1, -1):
-        for start, x, z in [(0.07, 0.165, 0.215), (0.22, 0.265, 0.44), (0.42, 0.31, 0.685), (0.63, 0.215, 0.88)]:
+        for start, x, z in [
+            (0.07, 0.165, 0.215),
+            (0.22, 0.265, 0.44),
+            (0.42, 0.31, 0.685),
+            (0.63, 0.215, 0.88),
+        ]:
             veins.append([(0.0, start), (mirror * x * 0.5, start + (z - start) * 0.42), (mirror * x, z)])
     return Blade("oak", closed(right, left), veins, 0.16)
 
 
 def beech(individual: str = "") -> Blade:
-    """Common beech: an egg with a shallow wave along its edge and straight parallel veins; another individual is wider or narrower."""
+    """Common beech: an egg with a shallow wave along its edge and straight parallel veins; another individual
+    is wider or narrower."""
     rng = random.Random("beech" + individual)
     width, widest = (rng.uniform(0.26, 0.36), rng.uniform(0.38, 0.54)) if individual else (0.31, 0.46)
 

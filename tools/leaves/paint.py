@@ -1,8 +1,8 @@
 """Pictures: maps and ages in, rows of sRGB bytes out.
 
-A leaf ages from green to brown at every point at its own pace: ahead at the edge, behind along the
-veins, mottled between (`palettes` has the colours on the way). Invariant: what lies outside the
-blade is coloured like its edge, so that filtering at the outline brings in no foreign colour.
+A leaf ages from green to brown at every point at its own pace: ahead at the edge, behind along the veins,
+mottled between. `palettes` has the colours on the way. Invariant: what lies outside the blade is coloured
+like its edge. So filtering at the outline brings in no foreign colour.
 """
 
 import math
@@ -18,11 +18,15 @@ EVEN = 0.26
 
 
 def local_ages(maps: LeafMaps, age: float, patchiness: float) -> Map:
-    """How far each point has aged; `patchiness` is how far patches are ahead of one another and of the veins."""
+    """How far each point has aged; `patchiness` is how far patches are ahead of one another
+    and of the veins."""
     rows = []
     for edge, glow, mottle in zip(maps.edge_distance, maps.glow, maps.mottle):
         rows.append(
-            [age + patchiness * (m - 0.17 / 0.26 * g) + 0.20 * (1 - d) ** 2 + 0.02 for d, g, m in zip(edge, glow, mottle)]
+            [
+                age + patchiness * (m - 0.17 / 0.26 * g) + 0.20 * (1 - d) ** 2 + 0.02
+                for d, g, m in zip(edge, glow, mottle)
+            ]
         )
     return rows
 
@@ -54,10 +58,13 @@ def packed(color: Color) -> bytes:
 
 
 def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: float = EVEN) -> list[bytes]:
-    """What a leaf lets through: twice through the pigments, so deeper in colour; veins and spots hold light back."""
+    """What a leaf lets through: twice through the pigments, so deeper in colour; veins and
+    spots hold light back."""
     rows = []
     elsewhere = packed(ramp.at(age + 0.2))
-    for shown, ages, veins, nets, spots in zip(maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots):
+    for shown, ages, veins, nets, spots in zip(
+        maps.margin, local_ages(maps, age, patchiness), maps.vein, maps.net, maps.spots
+    ):
         row = bytearray()
         for here, local, v, n, s in zip(shown, ages, veins, nets, spots):
             if not here:
@@ -73,18 +80,23 @@ def paint_light_through(maps: LeafMaps, ramp: Ramp, age: float, patchiness: floa
 
 
 def relief(maps: LeafMaps) -> Map:
-    """Height of the upper side over a flat blade in pixels, half as many a side as `maps` have: veins lie in furrows, between which it bulges."""
+    """Height of the upper side over a flat blade in pixels, half as many a side as `maps` have: veins lie in
+    furrows, between which it bulges."""
     size = len(maps.vein) // 2
     shares = [(-0.0045, maps.vein), (-0.0100, maps.glow), (-0.0010, maps.net), (0.0020, maps.mottle)]
 
     def height(x: int, y: int) -> float:
-        return size * sum(0.25 * share * sum(part[2 * y][2 * x : 2 * x + 2] + part[2 * y + 1][2 * x : 2 * x + 2]) for share, part in shares)
+        return size * sum(
+            0.25 * share * sum(part[2 * y][2 * x : 2 * x + 2] + part[2 * y + 1][2 * x : 2 * x + 2])
+            for share, part in shares
+        )
 
     return [[height(x, y) for x in range(size)] for y in range(size)]
 
 
 def paint_normals(maps: LeafMaps) -> list[bytes]:
-    """Where the upper side faces, as glTF's normal maps have it: x to the right, y up, z out of the picture."""
+    """Where the upper side faces, as glTF's normal maps have it: x to the right, y up, z
+    out of the picture."""
     heights = relief(maps)
     last = len(heights) - 1
     rows = []
@@ -113,7 +125,12 @@ def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
         color = RAMPS[blade.name].at(rng.triangular(0.35, 1.0, 1.0 - 0.3 * index / count))
         # What lies deeper is darker.
         depth = 0.45 + 0.55 * index / count
-        x, y, turn, length = rng.uniform(0, size), rng.uniform(0, size), rng.uniform(0, math.tau), size * rng.uniform(0.05, 0.085)
+        x, y, turn, length = (
+            rng.uniform(0, size),
+            rng.uniform(0, size),
+            rng.uniform(0, math.tau),
+            size * rng.uniform(0.05, 0.085),
+        )
         cos, sin = math.cos(turn) * length, math.sin(turn) * length
         flatten = rng.uniform(0.6, 1.0)
         box = int(length * 1.5)
@@ -129,19 +146,29 @@ def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
                 if inside:
                     # The vein side of the blade catches a little more light than the other.
                     across = (i + ox - x) * math.cos(turn) + (j + oy - y) * math.sin(turn)
-                    shade = depth * (0.92 + 0.22 * max(-1.0, min(1.0, across / (0.3 * length))) + 0.12 * (abs(across) < 0.7))
+                    shade = depth * (
+                        0.92
+                        + 0.22 * max(-1.0, min(1.0, across / (0.3 * length)))
+                        + 0.12 * (abs(across) < 0.7)
+                    )
                     picture[(j + oy) % size][(i + ox) % size] = mix((0, 0, 0), color, shade)
     return [b"".join(map(packed, row)) for row in picture]
 
 
 def paint_bark(kind: str, width: int, height: int) -> list[bytes]:
-    """Bark that repeats at the borders: of `oak` deeply furrowed, of `maple` grey and finely cracked, of `birch` white with dark bands."""
+    """Bark that repeats at the borders: of `oak` deeply furrowed, of `maple` grey and finely cracked, of
+    `birch` white with dark bands."""
     rng = random.Random(f"bark {kind}")
 
     def noise(cells_x: int, cells_y: int) -> Map:
         return noise_map(width, height, cells_x, cells_y, rng)
 
-    wide, fine, grain, moss = noise(9, 3), noise(21, 7), noise(64, 40), add_maps([(0.7, noise(3, 4)), (0.3, noise(24, 40))])
+    wide, fine, grain, moss = (
+        noise(9, 3),
+        noise(21, 7),
+        noise(64, 40),
+        add_maps([(0.7, noise(3, 4)), (0.3, noise(24, 40))]),
+    )
     bands, patches = noise(4, 46), noise(3, 7)
     rows = []
     for y in range(height):
@@ -149,7 +176,9 @@ def paint_bark(kind: str, width: int, height: int) -> list[bytes]:
         for x in range(width):
             g, m = grain[y][x], moss[y][x]
             # Furrows run where noise crosses 0, as cracks between plates do.
-            furrow = min(1.0, 2.6 * abs(wide[y][x] + 0.5 * fine[y][x])) * min(1.0, 0.35 + 2.4 * abs(fine[y][x]))
+            furrow = min(1.0, 2.6 * abs(wide[y][x] + 0.5 * fine[y][x])) * min(
+                1.0, 0.35 + 2.4 * abs(fine[y][x])
+            )
             if kind == "oak":
                 color = mix((26, 20, 15), (112, 96, 78), furrow * (0.82 + 0.25 * g))
                 color = mix(color, (84, 92, 40), max(0.0, min(0.55, 1.3 * m - 0.1)))

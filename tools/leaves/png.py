@@ -6,7 +6,8 @@ from pathlib import Path
 
 
 def filtered(row: bytes, above: bytes) -> bytes:
-    """The row under whichever of the filters none, sub, up and Paeth leaves the smallest differences (PNG specification, 12.8)."""
+    """The row under whichever of the filters none, sub, up and Paeth leaves the smallest differences (PNG
+    specification, 12.8)."""
     left = bytes(3) + row[:-3]
     above_left = bytes(3) + above[:-3]
     candidates = [

@@ -11,7 +11,16 @@ from pathlib import Path
 
 from floor import ground_height, make_fern, make_ground
 from leaf import NEAR, RELIEF, Pose, make_leaf
-from make_leaves import AGES, LIT_THROUGH, MORE_BEECHES, MORE_MAPLES, MORE_OAKS, leaves, make_meshes, make_textures
+from make_leaves import (
+    AGES,
+    LIT_THROUGH,
+    MORE_BEECHES,
+    MORE_MAPLES,
+    MORE_OAKS,
+    leaves,
+    make_meshes,
+    make_textures,
+)
 from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
 from outlines import SPECIES, beech, maple, oak
@@ -26,7 +35,12 @@ LEAVES = {name: mesh for name, (mesh, _) in leaves().items()}
 
 def blades():
     """Every species, and the other individuals of maple, oak and beech."""
-    return [*(species() for species in SPECIES), *map(maple, MORE_MAPLES), *map(oak, MORE_OAKS), *map(beech, MORE_BEECHES)]
+    return [
+        *(species() for species in SPECIES),
+        *map(maple, MORE_MAPLES),
+        *map(oak, MORE_OAKS),
+        *map(beech, MORE_BEECHES),
+    ]
 
 
 def pixels(path: Path) -> list[tuple[bytes, bytes]]:
@@ -34,7 +48,9 @@ def pixels(path: Path) -> list[tuple[bytes, bytes]]:
     rest, chunks = path.read_bytes()[8:], []
     while rest:
         length, kind = struct.unpack(">I4s", rest[:8])
-        chunks.append((kind, zlib.decompress(rest[8 : 8 + length]) if kind == b"IDAT" else rest[8 : 8 + length]))
+        chunks.append(
+            (kind, zlib.decompress(rest[8 : 8 + length]) if kind == b"IDAT" else rest[8 : 8 + length])
+        )
         rest = rest[12 + length :]
     return chunks
 
@@ -113,7 +129,9 @@ class Leaves(unittest.TestCase):
         for blade in (maple(), maple("b")):
             leaf = make_leaf(blade, NEAR, 0.0015, flat)
             size = 1.0 / (1.0 + blade.petiole_length)
-            heights = [y / size for x, y, z in leaf.positions if z < 0.5 * size - 0.02]  # Without the petiole.
+            heights = [
+                y / size for x, y, z in leaf.positions if z < 0.5 * size - 0.02
+            ]  # Without the petiole.
             self.assertAlmostEqual(max(heights), RELIEF, places=12)
             self.assertLess(min(heights), 1e-12)
             self.assertGreater(sum(y < 0.1 * RELIEF for y in heights), 30)
@@ -132,21 +150,31 @@ class Outlines(unittest.TestCase):
             edges = list(zip(blade.outline, blade.outline[1:] + blade.outline[:1]))
             for i, (a, b) in enumerate(edges):
                 for c, d in edges[i + 2 : len(edges) - (i == 0)]:
-                    apart = doubled_area(a, b, c) * doubled_area(a, b, d) >= 0 or doubled_area(c, d, a) * doubled_area(c, d, b) >= 0
+                    apart = (
+                        doubled_area(a, b, c) * doubled_area(a, b, d) >= 0
+                        or doubled_area(c, d, a) * doubled_area(c, d, b) >= 0
+                    )
                     self.assertTrue(apart, f"{blade.name}: {a}-{b} and {c}-{d}")
 
     def test_species_are_as_narrow_and_wide_as_they_should_be(self):
         areas = {}
         for species in SPECIES:
             outline = species().outline
-            areas[species().name] = sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(outline, outline[1:] + outline[:1])) / 2
-        self.assertEqual(sorted(areas, key=areas.get), ["willow", "oak", "beech", "birch", "maple", "aspen", "ginkgo"])
+            areas[species().name] = (
+                sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(outline, outline[1:] + outline[:1])) / 2
+            )
+        self.assertEqual(
+            sorted(areas, key=areas.get), ["willow", "oak", "beech", "birch", "maple", "aspen", "ginkgo"]
+        )
         self.assertTrue(0.08 < areas["willow"] and areas["ginkgo"] < 1.2, areas)
 
     def test_veins_start_at_the_petiole_or_on_the_blade(self):
         for blade in blades():
             for vein in blade.veins:
-                self.assertTrue(vein[0] == (0, 0) or contains(blade.outline, vein[0]) or abs(vein[0][0]) < 1e-9, blade.name)
+                self.assertTrue(
+                    vein[0] == (0, 0) or contains(blade.outline, vein[0]) or abs(vein[0][0]) < 1e-9,
+                    blade.name,
+                )
 
 
 class Colours(unittest.TestCase):
@@ -165,7 +193,11 @@ class Colours(unittest.TestCase):
     def test_pictures_are_made_of_their_seed_alone(self):
         shared = leaf_maps(maple(), 48)
         age, ramp = AGES["maple"]["amber"], RAMPS["maple"]
-        pictures = [paint(blemished(shared, seed), ramp, age) for seed in "aab" for paint in (paint_leaf, paint_light_through)]
+        pictures = [
+            paint(blemished(shared, seed), ramp, age)
+            for seed in "aab"
+            for paint in (paint_leaf, paint_light_through)
+        ]
         self.assertEqual(pictures[0:2], pictures[2:4])
         self.assertNotEqual(pictures[0], pictures[4])
         for picture in pictures:
@@ -188,7 +220,8 @@ class Relief(unittest.TestCase):
         half = 24
         rows = paint_normals(leaf_maps(maple(), 4 * half))
         left, right = (
-            sum(row[3 * x] for row in rows[half // 2 : half] for x in (at, at + 1)) / half for at in (half - 2, half)
+            sum(row[3 * x] for row in rows[half // 2 : half] for x in (at, at + 1)) / half
+            for at in (half - 2, half)
         )
         self.assertGreater(left, 135)
         self.assertLess(right, 120)
@@ -201,17 +234,23 @@ class Plants(unittest.TestCase):
             tree = make_tree("test", habit)
             volume = sum(sum(x * n for x, n in zip(a, cross(b, c))) for a, b, c in triangles(tree.wood))
             self.assertGreater(volume, 0.0, name)
-            self.assertTrue(all(math.isfinite(x) for p in tree.wood.positions + tree.twigs.positions for x in p), name)
+            self.assertTrue(
+                all(math.isfinite(x) for p in tree.wood.positions + tree.twigs.positions for x in p), name
+            )
             for face in tree.twigs.faces if habit.twig_sides == 3 else []:  # A strip faces both ways.
                 # Seen from the middle of its own twig, which has six points, every face is turned away.
                 first = min(face) // 6 * 6
                 middle = [sum(p[k] for p in tree.twigs.positions[first : first + 6]) / 6 for k in range(3)]
                 a, b, c, d = (tree.twigs.positions[i] for i in face)
                 normal = cross(subtract(c, a), subtract(d, b))
-                self.assertGreater(sum(n * (a[k] + c[k] - 2 * middle[k]) for k, n in enumerate(normal)), 0.0, name)
+                self.assertGreater(
+                    sum(n * (a[k] + c[k] - 2 * middle[k]) for k, n in enumerate(normal)), 0.0, name
+                )
             self.assertLess(min(p[1] for p in tree.wood.positions), 0.0, name)
             self.assertGreater(min(p[1] for p in tree.twigs.positions), 0.0, name)
-            self.assertAlmostEqual(max(p[1] for p in tree.wood.positions) / habit.height_m, 1.0, delta=0.3, msg=name)
+            self.assertAlmostEqual(
+                max(p[1] for p in tree.wood.positions) / habit.height_m, 1.0, delta=0.3, msg=name
+            )
 
     def test_twigs_have_room_for_ten_thousand_leaves(self):
         # Half a metre of twig for a dozen leaves.
@@ -226,7 +265,10 @@ class Plants(unittest.TestCase):
         self.assertNotEqual(one, other)
 
     def test_the_ground_faces_up_and_its_pieces_meet(self):
-        here, beyond = make_ground(-6.0, 6.0, 3.0, -6.0, 3.0, 2.0), make_ground(-6.0, 6.0, -6.0, -12.0, 3.0, 2.0)
+        here, beyond = (
+            make_ground(-6.0, 6.0, 3.0, -6.0, 3.0, 2.0),
+            make_ground(-6.0, 6.0, -6.0, -12.0, 3.0, 2.0),
+        )
         for a, b, c in [*triangles(here), *triangles(beyond)]:
             self.assertGreater(cross(subtract(b, a), subtract(c, a))[1], 0.0)
         self.assertEqual(len(set(here.positions) & set(beyond.positions)), 5)
@@ -247,7 +289,8 @@ class Files(unittest.TestCase):
         self.assertEqual(made, {path.name: path.read_text() for path in committed.glob("*.obj")})
 
     def test_the_textures_in_the_scene_are_the_ones_made_here(self):
-        # Every texture that is no leaf's, and those of one species; with SUNFLECK_LONG=1 all, which takes minutes.
+        # Every texture that is no leaf's, and those of one species; with SUNFLECK_LONG=1 all,
+        # which takes minutes.
         only = [""] if os.environ.get("SUNFLECK_LONG") else ["willow", "litter", "bark"]
         committed = {path.name: pixels(path) for path in (WOODS / "textures").glob("*.png")}
         with tempfile.TemporaryDirectory() as folder:

@@ -23,7 +23,8 @@ def along(a: Vector, direction: Vector, distance: float) -> Vector:
 
 
 def tube(path: list[Vector], radii: list[float], sides: int, uv_scale: tuple[float, float]) -> Mesh:
-    """A tapered pipe along a path, closed at its far end; u runs `uv_scale[0]` times around, v in metres / `uv_scale[1]`."""
+    """A tapered pipe along a path, closed at its far end; u runs `uv_scale[0]` times around, v in
+    metres / `uv_scale[1]`."""
     mesh = Mesh()
     right: Vector = (1.0, 0.0, 0.0)
     travelled = 0.0
@@ -51,7 +52,8 @@ def tube(path: list[Vector], radii: list[float], sides: int, uv_scale: tuple[flo
 
 
 def thin_tube(start: Vector, end: Vector, radii: tuple[float, float], sides: int) -> Mesh:
-    """A straight pipe of three sides, open at its ends, or a strip of two: a twig is a pixel wide at best, but there are many."""
+    """A straight pipe of three sides, open at its ends, or a strip of two: a twig is a pixel wide at best,
+    but there are many."""
     axis = unit(subtract(end, start))
     right = unit(cross(axis, (1.0, 0.0, 0.0) if abs(axis[0]) < 0.9 else (0.0, 1.0, 0.0)))
     side = cross(axis, right)
@@ -59,12 +61,18 @@ def thin_tube(start: Vector, end: Vector, radii: tuple[float, float], sides: int
     for center, radius in zip((start, end), radii):
         for k in range(sides):
             angle = math.tau * k / sides
-            mesh.positions.append(along(along(center, right, radius * math.cos(angle)), side, radius * math.sin(angle)))
-    mesh.faces = [(k, (k + 1) % sides, (k + 1) % sides + sides, k + sides) for k in range(sides if sides > 2 else 1)]
+            mesh.positions.append(
+                along(along(center, right, radius * math.cos(angle)), side, radius * math.sin(angle))
+            )
+    mesh.faces = [
+        (k, (k + 1) % sides, (k + 1) % sides + sides, k + sides) for k in range(sides if sides > 2 else 1)
+    ]
     return mesh
 
 
-def wander(start: Vector, direction: Vector, length: float, steps: int, bend: float, lift: float, rng: random.Random) -> list[Vector]:
+def wander(
+    start: Vector, direction: Vector, length: float, steps: int, bend: float, lift: float, rng: random.Random
+) -> list[Vector]:
     """A crooked path that turns by about `bend` a step and towards the sky by `lift`."""
     path = [start]
     for _ in range(steps):
@@ -136,7 +144,15 @@ def shape_of_crown(t: float) -> float:
 def make_trunk(habit: Habit, rng: random.Random) -> tuple[list[Vector], list[float], Mesh]:
     """Path, radii and mesh of a trunk, whose foot flares into roots."""
     steps = 12
-    path = wander((0.0, -0.4, 0.0), (rng.uniform(-0.08, 0.08), 1.0, rng.uniform(-0.08, 0.08)), habit.height_m, steps, habit.bend * 0.4, 0.10, rng)
+    path = wander(
+        (0.0, -0.4, 0.0),
+        (rng.uniform(-0.08, 0.08), 1.0, rng.uniform(-0.08, 0.08)),
+        habit.height_m,
+        steps,
+        habit.bend * 0.4,
+        0.10,
+        rng,
+    )
     # Two more rings near the ground, where the flare bends most.
     path[1:1] = [tuple(a + (b - a) * t for a, b in zip(path[0], path[1])) for t in (0.35, 0.65)]
     shares = [0.0, 0.35 / steps, 0.65 / steps] + [i / steps for i in range(1, steps + 1)]
@@ -153,7 +169,9 @@ def make_trunk(habit: Habit, rng: random.Random) -> tuple[list[Vector], list[flo
             fluting = 0.045 * math.sin(3 * angle + 0.5 * height + phase)
             out = 1.0 + 0.9 * flare + fluting
             center, position = path[ring], mesh.positions[i]
-            mesh.positions[i] = tuple(c + (p - c) * (1.0 if axis == 1 else out) for axis, (c, p) in enumerate(zip(center, position)))
+            mesh.positions[i] = tuple(
+                c + (p - c) * (1.0 if axis == 1 else out) for axis, (c, p) in enumerate(zip(center, position))
+            )
     return path, radii, mesh
 
 
@@ -163,14 +181,23 @@ def at(path: list[Vector], values: list[float], share: float) -> tuple[Vector, V
     step = min(int(place), len(path) - 2)
     t = place - step
     point = tuple(a + (b - a) * t for a, b in zip(path[step], path[step + 1]))
-    return point, unit(subtract(path[step + 1], path[step])), values[step] + (values[step + 1] - values[step]) * t
+    return (
+        point,
+        unit(subtract(path[step + 1], path[step])),
+        values[step] + (values[step + 1] - values[step]) * t,
+    )
 
 
 def sideways(direction: Vector, angle: float, forward: float) -> Vector:
-    """A direction that leaves `direction` at `angle` around it; `forward` is the tangent of how far it leans ahead."""
+    """A direction that leaves `direction` at `angle` around it; `forward` is the tangent of how
+    far it leans ahead."""
     right = unit(cross(direction, (0.0, 1.0, 0.0) if abs(direction[1]) < 0.9 else (1.0, 0.0, 0.0)))
     up = cross(right, direction)
-    return unit(tuple(math.cos(angle) * r + math.sin(angle) * u + forward * d for r, u, d in zip(right, up, direction)))
+    return unit(
+        tuple(
+            math.cos(angle) * r + math.sin(angle) * u + forward * d for r, u, d in zip(right, up, direction)
+        )
+    )
 
 
 def make_tree(seed: str, habit: Habit) -> Tree:
@@ -189,7 +216,9 @@ def make_tree(seed: str, habit: Habit) -> Tree:
     return tree
 
 
-def add_limb(tree: Tree, habit: Habit, start: Vector, outward: Vector, length: float, radius: float, rng: random.Random) -> None:
+def add_limb(
+    tree: Tree, habit: Habit, start: Vector, outward: Vector, length: float, radius: float, rng: random.Random
+) -> None:
     """A limb with its branches and their twigs."""
     steps = 5
     limb = wander(start, outward, length, steps, habit.bend, 0.05, rng)
@@ -200,8 +229,12 @@ def add_limb(tree: Tree, habit: Habit, start: Vector, outward: Vector, length: f
         point, direction, thickness = at(limb, radii, share)
         side = rng.uniform(-0.6, 0.6) + (math.pi if b % 2 else 0.0)
         branch_length = length * rng.uniform(0.30, 0.45) * (1.25 - 0.6 * share)
-        branch = wander(point, sideways(direction, side, 0.9), branch_length, habit.branch_steps, habit.bend, 0.02, rng)
-        branch_radii = [thickness * 0.55 * (1.0 - 0.75 * k / habit.branch_steps) for k in range(habit.branch_steps + 1)]
+        branch = wander(
+            point, sideways(direction, side, 0.9), branch_length, habit.branch_steps, habit.bend, 0.02, rng
+        )
+        branch_radii = [
+            thickness * 0.55 * (1.0 - 0.75 * k / habit.branch_steps) for k in range(habit.branch_steps + 1)
+        ]
         tree.wood.add(tube(branch, branch_radii, habit.branch_sides, (1.0, 2.0)))
         for k in range(habit.twigs):
             share = 0.25 + 0.75 * (k + 1) / habit.twigs
@@ -209,5 +242,13 @@ def add_limb(tree: Tree, habit: Habit, start: Vector, outward: Vector, length: f
             side = rng.uniform(-0.7, 0.7) + (math.pi if k % 2 else 0.0)
             heading = direction if k == habit.twigs - 1 else sideways(direction, side, 0.8)
             heading = unit((heading[0], heading[1] - habit.droop, heading[2]))
-            twig = wander(point, heading, habit.twig_length_m * rng.uniform(0.6, 1.2), 1, 0.2, -0.10 - 0.3 * habit.droop, rng)
+            twig = wander(
+                point,
+                heading,
+                habit.twig_length_m * rng.uniform(0.6, 1.2),
+                1,
+                0.2,
+                -0.10 - 0.3 * habit.droop,
+                rng,
+            )
             tree.twigs.add(thin_tube(twig[0], twig[-1], (0.006, 0.003), habit.twig_sides))

@@ -107,7 +107,13 @@ def flip_to_delaunay(points: list[Point], triangles: list[Triangle]) -> list[Tri
                 continue
             if not in_circumcircle(points[a], points[b], points[c], points[d]):
                 continue
-            if min(doubled_area(points[a], points[d], points[c]), doubled_area(points[d], points[b], points[c])) <= 1e-9:
+            if (
+                min(
+                    doubled_area(points[a], points[d], points[c]),
+                    doubled_area(points[d], points[b], points[c]),
+                )
+                <= 1e-9
+            ):
                 continue
             triangles[index], triangles[other] = (a, d, c), (d, b, c)
             touched |= {index, other}

@@ -1,8 +1,11 @@
-"""Light of all orders beside Mitsuba's: mean ratio, and the root mean square of what blocks of 10x10 pixels of 240x135 differ by.
+r"""Light of all orders beside Mitsuba's. Out come the mean ratio, and the root mean square of what blocks of
+10x10 pixels of 240x135 differ by.
 
-    cd tools && SUNFLECK=sunfleck python peers/all_orders.py ../tests/data/canopy20k/scene.ron --bounces all --samples 8 --pictures 12
+    cd tools && SUNFLECK=sunfleck python peers/all_orders.py ../tests/data/canopy20k/scene.ron \
+        --bounces all --samples 8 --pictures 12
 
-The reference is the mean of independent pictures, whose spread tells its own noise; that is taken out in quadrature.
+The reference is the mean of independent pictures, whose spread tells its own noise. That is
+taken out in quadrature.
 """
 
 from __future__ import annotations
@@ -32,13 +35,17 @@ def blocks(picture: np.ndarray) -> np.ndarray:
 
 def main() -> None:
     """Prints both figures."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("scene", type=Path)
     parser.add_argument("--frame", type=int, default=1)
     parser.add_argument("--bounces", type=bounces, default=bounces("all"))
     parser.add_argument("--samples", type=int, default=8, help="a pixel and picture")
     parser.add_argument("--pictures", type=int, default=12)
-    parser.add_argument("--variant", default="scalar_rgb", help="llvm_ad_rgb where Mitsuba finds an LLVM that it likes")
+    parser.add_argument(
+        "--variant", default="scalar_rgb", help="llvm_ad_rgb where Mitsuba finds an LLVM that it likes"
+    )
     arguments = parser.parse_args()
     program = os.environ.get("SUNFLECK", "sunfleck")
     scene = read_scene(arguments.scene, arguments.frame, program)
@@ -47,14 +54,34 @@ def main() -> None:
     theirs = np.stack([blocks(render(arguments.samples, seed)[0]) for seed in range(arguments.pictures)])
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "ours.exr")
-        how = ["--size", "240x135", "--samples", "4", "--bounces", "all" if arguments.bounces == bounces("all") else str(arguments.bounces), "--progress", "none"]
-        command = [program, "render", str(arguments.scene), *how, "--frames", str(arguments.frame), "--out", str(out)]
+        how = [
+            "--size",
+            "240x135",
+            "--samples",
+            "4",
+            "--bounces",
+            "all" if arguments.bounces == bounces("all") else str(arguments.bounces),
+            "--progress",
+            "none",
+        ]
+        command = [
+            program,
+            "render",
+            str(arguments.scene),
+            *how,
+            "--frames",
+            str(arguments.frame),
+            "--out",
+            str(out),
+        ]
         subprocess.run(command, check=True)
         ours = blocks(colors(out))
     mean = theirs.mean(axis=0)
     noise = theirs.var(axis=0, ddof=1).mean() / len(theirs)
     error = np.sqrt(max(0.0, ((ours - mean) ** 2).mean() - noise)) / mean.mean()
-    print(f"mean ratio {' '.join(f'{ratio:.4f}' for ratio in ours.mean(axis=(0, 1)) / mean.mean(axis=(0, 1)))}, blocks {100 * error:.2f} %")
+    print(
+        f"mean ratio {' '.join(f'{ratio:.4f}' for ratio in ours.mean(axis=(0, 1)) / mean.mean(axis=(0, 1)))}, blocks {100 * error:.2f} %"
+    )
 
 
 if __name__ == "__main__":

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Any .blend beside Cycles: one frame by both, with as many bounces, the ratio of the means, of blocks, and a picture of three.
+"""Any .blend beside Cycles: one frame by both, with as many bounces, the ratio of the means, of blocks,
+and a picture of three.
 
     PYTHONPATH=tools .venv/bin/python tools/peers/beside_cycles.py scene.blend --frame 12 --sunfleck target/release/sunfleck --picture three.png
 
-The picture shows sunfleck's, Cycles' and ten times their difference. The world is the sky here, and lights surfaces and fog, as in
-Cycles. Simulations are run from the first frame. Exits with 1 if the means differ by more than the bar.
+The picture shows sunfleck's, Cycles' and ten times their difference. The world is the sky here, and
+lights surfaces and fog, as in Cycles. Simulations are run from the first frame. Exits with 1 if the means
+differ by more than the bar.
 """
 
 import argparse
@@ -36,7 +38,9 @@ def ratios_of_blocks(ours, theirs):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("blend", type=Path)
     parser.add_argument("--frame", type=int, help="else the one that was saved")
     parser.add_argument("--scale", type=float, default=1.0, help="of the picture's sides")
@@ -44,21 +48,31 @@ def main():
     parser.add_argument("--samples", type=int, default=64, help="of sunfleck")
     parser.add_argument("--cycles-samples", type=int, default=256)
     parser.add_argument("--bounces", type=int, default=0)
-    parser.add_argument("--bar", type=float, default=0.005, help="largest difference of the ratio of means from 1")
+    parser.add_argument(
+        "--bar", type=float, default=0.005, help="largest difference of the ratio of means from 1"
+    )
     parser.add_argument("--picture", type=Path, help="a PNG of three")
     arguments = parser.parse_args()
     sunfleck.register()
     bpy.ops.wm.open_mainfile(filepath=str(arguments.blend.resolve()))
     scene = bpy.context.scene
     frame = scene.frame_current if arguments.frame is None else arguments.frame
-    size = [max(1, round(side * arguments.scale)) for side in (scene.render.resolution_x, scene.render.resolution_y)]
-    wish = beside.Wish(arguments.sunfleck, frame, size, arguments.samples, arguments.cycles_samples, arguments.bounces)
+    size = [
+        max(1, round(side * arguments.scale))
+        for side in (scene.render.resolution_x, scene.render.resolution_y)
+    ]
+    wish = beside.Wish(
+        arguments.sunfleck, frame, size, arguments.samples, arguments.cycles_samples, arguments.bounces
+    )
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs, findings = beside.pictures(scene, wish, Path(folder))
     for finding in findings:
         print(f"{finding.severity.lower()}{finding}")
     ratio, blocks = ours.mean() / theirs.mean(), sorted(ratios_of_blocks(ours, theirs))
-    print(f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to {blocks[-1]:.4f}")
+    print(
+        f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to "
+        f"{blocks[-1]:.4f}"
+    )
     if arguments.picture:
         three = numpy.concatenate([ours, theirs, 10.0 * numpy.abs(ours - theirs)], axis=1)
         arguments.picture.write_bytes(png(srgb(three[::-1] / max(1e-9, numpy.quantile(theirs, 0.98))), False))

@@ -4,8 +4,8 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/compare_cycles.py --sunfleck target/release/sunfleck
 
-Cycles with all bounces 0 is direct light and single scattering, which is what sunfleck computes. Exits with 1 if a mean differs
-by more than the bar.
+Cycles with all bounces 0 is direct light and single scattering, which is what sunfleck computes. Exits with 1
+if a mean differs by more than the bar.
 """
 
 import argparse
@@ -85,7 +85,10 @@ def noisy(scene):
     tree = bpy.data.materials["floor"].node_tree
     noise, ramp = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeValToRGB")
     noise.inputs["Scale"].default_value = 3.0
-    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.8, 0.3, 0.05, 1.0), (0.1, 0.4, 0.1, 1.0)
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (
+        (0.8, 0.3, 0.05, 1.0),
+        (0.1, 0.4, 0.1, 1.0),
+    )
     tree.links.new(noise.outputs["Fac"], ramp.inputs[0])
     tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
     scenes.sun(scene)
@@ -96,7 +99,10 @@ def lit_from_behind(scene):
     tree = bpy.data.materials["wall"].node_tree
     mix = tree.nodes.new("ShaderNodeMixShader")
     mix.inputs[0].default_value = 0.4
-    for number, kind, color in ((1, "Diffuse", (0.2, 0.5, 0.1, 1.0)), (2, "Translucent", (0.6, 0.8, 0.2, 1.0))):
+    for number, kind, color in (
+        (1, "Diffuse", (0.2, 0.5, 0.1, 1.0)),
+        (2, "Translucent", (0.6, 0.8, 0.2, 1.0)),
+    ):
         shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
         shader.inputs["Color"].default_value = color
         tree.links.new(shader.outputs[0], mix.inputs[number])
@@ -110,7 +116,10 @@ def scattered(scene):
     leaf.hide_render = True
     tree = leaf.data.materials[0].node_tree
     info, ramp = tree.nodes.new("ShaderNodeObjectInfo"), tree.nodes.new("ShaderNodeValToRGB")
-    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.8, 0.1, 0.0, 1.0), (0.1, 0.6, 0.1, 1.0)
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (
+        (0.8, 0.1, 0.0, 1.0),
+        (0.1, 0.6, 0.1, 1.0),
+    )
     tree.links.new(info.outputs["Random"], ramp.inputs[0])
     tree.links.new(ramp.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
     emitter = scenes.quad(scene, "emitter", 4.0, scenes.material("emitter", (0.5, 0.5, 0.5)), (0.0, 0.0, 1.2))
@@ -175,7 +184,9 @@ def compare(name, build, arguments, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
     parser.add_argument("--samples", type=int, default=64, help="of sunfleck")
     parser.add_argument("--cycles-samples", type=int, default=256)

@@ -4,25 +4,30 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/equal_error.py --sunfleck target/release/sunfleck
 
-Every picture is a process of its own. `whole` is all that it takes: the program's start (with Blender that of Python and its
-module), reading, building, rendering, writing an EXR. `render` is that without what the same process takes for one sample a
-pixel of 16 x 9 pixels, so without start, reading and building, and without what `--stats` says that sunfleck's writing took; Cycles' stays in, some hundredths of a second
-of a minute.
+Every picture is a process of its own. `whole` is all that it takes: start, reading, building, rendering,
+writing an EXR. With Blender, the start is that of Python and its module. `render` leaves out what the
+same process takes for one sample a pixel of 16 x 9 pixels, which is start, reading and building. It
+leaves out what `--stats` says that sunfleck's writing took, too. Cycles' writing stays in: some
+hundredths of a second of a minute.
 
-Errors are root mean square differences from a reference, whose own noise is taken out. The time to an error is read off a
-straight line between two numbers of samples, both axes logarithmic; nothing is extrapolated: where the fewest samples err by
-less, what they take is taken, which is too much. After each picture by Cycles
-sunfleck makes all of its own, of another seed: so both have a round's load alike, and what is told of sunfleck is a mean.
+Errors are root mean square differences from a reference, whose own noise is taken out. The time to an
+error is read off a straight line between two numbers of samples, both axes logarithmic. Nothing is
+extrapolated: where the fewest samples err by less, what they take is taken, which is too much. After each
+picture by Cycles sunfleck makes all of its own, of another seed. So both have a round's load alike, and
+what is told of sunfleck is a mean.
 
-`--suns own,0.53,ahead` does all of it for the scene's own sun, for one with a disc of so many degrees, and for one in the middle of the picture. Of those that are not
-its own the reference is the mean of two pictures of 512 samples by sunfleck, and its noise half their difference: that such pictures are true, and those of Cycles the same, is
-shown elsewhere (`cargo bench --bench figures -- bias`, `tools/peers/compare_cycles.py`). What Cycles takes for the scene's own sun is set against all, so that seconds
+`--suns own,0.53,ahead` does all of it three times: for the scene's own sun, for one with a disc of so many
+degrees, and for one in the middle of the picture. For suns that are not the scene's own the reference is the
+mean of two pictures of 512 samples by sunfleck. Its noise is half their difference. That such pictures are
+true, and those of Cycles the same, is shown elsewhere: `cargo bench --bench figures -- bias` and
+`tools/peers/compare_cycles.py`. What Cycles takes for the scene's own sun is set against all. So seconds
 under another sun can be told in those of another machine on which Cycles was timed.
 
-Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single scattering, a box
-filter one pixel wide, no denoiser, no adaptive sampling, no clamping; beyond that its defaults. Blue noise, distance and
-equiangular sampling of volumes, its biased volumes, no light tree and spatial splits were tried too: none did better by more than 10 %.
-Both have as many threads as there are processors: with fewer a thread of Cycles that waits spins, and its seconds count.
+Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single
+scattering, and a box filter one pixel wide. There is no denoiser, no adaptive sampling and no clamping;
+beyond that it has its defaults. Blue noise, distance and equiangular sampling of volumes, its biased volumes,
+no light tree and spatial splits were tried too. None did better by more than 10 %. Both have as many threads
+as there are processors. With fewer, a thread of Cycles that waits spins, and its seconds count.
 """
 
 import argparse
@@ -72,10 +77,13 @@ class Renderer:
         self.name, self.samples, self.command = name, samples, command
 
     def cpu_s(self, source, size, samples, seed, target):
-        """Of a process that makes a picture, from its start to its end; and of that for writing, if it tells."""
+        """Of a process that makes a picture, from its start to its end; and of that for
+        writing, if it tells."""
         stats = target.with_suffix(".json")
         command = self.command(source, size, samples, seed, target)
-        with subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+        with subprocess.Popen(
+            [str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        ) as process:
             said = process.stderr.read()
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -86,8 +94,8 @@ class Renderer:
 
 
 def seconds_to(target, points):
-    """Where a line through points (error, seconds) meets an error, both axes logarithmic; the seconds of the first if it errs by less, not a
-    number where all err by more."""
+    """Where a line through points (error, seconds) meets an error, both axes logarithmic; the seconds of the
+    first if it errs by less, not a number where all err by more."""
     if points[0][0] <= target:
         return points[0][1]
     for (e0, t0), (e1, t1) in zip(points, points[1:]):
@@ -105,18 +113,26 @@ def numbers(text):
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("input", nargs="?", type=Path, default=LEAVES500 / "leaves500.glb")
     parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
     parser.add_argument("--reference", type=Path, default=LEAVES500 / "box.exr")
-    parser.add_argument("--reference-noise", type=float, default=0.00143, help="root mean square of its standard error")
-    parser.add_argument("--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01])
+    parser.add_argument(
+        "--reference-noise", type=float, default=0.00143, help="root mean square of its standard error"
+    )
+    parser.add_argument(
+        "--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01]
+    )
     parser.add_argument("--samples", type=numbers, default=[2, 3, 4, 8], help="of sunfleck")
     parser.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
     parser.add_argument("--sunfleck-threads", type=int, help="of sunfleck, if it shall have others")
-    parser.add_argument("--suns", type=lambda text: text.split(","), default=[OWN_SUN], help="own, degrees of a disc, ahead")
+    parser.add_argument(
+        "--suns", type=lambda text: text.split(","), default=[OWN_SUN], help="own, degrees of a disc, ahead"
+    )
     one = parser.add_argument_group("a process for one picture by Cycles, which this program starts itself")
     one.add_argument("--picture", type=Path, help=argparse.SUPPRESS)
     one.add_argument("--size", help=argparse.SUPPRESS)
@@ -167,8 +183,14 @@ class View:
             empty.append(self.empty(ours, seed))
             for own in ours.samples:
                 mine[own].append(self.point(ours, own, seed))
-        sides = ([mean(found) for found in mine.values()], statistics.fmean(empty)), (points, self.empty(theirs, number))
-        print("start, reading and building: " + ", ".join(f"{empty:.3f} CPU s" for _, empty in sides), flush=True)
+        sides = (
+            ([mean(found) for found in mine.values()], statistics.fmean(empty)),
+            (points, self.empty(theirs, number)),
+        )
+        print(
+            "start, reading and building: " + ", ".join(f"{empty:.3f} CPU s" for _, empty in sides),
+            flush=True,
+        )
         return {
             "whole": [[(error, whole) for error, whole, _ in points] for points, _ in sides],
             "render": [[(error, unwritten - empty) for error, _, unwritten in points] for points, empty in sides],
@@ -187,13 +209,24 @@ def renderers(arguments):
 
     def by_sunfleck(source, size, samples, seed, target):
         given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", own_threads, "--passes", "none", "--bounces", "0"]
-        return [arguments.sunfleck, "render", source, *given, "--stats", target.with_suffix(".json"), "--out", target]
+        return [
+            arguments.sunfleck,
+            "render",
+            source,
+            *given,
+            "--stats",
+            target.with_suffix(".json"),
+            "--out",
+            target,
+        ]
 
     def by_cycles(source, size, samples, seed, target):
         given = ["--size", size, "--cycles-samples", samples, "--seed", seed, "--threads", arguments.threads]
         return [sys.executable, __file__, source, *given, "--picture", target]
 
-    return Renderer("sunfleck", arguments.samples, by_sunfleck), Renderer("Cycles", arguments.cycles_samples, by_cycles)
+    return Renderer("sunfleck", arguments.samples, by_sunfleck), Renderer(
+        "Cycles", arguments.cycles_samples, by_cycles
+    )
 
 
 def compare(arguments, folder):
@@ -202,17 +235,25 @@ def compare(arguments, folder):
     own = View(OWN_SUN, arguments.input, colors(arguments.reference), arguments.reference_noise, folder)
     views = [own if sun == OWN_SUN else View.under(sun, own, ours) for sun in arguments.suns]
     height, width = own.reference.shape[:2]
-    print(f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: {arguments.sunfleck_threads or arguments.threads}")
+    print(
+        f"{arguments.input.name}, {width} x {height}, threads: {arguments.threads}, of sunfleck: "
+        f"{arguments.sunfleck_threads or arguments.threads}"
+    )
     print(f"{'sun':6} {'':9} {'samples':>8} {'seed':>5} {'RMSE':>9} {'CPU s':>9}")
     found = {}
     for number in range(1, arguments.rounds + 1):
         for view in views:
             for kind, sides in view.round(ours, theirs, number).items():
                 for target in arguments.targets:
-                    found.setdefault((view.sun, target, kind), []).append([seconds_to(target, points) for points in sides])
+                    found.setdefault((view.sun, target, kind), []).append(
+                        [seconds_to(target, points) for points in sides]
+                    )
     for (sun, target, kind), pairs in found.items():
         mine_s, other_s = (statistics.median(side) for side in zip(*pairs))
-        print(f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, ratio {told(pairs)}")
+        print(
+            f"{sun:6} to RMSE {target}, {kind:6}: sunfleck {mine_s:7.3f} CPU s, Cycles {other_s:7.2f}, "
+            f"ratio {told(pairs)}"
+        )
         if sun != OWN_SUN and OWN_SUN in arguments.suns:
             own_pairs = [(mine, other) for (mine, _), (_, other) in zip(pairs, found[OWN_SUN, target, kind])]
             print(f"{'':6} by what Cycles takes under the scene's own sun: {told(own_pairs)}")

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Reference values for tests/library/sky.rs: skies in Mitsuba's volpath with two segments.
 
-Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with `pip install './tools[mitsuba]'`. Each scene
-is a ground and a square above it, with a box of fog or without; each pixel is the mean over its area, with the standard
-error of that mean. The test has the same scenes.
+Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with `pip install './tools[mitsuba]'`.
+Each scene is a ground and a square above it, with a box of fog or without; each pixel is the mean over its
+area, with the standard error of that mean. The test has the same scenes.
 """
 
 import json
@@ -20,10 +20,15 @@ SIZE = (6, 4)
 
 
 def image(rows, columns):
-    """Radiance of the sky of `image`: a slope, and a soft sun. Mitsuba's rows lie at the poles and evenly between."""
+    """Radiance of the sky of `image`: a slope, and a soft sun. Mitsuba's rows lie at the poles
+    and evenly between."""
     down = numpy.pi * numpy.arange(rows)[:, None] / (rows - 1)
     across = 2 * numpy.pi * ((numpy.arange(columns)[None, :] + 0.5) / columns - 0.5)
-    x, y, z = numpy.sin(down) * numpy.sin(across), numpy.cos(down) + 0 * across, -numpy.sin(down) * numpy.cos(across)
+    x, y, z = (
+        numpy.sin(down) * numpy.sin(across),
+        numpy.cos(down) + 0 * across,
+        -numpy.sin(down) * numpy.cos(across),
+    )
     sun = numpy.exp(80.0 * (0.48 * x + 0.6 * y - 0.64 * z - 1.0))
     sky = [0.5 + 0.2 * x + 20.0 * sun, 0.6 + 0.2 * y + 16.0 * sun, 0.9 + 0.3 * z + 12.0 * sun]
     return numpy.stack(sky, -1).astype(numpy.float32)
@@ -43,7 +48,10 @@ def square(middle, turn_x_deg, half, material):
 
 
 def matte(reflectance):
-    return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": reflectance}}}
+    return {
+        "type": "twosided",
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": reflectance}},
+    }
 
 
 def scene(kind, with_fog):

@@ -4,7 +4,8 @@
     python3 -m venv .venv && .venv/bin/pip install './tools[mitsuba]'
     SUNFLECK=target/release/sunfleck .venv/bin/python tools/peers/sphere_in_fog.py
 
-A sphere of one radiance is points within it here, and gets back what fog takes of their light within it (docs/decisions/lights.md).
+A sphere of one radiance is points within it here, and gets back what fog takes of their light within it
+(docs/decisions/lights.md).
 """
 
 import os

@@ -4,12 +4,14 @@
     python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
     .venv/bin/python tools/peers/title_in_cycles.py --sunfleck target/release/sunfleck
 
-What the two do not share is taken out of both: shine, the sky behind the picture and the sun's own disc in it. Trees, leaves with the light
-through them, fog, the sun's extent and the lens stay. Cycles has no bounces, which is direct light and single scattering.
-Errors are of one picture against a reference of many samples made here; that of Cycles also as two seeds differ, which no
-difference between the pictures themselves can raise. So many samples as Cycles needs for our error are extrapolated from those it
-was given, by the root. Its errors fall a little faster (the power 0.55 from 16 to 96 samples), so give it nearly enough:
-from 16 samples the ratio at 640x360 was a quarter too large. Processor seconds, without what reading and building take.
+What the two do not share is taken out of both: shine, the sky behind the picture and the sun's own disc
+in it. Trees, leaves with the light through them, fog, the sun's extent and the lens stay. Cycles has no
+bounces, which is direct light and single scattering. Errors are of one picture against a reference of
+many samples made here; that of Cycles also as two seeds differ, which no difference between the pictures
+themselves can raise. So many samples as Cycles needs for our error are extrapolated from those it was
+given, by the root. Its errors fall a little faster (the power 0.55 from 16 to 96 samples), so give it
+nearly enough: from 16 samples the ratio at 640x360 was a quarter too large. Processor seconds, without
+what reading and building take.
 """
 
 import argparse
@@ -48,7 +50,9 @@ def without_what_differs(glb: Path) -> Path:
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     made = glb.with_name("bare.glb")
-    made.write_bytes(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+    made.write_bytes(
+        struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest
+    )
     return made
 
 
@@ -101,13 +105,19 @@ def add_surfaces(made, gltf, time_s, folder):
         found = meshes.of(node)
         if found is not None:
             for primitive in found[1].primitives:
-                parts.setdefault(primitive.material, []).append((primitive, cycles.BLENDER_FROM_GLTF @ placed[node.index]))
+                parts.setdefault(primitive.material, []).append(
+                    (primitive, cycles.BLENDER_FROM_GLTF @ placed[node.index])
+                )
     sources = gltf.document.items("materials")
     for number, pieces in parts.items():
         points = numpy.concatenate([p.positions @ m[:3, :3].T + m[:3, 3] for p, m in pieces])
         firsts = numpy.cumsum([0] + [len(p.positions) for p, _ in pieces])
-        triangles = numpy.concatenate([p.triangles.astype(numpy.int64) + first for (p, _), first in zip(pieces, firsts)])
-        uvs = numpy.concatenate([p.uvs[0] if 0 in p.uvs else numpy.zeros((len(p.positions), 2)) for p, _ in pieces])
+        triangles = numpy.concatenate(
+            [p.triangles.astype(numpy.int64) + first for (p, _), first in zip(pieces, firsts)]
+        )
+        uvs = numpy.concatenate(
+            [p.uvs[0] if 0 in p.uvs else numpy.zeros((len(p.positions), 2)) for p, _ in pieces]
+        )
         mesh = bpy.data.meshes.new(f"surface {number}")
         mesh.vertices.add(len(points))
         mesh.vertices.foreach_set("co", points.astype(numpy.float32).ravel())
@@ -133,16 +143,36 @@ def add_rest(made, gltf, placed, time_s):
             light = read_light(source, world, time_s)
             (cycles.add_sun if isinstance(light, Sun) else cycles.add_lamp)(made, light)
         if (fog := node.extras.member("sunfleck_fog_volume")) is not None:
-            cycles.add_fog(made, Fog(world @ FOG_GROWTH, fog.need("density").channels(), fog.need("albedo").channels(), fog.number_at("anisotropy", 0.0)))
+            cycles.add_fog(
+                made,
+                Fog(
+                    world @ FOG_GROWTH,
+                    fog.need("density").channels(),
+                    fog.need("albedo").channels(),
+                    fog.number_at("anisotropy", 0.0),
+                ),
+            )
         if node.source.member("camera") is not None:
             described = gltf.document.items("cameras")[0]
-            perspective, ours = described.need("perspective"), described.group("extras").group("sunfleck_camera")
+            perspective, ours = (
+                described.need("perspective"),
+                described.group("extras").group("sunfleck_camera"),
+            )
             data = bpy.data.cameras.new("camera")
-            half = math.tan(perspective.need("yfov").number() / 2.0) * perspective.need("aspectRatio").number()
-            data.sensor_fit, data.sensor_width, data.angle_x = "HORIZONTAL", ours.number_at("sensor_width_mm", 36.0), 2.0 * math.atan(half)
+            half = (
+                math.tan(perspective.need("yfov").number() / 2.0) * perspective.need("aspectRatio").number()
+            )
+            data.sensor_fit, data.sensor_width, data.angle_x = (
+                "HORIZONTAL",
+                ours.number_at("sensor_width_mm", 36.0),
+                2.0 * math.atan(half),
+            )
             data.clip_start, data.clip_end = cycles.NEAR_M, 1e6
             data.dof.use_dof = True
-            data.dof.focus_distance, data.dof.aperture_fstop = ours.need("focus_distance").number(), ours.need("fstop").number()
+            data.dof.focus_distance, data.dof.aperture_fstop = (
+                ours.need("focus_distance").number(),
+                ours.need("fstop").number(),
+            )
             data.dof.aperture_blades = ours.need("blades").whole()
             made.camera = bpy.data.objects.new("camera", data)
             made.camera.matrix_world = mathutils.Matrix((cycles.BLENDER_FROM_GLTF @ world).tolist())
@@ -155,7 +185,9 @@ def seconds_of(who):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("input", nargs="?", default="sequences/title.ron")
     parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
     parser.add_argument("--frame", type=int, default=24)
@@ -169,13 +201,21 @@ def main():
         folder = Path(name)
         exported = folder / "scene.glb"
         frames = f"{arguments.frame}-{arguments.frame}"
-        subprocess.run([arguments.sunfleck, "export", arguments.input, exported, "--frames", frames], check=True, capture_output=True)
+        subprocess.run(
+            [arguments.sunfleck, "export", arguments.input, exported, "--frames", frames],
+            check=True,
+            capture_output=True,
+        )
         bare = without_what_differs(exported)
 
         def ours(samples, seed, at=arguments.size):
             target, before = folder / "ours.exr", seconds_of(resource.RUSAGE_CHILDREN)
             command = [arguments.sunfleck, "render", bare, "--frames", frames, "--size", at, "--samples", samples, "--seed", seed, "--bounces", "0"]
-            subprocess.run([*map(str, command), "--passes", "none", "--out", str(target)], check=True, capture_output=True)
+            subprocess.run(
+                [*map(str, command), "--passes", "none", "--out", str(target)],
+                check=True,
+                capture_output=True,
+            )
             return picture(target), seconds_of(resource.RUSAGE_CHILDREN) - before
 
         gltf = load(bare, str(arguments.sunfleck))
@@ -202,13 +242,28 @@ def main():
         mine, my_time = ours(arguments.samples, 1)
         my_time -= reading
         theirs(1, 99)  # Builds the tree, which is kept.
-        (one, time_one), (two, time_two) = theirs(arguments.cycles_samples, 1), theirs(arguments.cycles_samples, 2)
+        (one, time_one), (two, time_two) = (
+            theirs(arguments.cycles_samples, 1),
+            theirs(arguments.cycles_samples, 2),
+        )
         their_time, noise = (time_one + time_two) / 2.0, rms(one, two) / math.sqrt(2.0)
-    print(f"{arguments.input}, frame {arguments.frame}, {arguments.size}; mean by Cycles over mean here: {(one + two).mean() / 2.0 / mean:.4f}")
-    print(f"sunfleck  {arguments.samples:5} samples: relative RMSE {rms(mine, reference):.4f}, {my_time:.2f} CPU s")
-    print(f"Cycles    {arguments.cycles_samples:5} samples: relative RMSE {rms(one, reference):.4f} ({noise:.4f} by two seeds), {their_time:.2f} CPU s")
+    print(
+        f"{arguments.input}, frame {arguments.frame}, {arguments.size}; mean by Cycles over mean here: "
+        f"{(one + two).mean() / 2.0 / mean:.4f}"
+    )
+    print(
+        f"sunfleck  {arguments.samples:5} samples: relative RMSE {rms(mine, reference):.4f}, {my_time:.2f} "
+        "CPU s"
+    )
+    print(
+        f"Cycles    {arguments.cycles_samples:5} samples: relative RMSE {rms(one, reference):.4f} "
+        f"({noise:.4f} by two seeds), {their_time:.2f} CPU s"
+    )
     factor = (noise / rms(mine, reference)) ** 2
-    print(f"at our error Cycles takes {arguments.cycles_samples * factor:.0f} samples, {their_time * factor:.1f} CPU s (extrapolated)")
+    print(
+        f"at our error Cycles takes {arguments.cycles_samples * factor:.0f} samples, "
+        f"{their_time * factor:.1f} CPU s (extrapolated)"
+    )
     print(f"ratio: {their_time * factor / my_time:.1f}")
 
 

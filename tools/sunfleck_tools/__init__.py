@@ -1,7 +1,8 @@
 """Tools around the frames that sunfleck renders.
 
-`validate(target, options)` says of a sequence of EXR frames whether it can be trusted; `sunfleck-tools validate` is the same
-on the command line. `sunfleck_tools.usd` has what writes and reads USD stages.
+`validate(target, options)` says of a sequence of EXR frames whether it can be trusted;
+`sunfleck-tools validate` is the same on the command line. `sunfleck_tools.usd` has what writes
+and reads USD stages.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ __all__ = ["Options", "Report", "SceneError", "SequenceError", "ToolError", "val
 
 
 def __getattr__(name: str) -> object:
-    """What is exported, once it is asked for: libraries take their time, in which a signal has to be heard already."""
+    """What is exported, once it is asked for: libraries take their time, in which a signal has to
+    be heard already."""
     if name not in MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".{MODULES[name]}", __name__), name)

@@ -1,7 +1,7 @@
 """One file to its summary: the work of a process of its own.
 
-Invariant: memory is bounded by one frame (two with a reference, three for fireflies), and the outcome is a summary
-whatever the file holds.
+Invariant: memory is bounded by one frame (two with a reference, three for fireflies), and the outcome is a
+summary whatever the file holds.
 """
 
 from __future__ import annotations
@@ -52,14 +52,18 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
     if not headers:
         return file, None
     try:
-        channels, part_of = _named(headers, decode_parts(file.path, sum(header.pixel_bytes for header in headers)))
+        channels, part_of = _named(
+            headers, decode_parts(file.path, sum(header.pixel_bytes for header in headers))
+        )
     except DecodeError as error:
         file.decode_error = str(error)
         return file, None
     return file, Frame(number, file.path, headers, channels, part_of, pixel_hash(channels))
 
 
-def _named(headers: Sequence[Header], parts: list[dict[str, np.ndarray]]) -> tuple[dict[str, np.ndarray], dict[str, int]]:
+def _named(
+    headers: Sequence[Header], parts: list[dict[str, np.ndarray]]
+) -> tuple[dict[str, np.ndarray], dict[str, int]]:
     """The channels of all parts by names that are all different, and the part of each."""
     if len(parts) != len(headers):
         raise DecodeError(f"{len(parts)} parts can be decoded, of {len(headers)}")
@@ -68,7 +72,11 @@ def _named(headers: Sequence[Header], parts: list[dict[str, np.ndarray]]) -> tup
     for number, (header, stored) in enumerate(zip(headers, parts)):
         described = {channel.name: channel for channel in header.channels}
         for own_name, pixels in stored.items():
-            name = own_name if number == 0 or own_name.startswith(f"{header.name}.") else f"{header.name}.{own_name}"
+            name = (
+                own_name
+                if number == 0 or own_name.startswith(f"{header.name}.")
+                else f"{header.name}.{own_name}"
+            )
             if name in channels:
                 name = f"part {number + 1}.{own_name}"
             if own_name not in described:
@@ -92,7 +100,9 @@ def _parse(file: FileBytes, data: mmap | bytes) -> tuple[Header, ...]:
     file.claim = claims_too_much(headers, len(data))
     if file.unsupported or file.claim:
         return ()
-    file.chunk_faults = [fault for part, header in enumerate(headers) for fault in chunk_faults(header, data, part)]
+    file.chunk_faults = [
+        fault for part, header in enumerate(headers) for fault in chunk_faults(header, data, part)
+    ]
     return () if file.chunk_faults else headers
 
 
@@ -108,7 +118,9 @@ def analyse(job: Job) -> FrameSummary:
         return summary
     if (luminance := frame.luminance()) is not None:
         left, top = frame.header.data_window[:2]
-        summary.suspicion.fireflies = [(x + left, y + top, *rest) for x, y, *rest in fireflies.candidates(luminance)]
+        summary.suspicion.fireflies = [
+            (x + left, y + top, *rest) for x, y, *rest in fireflies.candidates(luminance)
+        ]
         summary.suspicion.blocks = blocks.candidates(frame)
         summary.suspicion.window = frame.header.data_window
         summary.signature = order.signature(frame, luminance)
@@ -140,7 +152,9 @@ def confirm(suspicion: Suspicion, neighbours: list[str]) -> Suspicion:
             if frame is not None and (luminance := frame.luminance()) is not None:
                 corner = frame.header.data_window[:2]
                 spikes = fireflies.absent_in(luminance, found.fireflies, corner)
-                found = replace(found, fireflies=spikes, blocks=blocks.lit_in(luminance, found.blocks, corner))
+                found = replace(
+                    found, fireflies=spikes, blocks=blocks.lit_in(luminance, found.blocks, corner)
+                )
                 seen += 1
     # Where there is no other frame, the block's own shape has to say it.
     return found if seen else replace(found, blocks=blocks.unlikely_alone(found.blocks, found.window))

@@ -1,7 +1,7 @@
 """`sunfleck-tools`: a command line to a command, and outcomes to exit codes.
 
-Invariant: whatever happens there is an exit code of the table in `commands`, and a sentence where it is not 0, never a traceback
-for what an input or the system did.
+Invariant: whatever happens, the exit code is one of the table in `commands`, with a sentence where it is
+not 0. What an input or the system did never gives a traceback.
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ def _outcome(arguments: Sequence[str] | None) -> int:
     except SceneError as error:
         return _said(error, SCENE)
     except MemoryError as error:
-        return _said(f"{str(error) or 'memory is not enough'}: choose fewer --processes, or smaller frames", IO)
+        return _said(
+            f"{str(error) or 'memory is not enough'}: choose fewer --processes, or smaller frames", IO
+        )
     except OSError as error:
         where = f"{error.filename}: " if error.filename is not None else ""
         return _said(f"{where}{error.strerror or error}", IO)

@@ -1,6 +1,7 @@
 """Two frames, or two folders of sequences frame by frame, against each other.
 
-Invariant: each number of either side has its entry, with errors or with the sentence that says why there are none.
+Invariant: each number of either side has its entry, with errors or with the sentence that
+says why there are none.
 """
 
 from __future__ import annotations
@@ -47,14 +48,23 @@ class Compared:
 
     def exceeded(self, limits: Limits) -> list[str]:
         """A sentence for each limit that is not kept, as it is not where there is nothing to measure."""
-        return [self.fault or "it was not compared"] if self.difference is None else list(limits.exceeded(self.difference))
+        return (
+            [self.fault or "it was not compared"]
+            if self.difference is None
+            else list(limits.exceeded(self.difference))
+        )
 
 
 def pair_up(output: Path, reference: Path, pictures: Path | None = None) -> list[Pair]:
-    """Two files as one pair, whatever their numbers; else two sequences by number, of several those of the same names."""
+    """Two files as one pair, whatever their numbers; else two sequences by number, of several those
+    of the same names."""
     if output.is_file() and reference.is_file():
         found = parts(output.name)
-        return [Pair(int(found.number) if found else None, str(output), str(reference), pictures and str(pictures))]
+        return [
+            Pair(
+                int(found.number) if found else None, str(output), str(reference), pictures and str(pictures)
+            )
+        ]
     for one, other in ((output, reference), (reference, output)):
         if one.is_file() and other.is_dir():
             raise ToolError(f"{one} is a file and {other} a folder: give two files, or two sequences")
@@ -63,18 +73,27 @@ def pair_up(output: Path, reference: Path, pictures: Path | None = None) -> list
         return _by_number(*(listings[0] for listings in sides), pictures)
     ours, theirs = ({listing.key: listing for listing in listings} for listings in sides)
     keys = [*ours, *(key for key in theirs if key not in ours)]
-    return [pair for key in keys for pair in _by_number(ours.get(key), theirs.get(key), pictures, is_one=False)]
+    return [
+        pair for key in keys for pair in _by_number(ours.get(key), theirs.get(key), pictures, is_one=False)
+    ]
 
 
 def _by_number(
     output: Listing | None, reference: Listing | None, pictures: Path | None, is_one: bool = True
 ) -> list[Pair]:
-    """The pairs of two sequences, either of which may be missing; `is_one` if there are no others beside them."""
-    sides = [{f.number: str(f.path) for f in listing.frames} if listing else {} for listing in (output, reference)]
+    """The pairs of two sequences, either of which may be missing; `is_one` if there are no
+    others beside them."""
+    sides = [
+        {f.number: str(f.path) for f in listing.frames} if listing else {} for listing in (output, reference)
+    ]
     listing = output or reference
 
     def picture(number: int) -> str | None:
-        name = f"difference.{number:04d}.png" if is_one else f"difference.{Path(listing.name_of(number)).stem}.png"
+        name = (
+            f"difference.{number:04d}.png"
+            if is_one
+            else f"difference.{Path(listing.name_of(number)).stem}.png"
+        )
         return pictures and str(pictures / name)
 
     return [
@@ -95,14 +114,16 @@ def compare(
 ) -> list[Compared]:
     """Compares two files, or two folders or patterns frame by frame.
 
-    `pictures` is where difference pictures go: a file for two files, else a folder. `processes` is as in `Options`. Raises
-    `ToolError` if there is nothing to compare.
+    `pictures` is where difference pictures go: a file for two files, else a folder. `processes` is as in
+    `Options`. Raises `ToolError` if there is nothing to compare.
     """
     pairs = pair_up(Path(output), Path(reference), pictures)
     processes = min(os.cpu_count() or 1 if processes is None else processes, len(pairs))
     results = []
     work = partial(_compare, wants_flip, display, white)
-    for result in in_processes(work, pairs, processes, lambda pair: Compared(pair, fault="the decoder crashed")):
+    for result in in_processes(
+        work, pairs, processes, lambda pair: Compared(pair, fault="the decoder crashed")
+    ):
         results.append(result)
         progress(len(results), len(pairs))
     return results

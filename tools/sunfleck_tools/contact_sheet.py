@@ -30,7 +30,8 @@ class Sheet:
 
 
 def contact_sheet(pictures: Iterable[Shown], counts: Sequence[int], columns: int | None = None) -> Sheet:
-    """Lays pictures out, as many as `counts` says of each sequence, as nearly square as screens are wide, or in so many columns."""
+    """Lays pictures out, as many as `counts` says of each sequence, as nearly square as screens are wide, or
+    in so many columns."""
     count = sum(counts)
     cells = iter(pictures)
     ahead: list[Shown] = []
@@ -44,7 +45,10 @@ def contact_sheet(pictures: Iterable[Shown], counts: Sequence[int], columns: int
     columns = min(max(counts), columns or max(1, round(sqrt(count * 16 / 9 * step_y / step_x))))
     rows = sum(ceil(one / columns) for one in counts)
     if rows * step_y * columns * step_x > LARGEST_SHEET:
-        raise ToolError(f"{count} frames of {width}x{height} pixels are no sheet: choose a smaller --width, or fewer --frames")
+        raise ToolError(
+            f"{count} frames of {width}x{height} pixels are no sheet: choose a smaller --width, or fewer "
+            "--frames"
+        )
     sheet = np.full((GAP + rows * step_y, GAP + columns * step_x, 3), BACKGROUND, np.uint8)
     faults, places = [], _places(counts, columns)
 

@@ -61,7 +61,8 @@ class Difference:
     unmatched: list[str]
     """Channels that only one of them has."""
     shared: tuple[int, int] | None = None
-    """Width and height of what was compared of the pictures, where one of them has pixels that the other has not."""
+    """Width and height of what was compared of the pictures, where one of them has pixels that
+    the other has not."""
     flip: float | None = None
     """Mean HDR-FLIP of the colour; `None` where it was not asked for, or colours are not finite."""
 
@@ -126,7 +127,9 @@ def incomparable(output: Frame, reference: Frame) -> str | None:
 def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Difference:
     """Compares frames that are comparable."""
     overlap = Overlap(output, reference)
-    overlaps = {name: Overlap(output, reference, name) for name in output.channels if name in reference.channels}
+    overlaps = {
+        name: Overlap(output, reference, name) for name in output.channels if name in reference.channels
+    }
     names = [name for name, shared in overlaps.items() if not shared.is_empty]
     has_color = len(output.picture) == 3 and output.picture == reference.picture and not overlap.is_empty
     color = color_errors(overlap, output.picture) if has_color else None
@@ -184,7 +187,8 @@ def errors(overlap: Overlap, values: Sequence[np.ndarray], names: Sequence[str])
 
 
 def id_errors(overlap: Overlap) -> IdErrors:
-    """How many ids differ: as bits, of which some are no numbers, unless the two are stored in different ways."""
+    """How many ids differ: as bits, of which some are no numbers, unless the two are stored
+    in different ways."""
     o, r = overlap.stored()
     if o.dtype == r.dtype:
         o, r = (np.ascontiguousarray(ids).view(f"u{ids.itemsize}") for ids in (o, r))

@@ -12,7 +12,9 @@ HEAT = np.array([[0, 0, 0], [70, 10, 110], [200, 40, 70], [250, 150, 40], [255, 
 GAP = 4
 
 
-def difference_picture(overlap: Overlap, display: Display, white: float | None = None) -> tuple[np.ndarray, float]:
+def difference_picture(
+    overlap: Overlap, display: Display, white: float | None = None
+) -> tuple[np.ndarray, float]:
     """The picture, and the difference of a channel that is white in it; by default the 99.9th percentile."""
     output, reference = overlap.colors()
     with np.errstate(invalid="ignore"):
@@ -24,8 +26,16 @@ def difference_picture(overlap: Overlap, display: Display, white: float | None =
         # Where less than a thousandth of the pixels differ at all, they are to be seen too.
         white = white or float(known.max(initial=0.0)) or 1.0
     place = np.where(finite, np.clip(np.where(finite, apart, 0) / white, 0, 1), 1) * (len(HEAT) - 1)
-    heat = np.stack([np.interp(place, np.arange(len(HEAT)), HEAT[:, channel]) for channel in range(3)], axis=-1)
+    heat = np.stack(
+        [np.interp(place, np.arange(len(HEAT)), HEAT[:, channel]) for channel in range(3)], axis=-1
+    )
     corner = (overlap.left, overlap.top)
     space = np.zeros((apart.shape[0], GAP, 3), np.uint8)
-    panels = [display.bytes(output, corner), space, display.bytes(reference, corner), space, np.rint(heat).astype(np.uint8)]
+    panels = [
+        display.bytes(output, corner),
+        space,
+        display.bytes(reference, corner),
+        space,
+        np.rint(heat).astype(np.uint8),
+    ]
     return np.concatenate(panels, axis=1), white

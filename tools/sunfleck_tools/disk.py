@@ -1,6 +1,7 @@
-"""Files of the disk: regular ones alone are read, and what is written appears whole or not at all.
+"""Files of the disk. Regular ones alone are read, and what is written appears whole or not at all.
 
-Invariant: a file that was there before stays as it was until what replaces it lies on the disk to its last byte.
+Invariant: a file that was there before stays as it was until what replaces it lies on the
+disk to its last byte.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ def write_whole(path: Path, data: bytes) -> None:
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """A file to write, which takes its name once the block has ended well. Raises `ToolError`, which says why it could not."""
+    """A file to write, which takes its name once the block has ended well. Raises `ToolError`, which says
+    why it could not."""
     try:
         # Behind a link it is the file that is replaced, not the link.
         target = Path(os.path.realpath(path))

@@ -11,11 +11,21 @@ import numpy as np
 
 CURVES = ("agx", "srgb", "raw")
 REC_2020_FROM_REC_709 = np.array(
-    [[0.6274039, 0.32928304, 0.04331307], [0.06909729, 0.9195404, 0.01136232], [0.01639144, 0.08801331, 0.89559525]], np.float32
+    [
+        [0.6274039, 0.32928304, 0.04331307],
+        [0.06909729, 0.9195404, 0.01136232],
+        [0.01639144, 0.08801331, 0.89559525],
+    ],
+    np.float32,
 )
 REC_709_FROM_REC_2020 = np.linalg.inv(REC_2020_FROM_REC_709)
 INSET = np.array(
-    [[0.85662715, 0.09512124, 0.04825161], [0.13731897, 0.761242, 0.10143904], [0.11189821, 0.07679942, 0.81130237]], np.float32
+    [
+        [0.85662715, 0.09512124, 0.04825161],
+        [0.13731897, 0.761242, 0.10143904],
+        [0.11189821, 0.07679942, 0.81130237],
+    ],
+    np.float32,
 )
 OUTSET = np.array(
     [[1.1271006, -0.11060664, -0.01649394], [-0.14132976, 1.1578237, -0.01649394], [-0.14132976, -0.11060664, 1.2519364]],
@@ -50,7 +60,10 @@ class Display:
     def bytes(self, light: np.ndarray, corner: tuple[int, int] = (0, 0)) -> np.ndarray:
         """The same as bytes of a picture whose upper left pixel is `corner`, with Bayer's ordered dither."""
         height, width = light.shape[:2]
-        rows, columns = (np.arange(corner[1], corner[1] + height) % 8, np.arange(corner[0], corner[0] + width) % 8)
+        rows, columns = (
+            np.arange(corner[1], corner[1] + height) % 8,
+            np.arange(corner[0], corner[0] + width) % 8,
+        )
         threshold = (BAYER[np.ix_(rows, columns)] + 0.5) / 64
         return (self.encode(light) * 255 + threshold[..., None]).astype(np.uint8)
 
@@ -61,7 +74,8 @@ def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
 
 
 def agx(light: np.ndarray) -> np.ndarray:
-    """AgX as Blender shows it, linear Rec. 709 to linear Rec. 709 from 0 to 1; by the formulas of docs/display.md."""
+    """AgX as Blender shows it, linear Rec. 709 to linear Rec. 709 from 0 to 1; by the
+    formulas of docs/display.md."""
     mixed = light @ (INSET @ REC_2020_FROM_REC_709).T
     formed = _sigmoid(mixed) ** GAMMA
     most, least = formed.max(-1, keepdims=True), formed.min(-1, keepdims=True)
@@ -79,7 +93,9 @@ def _sigmoid(light: np.ndarray) -> np.ndarray:
     def side(width: float, height: float) -> float:
         return SLOPE * width * ((SLOPE * width / height) ** 1.5 - 1) ** (-2 / 3)
 
-    scale = np.where(stops < 0, np.float32(side(x_pivot, y_pivot)), np.float32(side(1 - x_pivot, 1 - y_pivot)))
+    scale = np.where(
+        stops < 0, np.float32(side(x_pivot, y_pivot)), np.float32(side(1 - x_pivot, 1 - y_pivot))
+    )
     e = SLOPE / (STOPS_BELOW + STOPS_ABOVE) * np.abs(stops) / scale
     return np.clip(y_pivot + np.sign(stops) * scale * e * (1 + e * np.sqrt(e)) ** (-2 / 3), 0, 1)
 

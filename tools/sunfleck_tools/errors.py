@@ -16,4 +16,5 @@ class Terminated(BaseException):
 
 
 class SceneError(Exception):
-    """A scene cannot be read, or not be written as asked; says where, what, and where there is one the remedy."""
+    """A scene cannot be read, or not be written as asked; says where, what, and where there
+    is one the remedy."""

@@ -99,4 +99,6 @@ def ordered(findings: list[Finding]) -> list[Finding]:
     """The worst first, then by frame."""
     rank = {Severity.ERROR: 0, Severity.WARNING: 1}
     first = float("-inf")
-    return sorted(findings, key=lambda f: (rank[f.severity], first if f.frame is None else f.frame, f.check, f.message))
+    return sorted(
+        findings, key=lambda f: (rank[f.severity], first if f.frame is None else f.frame, f.check, f.message)
+    )

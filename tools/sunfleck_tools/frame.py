@@ -19,9 +19,11 @@ OWN = "sunfleck:"
 """How the names of the renderer's own attributes begin."""
 
 MOST_EMPTY, LARGEST_EMPTY = 64, 1 << 25
-"""Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a picture of 8K has."""
+"""Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a
+picture of 8K has."""
 BLOCK_PIXELS = 1 << 15
-"""Temporaries of so many values stay in the cache and on the heap: fresh memory costs more than arithmetic."""
+"""Temporaries of so many values stay in the cache and on the heap: fresh memory costs
+more than arithmetic."""
 
 
 def row_blocks(shape: tuple[int, int], multiple: int = 1) -> Iterator[slice]:
@@ -57,14 +59,21 @@ class FileBytes:
         """What stands in the way of the pixels, as a sentence."""
         if self.read_error is None and self.bytes == 0:
             return "the file is empty"
-        found = (self.read_error, self.header_error, self.claim, self.unsupported, *self.chunk_faults[:1], self.decode_error)
+        found = (
+            self.read_error,
+            self.header_error,
+            self.claim,
+            self.unsupported,
+            *self.chunk_faults[:1],
+            self.decode_error,
+        )
         return next((fault for fault in found if fault), None)
 
 
 @dataclass
 class Frame:
-    """A decoded file. Channels are as stored: half, float or uint, rows from the top; `names` of a part's channels are its own,
-    with the part's name before them where they have it not."""
+    """A decoded file. Channels are as stored: half, float or uint, rows from the top; `names` of a part's
+    channels are its own, with the part's name before them where they have it not."""
 
     number: int
     path: Path
@@ -88,8 +97,9 @@ class Frame:
 
     @cached_property
     def shows_display_window(self) -> bool:
-        """True of other renderers' frames, which cut the data down to what is there and render beyond the edge. Of own frames the
-        data window is shown, as the program shows a crop; and where the display window is out of all proportion."""
+        """True of other renderers' frames, which cut the data down to what is there and render beyond the
+        edge. Of own frames the data window is shown, as the program shows a crop; and where the display
+        window is out of all proportion."""
         data, display = self.header.size, window_size(self.header.display_window)
         most = max(MOST_EMPTY * data[0] * data[1], LARGEST_EMPTY)
         return not self.is_own and min(display) > 0 and display[0] * display[1] <= most
@@ -97,7 +107,9 @@ class Frame:
     @property
     def canvas(self) -> tuple[int, int]:
         """Height and width of what is shown."""
-        width, height = window_size(self.header.display_window) if self.shows_display_window else self.header.size
+        width, height = (
+            window_size(self.header.display_window) if self.shows_display_window else self.header.size
+        )
         return height, width
 
     def on_canvas(self, values: np.ndarray) -> np.ndarray:
@@ -127,8 +139,8 @@ class Frame:
         return self.wide[name]
 
     def extremes(self, name: str) -> tuple[float, float]:
-        """The smallest and largest value of a channel, NaN twice if there is one. Most checks need no more: only where these
-        say that something is wrong do they look for the place."""
+        """The smallest and largest value of a channel, NaN twice if there is one. Most checks need no more:
+        only where these say that something is wrong do they look for the place."""
         if name not in self.ranges:
             stored = self.channels[name]
             if stored.dtype == np.float16:
@@ -151,14 +163,18 @@ class Frame:
             return None
         color = [self.channels[name] for name in self.picture]
         weights = LUMINANCE if len(color) == 3 else np.ones(1, np.float32)
-        plain = [stored.dtype == np.float16 and half.plain(*self.extremes(name)) for name, stored in zip(self.picture, color)]
+        plain = [
+            stored.dtype == np.float16 and half.plain(*self.extremes(name))
+            for name, stored in zip(self.picture, color)
+        ]
         total = np.empty(color[0].shape, np.float32)
         scratch = np.empty_like(total[next(row_blocks(total.shape))])
         for rows in row_blocks(total.shape):
             block = total[rows]
             for index, (weight, stored, is_plain) in enumerate(zip(weights, color, plain)):
                 part = block if index == 0 else scratch[: len(block)]
-                # Infinities of two signs, or signalling NaN: what comes of them is no number, and counts as 0 below.
+                # Infinities of two signs, or signalling NaN: what comes of them is no number,
+                # and counts as 0 below.
                 with np.errstate(all="ignore"):
                     if is_plain:
                         half.scaled_into(stored[rows], weight, part)
@@ -178,8 +194,8 @@ class Frame:
 
 
 def _from_chroma(y: np.ndarray, ry: np.ndarray, by: np.ndarray) -> list[np.ndarray]:
-    """Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical Introduction,
-    Luminance/Chroma Images)."""
+    """Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical
+    Introduction, Luminance/Chroma Images)."""
     with np.errstate(all="ignore"):
         red, blue = (1 + ry) * y, (1 + by) * y
         return [red, (y - LUMINANCE[0] * red - LUMINANCE[2] * blue) / LUMINANCE[1], blue]

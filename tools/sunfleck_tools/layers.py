@@ -1,8 +1,9 @@
 """What channels are, by their names: layers, the picture itself, and what values of a channel mean.
 
-Names are those that renderers give their passes (AOVs): Arnold (N, P, Z, motionvector), RenderMan (Nn, __Pworld, dPdtime), V-Ray
-(normals, velocity, zDepth), Redshift, Karma and Mantra (Pz, hitN, primId), Cycles (Vector, IndexOB, Denoising Normal).
-Invariant: a name that says nothing is light, of which the strictest is asked.
+Names are those that renderers give their passes (AOVs). Arnold has N, P, Z and motionvector, RenderMan
+Nn, __Pworld and dPdtime, V-Ray normals, velocity and zDepth. Redshift, Karma and Mantra have Pz, hitN and
+primId, Cycles Vector, IndexOB and Denoising Normal. Invariant: a name that says nothing is light, of
+which the strictest is asked.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ IDS = re.compile(rf"(\w*_)?({THINGS})?_?id\d*|index_?(ob|ma)|({THINGS})_index|cr
 CRYPTOMATTE = re.compile(r"crypto\w*\d\d$")
 DEPTHS = re.compile(r"_*(z|zback|pz|hit_?pz|distance|mist)|(\w*_)?z?_?depth(_\w*|\d*)")
 DIRECTIONS = re.compile(r"(\w*_)?(n|nn|ng|ns|hitn)|\w*normals?\d*|\w*tangents?|dpd\w+|reflvec")
-PLACES = re.compile(r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|st|uv\w*)|\w*position\w*|points?|texcoords?|disparity\w*")
+PLACES = re.compile(
+    r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|st|uv\w*)|\w*position\w*|points?|texcoords?|disparity\w*"
+)
 MOTIONS = re.compile(r"\w*(motion|velocity|vector)\w*|mv|speed|forward|backward|(\w*_)?flow")
 """Of names in small letters, whose words `_` joins."""
 VECTOR_COMPONENTS = frozenset("XYZUVWxyzuvw")
@@ -56,7 +59,9 @@ def kind(name: str) -> Kind:
         return Kind.ID
     if DIRECTIONS.fullmatch(called) or PLACES.fullmatch(called) or is_motion(name):
         return Kind.DATA
-    if DEPTHS.fullmatch(called) or (component in ("Z", "z", "ZBack") and own in ("", "rgba", "beauty", "combined")):
+    if DEPTHS.fullmatch(called) or (
+        component in ("Z", "z", "ZBack") and own in ("", "rgba", "beauty", "combined")
+    ):
         return Kind.DEPTH
     if component in ("A", "a", "alpha"):
         return Kind.ALPHA
@@ -66,7 +71,8 @@ def kind(name: str) -> Kind:
 
 
 def holds_ids(name: str) -> bool:
-    """True if the values themselves are names of things: of Cryptomatte's channels every other is, the rest are coverages."""
+    """True if the values themselves are names of things: of Cryptomatte's channels every other is, the
+    rest are coverages."""
     component = split(name)[1]
     is_cryptomatte = CRYPTOMATTE.match(_called(name)[0]) is not None
     return kind(name) is Kind.ID and (not is_cryptomatte or component.lower() in ("r", "b", "red", "blue"))
@@ -79,14 +85,16 @@ def is_motion(name: str) -> bool:
 
 
 def _called(name: str) -> tuple[str, str]:
-    """The layer's own name, and that which says what is in it: the same, or without a layer the component's."""
+    """The layer's own name, and that which says what is in it: the same, or without a
+    layer the component's."""
     layer, component = split(name)
     own = re.sub(r"[\s-]+", "_", layer.rpartition(".")[2].lower())
     return own, own or component.lower()
 
 
 def picture(names: Iterable[str]) -> tuple[str, ...]:
-    """The channels of the picture itself: three of colour, or its luminance alone; none where there is no picture."""
+    """The channels of the picture itself: three of colour, or its luminance alone; none where
+    there is no picture."""
     names = list(names)
     known = set(names)
     found: dict[str, tuple[str, ...]] = {}

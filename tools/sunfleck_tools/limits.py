@@ -1,7 +1,7 @@
 """What makes two frames too different: limits of the picture and of every channel.
 
-Invariant: each channel of amounts keeps one limit of each measure: that of the last pattern that names it, else the one for all; and
-a pattern that names no channel is not kept.
+Invariants: each channel of amounts keeps one limit of each measure: that of the last pattern that names it,
+else the one for all. A pattern that names no channel is not kept.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ MEASURES = {
 
 @dataclass(frozen=True)
 class ChannelLimit:
-    """A limit of one measure, of `MEASURES`, for the channels whose names fit a pattern such as `diffuse.*`."""
+    """A limit of one measure, of `MEASURES`, for the channels whose names fit a pattern
+    such as `diffuse.*`."""
 
     measure: str
     channels: str
@@ -32,7 +33,8 @@ class ChannelLimit:
 
 @dataclass(frozen=True)
 class Limits:
-    """Those for all; `None` is no limit. `channels` are those of single channels, the later before the earlier."""
+    """Those for all; `None` is no limit. `channels` are those of single channels, the later
+    before the earlier."""
 
     rmse: float | None = None
     relative_mse: float | None = None
@@ -50,7 +52,11 @@ class Limits:
 
     def exceeded(self, found: Difference) -> Iterator[str]:
         """A sentence for each limit that is not kept, as it is not where there is nothing to measure."""
-        if any(errors.not_finite for name, errors in found.channels.items() if kind(name) in (Kind.LIGHT, Kind.ALPHA)):
+        if any(
+            errors.not_finite
+            for name, errors in found.channels.items()
+            if kind(name) in (Kind.LIGHT, Kind.ALPHA)
+        ):
             yield "values are not finite"
         for measure in ("rmse", "relative_mse"):
             yield from self._of_measure(measure, found)

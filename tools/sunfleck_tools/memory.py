@@ -1,7 +1,8 @@
 """Freed memory that stays with the process for the next frame.
 
-By glibc's rule a channel's pages go back to the system with every frame and come again, each by a fault, cleared: a fifth of what
-decoding costs. Invariant: a process keeps no more than it once needed at the same time.
+By glibc's rule a channel's pages go back to the system with every frame and come again, each by a
+fault, cleared: a fifth of what decoding costs. Invariant: a process keeps no more than it once
+needed at the same time.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""A sequence as a movie: by ffmpeg into what players and browsers take, WebP without it by Pillow, an animated PNG by own code.
+"""A sequence as a movie. ffmpeg makes what players and browsers take; without it Pillow makes WebP. Own code
+makes an animated PNG.
 
-Invariant: every frame of the sequence has its time in the movie, also one that cannot be shown; and a movie that was begun and
-not finished is not left behind.
+Invariants: every frame of the sequence has its time in the movie, also one that cannot be shown. A movie that
+was begun and not finished is not left behind.
 """
 
 from __future__ import annotations
@@ -51,8 +52,11 @@ class Writer(Protocol):
         """No more will come."""
 
 
-def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None = None) -> list[tuple[int, str]]:
-    """Writes a movie; the rate is that of the first frame that says one. Returns what could not be shown, with reasons."""
+def movie(
+    pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None = None
+) -> list[tuple[int, str]]:
+    """Writes a movie; the rate is that of the first frame that says one. Returns what could not be
+    shown, with reasons."""
     check_ending(out)
     ahead, faults = [], []
     cells = iter(pictures)
@@ -62,7 +66,9 @@ def movie(pictures: Iterable[Shown], count: int, out: Path, fps: Fraction | None
             break
     first = next((picture for picture in ahead if picture.pixels is not None), None)
     if first is None:
-        raise ToolError(f"none of the frames can be shown; frame {ahead[0].number}: {ahead[0].fault}", is_usage=False)
+        raise ToolError(
+            f"none of the frames can be shown; frame {ahead[0].number}: {ahead[0].fault}", is_usage=False
+        )
     height, width, _ = first.pixels.shape
     said = first.header.values.get("framesPerSecond")
     fps = fps or (said if isinstance(said, Fraction) and said > 0 else DEFAULT_FPS)
@@ -104,7 +110,10 @@ def check_ending(out: Path) -> None:
     if ending not in ENDINGS:
         raise ToolError(f"{out} is no name of a movie: expected one that ends in {', '.join(ENDINGS)}")
     if ending in BY_FFMPEG and ending != ".webp" and shutil.which("ffmpeg") is None:
-        raise ToolError(f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, OUT.png")
+        raise ToolError(
+            f"{ending} is made by ffmpeg, which is not on the PATH: install it, or write an animated PNG, "
+            "OUT.png"
+        )
 
 
 class Ffmpeg:
@@ -114,10 +123,24 @@ class Ffmpeg:
         ending = out.suffix.lower()
         colour = [] if ending == ".webp" else COLOUR
         command = ["ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y"]
-        command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", f"{width}x{height}", "-framerate", str(fps), "-i", "pipe:0"]
+        command += [
+            "-f",
+            "rawvideo",
+            "-pix_fmt",
+            "rgb24",
+            "-video_size",
+            f"{width}x{height}",
+            "-framerate",
+            str(fps),
+            "-i",
+            "pipe:0",
+        ]
         self._errors = tempfile.TemporaryFile()
         self._process = subprocess.Popen(
-            [*command, *colour, *BY_FFMPEG[ending], str(out)], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors
+            [*command, *colour, *BY_FFMPEG[ending], str(out)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=self._errors,
         )
 
     def add(self, pixels: np.ndarray) -> None:

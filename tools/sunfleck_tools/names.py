@@ -1,6 +1,7 @@
 """Where a file's name has its frame's number.
 
-Invariant: a version (`v2`, `_v003`) is no number of a frame, and a name without a number is a picture by itself.
+Invariant: a version (`v2`, `_v003`) is no number of a frame, and a name without a number
+is a picture by itself.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ ENDING = re.compile(r"\.exr", re.IGNORECASE)
 WHOLE = re.compile(r"(?:(?<=\.)|^)(-?\d+)(?=\.)")
 """Between dots alone, as in `shot.1001.beauty.exr`; the last dot is that of the ending."""
 AT_END = re.compile(r"((?:(?:(?<=[._])|^)-)?\d+)(?=\.[^.]*$)")
-"""Before the ending, as in `leaf_0007.exr` and Blender's `render0007.exr`. A minus is a sign at the beginning and behind `.` or `_`;
-elsewhere (`take-0007.exr`) it is a dash."""
+"""Before the ending, as in `leaf_0007.exr` and Blender's `render0007.exr`. A minus is a sign at the beginning
+and behind `.` or `_`; elsewhere (`take-0007.exr`) it is a dash."""
 BETWEEN = re.compile(r"(?<=[._-])(\d+)(?=[._-])")
 """Between separators of any kind, as in `shot_0007_left.exr`."""
 VERSION = re.compile(r"(?:^|[^a-z])v$", re.IGNORECASE)

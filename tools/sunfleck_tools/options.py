@@ -12,7 +12,8 @@ class Options:
     """Every field has a default that suits a sequence rendered by one command."""
 
     frames: tuple[int, ...] | None = None
-    """The frames that must be there; `None` is all from the first to the last found, and those that `stats` tells of."""
+    """The frames that must be there; `None` is all from the first to the last found, and those that
+    `stats` tells of."""
     fps: Fraction | None = None
     """The frame rate that every file must carry; `None` is the one that most of them carry."""
     reference: Path | None = None
@@ -28,7 +29,7 @@ class Options:
     static: bool = False
     """Nothing moves: frames may be equal to the ones before."""
     processes: int | None = None
-    """Processes that decode; `None` is one for each processor. 0 decodes in the caller's own: quicker for a few small frames,
-    but a decoder that crashes takes the caller along."""
+    """Processes that decode; `None` is one for each processor. 0 decodes in the caller's own: quicker for a
+    few small frames, but a decoder that crashes takes the caller along."""
     thumbnails: bool = False
     """Keep small pictures of the frames, for a report."""

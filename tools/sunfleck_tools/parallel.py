@@ -1,6 +1,7 @@
 """A function over many arguments in processes, with bounded memory, surviving a process that dies.
 
-Invariant: results come in the arguments' order, one each; and no process outlives the one that started it, however that ends.
+Invariant: results come in the arguments' order, one each; and no process outlives the one that started
+it, however that ends.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ def in_processes(
     processes: int,
     if_it_dies: Callable[[Argument], Result],
 ) -> Iterator[Result]:
-    """`function` of each argument; of those that crash their process, `if_it_dies`. With 0 processes, in this one.
+    """`function` of each argument; of those that crash their process, `if_it_dies`. With 0
+    processes, in this one.
 
     Raises what `function` raises, and `MemoryError` where the system killed a process.
     """
@@ -71,13 +73,14 @@ def in_processes(
             process.kill()
         raise
     finally:
-        # Waited for: the interpreter's end and the pool's own thread would race for the pipe between them (Python 3.11).
+        # Waited for: the interpreter's end and the pool's own thread would race for the pipe
+        # between them (Python 3.11).
         pool.shutdown(cancel_futures=True)
 
 
 def _learn_of_ends() -> None:
-    """Who starts a program may leave it SIGCHLD ignored, and the system then keeps from it that a process has ended: Python waits for
-    ever, busily."""
+    """Who starts a program may leave it SIGCHLD ignored, and the system then keeps from it that a process has
+    ended: Python waits for ever, busily."""
     is_main = threading.current_thread() is threading.main_thread()
     if is_main and hasattr(signal, "SIGCHLD") and signal.getsignal(signal.SIGCHLD) is signal.SIG_IGN:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
@@ -98,8 +101,8 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _signals_later() -> Iterator[None]:
-    """For a block that starts processes, signals wait, lest one is left half started. Ctrl-C waits in the processes for ever: it is
-    for the one that started them."""
+    """For a block that starts processes, signals wait, lest one is left half started. Ctrl-C waits in the
+    processes for ever: it is for the one that started them."""
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -118,7 +121,10 @@ def _signals_later() -> Iterator[None]:
 
 
 def _alone(
-    function: Callable[[Argument], Result], argument: Argument, context: BaseContext, if_it_dies: Callable[[Argument], Result]
+    function: Callable[[Argument], Result],
+    argument: Argument,
+    context: BaseContext,
+    if_it_dies: Callable[[Argument], Result],
 ) -> Result:
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_answer, args=(function, argument, theirs), daemon=True)

@@ -1,6 +1,7 @@
 """Frames to pictures for eyes.
 
-Invariant: whatever a file holds, there is a picture: one that cannot be shown is a hatched field, and its fault a sentence.
+Invariant: whatever a file holds, there is a picture: one that cannot be shown is a hatched field, and
+its fault a sentence.
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ def show(display: Display, width: int | None, argument: tuple[int, str | None]) 
     if frame is None:
         return Shown(number, fault=f"{fault} ({Path(path).name})")
     if width is None or width >= frame.canvas[1]:
-        pixels = frame.on_canvas(display.bytes(np.stack(frame.group(), axis=-1), frame.header.data_window[:2]))
+        pixels = frame.on_canvas(
+            display.bytes(np.stack(frame.group(), axis=-1), frame.header.data_window[:2])
+        )
     else:
         pixels = display.bytes(thumbnail(frame, width).astype(np.float32))
     return Shown(number, pixels, header=frame.header)
@@ -67,7 +70,9 @@ def files_of(listing: Listing) -> list[tuple[int, str | None]]:
     return [(number, paths.get(number)) for number in listing.expected]
 
 
-def shown(frames: Sequence[tuple[int, str | None]], display: Display, width: int | None, processes: int) -> Iterator[Shown]:
+def shown(
+    frames: Sequence[tuple[int, str | None]], display: Display, width: int | None, processes: int
+) -> Iterator[Shown]:
     """Pictures of frames, in their order."""
     yield from in_processes(partial(show, display, width), frames, min(processes, len(frames)), _died)
 

@@ -34,7 +34,9 @@ class AnimatedPng:
         height, width, _ = pixels.shape
         if self._sequence == 0:
             # Played for ever.
-            self._file.write(SIGNATURE + _head(pixels.shape) + _chunk(b"acTL", struct.pack(">II", self._frames, 0)))
+            self._file.write(
+                SIGNATURE + _head(pixels.shape) + _chunk(b"acTL", struct.pack(">II", self._frames, 0))
+            )
         delay = 1 / self._fps.limit_denominator(65535)
         control = struct.pack(">IIIIHHBB", width, height, 0, 0, delay.numerator, delay.denominator, 0, 0)
         self._file.write(_chunk(b"fcTL", self._number() + control))

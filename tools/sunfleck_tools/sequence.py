@@ -1,6 +1,7 @@
 """Names to frames: a folder or pattern to the numbered files of its sequences.
 
-Invariant: every EXR file of the folder is a frame of one listing; those that stand alone beside a sequence are its `strangers` too.
+Invariant: every EXR file of the folder is a frame of one listing; those that stand alone beside a sequence
+are its `strangers` too.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ class Listing:
     strangers: list[Path] = field(default_factory=list)
     leftovers: list[Path] = field(default_factory=list)
     elsewhere: dict[str, list[int]] = field(default_factory=dict)
-    """By pattern of another sequence in the folder, the frames that it has before the first or behind the last of this one."""
+    """By pattern of another sequence in the folder, the frames that it has before the first or behind the
+    last of this one."""
     is_still: bool = False
     """True of a picture by itself, whose name has no number: it counts as frame 0."""
 
@@ -75,7 +77,9 @@ class Listing:
     def frames(self) -> list[Named]:
         """One file a frame, ascending; of several the one that is named right."""
         chosen: dict[int, Named] = {}
-        for file in sorted(self.files, key=lambda f: (f.number, f.path.name != self.name_of(f.number), f.path.name)):
+        for file in sorted(
+            self.files, key=lambda f: (f.number, f.path.name != self.name_of(f.number), f.path.name)
+        ):
             chosen.setdefault(file.number, file)
         return list(chosen.values())
 
@@ -92,17 +96,21 @@ class Listing:
 
 
 def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -> Listing:
-    """The one sequence of `target`, as of `list_sequences`; raises `SequenceError` where there are several."""
+    """The one sequence of `target`, as of `list_sequences`; raises `SequenceError` where
+    there are several."""
     listings = list_sequences(target, expected)
     long = [listing for listing in listings if len(listing.files) > 1]
     if len(long or listings) > 1:
         patterns = ", ".join(listing.pattern for listing in (long or listings)[:MOST_NAMED])
-        raise SequenceError(f"{target} holds {len(long or listings)} sequences: name one of them, such as {patterns}")
+        raise SequenceError(
+            f"{target} holds {len(long or listings)} sequences: name one of them, such as {patterns}"
+        )
     return (long or listings)[0]
 
 
 def list_sequences(target: str | Path, expected: tuple[int, ...] | None = None) -> list[Listing]:
-    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the longest sequence first.
+    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the
+    longest sequence first.
 
     Raises `SequenceError` if there is nothing to look at.
     """
@@ -115,7 +123,9 @@ def list_sequences(target: str | Path, expected: tuple[int, ...] | None = None) 
     if len(place) == 1:
         return [_matching(path, place[0], expected)]
     if not path.exists():
-        raise SequenceError(f"there is no {target}: expected a folder, a file, or a pattern such as out/name.####.exr", False)
+        raise SequenceError(
+            f"there is no {target}: expected a folder, a file, or a pattern such as out/name.####.exr", False
+        )
     raise SequenceError(f"{target} is neither a folder nor a regular file", False)
 
 
@@ -132,7 +142,8 @@ def _all_of(folder: Path, expected: tuple[int, ...] | None) -> list[Listing]:
         is_first = key == keys[0]
         # Every leftover is told once: by the sequence whose name it has, the longest of such names.
         leftovers = [entry for entry in names if _leftover_of(entry, groups) == key]
-        # A single file beside sequences lost its name, or is none of theirs: of such a frame no range is expected.
+        # A single file beside sequences lost its name, or is none of theirs: of such a frame
+        # no range is expected.
         listed = _listing(folder, key, groups[key], None if long and key not in long else expected, leftovers)
         listed.strangers = alone if is_first and long else []
         listings.append(listed)
@@ -147,7 +158,11 @@ def _look_beside(listings: list[Listing]) -> None:
         for other in listings:
             theirs = {file.number for file in other.files}
             beyond = sorted(number for number in theirs if not min(own) <= number <= max(own))
-            if other is not listing and own & theirs and 0 < len(beyond) <= max(1, len(own) // NEARLY_TOGETHER):
+            if (
+                other is not listing
+                and own & theirs
+                and 0 < len(beyond) <= max(1, len(own) // NEARLY_TOGETHER)
+            ):
                 listing.elsewhere[other.pattern] = beyond
 
 
@@ -158,7 +173,9 @@ def _matching(path: Path, place: re.Match[str], expected: tuple[int, ...] | None
     files = [Named(int(number), number.lstrip("-"), entry) for entry, number in found if number is not None]
     if not files:
         raise SequenceError(f"no file matches {path}", False)
-    leftovers = [entry for entry in names if entry.name.endswith(PART_SUFFIX) and entry.name.startswith(f".{before}")]
+    leftovers = [
+        entry for entry in names if entry.name.endswith(PART_SUFFIX) and entry.name.startswith(f".{before}")
+    ]
     listing = _listing(path.parent, (before, after), files, expected, leftovers)
     listing.digits = _digits(place)
     return listing
@@ -192,7 +209,9 @@ def _listing(folder, key, files, expected, leftovers) -> Listing:
     if expected is None:
         # Numbers far apart are a slip in a name, not a billion lost frames.
         first, last = min(numbers), max(numbers)
-        expected = range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
+        expected = (
+            range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
+        )
     return Listing(folder, *key, _usual_digits(files), files, list(expected), leftovers=leftovers)
 
 

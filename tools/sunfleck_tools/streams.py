@@ -1,7 +1,8 @@
 """The standard streams, whatever they are: closed, full, or read by nobody.
 
-Invariant: writing to them never raises; what becomes of a command is told by its exit code. Only output that a disk would not take
-is a failure, which `lost` tells: who closes a pipe or a stream has said that it is not wanted.
+Invariant: writing to them never raises; what becomes of a command is told by its exit code. Only
+output that a disk would not take is a failure, which `lost` tells: who closes a pipe or a stream has
+said that it is not wanted.
 """
 
 from __future__ import annotations
@@ -73,7 +74,8 @@ class Patient(io.TextIOBase):
 
 
 def open_descriptors() -> None:
-    """Fills the standard descriptors that are closed, so that no file gets their numbers, and what is meant for the terminal."""
+    """Fills the standard descriptors that are closed, so that no file gets their numbers, and what is meant
+    for the terminal."""
     for descriptor in (0, 1, 2):
         try:
             os.fstat(descriptor)

@@ -117,15 +117,16 @@ def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -
         index = min(flat.size - 1, int(0.99 * flat.size))
         ranges = [frame.extremes(name) for name in frame.picture]
         summary.smallest, summary.largest = min(low for low, _ in ranges), max(high for _, high in ranges)
-        # In place: fresh memory costs as much as the search. What is not negative is in the order of its bits, and integers
-        # are searched twice as fast.
+        # In place: fresh memory costs as much as the search. What is not negative is in the order of its
+        # bits, and integers are searched twice as fast.
         (flat.view(np.int32) if all(low >= 0 for low, _ in ranges) else flat).partition(index)
         summary.p99 = float(flat[index])
         summary.constant = all(low == high for low, high in ranges)
 
 
 def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
-    """Linear RGB of the picture, averaged down to about `width` pixels; values that are not finite count as 0."""
+    """Linear RGB of the picture, averaged down to about `width` pixels; values that are not
+    finite count as 0."""
     if not frame.picture:
         return None
     colors = [frame.channels[name] for name in frame.picture] if len(frame.picture) == 3 else frame.group()
@@ -140,5 +141,7 @@ def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
             if not np.isfinite([light.min(), light.max()]).all():
                 np.nan_to_num(light, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
             lines = light.reshape(-1, step, columns * step).sum(axis=1)
-            small[block.start // step : block.stop // step, :, index] = lines.reshape(-1, columns, step).sum(axis=2)
+            small[block.start // step : block.stop // step, :, index] = lines.reshape(-1, columns, step).sum(
+                axis=2
+            )
     return (small / step**2).astype(np.float16)

@@ -70,11 +70,14 @@ class Report:
         return self.count(Severity.ERROR) > 0 or (at is Severity.WARNING and self.count(Severity.WARNING) > 0)
 
 
-def validate(target: str | Path, options: Options = Options(), progress: Progress = lambda done, of: None) -> Report:
-    """Checks every frame of `target`: a folder with one sequence or several, a pattern such as `out/x.####.exr`, or one file.
+def validate(
+    target: str | Path, options: Options = Options(), progress: Progress = lambda done, of: None
+) -> Report:
+    """Checks every frame of `target`: a folder with one sequence or several, a pattern such as
+    `out/x.####.exr`, or one file.
 
-    A script that calls this needs the usual `if __name__ == "__main__":`, since frames are decoded in processes. Raises
-    `SequenceError` if there is nothing to check, and `MemoryError`.
+    A script that calls this needs the usual `if __name__ == "__main__":`, since frames are decoded in
+    processes. Raises `SequenceError` if there is nothing to check, and `MemoryError`.
     """
     seconds = render_seconds(options.stats) if options.stats else {}
     listings = list_sequences(target, options.frames)
@@ -89,7 +92,9 @@ def validate(target: str | Path, options: Options = Options(), progress: Progres
     return Report(sequences, options)
 
 
-def _check(listing: Listing, options: Options, seconds: dict[int, float], progress: Callable[[int], None]) -> Checked:
+def _check(
+    listing: Listing, options: Options, seconds: dict[int, float], progress: Callable[[int], None]
+) -> Checked:
     jobs = _jobs(listing, options)
     processes = min(os.cpu_count() or 1 if options.processes is None else options.processes, len(jobs))
     frames: list[FrameSummary] = []
@@ -151,7 +156,9 @@ def _look_again(frames: list[FrameSummary], options: Options, processes: int) ->
     ]
     if not suspects:
         return
-    results = in_processes(_confirm_one, arguments, min(processes, len(suspects)), lambda argument: argument[0])
+    results = in_processes(
+        _confirm_one, arguments, min(processes, len(suspects)), lambda argument: argument[0]
+    )
     for frame, found in zip(suspects, results):
         frame.fireflies, frame.black_blocks = found.fireflies, found.blocks
 

@@ -1,6 +1,7 @@
 """Pictures as an animated WebP, by Pillow.
 
-Invariant: a frame begins within half a millisecond of its time, however many there are: WebP counts whole ones.
+Invariant: a frame begins within half a millisecond of its time, however many there are:
+WebP counts whole ones.
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ class Webp:
 
         self._bytes += pixels.nbytes
         if self._bytes > MOST_BYTES:
-            raise ToolError(f"{len(self._pictures)} frames of this size are all that Pillow can hold: choose a smaller --width, or install ffmpeg")
+            raise ToolError(
+                f"{len(self._pictures)} frames of this size are all that Pillow can hold: choose a smaller "
+                "--width, or install ffmpeg"
+            )
         self._pictures.append(Image.fromarray(pixels))
 
     def close(self) -> None:
@@ -43,5 +47,12 @@ class Webp:
         durations = [end - start for start, end in zip(starts, starts[1:])]
         first, *others = self._pictures
         first.save(
-            self._file, "WEBP", save_all=True, append_images=others, duration=durations, loop=0, quality=self.QUALITY, method=4
+            self._file,
+            "WEBP",
+            save_all=True,
+            append_images=others,
+            duration=durations,
+            loop=0,
+            quality=self.QUALITY,
+            method=4,
         )

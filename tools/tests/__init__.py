@@ -1,1 +1,2 @@
-"""Tests of sunfleck_tools: run with `python -m unittest discover -s tools/tests -t tools` where the package is installed."""
+"""Tests of sunfleck_tools: run with `python -m unittest discover -s tools/tests -t tools` where the
+package is installed."""

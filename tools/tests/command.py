@@ -18,8 +18,8 @@ SEQUENCES = Path(__file__).parents[2] / "sequences"
 
 
 def run(*arguments: object) -> tuple[int, str, str]:
-    """Exit code, output and errors. One process that decodes, unless told otherwise: for a few small frames, starting more of them
-    takes longer than their work."""
+    """Exit code, output and errors. One process that decodes, unless told otherwise: for a few small frames,
+    starting more of them takes longer than their work."""
     if arguments[0] in DECODING and "--processes" not in arguments:
         arguments = (*arguments, "--processes", 1)
     out, err = io.StringIO(), io.StringIO()

@@ -1,5 +1,6 @@
-"""What `validate` costs beside decoding alone: processor time over a folder, in turns of a few frames, so that a machine that
-others use too is as slow for one as for the other.
+"""What `validate` costs beside decoding alone: processor time over a folder, in turns of a few frames.
+
+A machine that others use too is then as slow for one as for the other.
 
     python -m tests.cost ../out/many        (in tools/; tests.many_frames makes such a folder)
 """
@@ -81,7 +82,9 @@ def turns(source: Path, scratch: Path) -> list[Path]:
 
 def main() -> None:
     """Prints a line for each."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     spent = dict.fromkeys(WORKS, 0.0)
@@ -100,7 +103,10 @@ def main() -> None:
     print(f"{frames} frames, {FRAMES_A_TURN} a turn")
     alone = spent["decoding alone"]
     for name, total in spent.items():
-        print(f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, {total / alone:.2f})")
+        print(
+            f"{name:28} {total:7.1f} s of a processor ({1e3 * total / frames:.1f} ms a frame, "
+            f"{total / alone:.2f})"
+        )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""Kinds of damage: each a function that damages a good sequence of twelve frames, and the checks that have to find it.
+"""Kinds of damage: each a function that damages a good sequence of twelve frames, and the checks
+that have to find it.
 
 `python -m tests.damages` (in tools/) prints the table that docs/validate.md has.
 """
@@ -135,7 +136,8 @@ COMPRESSED = {
     0: "pixel-hash", 1: "pixel-hash", 2: "decode", 3: "decode", 4: "pixel-hash", 5: "decode", 6: "pixel-hash",
     7: "pixel-hash", 8: "decode", 9: "decode", 10: "pixel-hash", 11: "pixel-hash", 13: "pixel-hash",
 }  # fmt: skip
-"""Who finds a flipped byte in which compression: the decoder, where there is a checksum; the hash, where there is none."""
+"""Who finds a flipped byte in which compression: the decoder, where there is a checksum; the hash,
+where there is none."""
 
 
 @damage("two frames swapped", "image-counter", VICTIM, VICTIM + 1)
@@ -220,7 +222,9 @@ def with_time_codes(folder: Path, code_of: Callable[[int], int]) -> None:
     """Gives every frame a time code of minutes 0, seconds 0."""
     for number in range(1, 13):
         tens, ones = divmod(code_of(number), 10)
-        add_attribute(frame_path(folder, number), "timeCode", "timecode", struct.pack("<II", tens << 4 | ones, 0))
+        add_attribute(
+            frame_path(folder, number), "timeCode", "timecode", struct.pack("<II", tens << 4 | ones, 0)
+        )
 
 
 @damage("a time code that is two frames ahead", "time-code")
@@ -230,12 +234,17 @@ def time_code(folder: Path) -> None:
 
 @damage("one frame of another size", "structure")
 def size(folder: Path) -> None:
-    rewrite(frame_path(folder, VICTIM), lambda channels: {name: values[:-2] for name, values in channels.items()})
+    rewrite(
+        frame_path(folder, VICTIM), lambda channels: {name: values[:-2] for name, values in channels.items()}
+    )
 
 
 @damage("one frame lacks a pass", "structure")
 def no_pass(folder: Path) -> None:
-    rewrite(frame_path(folder, VICTIM), lambda c: {name: v for name, v in c.items() if not name.startswith("albedo")})
+    rewrite(
+        frame_path(folder, VICTIM),
+        lambda c: {name: v for name, v in c.items() if not name.startswith("albedo")},
+    )
 
 
 @damage("one frame has floats where the others have halves", "structure")
@@ -308,7 +317,11 @@ def seal_all(folder: Path) -> Path:
 def header_bit(folder: Path) -> None:
     path = seal_all(folder)
     # The width of the screen window, which no other check looks at.
-    flip(path, path.read_bytes().index(b"screenWindowWidth\0float\0") + len(b"screenWindowWidth\0float\0") + 4, 1)
+    flip(
+        path,
+        path.read_bytes().index(b"screenWindowWidth\0float\0") + len(b"screenWindowWidth\0float\0") + 4,
+        1,
+    )
 
 
 @damage("a byte added to the end of a file", "file-hash")

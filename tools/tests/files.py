@@ -54,7 +54,9 @@ def rewrite(
     attributes: dict[str, object] = {f"sunfleck:{name}": header.text(f"sunfleck:{name}") for name in TEXTS}
     attributes.update({f"sunfleck:{name}": value for name, value in (texts or {}).items()})
     attributes["imageCounter"] = header.values["imageCounter"] if counter is None else counter
-    attributes.update(compression=OpenEXR.Compression(compression), type=OpenEXR.scanlineimage, **(extra or {}))
+    attributes.update(
+        compression=OpenEXR.Compression(compression), type=OpenEXR.scanlineimage, **(extra or {})
+    )
     attributes = {name: value for name, value in attributes.items() if value is not None}
     if sign:
         # Lossy compressions: the hash is of what comes back.
@@ -98,8 +100,12 @@ def flip(path: Path, at: int, bits: int = 0xFF) -> None:
 
 def marked_sky(path: Path) -> None:
     """An image of the sky that tells in red how far to the right, in green how far down one looks."""
-    right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
-    with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": np.ones_like(right)}) as file:
+    right, down = np.meshgrid(
+        (np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32
+    )
+    with OpenEXR.File(
+        {"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": np.ones_like(right)}
+    ) as file:
         file.write(str(path))
 
 
@@ -114,21 +120,39 @@ def write_frame(path: Path, channels: Channels, **header: object) -> Path:
 
 
 def write_sampled(path: Path, channels: dict[str, tuple[np.ndarray, int]], width: int, height: int) -> Path:
-    """An uncompressed frame of floats, each channel with a value every so many pixels, each way; OpenEXR for Python writes none."""
+    """An uncompressed frame of floats, each channel with a value every so many pixels, each way; OpenEXR for
+    Python writes none."""
 
     def attribute(name: str, kind: str, value: bytes) -> bytes:
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
 
     named = sorted(channels.items())
-    listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, step, step) for name, (_, step) in named) + b"\0"
+    listed = (
+        b"".join(
+            name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, step, step) for name, (_, step) in named
+        )
+        + b"\0"
+    )
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    header = b"\x76\x2f\x31\x01\x02\0\0\0" + attribute("channels", "chlist", listed) + attribute("compression", "compression", b"\0")
+    header = (
+        b"\x76\x2f\x31\x01\x02\0\0\0"
+        + attribute("channels", "chlist", listed)
+        + attribute("compression", "compression", b"\0")
+    )
     header += attribute("dataWindow", "box2i", window) + attribute("displayWindow", "box2i", window)
-    header += attribute("lineOrder", "lineOrder", b"\0") + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
-    header += attribute("screenWindowCenter", "v2f", bytes(8)) + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
+    header += attribute("lineOrder", "lineOrder", b"\0") + attribute(
+        "pixelAspectRatio", "float", struct.pack("<f", 1)
+    )
+    header += (
+        attribute("screenWindowCenter", "v2f", bytes(8))
+        + attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+        + b"\0"
+    )
     chunks = []
     for y in range(height):
-        row = b"".join(values[y // step].astype("<f4").tobytes() for _, (values, step) in named if y % step == 0)
+        row = b"".join(
+            values[y // step].astype("<f4").tobytes() for _, (values, step) in named if y % step == 0
+        )
         chunks.append(struct.pack("<2i", y, len(row)) + row)
     at = len(header) + 8 * height
     offsets = [at + sum(map(len, chunks[:y])) for y in range(height)]
@@ -143,16 +167,23 @@ def write_parts(path: Path, parts: dict[str, Channels]) -> Path:
     for name, channels in parts.items():
         header = {"name": name, "type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
         header["displayWindow"] = (np.array([0, 0], np.int32), np.array([width - 1, height - 1], np.int32))
-        made.append(OpenEXR.Part(header, {key: OpenEXR.Channel(np.ascontiguousarray(v)) for key, v in channels.items()}, name))
+        made.append(
+            OpenEXR.Part(
+                header, {key: OpenEXR.Channel(np.ascontiguousarray(v)) for key, v in channels.items()}, name
+            )
+        )
     with OpenEXR.File(made) as file:
         file.write(str(path))
     return path
 
 
 def scene(number: int, width: int = 64, height: int = 48) -> Channels:
-    """RGBA of a ball that moves across a lit ground, frame by frame; no two frames are alike, nothing is black."""
+    """RGBA of a ball that moves across a lit ground, frame by frame; no two frames are alike,
+    nothing is black."""
     x, y = np.meshgrid(np.arange(width), np.arange(height))
     ball = np.exp(-((x - 12 - 3 * number) ** 2 + (y - height / 2) ** 2) / 60)
     light = 0.1 + 0.2 * y / height + ball
-    channels = {name: (light * share).astype(np.float16) for name, share in (("R", 1.0), ("G", 0.7), ("B", 0.4))}
+    channels = {
+        name: (light * share).astype(np.float16) for name, share in (("R", 1.0), ("G", 0.7), ("B", 0.4))
+    }
     return {**channels, "A": np.ones((height, width), np.float16)}

@@ -1,10 +1,11 @@
-"""What changes from frame to frame where nothing should: noise alone, or more? And do leaves fall as leaves do, each in its own way?
+"""What changes from frame to frame where nothing should: noise alone, or more? And do leaves fall as leaves
+do, each in its own way?
 
     SUNFLECK=../target/release/sunfleck python -m tests.flicker [FOLDER]        (in tools/)
 
-Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds (in pieces: what is there and
-whole is kept, so that the same command goes on after an interruption), and prints the figures that docs/validate.md has. Exits with 1
-where a leaf is not where it can be.
+Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds. It goes
+in pieces. What is there and whole is kept, so the same command goes on after an interruption. It prints the
+figures that docs/validate.md has. Exits with 1 where a leaf is not where it can be.
 """
 
 from __future__ import annotations
@@ -61,7 +62,10 @@ class Frames:
     def __getitem__(self, number: int) -> tuple[list[np.ndarray], np.ndarray]:
         lights, moves = [], None
         for seed in SEEDS:
-            channels = {name: np.asarray(pixels, np.float64) for name, pixels in decode(self.folder / f"{seed}.{number:04d}.exr").items()}
+            channels = {
+                name: np.asarray(pixels, np.float64)
+                for name, pixels in decode(self.folder / f"{seed}.{number:04d}.exr").items()
+            }
             lights.append(0.2126 * channels["R"] + 0.7152 * channels["G"] + 0.0722 * channels["B"])
             moving = sum(abs(channels[f"Vector.{part}"]) for part in "XYZW") > 1e-4
             moves = moving if moves is None else moves | moving
@@ -78,8 +82,11 @@ def report_flicker(folder: Path) -> None:
         still = ~(window[0][1] | window[1][1] | window[2][1])
         light = np.mean([lights for lights, _ in window], axis=(0, 1))
         light = np.maximum(light, 0.1 * light.mean())[still]  # As a tolerance is meant.
-        first, second = ((window[0][0][s] - 2.0 * window[1][0][s] + window[2][0][s])[still] / light for s in (0, 1))
-        # A frame errs by as much as half the squared difference of its seeds says; errors of frames are independent: 1 + 4 + 1.
+        first, second = (
+            (window[0][0][s] - 2.0 * window[1][0][s] + window[2][0][s])[still] / light for s in (0, 1)
+        )
+        # A frame errs by as much as half the squared difference of its seeds says; errors of frames are
+        # independent: 1 + 4 + 1.
         error = np.mean([0.5 * np.mean(((a - b)[still] / light) ** 2) for (a, b), _ in window])
         shares.append(still.mean())
         ratios.append(np.sqrt(0.5 * np.mean(first**2 + second**2) / (6.0 * error)))
@@ -89,9 +96,18 @@ def report_flicker(folder: Path) -> None:
         window.pop(0)
     print(f"{FRAMES} frames of {SIZE}; nothing moves in {100 * np.mean(shares):.0f} % of the pixels")
     worst, most = 2 + int(np.argmax(ratios)), 2 + int(np.argmax(changes))
-    print(f"second difference of still pixels over their sampling error: median {np.median(ratios):.3f}, largest {max(ratios):.3f} (frame {worst})")
-    print(f"of its square common to both seeds: median {100 * np.median(changes):.1f} %, largest {100 * max(changes):.1f} % (frame {most})")
-    print(f"second difference of the still pixels' mean light: median {np.median(means):.1e}, largest {max(means):.1e} of it")
+    print(
+        f"second difference of still pixels over their sampling error: median {np.median(ratios):.3f}, "
+        f"largest {max(ratios):.3f} (frame {worst})"
+    )
+    print(
+        f"of its square common to both seeds: median {100 * np.median(changes):.1f} %, largest "
+        f"{100 * max(changes):.1f} % (frame {most})"
+    )
+    print(
+        f"second difference of the still pixels' mean light: median {np.median(means):.1e}, largest "
+        f"{max(means):.1e} of it"
+    )
 
 
 def ground_heights(scene: Gltf, meshes: Meshes) -> dict[tuple[int, int], list[np.ndarray]]:
@@ -104,7 +120,10 @@ def ground_heights(scene: Gltf, meshes: Meshes) -> dict[tuple[int, int], list[np
         for primitive in meshes.of(node)[1].primitives:
             corners = primitive.positions @ world[:3, :3].T + world[:3, 3]
             for triangle in corners[primitive.triangles]:
-                low, high = np.floor((triangle.min(axis=0) + 1e-6) / 3.0), np.floor((triangle.max(axis=0) - 1e-6) / 3.0)
+                low, high = (
+                    np.floor((triangle.min(axis=0) + 1e-6) / 3.0),
+                    np.floor((triangle.max(axis=0) - 1e-6) / 3.0),
+                )
                 for x in range(int(low[0]), int(high[0]) + 1):
                     for z in range(int(low[2]), int(high[2]) + 1):
                         squares.setdefault((x, z), []).append(triangle)
@@ -130,39 +149,60 @@ def report_leaves() -> bool:
     """Where leaves are at every frame; false if one jumps, or is in the ground."""
     scene = load(SEQUENCE, PROGRAM)
     meshes = Meshes(scene, [])
-    leaves = [node for node in scene.nodes if node.name.startswith(FALLS) and node.source.member("mesh") is not None]
+    leaves = [
+        node for node in scene.nodes if node.name.startswith(FALLS) and node.source.member("mesh") is not None
+    ]
     times = np.arange(FRAMES + 2) / 24.0
     worlds = np.array([leaf.world_from_node(times) for leaf in leaves])
     sizes = np.linalg.norm(worlds[:, :1, :3, 0], axis=-1)[..., None, None]
     places, turns = worlds[..., :3, 3], worlds[..., :3, :3] / sizes
-    hidden = sum("visible" in leaf.extras.raw or leaf.source.member("extensions") is not None for leaf in leaves)
+    hidden = sum(
+        "visible" in leaf.extras.raw or leaf.source.member("extensions") is not None for leaf in leaves
+    )
     steps = np.diff(places, axis=1)
     speeds = np.linalg.norm(steps, axis=-1) * 24.0
     accelerations = np.linalg.norm(np.diff(steps, axis=1), axis=-1) * 24.0**2
     between = np.einsum("ltij,ltik->ltjk", turns[:, :-1], turns[:, 1:])
     angles = np.arccos(np.clip(0.5 * (np.trace(between, axis1=2, axis2=3) - 1.0), -1.0, 1.0)) * 24.0
     flying = speeds > 0.02
-    print(f"{len(leaves)} leaves that fall, {flying.sum(axis=0).mean():.0f} of them in the air at a time; {hidden} can be hidden")
-    print(f"fastest {speeds.max():.2f} m/s, change of speed at most {accelerations.max():.0f} m/s2, fastest turn {angles.max():.0f} rad/s")
+    print(
+        f"{len(leaves)} leaves that fall, {flying.sum(axis=0).mean():.0f} of them in the air at a time; "
+        f"{hidden} can be hidden"
+    )
+    print(
+        f"fastest {speeds.max():.2f} m/s, change of speed at most {accelerations.max():.0f} m/s2, fastest "
+        f"turn {angles.max():.0f} rad/s"
+    )
 
     squares, lowest, who = ground_heights(scene, meshes), np.inf, ""
     for number, leaf in enumerate(leaves):
         points = np.concatenate([primitive.positions for primitive in meshes.of(leaf)[1].primitives])
         moved = np.concatenate([[True], flying[number]]) & (places[number, :, 1] < 3.5)
-        corners = np.einsum("tij,pj->tpi", worlds[number, moved, :3, :3], points) + worlds[number, moved, None, :3, 3]
+        corners = (
+            np.einsum("tij,pj->tpi", worlds[number, moved, :3, :3], points)
+            + worlds[number, moved, None, :3, 3]
+        )
         above = height(squares, corners.reshape(-1, 3))
         if len(above) and above.min() < lowest:
             lowest, who = above.min(), leaf.name
     print(f"lowest point of a leaf that moves, over the ground: {1e3 * lowest:.1f} mm (`{who}`)")
 
     together, apart = most_alike(steps, angles, flying, 0), most_alike(steps, angles, flying, ALIKE_FRAMES)
-    print(f"the two most alike for {ALIKE_FRAMES} frames: {100 * together:.0f} % of their spread apart; at different times: {100 * apart:.0f} %")
-    return bool(hidden == 0 and speeds.max() < FASTEST_M_PER_S and angles.max() < FASTEST_RAD_PER_S and lowest > -SUNK_M)
+    print(
+        f"the two most alike for {ALIKE_FRAMES} frames: {100 * together:.0f} % of their spread apart; at "
+        f"different times: {100 * apart:.0f} %"
+    )
+    return bool(
+        hidden == 0
+        and speeds.max() < FASTEST_M_PER_S
+        and angles.max() < FASTEST_RAD_PER_S
+        and lowest > -SUNK_M
+    )
 
 
 def most_alike(steps: np.ndarray, angles: np.ndarray, flying: np.ndarray, later: int) -> float:
-    """By how much the descent and the turning of two leaves differ at least, relative to how much both vary, whichever way they head;
-    of two leaves at the same time, or of one and another `later` frames later."""
+    """By how much the descent and the turning of two leaves differ at least, relative to how much both vary,
+    whichever way they head; of two leaves at the same time, or of one and another `later` frames later."""
     least = np.inf
     for first in range(0, FRAMES - ALIKE_FRAMES - later, ALIKE_FRAMES // 2):
         windows = slice(first, first + ALIKE_FRAMES), slice(first + later, first + later + ALIKE_FRAMES)
@@ -180,8 +220,16 @@ def most_alike(steps: np.ndarray, angles: np.ndarray, flying: np.ndarray, later:
 
 def main() -> int:
     """Prints all of it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, nargs="?", default=Path("../out/flicker"), help="where the frames go (default: %(default)s)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "folder",
+        type=Path,
+        nargs="?",
+        default=Path("../out/flicker"),
+        help="where the frames go (default: %(default)s)",
+    )
     arguments = parser.parse_args()
     if PROGRAM is None:
         print(f"error: {NO_PROGRAM}", file=sys.stderr)

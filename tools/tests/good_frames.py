@@ -33,9 +33,11 @@ RENDERS = {
     ),
     "i_conventions.glb": (f"{BLENDER}/i_conventions.glb", "--samples", "4"),
     "a_leaves40_scene.glb": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "8"),
-    "a_leaves40_scene.glb, motion blur": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "16", "--shutter", "0.5"),
+    "a_leaves40_scene.glb, motion "
+    "blur": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "16", "--shutter", "0.5"),
     "e_inst_default.glb": (f"{BLENDER}/e_inst_default.glb", "--samples", "4"),
-    "h_lights_pointer_scene.glb, which fades to black": (f"{BLENDER}/h_lights_pointer_scene.glb", "--samples", "4"),
+    "h_lights_pointer_scene.glb, which fades to "
+    "black": (f"{BLENDER}/h_lights_pointer_scene.glb", "--samples", "4"),
 }  # fmt: skip
 """Small pictures of few samples: the noisier, the harder to tell from damage."""
 
@@ -52,11 +54,23 @@ def main(wanted: list[str]) -> int:
             continue
         with tempfile.TemporaryDirectory() as folder:
             size = () if "--size" in flags else SMALL
-            command = [program, "render", str(ROOT / scene), *size, *flags, "--passes", "all", "--progress", "none"]
+            command = [
+                program,
+                "render",
+                str(ROOT / scene),
+                *size,
+                *flags,
+                "--passes",
+                "all",
+                "--progress",
+                "none",
+            ]
             command += ["--out", f"{folder}/x.####.exr"]
             subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
             report = validate(folder, Options(processes=1))
-        found = ", ".join(f"{count} `{check}`" for check, count in Counter(f.check for f in report.findings).items())
+        found = ", ".join(
+            f"{count} `{check}`" for check, count in Counter(f.check for f in report.findings).items()
+        )
         print(f"| {name} | {len(report.frames)} | {found or 'nothing'} |", flush=True)
         frames, findings = frames + len(report.frames), findings + len(report.findings)
     print(f"| together | {frames} | {findings or 'nothing'} |")

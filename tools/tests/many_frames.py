@@ -29,12 +29,16 @@ def multiply(sources: Sequence[Path], folder: Path, count: int, name: str = "man
 
 def main() -> None:
     """The command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("source", type=Path, help="a folder of frames that sunfleck rendered, three at least")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--count", type=int, default=1000)
     arguments = parser.parse_args()
-    multiply([file.path for file in list_sequence(arguments.source).frames], arguments.folder, arguments.count)
+    multiply(
+        [file.path for file in list_sequence(arguments.source).frames], arguments.folder, arguments.count
+    )
 
 
 if __name__ == "__main__":

@@ -20,7 +20,8 @@ MATERIALS = 5
 
 @dataclass(frozen=True)
 class Many:
-    """How many grids of `side` points squared, over how many frames: moved by `modes` shapes, or by chance if there are none."""
+    """How many grids of `side` points squared, over how many frames: moved by `modes` shapes, or by
+    chance if there are none."""
 
     meshes: int
     side: int = 4
@@ -50,10 +51,13 @@ def make_stage(path: Path, many: Many) -> None:
     u, v = (each.ravel() for each in np.meshgrid(*[np.linspace(0, 1, many.side)] * 2, indexing="ij"))
     for number in range(MATERIALS):
         material, shader = (
-            kind.Define(stage, f"/m{number}{end}") for kind, end in ((UsdShade.Material, ""), (UsdShade.Shader, "/s"))
+            kind.Define(stage, f"/m{number}{end}")
+            for kind, end in ((UsdShade.Material, ""), (UsdShade.Shader, "/s"))
         )
         shader.CreateIdAttr("UsdPreviewSurface")
-        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        material.CreateSurfaceOutput().ConnectToSource(
+            shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+        )
     for number in range(many.meshes):
         place = UsdGeom.Xform.Define(stage, f"/x{number}")
         place.AddTranslateOp().Set((number % 100, 0, number // 100))
@@ -67,11 +71,15 @@ def make_stage(path: Path, many: Many) -> None:
         points = mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(rest.astype(np.float32)))
         for frame in range(1, many.frames + 1) if many.frames > 1 else ():
             by = np.sin(0.1 * frame * (1 + np.arange(many.modes)))
-            moved = np.einsum("m,mpi->pi", by, modes) if many.modes else 0.1 * random.standard_normal(rest.shape)
+            moved = (
+                np.einsum("m,mpi->pi", by, modes) if many.modes else 0.1 * random.standard_normal(rest.shape)
+            )
             points.Set(Vt.Vec3fArray.FromNumpy((rest + moved).astype(np.float32)), frame)
         primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "vertex")
         primvar.Set(Vt.Vec2fArray.FromNumpy(np.stack([u, v], axis=1).astype(np.float32)))
-        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(UsdShade.Material.Get(stage, f"/m{number % MATERIALS}"))
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(
+            UsdShade.Material.Get(stage, f"/m{number % MATERIALS}")
+        )
     stage.GetRootLayer().Save()
 
 

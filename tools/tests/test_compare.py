@@ -80,7 +80,8 @@ class Measures(unittest.TestCase):
     def test_what_cannot_be_compared_says_why(self):
         reference = write(self.folder / "r.exr", [1, 2, 3, 4])
         for output, why in (
-            (write(self.folder / "size.exr", [1, 2, 3, 4], full=5), "the pictures differ in size: 5x1 against 4x1 pixels"),
+            (write(self.folder / "size.exr", [1, 2, 3, 4], full=5), "the pictures differ in size: 5x1 "
+                                                                    "against 4x1 pixels"),
             (write(self.folder / "names.exr", [1, 2, 3, 4], names="XYZ"), "no channel in common"),
         ):
             self.assertIn(why, self.compared(output, reference).fault)
@@ -88,7 +89,10 @@ class Measures(unittest.TestCase):
 
     def test_ids_are_equal_or_not(self):
         """The bits of two of these ids are those of NaN and of a number next to another."""
-        rows = np.array([0, 7, 0x7FC00001, 0x3F800000], np.uint32), np.array([0, 7, 0x7FC00002, 0x3F800001], np.uint32)
+        rows = (
+            np.array([0, 7, 0x7FC00001, 0x3F800000], np.uint32),
+            np.array([0, 7, 0x7FC00002, 0x3F800001], np.uint32),
+        )
         one, other = (self.folder / name for name in ("one.exr", "other.exr"))
         for path, ids in zip((one, other), rows):
             names = ("CryptoObject00.R", "CryptoObject00.G")
@@ -96,7 +100,9 @@ class Measures(unittest.TestCase):
         found = self.compared(one, other).difference
         self.assertEqual(found.ids, {"CryptoObject00.R": IdErrors(2, (2, 0), 4)})
         # Coverages are amounts.
-        self.assertEqual((list(found.channels), found.channels["CryptoObject00.G"].rmse), (["CryptoObject00.G"], 0.0))
+        self.assertEqual(
+            (list(found.channels), found.channels["CryptoObject00.G"].rmse), (["CryptoObject00.G"], 0.0)
+        )
         self.assertEqual(self.compared(one, one).difference.ids["CryptoObject00.R"].different, 0)
         for limit, code in (("0.5", 0), ("0.4", 1), ("0", 1)):
             self.assertEqual(run("compare", one, other, "--max-ids", limit)[0], code)
@@ -114,14 +120,18 @@ class Measures(unittest.TestCase):
     def test_figures_are_those_of_the_program(self):
         folder = good_sequence(self.folder / "frames")
         pair = [frame_path(folder, 3), frame_path(folder, 4)]
-        theirs = subprocess.run([PROGRAM, "diff", *map(str, pair)], check=True, capture_output=True, text=True).stdout
+        theirs = subprocess.run(
+            [PROGRAM, "diff", *map(str, pair)], check=True, capture_output=True, text=True
+        ).stdout
         _, ours, _ = run("compare", *pair)
         for line in theirs.strip().splitlines():
             name, _, figures = line.partition(" ")
             (own,) = [other for other in ours.splitlines() if other.split(":")[1].split()[0] == name]
             for one, other in zip(figures.split(), own.split(f" {name} ", 1)[1].split()):
                 if one.replace(".", "").replace("-", "").replace("e", "").isdigit():
-                    self.assertAlmostEqual(float(one), float(other), delta=2e-6 * (1 + abs(float(one))), msg=line)
+                    self.assertAlmostEqual(
+                        float(one), float(other), delta=2e-6 * (1 + abs(float(one))), msg=line
+                    )
                 else:
                     self.assertEqual(one, other)
 
@@ -138,7 +148,10 @@ class Sequences(unittest.TestCase):
         rewrite(frame_path(self.ours, 7), lambda c: {**c, "G": c["G"] * np.float16(1.5)})
         code, out, _ = run("compare", self.ours, self.theirs, "--max-relmse", "0.01")
         self.assertEqual(code, 1)
-        self.assertRegex(out.splitlines()[0], r"^frame 7: RGB .* in G; too much: relative mean square error .*, allowed 0.01$")
+        self.assertRegex(
+            out.splitlines()[0],
+            r"^frame 7: RGB .* in G; too much: relative mean square error .*, allowed 0.01$",
+        )
         self.assertEqual(len(out.splitlines()), 12)
         frame_path(self.theirs, 2).unlink()
         frame_path(self.theirs, 3).write_bytes(b"")
@@ -150,11 +163,24 @@ class Sequences(unittest.TestCase):
     def test_json_follows_its_schema(self):
         frame_path(self.theirs, 2).unlink()
         rewrite(frame_path(self.ours, 7), lambda c: {**c, "G": np.full_like(c["G"], np.nan)})
-        _, out, _ = run("compare", self.ours, self.theirs, "--json", "--max-rmse", "1", "--picture", self.scratch / "pictures")
+        _, out, _ = run(
+            "compare",
+            self.ours,
+            self.theirs,
+            "--json",
+            "--max-rmse",
+            "1",
+            "--picture",
+            self.scratch / "pictures",
+        )
         report = json.loads(out)
         self.assertEqual(list(faults(report, json.loads(SCHEMA.read_text()))), [])
-        self.assertEqual([len(frame["exceeded"]) for frame in report["frames"]], [0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0])
-        self.assertTrue(all(Path(frame["picture"]).is_file() for frame in report["frames"] if frame["picture"]))
+        self.assertEqual(
+            [len(frame["exceeded"]) for frame in report["frames"]], [0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0]
+        )
+        self.assertTrue(
+            all(Path(frame["picture"]).is_file() for frame in report["frames"] if frame["picture"])
+        )
 
     def test_the_picture_shows_both_and_where_they_differ(self):
         one = frame_path(self.ours, 7)

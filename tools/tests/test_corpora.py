@@ -69,8 +69,8 @@ OUTCOME_OF_NAME = {
 }
 LIMITS = Limits(cpu_s=1, memory_bytes=200 << 20, wall_s=60)
 IMPATIENT = replace(LIMITS, wall_s=2)
-"""For what waits without working. What works has its time in the processor's seconds alone: other work on the machine may make it
-wait."""
+"""For what waits without working. What works has its time in the processor's seconds alone: other work on the
+machine may make it wait."""
 
 
 @unittest.skipUnless(sys.platform == "linux", "limits of memory are Linux's")
@@ -82,10 +82,14 @@ class Corpora(unittest.TestCase):
         cls.scratch = tempfile.TemporaryDirectory()
         root = Path(cls.scratch.name)
         black = root / "dark.exr"
-        with OpenEXR.File({"type": OpenEXR.scanlineimage}, {letter: np.zeros((9, 16), np.float32) for letter in "RGB"}) as file:
+        with OpenEXR.File(
+            {"type": OpenEXR.scanlineimage}, {letter: np.zeros((9, 16), np.float32) for letter in "RGB"}
+        ) as file:
             file.write(str(black))
         cls.program = root / "program"
-        cls.program.write_text(PROGRAM_OF_NAMES.format(python=sys.executable, black=black, good=DATA / "leaf.0006.exr"))
+        cls.program.write_text(
+            PROGRAM_OF_NAMES.format(python=sys.executable, black=black, good=DATA / "leaf.0006.exr")
+        )
         cls.program.chmod(0o755)
         cls.corpus = root / "corpus"
         for name in OUTCOME_OF_NAME:
@@ -94,7 +98,9 @@ class Corpora(unittest.TestCase):
             path.touch()
         files = find_files(cls.corpus, invalid={"models/refused.obj"})
         limits = [IMPATIENT if "sleeps" in file.name else LIMITS for file in files]
-        cls.verdicts = [verdict_on(file, Programs(str(cls.program), limits=limit)) for file, limit in zip(files, limits)]
+        cls.verdicts = [
+            verdict_on(file, Programs(str(cls.program), limits=limit)) for file, limit in zip(files, limits)
+        ]
 
     @classmethod
     def tearDownClass(cls):
@@ -113,7 +119,9 @@ class Corpora(unittest.TestCase):
         self.assertEqual(rows["models/losses.gltf"]["losses"], ["points-and-lines"])
         self.assertEqual(rows["models/refused.obj"]["step"], "inspect")
         self.assertEqual(rows["models/refused.obj"]["sentence"], "the node 3 has no `size`")
-        self.assertEqual(rows["models/lists.obj"]["sentence"], "a stage: does not hold together: there is no a/b.usd")
+        self.assertEqual(
+            rows["models/lists.obj"]["sentence"], "a stage: does not hold together: there is no a/b.usd"
+        )
         self.assertEqual(rows["models/black.obj"]["mean"], 0)
         self.assertGreater(rows["models/good.glb"]["mean"], 0)
         self.assertGreaterEqual(rows["models/hoards.glb"]["peak_mb"], 300)
@@ -123,7 +131,9 @@ class Corpora(unittest.TestCase):
         counts = {line.split()[0].rstrip(","): line.split() for line in text.splitlines()[1:4]}
         self.assertEqual(counts["gltf"][1], "10")
         self.assertIn("obj, invalid", text)
-        self.assertIn("1  obj, invalid, inspect: the node N has no `…`\n       such as models/refused.obj", text)
+        self.assertIn(
+            "1  obj, invalid, inspect: the node N has no `…`\n       such as models/refused.obj", text
+        )
         faults = text.split("faults of the program:\n")[1].split("\n\n")[0].splitlines()
         self.assertEqual(len(faults), sum(outcome.is_fault for outcome in OUTCOME_OF_NAME.values()))
         self.assertIn("black  models/black.obj  mean 0", faults)
@@ -135,7 +145,10 @@ class Corpora(unittest.TestCase):
             program.write_text(PROGRAM_OF_STEPS)
             program.chmod(0o755)
             (Path(folder) / "x.exr").touch()
-            (verdict,) = (verdict_on(file, Programs(str(program), (str(program),), LIMITS)) for file in find_files(Path(folder)))
+            (verdict,) = (
+                verdict_on(file, Programs(str(program), (str(program),), LIMITS))
+                for file in find_files(Path(folder))
+            )
         self.assertEqual((verdict.outcome, verdict.step), (Outcome.PANIC, "preview"))
         self.assertEqual(verdict.refused_by, ("validate", "diff"))
         self.assertIn("panicked", verdict.sentence)
@@ -155,7 +168,9 @@ class Corpora(unittest.TestCase):
             with self.subTest(name), tempfile.TemporaryDirectory() as folder:
                 (Path(folder) / f"{name}.glb").touch()
                 done = subprocess.run(
-                    [sys.executable, self.script, folder, "--sunfleck", self.program, "--jobs", "2"], capture_output=True, text=True
+                    [sys.executable, self.script, folder, "--sunfleck", self.program, "--jobs", "2"],
+                    capture_output=True,
+                    text=True,
                 )
                 self.assertEqual(done.returncode, code, done.stdout + done.stderr)
                 self.assertIn(f"{name}.glb", done.stdout)
@@ -166,9 +181,20 @@ class Corpora(unittest.TestCase):
                 (Path(folder) / name).touch()
             program, report = Path(folder) / "program", Path(folder) / "report.json"
             # The second file's program ends the command that tries it.
-            program.write_text(f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} \"$@\"\n")
+            program.write_text(
+                f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} "
+                "\"$@\"\n"
+            )
             program.chmod(0o755)
-            command = [sys.executable, str(self.script), folder, "--sunfleck", str(program), "--out", str(report)]
+            command = [
+                sys.executable,
+                str(self.script),
+                folder,
+                "--sunfleck",
+                str(program),
+                "--out",
+                str(report),
+            ]
             line = ["sh", "-c", 'export STOPPED=$$; exec "$@"', "sh", *command]
             done = subprocess.run(line, capture_output=True, text=True)
             self.assertEqual(done.returncode, 130, done.stdout + done.stderr)

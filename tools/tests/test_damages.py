@@ -101,7 +101,9 @@ class Sealed(unittest.TestCase):
             folder = good_sequence(Path(scratch))
             path = seal_all(folder)
             rewrite(path, lambda channels: channels["R"].fill(0.5), extra={NAME: "0" * 64}, sign=False)
-            found = [finding.check for finding in validate(folder, HERE).findings if "hash" in finding.message]
+            found = [
+                finding.check for finding in validate(folder, HERE).findings if "hash" in finding.message
+            ]
         self.assertEqual(found, ["pixel-hash"])
 
 
@@ -117,7 +119,9 @@ class Good(unittest.TestCase):
             with tempfile.TemporaryDirectory() as scratch:
                 folder = good_sequence(Path(scratch))
                 # Lossy ones make shafts brighter than the beauty: here it is the container that is tested.
-                skipped = frozenset(["beauty-sum", "depth", "normal-length", "leaf-id", "negative", "alpha-range"])
+                skipped = frozenset(
+                    ["beauty-sum", "depth", "normal-length", "leaf-id", "negative", "alpha-range"]
+                )
                 for number in range(5, 13):
                     frame_path(folder, number).unlink()
                 for path in folder.iterdir():

@@ -63,7 +63,9 @@ class Chunks(unittest.TestCase):
     def test_of_another_row(self):
         data = bytearray(WHOLE)
         struct.pack_into("<i", data, OFFSETS[1], 3)
-        self.assertEqual(self.faults(bytes(data)), ["chunk 2 of 2 (rows 16 to 17) says that it begins at row 3"])
+        self.assertEqual(
+            self.faults(bytes(data)), ["chunk 2 of 2 (rows 16 to 17) says that it begins at row 3"]
+        )
 
     def test_never_written(self):
         data = bytearray(WHOLE)
@@ -97,7 +99,13 @@ class Halves(unittest.TestCase):
 
     def test_extremes_are_those_of_the_floats(self):
         random = np.random.default_rng(1)
-        for low, high in ((0x0000, 0x7C01), (0x0000, 0xFC01), (0x8000, 0xFC01), (0x0000, 0x10000), (0x7B00, 0x7D00)):
+        for low, high in (
+            (0x0000, 0x7C01),
+            (0x0000, 0xFC01),
+            (0x8000, 0xFC01),
+            (0x0000, 0x10000),
+            (0x7B00, 0x7D00),
+        ):
             for _ in range(200):
                 values = random.integers(low, high, 3).astype(np.uint16).view(np.float16)
                 found = np.array(extremes(values))

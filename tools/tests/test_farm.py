@@ -1,4 +1,5 @@
-"""`sunfleck farm`: jobs run for real by the programs of Open Job Description, with what goes wrong on a farm."""
+"""`sunfleck farm`: jobs run for real by the programs of Open Job Description, with what
+goes wrong on a farm."""
 
 from __future__ import annotations
 
@@ -56,7 +57,9 @@ class OpenJobDescription(WithShot):
         super().setUp()
         self.job = self.farm("--chunk", "8")
         self.tools = self.folder / "tools of this checkout"
-        self.tools.write_text(f'#!/bin/sh\nPYTHONPATH="{TOOLS}" exec "{sys.executable}" -m sunfleck_tools "$@"\n')
+        self.tools.write_text(
+            f'#!/bin/sh\nPYTHONPATH="{TOOLS}" exec "{sys.executable}" -m sunfleck_tools "$@"\n'
+        )
         self.tools.chmod(0o755)
 
     def worker(self, *arguments: str, shot: Path | None = None) -> subprocess.Popen:
@@ -77,7 +80,9 @@ class OpenJobDescription(WithShot):
         return out
 
     def test_two_workers_one_killed_one_frame_damaged(self):
-        subprocess.run([PROGRAM, "render", self.shot, "--out", self.folder / "once/", "--progress", "none"], check=True)
+        subprocess.run(
+            [PROGRAM, "render", self.shot, "--out", self.folder / "once/", "--progress", "none"], check=True
+        )
         frames = self.job / "frames"
         mine, others = self.tasks("1-8", "9-16", "17-24"), self.tasks("25-32", "33-40", "41-48")
         killed, other = self.worker(*mine), self.worker(*others)
@@ -103,7 +108,9 @@ class OpenJobDescription(WithShot):
             self.assertEqual((frames / name).read_bytes(), (self.folder / "once" / name).read_bytes(), name)
 
     def test_the_whole_job_at_once(self):
-        self.ends_well(self.worker("--step", "Check", "--run-dependencies", "-p", "Frames=1-12:3", "-p", "ChunkSize=2"))
+        self.ends_well(
+            self.worker("--step", "Check", "--run-dependencies", "-p", "Frames=1-12:3", "-p", "ChunkSize=2")
+        )
         names = sorted(path.name for path in (self.job / "frames").glob("*.exr"))
         self.assertEqual(names, [f"a shot.{number:04d}.exr" for number in (1, 4, 7, 10)])
 
@@ -120,15 +127,27 @@ class OpenJobDescription(WithShot):
 
         template = json.loads((self.job / "template.json").read_text())
         template = decode_job_template(template=template, supported_extensions=["TASK_CHUNKING"])
-        text = {"Frames": "1-2", "ChunkSize": "2", "Sunfleck": str(Path(PROGRAM).resolve()), "Tools": str(self.tools)}
-        paths = {"Input": r"C:\The Shows\a shot.ron", "Output": r"C:\The Shows\frames", "Bakes": r"C:\The Shows\bakes"}
+        text = {
+            "Frames": "1-2",
+            "ChunkSize": "2",
+            "Sunfleck": str(Path(PROGRAM).resolve()),
+            "Tools": str(self.tools),
+        }
+        paths = {
+            "Input": r"C:\The Shows\a shot.ron",
+            "Output": r"C:\The Shows\frames",
+            "Bakes": r"C:\The Shows\bakes",
+        }
         kinds = {definition.name: definition.type.value for definition in template.parameterDefinitions}
         values = {
-            name: ParameterValue(type=ParameterValueType(kinds[name]), value=value) for name, value in (text | paths).items()
+            name: ParameterValue(type=ParameterValueType(kinds[name]), value=value)
+            for name, value in (text | paths).items()
         }
         job = create_job(job_template=template, job_parameter_values=values)
         rule = PathMappingRule(
-            source_path_format=PathFormat.WINDOWS, source_path=PureWindowsPath(r"C:\The Shows"), destination_path=self.folder
+            source_path_format=PathFormat.WINDOWS,
+            source_path=PureWindowsPath(r"C:\The Shows"),
+            destination_path=self.folder,
         )
         with Session(session_id="mapped", job_parameter_values=values, path_mapping_rules=[rule]) as session:
             chunk = ParameterValue(type=ParameterValueType.CHUNK_INT, value="1-2")
@@ -155,9 +174,13 @@ class Flamenco(WithShot):
         const frameChunker = (frames, size) => ["1-20", "21-40", "41-48"];
         """
         script += (job / "sunfleck.js").read_text()
-        script += f"compileJob({{ ...{(job / 'job.json').read_text()}, addTask: (task) => tasks.push(task) }});"
+        script += (
+            f"compileJob({{ ...{(job / 'job.json').read_text()}, addTask: (task) => tasks.push(task) }});"
+        )
         script += "console.log(JSON.stringify(tasks));"
-        tasks = json.loads(subprocess.run(["node", "-e", script], check=True, capture_output=True, text=True).stdout)
+        tasks = json.loads(
+            subprocess.run(["node", "-e", script], check=True, capture_output=True, text=True).stdout
+        )
         renders = ["Render 1-20", "Render 21-40", "Render 41-48"]
         self.assertEqual([task["name"] for task in tasks], [*renders, "Validate", "RenderAgain", "Check"])
         self.assertEqual([task["after"] for task in tasks[2:]], [[], renders, ["Validate"], ["RenderAgain"]])

@@ -30,7 +30,14 @@ class WithFolder(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
 
-    def write(self, number: int, change=lambda channels: None, name: str = "f", of: int | None = None, **header: object) -> Path:
+    def write(
+        self,
+        number: int,
+        change=lambda channels: None,
+        name: str = "f",
+        of: int | None = None,
+        **header: object,
+    ) -> Path:
         """A frame of `scene`, of the moment `of`, changed."""
         channels = scene(number if of is None else of)
         change(channels)
@@ -73,8 +80,12 @@ class BlackBlocks(WithFolder):
     def test_of_a_whole_are_told_with_their_place(self):
         for number in range(1, 4):
             self.write(number, blacken(slice(8, 24), slice(16, 48)) if number == 2 else lambda channels: None)
-        (finding,) = [f for f in validate(self.folder, Options(processes=0)).findings if f.check == "black-block"]
-        self.assertEqual(finding.message, "32 x 16 pixels from (16, 8) on are black: a block that was not rendered")
+        (finding,) = [
+            f for f in validate(self.folder, Options(processes=0)).findings if f.check == "black-block"
+        ]
+        self.assertEqual(
+            finding.message, "32 x 16 pixels from (16, 8) on are black: a block that was not rendered"
+        )
         self.assertEqual(finding.pixel, (16, 8))
 
     def test_bars_black_things_and_fades_are_none(self):
@@ -91,7 +102,9 @@ class BlackBlocks(WithFolder):
             self.write(number, bars, "bars")
             self.write(number, disc if number == 3 else lambda channels: None, "disc")
             self.write(number, blacken(slice(10, 30), slice(20, 40)), "card")
-            self.write(number, blacken(slice(0, 48), slice(0, 64)) if number > 4 else lambda channels: None, "end")
+            self.write(
+                number, blacken(slice(0, 48), slice(0, 64)) if number > 4 else lambda channels: None, "end"
+            )
         self.assertEqual(self.found("black-block"), [])
         still = self.folder / "bars.0001.exr"
         self.assertEqual([f.check for f in validate(still, Options(processes=0)).findings], ["unsigned"])
@@ -110,7 +123,12 @@ class Order(WithFolder):
             self.assertEqual(self.found("order"), [one, other])
 
     def test_what_moves_evenly_turns_back_or_stops_is_in_order(self):
-        for order in (range(1, 11), [1, 2, 3, 4, 5, 5, 4, 3, 2, 1], [1, 2, 3, 4, 4, 4, 4, 5, 6, 7], [1, 2, 3, 9, 10, 11, 12, 13, 14, 15]):
+        for order in (
+            range(1, 11),
+            [1, 2, 3, 4, 5, 5, 4, 3, 2, 1],
+            [1, 2, 3, 4, 4, 4, 4, 5, 6, 7],
+            [1, 2, 3, 9, 10, 11, 12, 13, 14, 15],
+        ):
             self.sequence(list(order))
             self.assertEqual(self.found("order"), [], list(order))
 
@@ -120,7 +138,10 @@ class Order(WithFolder):
         y, x = np.mgrid[:14, :24]
 
         def shaken():
-            return np.exp(-((x - 12 - 3 * random.standard_normal()) ** 2 + (y - 7 - 2 * random.standard_normal()) ** 2) / 8)
+            return np.exp(
+                -((x - 12 - 3 * random.standard_normal()) ** 2 + (y - 7 - 2 * random.standard_normal()) ** 2)
+                / 8
+            )
 
         def accused(make) -> float:
             """Of a hundred sequences."""
@@ -145,7 +166,9 @@ class Order(WithFolder):
     def test_blender_says_its_numbers_in_words(self):
         names = {1: 1, 2: 3, 3: 2}
         for number, other in names.items():
-            shutil.copy(DATA / f"exr/multipart_blender/f.{other:04d}.exr", self.folder / f"f.{number:04d}.exr")
+            shutil.copy(
+                DATA / f"exr/multipart_blender/f.{other:04d}.exr", self.folder / f"f.{number:04d}.exr"
+            )
         self.assertEqual(self.found("image-counter"), [2, 3])
 
 
@@ -161,14 +184,18 @@ class Duplicates(WithFolder):
     def test_of_a_still_sequence_the_remedy_is_told(self):
         for number in range(1, 5):
             self.write(number, of=1)
-        self.assertIn("until frame 4; if nothing moves, say so by --static [stuck]", run("validate", self.folder)[1])
+        self.assertIn(
+            "until frame 4; if nothing moves, say so by --static [stuck]", run("validate", self.folder)[1]
+        )
 
 
 class Missing(WithFolder):
     def test_frames_that_statistics_tell_of_are_expected(self):
         good = good_sequence(self.folder / "good")
         stats = self.folder / "stats.jsonl"
-        stats.write_text("".join(json.dumps({"frame": number, "render_seconds": 1.0}) + "\n" for number in range(1, 14)))
+        stats.write_text(
+            "".join(json.dumps({"frame": number, "render_seconds": 1.0}) + "\n" for number in range(1, 14))
+        )
         code, out, _ = run("validate", good, "--stats", stats)
         self.assertEqual(code, 1)
         self.assertIn("frame 13: there is no leaf.0013.exr [missing-frame]", out)
@@ -190,14 +217,23 @@ class Piz(WithFolder):
         for at in range(first + 4000, second - 100, 997):
             damaged = whole[:at] + bytes(64) + whole[at + 64 :]
             (fault,) = chunk_faults(header, damaged)
-            self.assertRegex(fault, r"chunk 1 of 3 \(rows 0 to 31\) has 32 zeros and more in a row at byte \d+")
+            self.assertRegex(
+                fault, r"chunk 1 of 3 \(rows 0 to 31\) has 32 zeros and more in a row at byte \d+"
+            )
 
     def test_pictures_full_of_zeros_are_not_accused(self):
-        """A constant picture, one that is mostly black, one of few values, and one that is stored as it is."""
+        """A constant picture, one that is mostly black, one of few values, and one that
+        is stored as it is."""
         y, x = np.mgrid[:96, :96]
         spots = np.where((x % 48 == 0) & (y % 40 == 0), 7.0, 0.0)
         random = np.random.default_rng(3)
-        for values in (np.zeros((96, 96)), np.ones((96, 96)), spots, x // 48 * 1.0, np.where(x > 60, random.random((96, 96)), 0)):
+        for values in (
+            np.zeros((96, 96)),
+            np.ones((96, 96)),
+            spots,
+            x // 48 * 1.0,
+            np.where(x > 60, random.random((96, 96)), 0),
+        ):
             for kind in (np.float16, np.float32):
                 channels = {name: values.astype(kind) for name in "RGB"}
                 data = write_frame(self.folder / "x.exr", channels, compression=PIZ).read_bytes()
@@ -210,11 +246,14 @@ class Piz(WithFolder):
 class Motion(WithFolder):
     def found_with(self, motion: np.ndarray) -> list[int | None]:
         good_sequence(self.folder)
-        rewrite(frame_path(self.folder, 6), lambda channels: {**channels, "Vector.X": motion.astype(np.float32)})
+        rewrite(
+            frame_path(self.folder, 6), lambda channels: {**channels, "Vector.X": motion.astype(np.float32)}
+        )
         return self.found("motion")
 
     def test_near_the_cameras_plane_is_without_bound(self):
-        """A camera that turns by 45 degrees: a column of points was in its plane, and motion falls off to either side."""
+        """A camera that turns by 45 degrees: a column of points was in its plane, and motion falls
+        off to either side."""
         width, height = 32, 18
         column = np.arange(width) - 20.001
         self.assertEqual(self.found_with(np.tile((width / 2) ** 2 / column, (height, 1))), [])

@@ -1,4 +1,5 @@
-"""Files that were made to hurt: every command ends with a sentence, in little memory, and never with a traceback."""
+"""Files that were made to hurt: every command ends with a sentence, in little memory, and never
+with a traceback."""
 
 from __future__ import annotations
 
@@ -57,7 +58,8 @@ HOSTILE: dict[str, Callable[[bytes], bytes]] = {
     "as many pixels as there may be for the file": lambda data: window(data, 0, 0, 511, 1023),
     "the widest window": lambda data: window(data, -(2**31), 0, 2**31 - 1, 0),
     "a window inside out": lambda data: window(data, 10, 10, 0, 0),
-    "a display window of 10^18 pixels": lambda data: window(data, -(2**30), -(2**30), 2**30, 2**30, b"displayWindow"),
+    "a display window of 10^18 "
+    "pixels": lambda data: window(data, -(2**30), -(2**30), 2**30, 2**30, b"displayWindow"),
     "a display window inside out": lambda data: window(data, 10, 10, 0, 0, b"displayWindow"),
     "chunks behind the end": lambda data: table(data, lambda index: 2**63 - 1),
     "all chunks at one place": lambda data: table(data, lambda index: len(data) - 600),

@@ -62,7 +62,11 @@ class Scenes(unittest.TestCase):
             return document["extensions"]["KHR_lights_punctual"]["lights"][0]
 
         def fog(document):
-            return next(node["extras"] for node in document["nodes"] if "sunfleck_fog_volume" in node.get("extras", {}))["sunfleck_fog_volume"]
+            return next(
+                node["extras"]
+                for node in document["nodes"]
+                if "sunfleck_fog_volume" in node.get("extras", {})
+            )["sunfleck_fog_volume"]
 
         for change, why in (
             (lambda d: fog(d).update(height_falloff=0.1), "fills a box evenly"),
@@ -86,8 +90,16 @@ class Scenes(unittest.TestCase):
         whole = LEAF.read_bytes()
         marked_sky(self.scratch / "sky.exr")
         sky = (self.scratch / "sky.exr").read_bytes()
-        renderers = [name for name, package in (("mitsuba-scalar", "mitsuba"), ("cycles", "bpy")) if _is_there(package)]
-        for data in (whole[:100], whole[:16] + b"\xff" * 8 + whole[24:], whole[:400] + b"x" * 40 + whole[440:500], sky[:200], sky[:60]):
+        renderers = [
+            name for name, package in (("mitsuba-scalar", "mitsuba"), ("cycles", "bpy")) if _is_there(package)
+        ]
+        for data in (
+            whole[:100],
+            whole[:16] + b"\xff" * 8 + whole[24:],
+            whole[:400] + b"x" * 40 + whole[440:500],
+            sky[:200],
+            sky[:60],
+        ):
             uri = "data:;base64," + base64.b64encode(data).decode()
 
             def change(document, uri=uri):
@@ -95,7 +107,18 @@ class Scenes(unittest.TestCase):
 
             path = changed(LEAVES500 / "leaves500.glb", self.scratch / "changed.glb", change)
             for renderer in renderers:
-                code, _, err = run("peers", path, "--renderers", renderer, "--samples", 1, "--size", "4x4", "--pictures", self.scratch)
+                code, _, err = run(
+                    "peers",
+                    path,
+                    "--renderers",
+                    renderer,
+                    "--samples",
+                    1,
+                    "--size",
+                    "4x4",
+                    "--pictures",
+                    self.scratch,
+                )
                 self.assertEqual(code, 3, (data[:8], err))
                 self.assertRegex(err, "picture of the scene|larger than it can be|damaged")
 
@@ -114,9 +137,15 @@ class Scenes(unittest.TestCase):
             self.assertIn("error: ", err)
 
     def test_renderers_that_are_not_there_are_named_with_the_remedy(self):
-        absent = [name for name, package in (("mitsuba-scalar", "mitsuba"), ("cycles", "bpy")) if not _is_there(package)]
+        absent = [
+            name
+            for name, package in (("mitsuba-scalar", "mitsuba"), ("cycles", "bpy"))
+            if not _is_there(package)
+        ]
         for name in absent:
-            code, _, err = run("peers", LEAVES500 / "leaves500.glb", "--renderers", name, "--pictures", self.scratch)
+            code, _, err = run(
+                "peers", LEAVES500 / "leaves500.glb", "--renderers", name, "--pictures", self.scratch
+            )
             self.assertEqual(code, 2)
             self.assertRegex(err, r"is not here .*pip install './tools\[(mitsuba|cycles)\]'")
 
@@ -127,7 +156,9 @@ class Scenes(unittest.TestCase):
         lines = path.read_text().splitlines()
         self.assertEqual(lines[0], "# a remark")
         (row,) = csv.DictReader(lines[1:])
-        self.assertEqual((row["renderer"], row["spp"], row["cpu_s"], row["rmse"]), ("Cycles", "16", "3.25", "0.0518"))
+        self.assertEqual(
+            (row["renderer"], row["spp"], row["cpu_s"], row["rmse"]), ("Cycles", "16", "3.25", "0.0518")
+        )
 
 
 def color(path: Path) -> np.ndarray:
@@ -142,8 +173,10 @@ def _is_there(package: str) -> bool:
 LAMPS = {
     "point": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0))",
     "sphere": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0), radius_m: 0.05)",
-    "spot": "Spot(position_m: (1.5, 2.5, 0.8), target_m: (0, 0, 0), outer_deg: 25, blend: 0, intensity_w_per_sr: 12)",
-    "rectangle": "Rectangle(position_m: (-1.5, 2.2, 0.5), target_m: (0, 0.3, 0), width_m: 1, height_m: 0.5, power_w: 20)",
+    "spot": "Spot(position_m: (1.5, 2.5, 0.8), target_m: (0, 0, 0), outer_deg: 25, blend: 0, "
+            "intensity_w_per_sr: 12)",
+    "rectangle": "Rectangle(position_m: (-1.5, 2.2, 0.5), target_m: (0, 0.3, 0), width_m: 1, height_m: 0.5, "
+                 "power_w: 20)",
     "disc": "Disc(position_m: (1.5, 2.2, 0.5), target_m: (0, 0.3, 0), diameter_m: 0.6, power_w: 20)",
     "sun": "Sun(to_sun: (0.4, 1, 0.6), irradiance_w_per_m2: (3, 2.5, 2), angular_diameter_deg: 8)",
 }
@@ -172,12 +205,14 @@ TEXTURED = """Scene(
 SUN = 'lights: { "sun": Sun(to_sun: (0.3, 0.5, 1), irradiance_w_per_m2: 4) },'
 SKIES = {
     "constant": "sky: Constant(radiance_w_per_m2_sr: (0.6, 0.8, 1)),",
-    "gradient": "sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.35, 0.8), horizon_w_per_m2_sr: (0.8, 0.85, 0.9), ground_w_per_m2_sr: 0.3),",
+    "gradient": "sky: Gradient(zenith_w_per_m2_sr: (0.2, 0.35, 0.8), horizon_w_per_m2_sr: (0.8, 0.85, 0.9), "
+                "ground_w_per_m2_sr: 0.3),",
     "image": 'sky: Image(image: "marked.exr", rotation_deg: 50, strength_w_per_m2_sr: (1, 2, 0.5)),',
 }
 FOG = '"haze": (min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.12, anisotropy: 0.4)'
 NOISE = 0.01
-"""Of the mean of a picture of 48 x 27 pixels, relative, generously: other renderers' mostly, ours with 64 samples."""
+"""Of the mean of a picture of 48 x 27 pixels, relative, generously: other renderers' mostly,
+ours with 64 samples."""
 
 
 class Rendered(unittest.TestCase):
@@ -186,19 +221,35 @@ class Rendered(unittest.TestCase):
     def check(self, renderer: str, samples: int) -> None:
         with tempfile.TemporaryDirectory() as folder:
             table = Path(folder, "x.csv")
-            arguments = ["--reference", LEAVES500 / "box.exr", "--out", table, "--pictures", Path(folder, "frames")]
+            arguments = [
+                "--reference",
+                LEAVES500 / "box.exr",
+                "--out",
+                table,
+                "--pictures",
+                Path(folder, "frames"),
+            ]
             code, out, err = run(
-                "peers", LEAVES500 / "leaves500.glb", "--renderers", renderer, "--samples", samples, *arguments
+                "peers",
+                LEAVES500 / "leaves500.glb",
+                "--renderers",
+                renderer,
+                "--samples",
+                samples,
+                *arguments,
             )
             self.assertEqual(code, 0, err)
             self.assertAlmostEqual(float(out.split("mean ratio")[1]), 1.0, delta=0.02)
             (row,) = csv.DictReader(table.read_text().splitlines()[1:])
             self.assertLess(float(row["rmse"]), 0.6)
-            again, out, _ = run("compare", next(Path(folder, "frames").iterdir()), LEAVES500 / "box.exr", "--max-rmse", "0.6")
+            again, out, _ = run(
+                "compare", next(Path(folder, "frames").iterdir()), LEAVES500 / "box.exr", "--max-rmse", "0.6"
+            )
             self.assertEqual(again, 0, out)
 
     def check_lamps(self, renderer: str, samples: int) -> None:
-        """Every kind of light, in clear air and in fog whose lower face is the ground, against the program's own picture."""
+        """Every kind of light, in clear air and in fog whose lower face is the ground, against the
+        program's own picture."""
         for name, lamp in LAMPS.items():
             for fog in ("", FOG):
                 with self.subTest(name, fog=bool(fog)), tempfile.TemporaryDirectory() as folder:
@@ -225,7 +276,8 @@ class Rendered(unittest.TestCase):
                     np.testing.assert_allclose(*tiles, atol=0.03 * ours.mean(), rtol=0.01)
 
     def check_bounces(self, renderer: str, samples: int) -> None:
-        """Light of all orders, by its mean: a leaf over a ground under a sun and a lamp, a card under a sky, a canopy."""
+        """Light of all orders, by its mean: a leaf over a ground under a sun and a lamp, a card
+        under a sky, a canopy."""
         sky = SKIES["gradient"]
         scenes = {
             "sun": (SCENE.format(lamp=LAMPS["sun"], fog=FOG), 0.03),
@@ -245,13 +297,31 @@ class Rendered(unittest.TestCase):
                 self.assertAlmostEqual(ratio, 1.0, delta=most)
 
     def both(
-        self, scene: Path, renderer: str, samples: int, own_samples: int, folder: Path | None = None, more: list[str] | None = None
+        self,
+        scene: Path,
+        renderer: str,
+        samples: int,
+        own_samples: int,
+        folder: Path | None = None,
+        more: list[str] | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """The program's own picture of a scene, and another renderer's."""
         folder, more = folder or scene.parent, more or ["--bounces", "0"]
         own = [*more, "--samples", str(own_samples), "--progress", "none", "--out", f"{folder}/own.####.exr"]
-        subprocess.run([PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True)
-        theirs = [*more, "--renderers", renderer, "--samples", samples, "--pictures", folder, "--sunfleck", PROGRAM]
+        subprocess.run(
+            [PROGRAM, "render", str(scene), "--size", "48x27", *own], check=True, capture_output=True
+        )
+        theirs = [
+            *more,
+            "--renderers",
+            renderer,
+            "--samples",
+            samples,
+            "--pictures",
+            folder,
+            "--sunfleck",
+            PROGRAM,
+        ]
         code, _, err = run("peers", scene, "--size", "48x27", *theirs)
         self.assertEqual(code, 0, err)
         (ours,) = (color(path) for path in folder.glob("own.*.exr"))
@@ -292,7 +362,9 @@ class Rendered(unittest.TestCase):
             scene = Path(folder, "scene.ron")
             sky = SKIES["constant"].replace("))", "), lights: Surfaces)")
             scene.write_text(TEXTURED.format(texture=LEAF, light=sky, fog=FOG))
-            code, _, err = run("peers", scene, "--renderers", "mitsuba-scalar", "--pictures", folder, "--sunfleck", PROGRAM)
+            code, _, err = run(
+                "peers", scene, "--renderers", "mitsuba-scalar", "--pictures", folder, "--sunfleck", PROGRAM
+            )
             self.assertEqual((code, "leaves fog dark" in err), (3, True), err)
 
     @unittest.skipUnless(_is_there("bpy"), "bpy is not installed")

@@ -43,7 +43,9 @@ class Displays(unittest.TestCase):
         self.assertEqual(BAYER[0].tolist(), [0, 32, 8, 40, 2, 34, 10, 42])
         self.assertEqual(sorted(BAYER.ravel()), list(range(64)))
         grey = np.full((8, 8, 3), 0.3)
-        self.assertAlmostEqual(Display("srgb").bytes(grey).mean(), 255 * Display("srgb").encode(grey)[0, 0, 0], delta=1 / 64)
+        self.assertAlmostEqual(
+            Display("srgb").bytes(grey).mean(), 255 * Display("srgb").encode(grey)[0, 0, 0], delta=1 / 64
+        )
 
     def test_what_is_not_finite_is_black_or_white(self):
         for curve in ("agx", "srgb", "raw"):
@@ -54,9 +56,30 @@ class Displays(unittest.TestCase):
     def test_pictures_are_those_of_the_program(self):
         with tempfile.TemporaryDirectory() as folder:
             for curve, stops in (("agx", 0.0), ("agx", 1.5), ("srgb", -1.0), ("raw", 0.0)):
-                command = [PROGRAM, "render", SEQUENCES / "falling_leaves.ron", "--frames", "40", "--size", "15%", "--samples", "1"]
-                command += ["--crop", "3,2,93,50", "--preview", "png", "--display", curve, "--exposure", str(stops)]
-                subprocess.run([*map(str, command), "--out", f"{folder}/x.####.exr", "--progress", "none"], check=True)
+                command = [
+                    PROGRAM,
+                    "render",
+                    SEQUENCES / "falling_leaves.ron",
+                    "--frames",
+                    "40",
+                    "--size",
+                    "15%",
+                    "--samples",
+                    "1",
+                ]
+                command += [
+                    "--crop",
+                    "3,2,93,50",
+                    "--preview",
+                    "png",
+                    "--display",
+                    curve,
+                    "--exposure",
+                    str(stops),
+                ]
+                subprocess.run(
+                    [*map(str, command), "--out", f"{folder}/x.####.exr", "--progress", "none"], check=True
+                )
                 theirs = pixels(Path(folder, "x.0040.png").read_bytes()).astype(int)
                 channels = decode(Path(folder, "x.0040.exr"))
                 light = np.stack([channels[letter] for letter in "RGB"], axis=-1)
@@ -118,7 +141,9 @@ class Movies(WithSequence):
         controls = [struct.unpack(">IIIIIHHBB", body) for kind, body in found if kind == b"fcTL"]
         self.assertEqual([control[1:7] for control in controls], [(32, 18, 0, 0, 1, 24)] * 12)
         data = [body for kind, body in found if kind in (b"IDAT", b"fdAT")]
-        numbers = [control[0] for control in controls] + [struct.unpack_from(">I", body)[0] for body in data[1:]]
+        numbers = [control[0] for control in controls] + [
+            struct.unpack_from(">I", body)[0] for body in data[1:]
+        ]
         self.assertEqual(sorted(numbers), list(range(23)))
         channels = decode(frame_path(self.folder, 7))
         light = np.stack([channels[letter] for letter in "RGB"], axis=-1)
@@ -153,9 +178,14 @@ class Movies(WithSequence):
             self.assertAlmostEqual(light[shown], meant, delta=2.0)
 
     def test_webp_of_too_many_frames_says_so(self):
-        with mock.patch.object(shutil, "which", return_value=None), mock.patch("sunfleck_tools.webp.MOST_BYTES", 5 * 32 * 18 * 3):
+        with (
+            mock.patch.object(shutil, "which", return_value=None),
+            mock.patch("sunfleck_tools.webp.MOST_BYTES", 5 * 32 * 18 * 3),
+        ):
             code, _, err = run("movie", self.folder, self.scratch / "leaf.webp")
-        self.assertEqual((code, "5 frames of this size are all" in err, list(self.scratch.glob("*.webp"))), (2, True, []))
+        self.assertEqual(
+            (code, "5 frames of this size are all" in err, list(self.scratch.glob("*.webp"))), (2, True, [])
+        )
 
     @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "ffmpeg is not installed")
     def test_ffmpeg_gives_what_players_take(self):
@@ -164,7 +194,9 @@ class Movies(WithSequence):
             self.assertEqual(run("movie", self.folder, path, "--fps", "30000/1001")[0], 0)
             command = ["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-of", "json", str(path)]
             (stream,) = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["streams"]
-            self.assertEqual((int(stream["nb_read_frames"]), stream["width"], stream["height"]), (12, 32, 18), ending)
+            self.assertEqual(
+                (int(stream["nb_read_frames"]), stream["width"], stream["height"]), (12, 32, 18), ending
+            )
             self.assertAlmostEqual(float(Fraction(stream["r_frame_rate"])), 29.97, places=2)
 
     @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is not installed")

@@ -1,5 +1,5 @@
-"""Frames of other renderers: several parts, layers, windows, passes of all kinds, names. Inputs in data/exr; see each test for what
-is right."""
+"""Frames of other renderers: several parts, layers, windows, passes of all kinds, names. Inputs in data/exr;
+see each test for what is right."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ class WithFolder(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
 
-    def sequence(self, change=lambda number, channels: channels, count: int = 8, name: str = "f", **header: object) -> Path:
+    def sequence(
+        self, change=lambda number, channels: channels, count: int = 8, name: str = "f", **header: object
+    ) -> Path:
         """Frames of `scene`, each changed."""
         for number in range(1, count + 1):
             write_frame(self.folder / f"{name}.{number:04d}.exr", change(number, scene(number)), **header)
@@ -76,7 +78,9 @@ class Cases(unittest.TestCase):
         code, out, _ = run("validate", CASES / "two_sequences", "--json")
         report = json.loads(out)
         self.assertEqual(code, 1)
-        self.assertEqual([Path(one["pattern"]).name for one in report["sequences"]], ["beauty.####.exr", "depth.####.exr"])
+        self.assertEqual(
+            [Path(one["pattern"]).name for one in report["sequences"]], ["beauty.####.exr", "depth.####.exr"]
+        )
         self.assertEqual([one["rerender"] for one in report["sequences"]], ["1002", ""])
 
     def test_the_page_keeps_sequences_apart(self):
@@ -104,7 +108,12 @@ class Parts(WithFolder):
     def test_channels_are_named_by_their_parts(self):
         beauty, other = scene(1), scene(2)
         depth = {"Z": np.full((24, 32), np.inf, np.float32)}
-        names = {"rgba": beauty, "diffuse": other, "depth": depth, "N": {f"N.{axis}": other["R"] for axis in "XYZ"}}
+        names = {
+            "rgba": beauty,
+            "diffuse": other,
+            "depth": depth,
+            "N": {f"N.{axis}": other["R"] for axis in "XYZ"},
+        }
         _, frame = read_frame(1, str(write_parts(self.folder / "x.0001.exr", names)))
         self.assertEqual(
             sorted(frame.channels),
@@ -127,11 +136,15 @@ class Passes(WithFolder):
             ("R diffuse.R ViewLayer.Combined.G albedo.R Y error.Y transmission.red", Kind.LIGHT),
             ("A diffuse.A ViewLayer.Combined.a", Kind.ALPHA),
             ("pointlight.R grid.R solid.G nearest.B zone.R", Kind.LIGHT),
-            ("Z depth.Z ViewLayer.Depth.Z zDepth.R ZBack Pz ViewLayer.Mist.Z depth.V Z-Depth.R camera_depth.R", Kind.DEPTH),
-            ("bumpNormals.R Shading-Normal.G WorldPosition.B Motion-Vector.R optical_flow.R ViewLayer.Denoising-Normal.X", Kind.DATA),
+            ("Z depth.Z ViewLayer.Depth.Z zDepth.R ZBack Pz ViewLayer.Mist.Z depth.V Z-Depth.R "
+             "camera_depth.R", Kind.DEPTH),
+            ("bumpNormals.R Shading-Normal.G WorldPosition.B Motion-Vector.R optical_flow.R "
+             "ViewLayer.Denoising-Normal.X", Kind.DATA),
             ("Object-ID.R material_index.R Cryptomatte-Object00.R renderId", Kind.ID),
-            ("N.X P.Z Normal.X Position.Y motionvector.X velocity.R ViewLayer.Vector.W uv.R Nn.x __Pworld.x forward.u RY", Kind.DATA),
-            ("leaf_id.X ID ViewLayer.IndexOB.X ViewLayer.CryptoObject00.r crypto_asset01.B object_id.R primId", Kind.ID),
+            ("N.X P.Z Normal.X Position.Y motionvector.X velocity.R ViewLayer.Vector.W uv.R Nn.x __Pworld.x "
+             "forward.u RY", Kind.DATA),
+            ("leaf_id.X ID ViewLayer.IndexOB.X ViewLayer.CryptoObject00.r crypto_asset01.B object_id.R "
+             "primId", Kind.ID),
         ):
             for name in names.split():
                 self.assertIs(kind(name), expected, name)
@@ -167,7 +180,11 @@ class Passes(WithFolder):
                 channels["G"][5, 5] = -0.5
             if number == 4:
                 channels["B"][5, 5] = np.inf
-            return {**channels, "diffuse.R": channels["R"] - np.float16(9 * (number == 5)), "N.X": channels["R"] * np.float16(np.nan)}
+            return {
+                **channels,
+                "diffuse.R": channels["R"] - np.float16(9 * (number == 5)),
+                "N.X": channels["R"] * np.float16(np.nan),
+            }
 
         self.assertEqual(
             sorted(found(self.sequence(change, count=5))),
@@ -194,7 +211,9 @@ class Windows(WithFolder):
         self.assertEqual(cell.max(), 0)
         run("contact-sheet", self.folder, self.folder / "s.png", "--width", "16", "--columns", "5")
         # As large as those of whole frames.
-        self.assertEqual(pixels((self.folder / "s.png").read_bytes()).shape, (4 + 12 + 10 + 12, 4 + 5 * 20, 3))
+        self.assertEqual(
+            pixels((self.folder / "s.png").read_bytes()).shape, (4 + 12 + 10 + 12, 4 + 5 * 20, 3)
+        )
 
     def test_beyond_the_display_window_are_cut_for_eyes_and_kept_for_figures(self):
         wide = {name: np.pad(values, 4, mode="edge") for name, values in scene(1).items()}
@@ -243,7 +262,11 @@ class LuminanceChroma(WithFolder):
     def test_is_read_as_colour(self):
         whole = {name: values.astype(np.float32) for name, values in scene(1).items()}
         y = 0.2126 * whole["R"] + 0.7152 * whole["G"] + 0.0722 * whole["B"]
-        chroma = {"Y": (y, 1), "RY": (((whole["R"] - y) / y)[::2, ::2], 2), "BY": (((whole["B"] - y) / y)[::2, ::2], 2)}
+        chroma = {
+            "Y": (y, 1),
+            "RY": (((whole["R"] - y) / y)[::2, ::2], 2),
+            "BY": (((whole["B"] - y) / y)[::2, ::2], 2),
+        }
         path = write_sampled(self.folder / "y.0001.exr", chroma, 64, 48)
         self.assertEqual(found(self.folder), [])
         _, frame = read_frame(1, str(path))
@@ -280,7 +303,9 @@ class Names(WithFolder):
                 write_frame(self.folder / f"shot.{number}.{name}.exr", scene(number - 1000))
         (self.folder / "shot.1002.depth.exr").unlink()
         self.assertEqual(found(self.folder), [("missing-frame", 1002)])
-        self.assertEqual([len(listing.files) for listing in list_sequences(self.folder / "shot.####.beauty.exr")], [3])
+        self.assertEqual(
+            [len(listing.files) for listing in list_sequences(self.folder / "shot.####.beauty.exr")], [3]
+        )
 
     def test_a_picture_by_itself(self):
         path = write_frame(self.folder / "leaf_v2.exr", scene(1))
@@ -305,7 +330,9 @@ class Names(WithFolder):
     def test_one_of_several_sequences_has_to_be_named_for_a_movie(self):
         for name in ("a", "b"):
             self.sequence(count=2, name=name)
-        with self.assertRaisesRegex(SequenceError, r"holds 2 sequences: name one of them, such as .*a\.####\.exr, .*b\.####\.exr"):
+        with self.assertRaisesRegex(
+            SequenceError, r"holds 2 sequences: name one of them, such as .*a\.####\.exr, .*b\.####\.exr"
+        ):
             list_sequence(self.folder)
         self.assertEqual(run("movie", self.folder, self.folder / "m.png")[0], 2)
 
@@ -350,7 +377,9 @@ class Limits(WithFolder):
     def test_folders_of_several_sequences_are_compared_by_name(self):
         for side in ("one", "other"):
             for name in ("beauty", "depth"):
-                write_frame(self.folder / side / f"{name}.0001.exr", scene(1 + (side == "one" and name == "depth")))
+                write_frame(
+                    self.folder / side / f"{name}.0001.exr", scene(1 + (side == "one" and name == "depth"))
+                )
         code, out, _ = run("compare", self.folder / "one", self.folder / "other", "--max-rmse", "1e-6")
         self.assertEqual(code, 1)
         self.assertRegex(out, r"frame 1 of .*depth\.####\.exr: RGB .*too much")

@@ -1,5 +1,8 @@
-"""What the system may do to a command: streams that are closed or full, disks that take no more, signals, want of memory, names and
-files that are none. Each ends with the right exit code, and never with a traceback."""
+"""What the system may do to a command.
+
+Streams are closed or full, disks take no more, signals come, memory is short, names and files are none. Each
+ends with the right exit code, and never with a traceback.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,9 @@ FAST = ("--processes", "1")
 def shell(line: str, **options: object) -> subprocess.CompletedProcess:
     """A line of bash in which `T` is the program."""
     script = f"set -o pipefail; T() {{ {' '.join(map(str, COMMAND))} \"$@\" {' '.join(FAST)}; }}; {line}"
-    return subprocess.run(["bash", "-c", script], cwd=TOOLS, capture_output=True, text=True, timeout=120, **options)
+    return subprocess.run(
+        ["bash", "-c", script], cwd=TOOLS, capture_output=True, text=True, timeout=120, **options
+    )
 
 
 def killed(process: int) -> int:
@@ -69,7 +74,8 @@ class Streams(WithFolder):
         for number in range(3, 13):
             (good / f"leaf.{number:04d}.exr").unlink()
         for line, code in (
-            (f"T validate {good} 2>&-", 0), (f"T validate {good} >&- 2>&- <&-", 0), (f"T validate {BAD} >&- 2>&- <&-", 1),
+            (f"T validate {good} 2>&-", 0), (f"T validate {good} >&- 2>&- "
+                                             "<&-", 0), (f"T validate {BAD} >&- 2>&- <&-", 1),
             (f"T validate {good} 2>/dev/full", 0), (f"T validate {BAD} | true", 1), (f"T validate {good} 2>&1 >/dev/null | true", 0),
             (f"T validate {good} >/dev/full", 4), (f"T validate {BAD} >/dev/full", 1), (f"T validate {good}/none 2>/dev/full", 4),
         ):  # fmt: skip
@@ -80,7 +86,10 @@ class Streams(WithFolder):
 
     def test_a_full_one_is_told_on_the_other(self):
         done = shell("T validate --list-checks >/dev/full")
-        self.assertEqual((done.returncode, done.stderr), (4, "error: the output could not be written: No space left on device\n"))
+        self.assertEqual(
+            (done.returncode, done.stderr),
+            (4, "error: the output could not be written: No space left on device\n"),
+        )
 
     def test_a_closed_one_is_silent(self):
         for error in (OSError(errno.EPIPE, ""), OSError(errno.EBADF, ""), ValueError("closed")):
@@ -124,7 +133,9 @@ class Disks(WithFolder):
                     [*COMMAND, *map(str, arguments), *FAST], cwd=TOOLS, capture_output=True, text=True, timeout=120,
                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500)),
                 )  # fmt: skip
-                self.assertEqual((done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n"))
+                self.assertEqual(
+                    (done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n")
+                )
                 self.assertEqual(out.read_bytes(), b"old and good")
                 self.assertEqual(sorted(self.folder.iterdir()), [good, out])
 
@@ -134,7 +145,9 @@ class Disks(WithFolder):
         nodes = [{"name": f"node {number}", "translation": [number, 0, 0]} for number in range(100)]
         source = self.folder / "scene.gltf"
         scenes = [{"nodes": list(range(100))}]
-        source.write_text(json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": scenes, "nodes": nodes}))
+        source.write_text(
+            json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": scenes, "nodes": nodes})
+        )
         for ending in ("usda", "usdc", "usdz"):
             out = self.folder / f"out.{ending}"
             out.write_bytes(b"old and good")
@@ -142,7 +155,9 @@ class Disks(WithFolder):
                 [*COMMAND, "export-usd", str(source), str(out)], cwd=TOOLS, capture_output=True, text=True, timeout=120,
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500)),
             )  # fmt: skip
-            self.assertEqual((done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n"), ending)
+            self.assertEqual(
+                (done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n"), ending
+            )
             self.assertEqual(out.read_bytes(), b"old and good")
             out.unlink()
             self.assertEqual(list(self.folder.iterdir()), [source])
@@ -220,11 +235,19 @@ class Memory(WithFolder):
                 checks = [finding.check for finding in validate(self.folder, Options(processes=0)).findings]
                 self.assertIn("decode", checks)
                 with mock.patch.object(decode, "_could_hold", lambda size: False):
-                    with self.assertRaisesRegex(MemoryError, r"memory is not enough to decode .*x\.0001\.exr"):
+                    with self.assertRaisesRegex(
+                        MemoryError, r"memory is not enough to decode .*x\.0001\.exr"
+                    ):
                         validate(self.folder, Options(processes=0))
-        with mock.patch("sunfleck_tools.commands.validate.validate", side_effect=MemoryError("memory is not enough to decode x")):
+        with mock.patch(
+            "sunfleck_tools.commands.validate.validate",
+            side_effect=MemoryError("memory is not enough to decode x"),
+        ):
             code, _, err = run("validate", self.folder)
-        self.assertEqual((code, err), (4, "error: memory is not enough to decode x: choose fewer --processes, or smaller frames\n"))
+        self.assertEqual(
+            (code, err),
+            (4, "error: memory is not enough to decode x: choose fewer --processes, or smaller frames\n"),
+        )
 
     def test_that_lacks_in_a_process_is_no_crash_of_the_decoder(self):
         for function in (killed, greedy):
@@ -239,7 +262,10 @@ class Names(WithFolder):
         path = write_frame(self.folder / "x.exr", scene(1))
         path.rename(self.folder / f"{name}.0001.exr")
         page = self.folder / "page.html"
-        for arguments in (["validate", self.folder, "--html", page], ["contact-sheet", self.folder, self.folder / "s.png"]):
+        for arguments in (
+            ["validate", self.folder, "--html", page],
+            ["contact-sheet", self.folder, self.folder / "s.png"],
+        ):
             code, out, err = run(*arguments)
             self.assertEqual(code, 0, err)
             self.assertNotIn("\x1b", out + err)
@@ -260,7 +286,9 @@ class SpecialFiles(WithFolder):
         write_frame(self.folder / "x.0001.exr", scene(1))
         code, out, _ = run("validate", self.folder)
         self.assertEqual(code, 1)
-        self.assertIn("frame 2: it cannot be read: it is a FIFO, and only regular files are read [unreadable]", out)
+        self.assertIn(
+            "frame 2: it cannot be read: it is a FIFO, and only regular files are read [unreadable]", out
+        )
         self.assertEqual(run("contact-sheet", self.folder, self.folder / "s.png")[0], 1)
         self.assertEqual(run("validate", fifo)[0], 4)
         self.assertEqual(run("validate", self.folder, "--stats", fifo)[0], 4)
@@ -293,7 +321,11 @@ class Scenes(WithFolder):
         absolute = str(self.folder / "outside/other.bin")
         for uri in ("../outside/other.bin", "..%2Foutside/other.bin", "link.bin", absolute):
             path = self.write(buffers=[{"byteLength": 4, "uri": uri}])
-            with self.assertRaisesRegex(SceneError, r"buffers\[0\]\.uri: leads out of the file's folder, .*give --allow"):
+            with self.assertRaisesRegex(
+                SceneError, r"buffers\[0\]\.uri: leads out of the file's folder, .*give --allow"
+            ):
                 Container(path).buffer(0)
             self.assertEqual(Container(path, [self.folder / "outside"]).buffer(0), b"1234")
-        self.assertEqual(Container(self.write(buffers=[{"byteLength": 4, "uri": "own.bin"}])).buffer(0), b"1234")
+        self.assertEqual(
+            Container(self.write(buffers=[{"byteLength": 4, "uri": "own.bin"}])).buffer(0), b"1234"
+        )

@@ -1,4 +1,5 @@
-"""Subdivision surfaces against what is known of them: limits, splines, planes, creases, and that weights add up to 1."""
+"""Subdivision surfaces against what is known of them: limits, splines, planes, creases, and that
+weights add up to 1."""
 
 from __future__ import annotations
 
@@ -21,7 +22,14 @@ def cage(corners, count=4, creases=(), sharpness=10.0, sharp_vertices=(), **rule
     at_vertex = np.zeros(corners.max() + 1)
     at_vertex[list(sharp_vertices)] = np.inf
     ends = np.array(creases, np.int64).reshape(-1, 2)
-    return Cage(np.full(len(corners) // count, count), corners, ends, np.full(len(ends), sharpness), at_vertex, **rules)
+    return Cage(
+        np.full(len(corners) // count, count),
+        corners,
+        ends,
+        np.full(len(ends), sharpness),
+        at_vertex,
+        **rules,
+    )
 
 
 def smooth(faces: Cage, values: np.ndarray, levels: int) -> np.ndarray:
@@ -39,16 +47,19 @@ def grid(size: int) -> np.ndarray:
 
 class Limits(unittest.TestCase):
     def test_corners_of_a_cube_go_half_way_in(self):
-        # (9 v + 4 (its neighbours) + (the corners opposite in its faces)) / 24 (Halstead, Kass and DeRose 1993) = (9 + 4 - 1) / 24.
+        # (9 v + 4 (its neighbours) + (the corners opposite in its faces)) / 24 (Halstead, Kass and
+        # DeRose 1993) = (9 + 4 - 1) / 24.
         np.testing.assert_allclose(smooth(cage(CUBE_FACES), CUBE, 7)[:8], 0.5 * CUBE, atol=1e-5)
 
     def test_corners_of_a_tetrahedron_by_loops_rule(self):
-        # n beta = 9/16: the limit has 1 / (1 + 8/3 * 9/16) = 2/5 of a vertex and 3/5 of its neighbours' mean, -v/3.
+        # n beta = 9/16: the limit has 1 / (1 + 8/3 * 9/16) = 2/5 of a vertex and 3/5 of its
+        # neighbours' mean, -v/3.
         found = smooth(cage([0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2], 3, is_loop=True), TETRAHEDRON, 7)
         np.testing.assert_allclose(found[:4], 0.2 * TETRAHEDRON, atol=1e-5)
 
     def test_a_grid_is_a_uniform_cubic_spline(self):
-        """Control points k**3 - k stand for the cubic x**3 at their knots: B-spline values (a + 4 b + c) / 6."""
+        """Control points k**3 - k stand for the cubic x**3 at their knots: B-spline values
+        (a + 4 b + c) / 6."""
         x = np.repeat(np.arange(9.0), 9)
         heights = smooth(cage(grid(8)), np.stack([x, x**3 - x], axis=1), 3)
         inside = (heights[:, 0] > 3) & (heights[:, 0] < 5)
@@ -61,7 +72,9 @@ class Limits(unittest.TestCase):
         edge = points[:, 0] == 0
         values = np.where(edge, points[:, 1] ** 3 - points[:, 1], 77.0)
         faces = cage(grid(4))
-        found = smooth(faces.with_sharp_vertices(faces.faces_at_vertex == 1), np.column_stack([points, values]), 2)
+        found = smooth(
+            faces.with_sharp_vertices(faces.faces_at_vertex == 1), np.column_stack([points, values]), 2
+        )
         at = (found[:, 0] == 0) & (found[:, 1] > 1.5) & (found[:, 1] < 2.5)
         np.testing.assert_allclose(found[at, 2], found[at, 1] ** 3 - found[at, 1] / 4**2, atol=1e-9)
         np.testing.assert_allclose(found[[0, 4, 20, 24], :2], points[[0, 4, 20, 24]], atol=1e-12)
@@ -78,18 +91,27 @@ class Creases(unittest.TestCase):
         found = smooth(cage(CUBE_FACES, creases=TOP), CUBE, 3)
         np.testing.assert_allclose(found[[1, 3, 5, 7], 2], 1.0, atol=1e-12)
         # The ring alone is the spline of four points, whose limit is (a + 4 b + c) / 6: 4/6 of a corner.
-        np.testing.assert_allclose(smooth(cage(CUBE_FACES, creases=TOP), CUBE, 8)[1, :2], [-2 / 3, -2 / 3], atol=1e-4)
+        np.testing.assert_allclose(
+            smooth(cage(CUBE_FACES, creases=TOP), CUBE, 8)[1, :2], [-2 / 3, -2 / 3], atol=1e-4
+        )
 
     def test_sharpness_ends(self):
-        """One level sharp, then smooth: what sharpness 1 gives is the smooth surface of the cage that one sharp level gives."""
+        """One level sharp, then smooth: what sharpness 1 gives is the smooth surface of the cage that one
+        sharp level gives."""
         once = refined(cage(CUBE_FACES, creases=TOP, sharpness=10), 1)[0]
         fine = once.finer
-        blunt = Cage(fine.counts, fine.corners, np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(fine.vertices))
+        blunt = Cage(
+            fine.counts, fine.corners, np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(fine.vertices)
+        )
         expected = smooth(blunt, once.smooth(CUBE), 2)
-        np.testing.assert_allclose(smooth(cage(CUBE_FACES, creases=TOP, sharpness=1), CUBE, 3), expected, atol=1e-12)
+        np.testing.assert_allclose(
+            smooth(cage(CUBE_FACES, creases=TOP, sharpness=1), CUBE, 3), expected, atol=1e-12
+        )
 
     def test_half_sharp_lies_half_way(self):
-        sharp, half, blunt = (smooth(cage(CUBE_FACES, creases=TOP, sharpness=each), CUBE, 1) for each in (1, 0.5, 0))
+        sharp, half, blunt = (
+            smooth(cage(CUBE_FACES, creases=TOP, sharpness=each), CUBE, 1) for each in (1, 0.5, 0)
+        )
         np.testing.assert_allclose(half, 0.5 * (sharp + blunt), atol=1e-12)
         self.assertGreater(np.abs(sharp - blunt).max(), 0.1)
 
@@ -111,7 +133,10 @@ class Properties(unittest.TestCase):
 
     def test_faces_keep_their_side(self):
         flat = np.column_stack([np.repeat(np.arange(4.0), 4), np.tile(np.arange(4.0), 4), np.zeros(16)])
-        for faces, points in ((cage(grid(3)), flat), (cage([0, 1, 2, 0, 2, 3], 3, is_loop=True), flat[[0, 4, 5, 1]])):
+        for faces, points in (
+            (cage(grid(3)), flat),
+            (cage([0, 1, 2, 0, 2, 3], 3, is_loop=True), flat[[0, 4, 5, 1]]),
+        ):
             levels = refined(faces, 2)
             for level in levels:
                 points = level.smooth(points)

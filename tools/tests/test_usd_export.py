@@ -41,7 +41,9 @@ def validation_errors(path: Path) -> list[str]:
 def inspect(path: Path, frames: list[float]) -> dict[float, dict]:
     """What the renderer says of a file at frames."""
     listed = ",".join(f"{frame:g}" for frame in frames)
-    text = subprocess.run([PROGRAM, "inspect", path, "--json", "--frames", listed], capture_output=True, check=True, text=True)
+    text = subprocess.run(
+        [PROGRAM, "inspect", path, "--json", "--frames", listed], capture_output=True, check=True, text=True
+    )
     return {frame["frame"]: frame for frame in json.loads(text.stdout)["frames"]}
 
 
@@ -66,7 +68,9 @@ class Stages(Case):
             for for_blender, point_instancer in itertools.product((False, True), repeat=2):
                 path = self.folder / f"{name}.usdc"
                 export_usd(SAMPLES / f"{name}.glb", path, ExportOptions(for_blender, point_instancer))
-                self.assertEqual(validation_errors(path), [], f"{name}, for_blender {for_blender}, {point_instancer}")
+                self.assertEqual(
+                    validation_errors(path), [], f"{name}, for_blender {for_blender}, {point_instancer}"
+                )
 
     def test_a_package_holds_its_textures(self):
         path = self.folder / "cards.usdz"
@@ -75,7 +79,8 @@ class Stages(Case):
         self.assertEqual([file.name for file in self.folder.iterdir()], ["cards.usdz"])
 
     def test_a_sky_is_a_dome_that_lights_as_much(self):
-        """An open plane that faces up receives pi (horizon + 2 zenith) / 3 from a gradient, and pi L from an even sky."""
+        """An open plane that faces up receives pi (horizon + 2 zenith) / 3 from a gradient, and pi L
+        from an even sky."""
         for sky, expected in (
             ({"zenith": [0.2, 0.35, 0.8], "horizon": [0.8, 0.85, 0.9], "strength": 2.0}, [0.8, 3.1 / 3, 5 / 3]),
             ({"color": [0.4, 0.2, 0.1]}, [0.4, 0.2, 0.1]),
@@ -87,7 +92,9 @@ class Stages(Case):
             light = np.array(dome.GetColorAttr().Get()) * dome.GetIntensityAttr().Get()
             if file := dome.GetTextureFileAttr().Get():
                 channels = decode(Path(file.resolvedPath))
-                light = light * np.stack([channels[letter] for letter in "RGB"], axis=-1).mean(axis=1, dtype=float)
+                light = light * np.stack([channels[letter] for letter in "RGB"], axis=-1).mean(
+                    axis=1, dtype=float
+                )
                 self.assertTrue((light[512:] == 0).all())
             down = np.pi * (np.arange(1024) + 0.5) / 1024
             weights = np.where(down < np.pi / 2, np.cos(down) * np.sin(down), 0) * 2 * np.pi / 1024
@@ -111,8 +118,11 @@ class Stages(Case):
             self.assertEqual(len(domes), lights != "nothing")
             for dome in domes:
                 self.assertTrue(dome.GetTextureFileAttr().Get().resolvedPath)
-                np.testing.assert_allclose(np.array(dome.GetColorAttr().Get()) * dome.GetIntensityAttr().Get(), sky["strength"])
-                # USD has +z in the middle of the picture, the renderer -z, both turned anticlockwise as seen from above.
+                np.testing.assert_allclose(
+                    np.array(dome.GetColorAttr().Get()) * dome.GetIntensityAttr().Get(), sky["strength"]
+                )
+                # USD has +z in the middle of the picture, the renderer -z, both turned
+                # anticlockwise as seen from above.
                 middle = np.array(dome.GetLocalTransformation(Usd.TimeCode.Default())).T[:3, 2]
                 np.testing.assert_allclose(middle, [-np.sin(0.5), 0, -np.cos(0.5)], atol=1e-6)
             back = self.folder / "back.glb"
@@ -120,7 +130,9 @@ class Stages(Case):
             gltf = load(back)
             found = gltf.extras.group("sunfleck_env")
             self.assertEqual((found.text_at("lights"), found.raw["rotation"]), (lights, 0.5))
-            self.assertEqual(gltf.container.linked(found.need("image")), (self.folder / "marked.exr").read_bytes())
+            self.assertEqual(
+                gltf.container.linked(found.need("image")), (self.folder / "marked.exr").read_bytes()
+            )
 
     def test_a_background_that_lights_nothing_is_no_dome(self):
         stage = self.export(self.under({"color": [0.4, 0.2, 0.1]}))
@@ -150,9 +162,17 @@ class Stages(Case):
     @needs_program
     def test_places_are_the_renderers_at_any_frame(self):
         frames = [1.0, 2.5, 17.0, 33.3, 72.0]
-        for name in ("a_leaves40_sampled", "a_leaves40_curves", "h_transforms", "h_transforms_scene", "d_skin"):
+        for name in (
+            "a_leaves40_sampled",
+            "a_leaves40_curves",
+            "h_transforms",
+            "h_transforms_scene",
+            "d_skin",
+        ):
             # Curves are joined by straight lines between samples: put one at each frame that is looked at.
-            stage = self.export(SAMPLES / f"{name}.glb", samples_per_frame=10 if name == "a_leaves40_curves" else 1)
+            stage = self.export(
+                SAMPLES / f"{name}.glb", samples_per_frame=10 if name == "a_leaves40_curves" else 1
+            )
             named: dict[str, Usd.Prim] = {}
             for prim in stage.Traverse():
                 # Behind the node itself there may be its mesh.
@@ -182,7 +202,9 @@ class Stages(Case):
                 places = UsdGeom.PointInstancer(prim).ComputeInstanceTransformsAtTime(frame, frame)
                 for key, place in zip(prim.GetAttribute("userProperties:sunfleck_names").Get(), places):
                     world = (np.array(place) @ above).T.ravel()
-                    self.assertLessEqual(np.abs(world - expected["nodes"][key]["world"]).max(), 1e-5, f"{key} at {frame}")
+                    self.assertLessEqual(
+                        np.abs(world - expected["nodes"][key]["world"]).max(), 1e-5, f"{key} at {frame}"
+                    )
                     compared += 1
         self.assertEqual(compared, 160)
 
@@ -214,7 +236,10 @@ class Stages(Case):
     def test_what_hides_shrinks_for_blender(self):
         times, shown = np.float32([0, 10 / 24]), np.float32([[1, 0, 0], [0, 0, 0]])
         binary = times.tobytes() + shown.tobytes()
-        views = [{"buffer": 0, "byteOffset": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 24}]
+        views = [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 8},
+            {"buffer": 0, "byteOffset": 8, "byteLength": 24},
+        ]
         accessors = [{"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR"},
                      {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}]  # fmt: skip
         channel = {"sampler": 0, "target": {"node": 1, "path": "translation"}}
@@ -245,14 +270,25 @@ class Stages(Case):
     def test_a_picture_on_the_sun_is_said_to_be_lost(self):
         source = json.loads((SAMPLES.parent / "valid/gltf/same/plain.gltf").read_text())
         path = self.folder / "picture.gltf"
-        for shows, lost in (({}, 0), ({"fractal": {"real": 0, "imaginary": 0.5}}, 1), ({"limb_darkening": 0.5}, 1)):
+        for shows, lost in (
+            ({}, 0),
+            ({"fractal": {"real": 0, "imaginary": 0.5}}, 1),
+            ({"limb_darkening": 0.5}, 1),
+        ):
             source["nodes"][2]["extras"] = {"sunfleck_light": {"angle": 0.1, **shows}}
             path.write_text(json.dumps(source))
-            said = [line for line in export_usd(path, self.folder / "picture.usda").lost if "pictures on suns" in line]
+            said = [
+                line
+                for line in export_usd(path, self.folder / "picture.usda").lost
+                if "pictures on suns" in line
+            ]
             self.assertEqual(len(said), lost, shows)
 
     def test_what_is_unlit_shines_in_its_colour(self):
-        material = {"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1]}, "extensions": {"KHR_materials_unlit": {}}}
+        material = {
+            "pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1]},
+            "extensions": {"KHR_materials_unlit": {}},
+        }
         source = json.loads((SAMPLES.parent / "valid/gltf/same/plain.gltf").read_text())
         for mesh in source["meshes"]:
             for primitive in mesh["primitives"]:
@@ -261,7 +297,11 @@ class Stages(Case):
         path = self.folder / "unlit.gltf"
         path.write_text(json.dumps(source))
         stage = self.export(path)
-        shaders = [UsdShade.Shader(prim) for prim in stage.Traverse(Usd.TraverseInstanceProxies()) if prim.IsA(UsdShade.Shader)]
+        shaders = [
+            UsdShade.Shader(prim)
+            for prim in stage.Traverse(Usd.TraverseInstanceProxies())
+            if prim.IsA(UsdShade.Shader)
+        ]
         self.assertEqual(shaders[0].GetInput("emissiveColor").Get(), (0.25, 0.5, 0.75))
         self.assertEqual(shaders[0].GetInput("diffuseColor").Get(), (0, 0, 0))
 
@@ -288,12 +328,15 @@ class Stages(Case):
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         expected = (uv * transform.get("scale", [1, 1])) @ turn.T + transform.get("offset", [0, 0])
         self.assertGreater(np.abs(expected - uv).max(), 0.1)
-        # Specification of UsdTransform2d: scale, then rotate anticlockwise, then translate, t from the bottom.
+        # Specification of UsdTransform2d: scale, then rotate anticlockwise, then
+        # translate, t from the bottom.
         found = []
         for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
             shader = UsdShade.Shader(prim)
             if shader and shader.GetIdAttr().Get() == "UsdTransform2d":
-                scale, degrees, place = (np.array(shader.GetInput(name).Get()) for name in ("scale", "rotation", "translation"))
+                scale, degrees, place = (
+                    np.array(shader.GetInput(name).Get()) for name in ("scale", "rotation", "translation")
+                )
                 sine, cosine = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
                 st = (uv * [1, -1] + [0, 1]) * scale @ np.array([[cosine, -sine], [sine, cosine]]).T + place
                 found.append(np.abs(st * [1, -1] + [0, 1] - expected).max())
@@ -312,7 +355,10 @@ class Stages(Case):
     def test_frames_that_were_asked_for(self):
         stage = self.export(SAMPLES / "a_leaves40_scene.glb", frames=(5, 9))
         self.assertEqual((stage.GetStartTimeCode(), stage.GetEndTimeCode()), (5.0, 9.0))
-        self.assertEqual(stage.GetPrimAtPath("/World/cam").GetAttribute("xformOp:translate").GetTimeSamples(), [5, 6, 7, 8, 9])
+        self.assertEqual(
+            stage.GetPrimAtPath("/World/cam").GetAttribute("xformOp:translate").GetTimeSamples(),
+            [5, 6, 7, 8, 9],
+        )
 
     def test_the_shutter_opens_where_it_does(self):
         stage = self.export(SAMPLES / "i_conventions_nopointer.glb")
@@ -356,7 +402,9 @@ class Refusals(Case):
         path = self.folder / "lie.glb"
         for document, said in cases:
             path.write_bytes(glb(document))
-            code, _, err = run("export-usd", path, self.folder / "stage.usdc", "--sunfleck", "no such program")
+            code, _, err = run(
+                "export-usd", path, self.folder / "stage.usdc", "--sunfleck", "no such program"
+            )
             self.assertEqual(code, 3, said)
             self.assertIn(said, err)
 
@@ -376,7 +424,10 @@ class Refusals(Case):
 
     def test_commands_that_cannot_be_used(self):
         source = SAMPLES / "f_plain.glb"
-        for target, said in ((self.folder / "stage.obj", "is no stage"), (self.folder / "none/stage.usdc", "there is no folder")):
+        for target, said in (
+            (self.folder / "stage.obj", "is no stage"),
+            (self.folder / "none/stage.usdc", "there is no folder"),
+        ):
             code, _, err = run("export-usd", source, target)
             self.assertEqual(code, 3)
             self.assertIn(said, err)

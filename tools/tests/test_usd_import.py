@@ -23,7 +23,11 @@ from .files import marked_sky
 from .test_usd_export import PROGRAM, SAMPLES, Case, inspect, needs_program
 
 CLEARING = Path(__file__).parent / "data/clearing.ron"
-ROUTES = [ExportOptions(for_blender, point_instancer) for for_blender in (False, True) for point_instancer in (False, True)]
+ROUTES = [
+    ExportOptions(for_blender, point_instancer)
+    for for_blender in (False, True)
+    for point_instancer in (False, True)
+]
 QUAD = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
 
@@ -67,7 +71,14 @@ class ImportCase(Case):
 class ThereAndBack(Case):
     @needs_program
     def test_everything_is_where_and_as_bright_as_it_was(self):
-        for name in ("a_leaves40_scene", "d_skin", "h_cameras", "h_lights_nopointer", "h_transforms_scene", "i_conventions_nopointer"):
+        for name in (
+            "a_leaves40_scene",
+            "d_skin",
+            "h_cameras",
+            "h_lights_nopointer",
+            "h_transforms_scene",
+            "i_conventions_nopointer",
+        ):
             source = SAMPLES / f"{name}.glb"
             expected = inspect(source, [1.0, 2.5, 17.0, 24.0])
             for number, options in enumerate(ROUTES):
@@ -142,7 +153,13 @@ class ThereAndBack(Case):
     def test_materials_come_back(self):
         clearing = self.folder / "clearing.glb"
         program(f"export {CLEARING} {clearing}")
-        for source in (clearing, *(SAMPLES / f"{name}.glb" for name in ("b_leafcards", "g_pbr", "f_plain", "i_conventions_nopointer"))):
+        for source in (
+            clearing,
+            *(
+                SAMPLES / f"{name}.glb"
+                for name in ("b_leafcards", "g_pbr", "f_plain", "i_conventions_nopointer")
+            ),
+        ):
             stage, back = self.folder / f"{source.stem}.usdz", self.folder / "back.glb"
             export_usd(source, stage)
             import_usd(stage, back)
@@ -246,10 +263,14 @@ class OtherPrograms(ImportCase):
         sky = gltf.extras.group("sunfleck_env")
         self.assertEqual(sky.text_at("lights"), "surfaces_and_fog")
         np.testing.assert_allclose(sky.need("color").channels(), [0.2, 0.4, 0.6], rtol=1e-6)
-        lights = {light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]}
+        lights = {
+            light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]
+        }
         # Radiance 2 of a disc of radius 0.5.
         self.assertAlmostEqual(lights["sphere"]["intensity"] / 683, 2.0 * np.pi * 0.25, 5)
-        self.assertAlmostEqual(lights["sun"]["intensity"] / 683, 1000 * np.pi * np.sin(np.radians(0.5)) ** 2, 5)
+        self.assertAlmostEqual(
+            lights["sun"]["intensity"] / 683, 1000 * np.pi * np.sin(np.radians(0.5)) ** 2, 5
+        )
         extras = next(node.extras.raw for node in gltf.nodes if node.name == "rect")
         # Radiance 2 over 12 square metres.
         self.assertAlmostEqual(extras["sunfleck_light"]["power_w"], np.pi * 24, 4)
@@ -275,7 +296,9 @@ class OtherPrograms(ImportCase):
                 self.assertIsNone(sky.member("image"))
                 self.assertIn("not upright", " ".join(map(str, self.imported.lost)))
             else:
-                self.assertAlmostEqual(np.angle(np.exp(1j * (sky.need("rotation").number() - expected))), 0.0, 6)
+                self.assertAlmostEqual(
+                    np.angle(np.exp(1j * (sky.need("rotation").number() - expected))), 0.0, 6
+                )
         (self.folder / "marked.exr").write_bytes(b"no picture")
         self.assertIn("neither OpenEXR nor", self.without_a_picture())
         (self.folder / "marked.exr").unlink()
@@ -338,7 +361,9 @@ class OtherPrograms(ImportCase):
         moves = animation.CreateTranslationsAttr()
         for code in (1, 5):
             moves.Set([Gf.Vec3f(code - 1, 0, 0)], code)
-        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
+            [animation.GetPath()]
+        )
         binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
         binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
         binding.CreateJointIndicesPrimvar(False, 1).Set([0] * 4)
@@ -358,15 +383,21 @@ class OtherPrograms(ImportCase):
         mesh.GetPointsAttr().Set([*QUAD, (2, 0, 0), (2, 1, 0)])
         mesh.GetFaceVertexCountsAttr().Set([4, 4])
         mesh.GetFaceVertexIndicesAttr().Set([0, 1, 2, 3, 1, 4, 5, 2])
-        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying")
+        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+            "st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying"
+        )
         primvar.Set([(0, 0), (1, 0), (1, 1), (0, 1)] * 2)
         for index, name in enumerate(("left", "right")):
             material = UsdShade.Material.Define(stage, f"/{name}")
             shader = UsdShade.Shader.Define(stage, f"/{name}/surface")
             shader.CreateIdAttr("UsdPreviewSurface")
             shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set((index, 0.5, 0.25))
-            material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
-            subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(name, Vt.IntArray([index]))
+            material.CreateSurfaceOutput().ConnectToSource(
+                shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+            )
+            subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(
+                name, Vt.IntArray([index])
+            )
             UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
         gltf = self.load(stage)
         _, found = Meshes(gltf, []).of(gltf.nodes[0])
@@ -379,7 +410,9 @@ class OtherPrograms(ImportCase):
         self.assertEqual(at[(1.0, 0.0, 0.0)], (0.0, 1.0))
 
     def test_triangles_cover_a_leaf_that_is_not_convex(self):
-        star = np.array([(np.cos(a) * r, np.sin(a) * r, 0.0) for a, r in zip(np.arange(16) * np.pi / 8, [1.0, 0.3] * 8)])
+        star = np.array(
+            [(np.cos(a) * r, np.sin(a) * r, 0.0) for a, r in zip(np.arange(16) * np.pi / 8, [1.0, 0.3] * 8)]
+        )
         area = 0.5 * np.abs(np.cross(star, np.roll(star, -1, axis=0)).sum(axis=0)[2])
         for turned in (star, star[:, [1, 2, 0]], star[:, [2, 0, 1]], star[::-1]):
             triangles = triangulate(np.array([16]), turned, np.arange(16))[:, :3]

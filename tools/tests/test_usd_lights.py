@@ -37,14 +37,19 @@ class LookCase(ImportCase):
         """The last stage as the renderer sees it, by its own lights alone: rows of RGB."""
         glb = self.folder / ("case.glb" if (self.folder / "case.glb").exists() else "made.glb")
         out = self.folder / f"{glb.stem}_{frame}.exr"
-        program(f"render {glb} --frames {frame} --size {size} --samples {samples} --threads 1 --default-light off --out {out}")
+        program(
+            f"render {glb} --frames {frame} --size {size} --samples {samples} --threads 1 --default-light "
+            f"off --out {out}"
+        )
         channels = decode(out)
         return np.stack([np.float64(channels[each]) for each in "RGB"], axis=-1)
 
 
 def punctual(gltf: Gltf) -> dict[str, dict]:
     """Lights of KHR_lights_punctual by name."""
-    return {light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]}
+    return {
+        light["name"]: light for light in gltf.document.raw["extensions"]["KHR_lights_punctual"]["lights"]
+    }
 
 
 def of_node(gltf: Gltf, name: str) -> dict:
@@ -76,7 +81,8 @@ class Sizes(LookCase):
             self.assertAlmostEqual(of_node(gltf, name)["power_w"], math.pi, 6)
 
     def test_what_stands_above_a_light_scales_it(self):
-        """In centimetres, below a node of scale 3 that grows to 6: power grows with the area unless it is normalised."""
+        """In centimetres, below a node of scale 3 that grows to 6: power grows with the area unless
+        it is normalised."""
         for is_normalized, expected in ((False, (1.0, 4.0)), (True, (1.0, 1.0))):
             stage = self.stage()
             UsdGeom.SetStageMetersPerUnit(stage, 0.01)
@@ -104,7 +110,11 @@ class Sizes(LookCase):
 
     def watts(self, gltf: Gltf, name: str) -> float:
         lights = punctual(gltf)
-        return lights[name]["intensity"] / LUMENS_PER_WATT * 4 * math.pi if name in lights else of_node(gltf, name)["power_w"]
+        return (
+            lights[name]["intensity"] / LUMENS_PER_WATT * 4 * math.pi
+            if name in lights
+            else of_node(gltf, name)["power_w"]
+        )
 
     def test_instances_of_a_light_have_their_own_sizes(self):
         stage = self.stage()
@@ -135,13 +145,18 @@ class Sizes(LookCase):
         cylinder.CreateIntensityAttr(3.0)
         lights = punctual(self.load(stage))
         # pi L A watts over 4 pi steradians.
-        self.assertAlmostEqual(lights["sphere"]["intensity"] / LUMENS_PER_WATT / (2.0 * 2 * math.pi / 4), 1.0, delta=0.011)
-        self.assertAlmostEqual(lights["cylinder"]["intensity"] / LUMENS_PER_WATT, 3.0 * (2 * math.pi * 0.25 * 4.0) / 4, 5)
+        self.assertAlmostEqual(
+            lights["sphere"]["intensity"] / LUMENS_PER_WATT / (2.0 * 2 * math.pi / 4), 1.0, delta=0.011
+        )
+        self.assertAlmostEqual(
+            lights["cylinder"]["intensity"] / LUMENS_PER_WATT, 3.0 * (2 * math.pi * 0.25 * 4.0) / 4, 5
+        )
         self.assertEqual({loss.kind: loss.count for loss in self.imported.lost}, {"usd-light-shape": 2})
 
     @needs_program
     def test_irradiance_below_a_sphere_in_centimetres(self):
-        """A wall in the light of a sphere of radius 0.3 m, 2 m away: pi L (r / d)^2, of which a matte wall gives back albedo / pi."""
+        """A wall in the light of a sphere of radius 0.3 m, 2 m away: pi L (r / d)^2, of which a matte wall
+        gives back albedo / pi."""
         stage = self.stage()
         UsdGeom.SetStageMetersPerUnit(stage, 0.01)
         wall = quad(stage, "/wall")
@@ -152,7 +167,9 @@ class Sizes(LookCase):
         shader.CreateIdAttr("UsdPreviewSurface")
         shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set((0.5, 0.5, 0.5))
         shader.CreateInput("ior", Sdf.ValueTypeNames.Float).Set(1.0)
-        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        material.CreateSurfaceOutput().ConnectToSource(
+            shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+        )
         UsdShade.MaterialBindingAPI.Apply(wall.GetPrim()).Bind(material)
         light = UsdLux.SphereLight.Define(stage, "/light")
         light.CreateRadiusAttr(15.0)
@@ -243,7 +260,17 @@ class Inputs(LookCase):
             quad(stage, "/leaf")
             stage.DefinePrim("/light", kind)
             spec = stage.GetRootLayer().GetPrimAtPath("/light")
-            names = ("intensity", "exposure", "color", "radius", "width", "angle", "length", "normalize", "shaping:cone:angle")
+            names = (
+                "intensity",
+                "exposure",
+                "color",
+                "radius",
+                "width",
+                "angle",
+                "length",
+                "normalize",
+                "shaping:cone:angle",
+            )
             for name in names:
                 Sdf.AttributeSpec(spec, f"inputs:{name}", Sdf.ValueTypeNames.String).default = "bright"
             self.load(stage)
@@ -294,7 +321,8 @@ class MeshLights(LookCase):
 
 class Domes(LookCase):
     def test_the_second_schema_and_its_pole(self):
-        """A dome whose pole is z in a stage whose up is z is upright as it is; longitude 0 points to -y there, +z in glTF."""
+        """A dome whose pole is z in a stage whose up is z is upright as it is; longitude 0 points to -y
+        there, +z in glTF."""
         stage = self.stage()
         UsdGeom.SetStageUpAxis(stage, "Z")
         quad(stage, "/a")

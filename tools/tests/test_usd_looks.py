@@ -31,7 +31,9 @@ def texels(gltf: Gltf, info: dict) -> np.ndarray:
 
 
 class SurfaceCase(LookCase):
-    def surface(self, stage: Usd.Stage, path: str = "/m", kind: str = "UsdPreviewSurface", **inputs) -> UsdShade.Material:
+    def surface(
+        self, stage: Usd.Stage, path: str = "/m", kind: str = "UsdPreviewSurface", **inputs
+    ) -> UsdShade.Material:
         """A material; inputs are numbers, or (texture node, output)."""
         material = UsdShade.Material.Define(stage, path)
         shader = UsdShade.Shader.Define(stage, f"{path}/surface")
@@ -40,14 +42,17 @@ class SurfaceCase(LookCase):
             is_color = "olor" in name or name == "normal"
             made = shader.CreateInput(name, TYPES.Color3f if is_color else TYPES.Float)
             if isinstance(value, tuple) and isinstance(value[0], UsdShade.Shader):
-                made.ConnectToSource(value[0].CreateOutput(value[1], TYPES.Float3 if value[1] == "rgb" else TYPES.Float))
+                made.ConnectToSource(
+                    value[0].CreateOutput(value[1], TYPES.Float3 if value[1] == "rgb" else TYPES.Float)
+                )
             else:
                 made.Set(value)
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", TYPES.Token))
         return material
 
     def texture(self, stage: Usd.Stage, name: str, pixels: np.ndarray | None, **inputs) -> UsdShade.Shader:
-        """A node that reads pixels (bytes), which are written as PNG beside the stage, or a file that is there."""
+        """A node that reads pixels (bytes), which are written as PNG beside the stage, or a
+        file that is there."""
         path = f"/textures/{name.partition('.')[0].replace('<', '_').replace('>', '_')}"
         if pixels is not None:
             Image.fromarray(pixels).save(self.folder / name)
@@ -98,7 +103,10 @@ class Connections(LookCase):
     def test_a_surface_that_is_known_goes_before_one_that_is_not(self):
         stage = self.stage()
         mesh = quad(stage, "/leaf")
-        for name, purpose, kind in (("fine", "full", "someones_surface"), ("rough", "preview", "UsdPreviewSurface")):
+        for name, purpose, kind in (
+            ("fine", "full", "someones_surface"),
+            ("rough", "preview", "UsdPreviewSurface"),
+        ):
             material = UsdShade.Material.Define(stage, f"/{name}")
             shader = UsdShade.Shader.Define(stage, f"/{name}/s")
             shader.CreateIdAttr(kind)
@@ -155,14 +163,18 @@ class Packing(SurfaceCase):
         rough = self.texture(stage, "rough.png", np.full((4, 4), 51, np.uint8))
         metal = self.texture(stage, "metal.png", np.uint8([[0, 204]]), wrapS="clamp")
         pbr = self.shown(stage, self.surface(stage, roughness=(rough, "r"), metallic=(metal, "r")))["pbrMetallicRoughness"]
-        self.assertAlmostEqual(pbr["metallicFactor"] * texels(self.gltf, pbr["metallicRoughnessTexture"])[0, 0, 2], 0.4, 5)
+        self.assertAlmostEqual(
+            pbr["metallicFactor"] * texels(self.gltf, pbr["metallicRoughnessTexture"])[0, 0, 2], 0.4, 5
+        )
         self.assertIn("lies elsewhere", self.said()["usd-texture-packing"])
 
     def test_opacity_from_another_texture(self):
         stage = self.stage()
         leaf = self.texture(stage, "leaf.png", np.full((2, 2, 3), (200, 100, 50), np.uint8))
         cut = self.texture(stage, "cut.png", np.uint8([[0, 255], [255, 0]]))
-        found = self.shown(stage, self.surface(stage, diffuseColor=(leaf, "rgb"), opacity=(cut, "r"), opacityThreshold=0.5))
+        found = self.shown(
+            stage, self.surface(stage, diffuseColor=(leaf, "rgb"), opacity=(cut, "r"), opacityThreshold=0.5)
+        )
         self.assertEqual((found["alphaMode"], found["alphaCutoff"]), ("MASK", 0.5))
         baked = texels(self.gltf, found["pbrMetallicRoughness"]["baseColorTexture"])
         np.testing.assert_allclose(baked[..., :3], np.broadcast_to(ORANGE, (2, 2, 3)), atol=1e-6)
@@ -172,7 +184,9 @@ class Packing(SurfaceCase):
         stage = self.stage()
         cut = self.texture(stage, "cut.png", np.uint8([[0, 255]]))
         found = self.shown(stage, self.surface(stage, diffuseColor=(0.1, 0.2, 0.3), opacity=(cut, "r")))
-        np.testing.assert_allclose(found["pbrMetallicRoughness"]["baseColorFactor"], [0.1, 0.2, 0.3, 1.0], rtol=1e-6)
+        np.testing.assert_allclose(
+            found["pbrMetallicRoughness"]["baseColorFactor"], [0.1, 0.2, 0.3, 1.0], rtol=1e-6
+        )
         baked = texels(self.gltf, found["pbrMetallicRoughness"]["baseColorTexture"])
         np.testing.assert_allclose(baked, [[[1, 1, 1, 0], [1, 1, 1, 1]]])
         self.assertEqual(found["alphaMode"], "BLEND")
@@ -214,7 +228,9 @@ class Texels(SurfaceCase):
         ):
             np.testing.assert_allclose(self.color(**inputs), expected, atol=4e-3)
             self.assertEqual(self.imported.lost, [])
-        np.testing.assert_allclose(self.color(scale=(2.0, 2.0, 2.0, 1.0)), np.minimum(2 * linear, 1), atol=4e-3)
+        np.testing.assert_allclose(
+            self.color(scale=(2.0, 2.0, 2.0, 1.0)), np.minimum(2 * linear, 1), atol=4e-3
+        )
         self.assertIn("clipped", self.said()["usd-texture-range"])
 
     def test_a_space_that_is_not_known(self):
@@ -223,7 +239,8 @@ class Texels(SurfaceCase):
 
     @needs_program
     def test_bias_and_raw_as_rendered(self):
-        """Of 3 W/m2 head on a matte wall of colour c gives back 3 c / pi, and its coat of roughness 0.5 F / (4 pi a^2), a = 0.25."""
+        """Of 3 W/m2 head on a matte wall of colour c gives back 3 c / pi, and its coat of roughness 0.5 F /
+        (4 pi a^2), a = 0.25."""
         self.case("B_bias_raw")
         centre = self.picture(size="160x90", samples=16)[44:46, 79:81].mean(axis=(0, 1))
         coat = 3 * 0.04 / (4 * np.pi * 0.0625)
@@ -235,21 +252,30 @@ class Texels(SurfaceCase):
         np.testing.assert_allclose(found[4, 4], ORANGE)
         for ending in ("webp", "tif", "bmp"):
             stage = self.stage()
-            Image.fromarray(np.full((4, 4, 3), (200, 100, 50), np.uint8)).save(self.folder / f"leaf.{ending}", lossless=True)
+            Image.fromarray(np.full((4, 4, 3), (200, 100, 50), np.uint8)).save(
+                self.folder / f"leaf.{ending}", lossless=True
+            )
             leaf = self.texture(stage, f"leaf.{ending}", None)
             pbr = self.shown(stage, self.surface(stage, diffuseColor=(leaf, "rgb")))["pbrMetallicRoughness"]
             np.testing.assert_allclose(texels(self.gltf, pbr["baseColorTexture"])[0, 0, :3], ORANGE)
 
     def test_linear_light(self):
-        """OpenEXR is linear: colours to sRGB, what is brighter than 1 clipped; emission keeps how bright it is."""
+        """OpenEXR is linear: colours to sRGB, what is brighter than 1 clipped; emission keeps
+        how bright it is."""
         stage = self.stage()
         write_colors(self.folder / "light.exr", np.full((2, 2, 3), (0.25, 0.5, 4.0), np.float32))
         light = self.texture(stage, "light.exr", None)
-        found = self.shown(stage, self.surface(stage, diffuseColor=(light, "rgb"), emissiveColor=(light, "rgb")))
+        found = self.shown(
+            stage, self.surface(stage, diffuseColor=(light, "rgb"), emissiveColor=(light, "rgb"))
+        )
         base = texels(self.gltf, found["pbrMetallicRoughness"]["baseColorTexture"])[0, 0]
         np.testing.assert_allclose(linear_from_srgb(base), [0.25, 0.5, 1.0], atol=4e-3)
         strength = found["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"]
-        emission = linear_from_srgb(texels(self.gltf, found["emissiveTexture"])[0, 0]) * found["emissiveFactor"] * strength
+        emission = (
+            linear_from_srgb(texels(self.gltf, found["emissiveTexture"])[0, 0])
+            * found["emissiveFactor"]
+            * strength
+        )
         np.testing.assert_allclose(emission, [0.25, 0.5, 4.0], atol=0.016)
         self.assertEqual(set(self.said()), {"usd-texture-range"})
 
@@ -264,7 +290,12 @@ class Texels(SurfaceCase):
         jpeg = io.BytesIO()
         Image.fromarray(np.random.default_rng(1).integers(0, 255, (64, 64, 3), np.uint8)).save(jpeg, "JPEG")
         claims = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
-        chunk = struct.pack(">I", len(claims)) + b"IHDR" + claims + struct.pack(">I", zlib.crc32(b"IHDR" + claims))
+        chunk = (
+            struct.pack(">I", len(claims))
+            + b"IHDR"
+            + claims
+            + struct.pack(">I", zlib.crc32(b"IHDR" + claims))
+        )
         for data, said in (
             (b"", "is none of OpenEXR"),
             (b"no picture", "is none of OpenEXR"),
@@ -293,7 +324,9 @@ class Texels(SurfaceCase):
             stage = self.stage()
             bumps = self.texture(stage, "bumps.png", np.full((2, 2, 3), texel, np.uint8), **inputs)
             found = self.shown(stage, self.surface(stage, normal=(bumps, "rgb")))
-            np.testing.assert_allclose(texels(self.gltf, found["normalTexture"])[0, 0] * 255, expected, atol=0.51)
+            np.testing.assert_allclose(
+                texels(self.gltf, found["normalTexture"])[0, 0] * 255, expected, atol=0.51
+            )
             self.assertEqual(set(self.said()), kinds)
 
     def test_black_around_a_texture_is_said(self):
@@ -393,7 +426,9 @@ class OtherSurfaces(SurfaceCase):
             stage = self.stage()
             pbr = self.shown(stage, self.surface(stage, kind=kind, **inputs))["pbrMetallicRoughness"]
             np.testing.assert_allclose(pbr["baseColorFactor"][:3], expected[0], rtol=1e-6)
-            np.testing.assert_allclose([pbr["metallicFactor"], pbr["roughnessFactor"]], expected[1:], rtol=1e-6)
+            np.testing.assert_allclose(
+                [pbr["metallicFactor"], pbr["roughnessFactor"]], expected[1:], rtol=1e-6
+            )
             self.assertEqual(set(self.said()), {"usd-material-approximated"})
 
     def test_not_known(self):
@@ -416,7 +451,9 @@ class Colors(SurfaceCase):
         gltf = self.case("L_displayOpacity")
         np.testing.assert_allclose(self.colors(gltf), [[1, 0, 0, 0.3]] * 4, rtol=1e-6)
         material = gltf.document.raw["materials"][0]
-        self.assertEqual((material["alphaMode"], material["pbrMetallicRoughness"]["metallicFactor"]), ("BLEND", 0.0))
+        self.assertEqual(
+            (material["alphaMode"], material["pbrMetallicRoughness"]["metallicFactor"]), ("BLEND", 0.0)
+        )
 
     def test_none_at_all_is_grey(self):
         stage = self.stage()
@@ -432,7 +469,9 @@ class Colors(SurfaceCase):
         material = UsdShade.Material.Define(stage, "/m")
         shader = UsdShade.Shader.Define(stage, "/m/s")
         shader.CreateIdAttr("UsdPreviewSurface")
-        shader.CreateInput("diffuseColor", TYPES.Color3f).ConnectToSource(reader.CreateOutput("result", TYPES.Float3))
+        shader.CreateInput("diffuseColor", TYPES.Color3f).ConnectToSource(
+            reader.CreateOutput("result", TYPES.Float3)
+        )
         material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", TYPES.Token))
         mesh = quad(stage, "/leaf")
         mesh.CreateDisplayColorAttr([(0.1, 0.2, 0.3)])
@@ -448,14 +487,18 @@ class Changes(SurfaceCase):
     def test_a_colour_that_changes_is_animated(self):
         gltf = self.case("K_animated_material")
         channels = gltf.document.raw["animations"][0]["channels"]
-        pointers = [channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"] for channel in channels]
+        pointers = [
+            channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"] for channel in channels
+        ]
         self.assertEqual(pointers, ["/materials/0/pbrMetallicRoughness/baseColorFactor"])
         self.assertEqual(self.imported.lost, [])
 
     @needs_program
     def test_as_rendered(self):
         self.case("K_animated_material")
-        pictures = {frame: self.picture(frame, "32x18", 4)[8:10, 15:17].mean(axis=(0, 1)) for frame in (1, 10)}
+        pictures = {
+            frame: self.picture(frame, "32x18", 4)[8:10, 15:17].mean(axis=(0, 1)) for frame in (1, 10)
+        }
         self.assertGreater(pictures[1][0], 4 * pictures[1][2])
         self.assertGreater(pictures[10][2], 4 * pictures[10][0])
 
@@ -468,7 +511,9 @@ class Changes(SurfaceCase):
         found = self.shown(stage, material)
         self.assertEqual(found["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 8.0)
         channel = self.gltf.document.raw["animations"][0]["channels"][0]
-        self.assertEqual(channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"], "/materials/0/emissiveFactor")
+        self.assertEqual(
+            channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"], "/materials/0/emissiveFactor"
+        )
 
     def test_what_cannot_change_is_said(self):
         stage = self.stage()

@@ -18,7 +18,8 @@ from .many_meshes import Many, make_stage
 from .test_usd_import import ImportCase
 
 MOST_CALLS = 700
-"""Of functions for a mesh, Python's and those in C: at about a microsecond each, 10,000 meshes take less than 10 s."""
+"""Of functions for a mesh, Python's and those in C: at about a microsecond each, 10,000 meshes
+take less than 10 s."""
 
 
 class Costs(ImportCase):
@@ -47,12 +48,15 @@ class Costs(ImportCase):
         self.assertEqual(self.imported.counts["materials"], 5)
 
     def test_cages_that_are_the_same_are_refined_once(self):
-        with mock.patch.object(Refinement, "__init__", autospec=True, side_effect=Refinement.__init__) as made:
+        with mock.patch.object(
+            Refinement, "__init__", autospec=True, side_effect=Refinement.__init__
+        ) as made:
             self.calls(Many(20, scheme=None))
         self.assertEqual(made.call_count, 2)
         document = Container(self.folder / "many_20.glb").document.raw
         self.assertEqual(
-            {document["accessors"][mesh["primitives"][0]["indices"]]["count"] for mesh in document["meshes"]}, {9 * 16 * 6}
+            {document["accessors"][mesh["primitives"][0]["indices"]]["count"] for mesh in document["meshes"]},
+            {9 * 16 * 6},
         )
 
     def test_decompositions_do_not_grow_with_the_points(self):

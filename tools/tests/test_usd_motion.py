@@ -1,4 +1,5 @@
-"""`import-usd`: what changes over time: points, faces, instances that come and go, and what a shutter reaches outside the frames."""
+"""`import-usd`: what changes over time: points, faces, instances that come and go, and what a shutter reaches
+outside the frames."""
 
 from __future__ import annotations
 
@@ -26,7 +27,9 @@ class MotionCase(SceneCase):
         """Where the vertices of a node's mesh are in the world at a frame, sorted."""
         node, seconds = self.node(gltf, name), gltf.settings.seconds(np.array([frame]))
         mesh = Meshes(gltf, []).of(node)[1]
-        points = np.concatenate([Bending(gltf, node, mesh).positions(each, seconds)[0] for each in mesh.primitives])
+        points = np.concatenate(
+            [Bending(gltf, node, mesh).positions(each, seconds)[0] for each in mesh.primitives]
+        )
         world = node.world_from_node(seconds)[0]
         points = points @ world[:3, :3].T + world[:3, 3]
         return points[np.lexsort(np.round(points, 5).T)]
@@ -34,13 +37,18 @@ class MotionCase(SceneCase):
     def shown(self, gltf: Gltf, frame: float) -> list[str]:
         """Nodes with meshes that are seen at a frame."""
         return [
-            each.name for each in gltf.nodes if each.source.member("mesh") is not None and self.is_seen(gltf, each.name, frame)
+            each.name
+            for each in gltf.nodes
+            if each.source.member("mesh") is not None and self.is_seen(gltf, each.name, frame)
         ]
 
     def x_of(self, gltf: Gltf, frame: float) -> list[float]:
         """Where those are, along x."""
         seconds = gltf.settings.seconds(np.array([frame]))
-        return [round(float(self.node(gltf, name).world_from_node(seconds)[0, 0, 3]), 4) for name in self.shown(gltf, frame)]
+        return [
+            round(float(self.node(gltf, name).world_from_node(seconds)[0, 0, 3]), 4)
+            for name in self.shown(gltf, frame)
+        ]
 
 
 class Bends(MotionCase):
@@ -49,7 +57,9 @@ class Bends(MotionCase):
         for frame, top in ((1, 1.0), (2, 2.0), (2.5, 2.5), (3, 3.0)):
             for name, left, right in (("Body", -1, 1), ("Cloth", 2, 3)):
                 points = self.bent(gltf, name, frame)
-                np.testing.assert_allclose([points.min(axis=0), points.max(axis=0)], [[left, -1, 0], [right, top, 0]], atol=1e-6)
+                np.testing.assert_allclose(
+                    [points.min(axis=0), points.max(axis=0)], [[left, -1, 0], [right, top, 0]], atol=1e-6
+                )
         self.assertEqual(self.imported.lost, [])
 
     def test_one_that_bends_beside_one_that_stays(self):
@@ -79,15 +89,20 @@ class Bends(MotionCase):
             np.testing.assert_allclose(np.linalg.norm(self.bent(gltf, "b", frame), axis=1), size, rtol=1e-5)
 
     def test_normals_turn_along(self):
-        """A square that turns about x, as a cage and with normals of its own; between samples points go straight."""
+        """A square that turns about x, as a cage and with normals of its own; between samples
+        points go straight."""
         for scheme in ("catmullClark", "none"):
             stage = self.stage()
             mesh = quad(stage, "/a")
             mesh.CreateSubdivisionSchemeAttr(scheme)
             for code in range(1, 6):
                 angle = np.radians(20 * (code - 1))
-                turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
-                mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy((np.array(QUAD) @ turn.T).astype(np.float32)), code)
+                turn = np.array(
+                    [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
+                )
+                mesh.GetPointsAttr().Set(
+                    Vt.Vec3fArray.FromNumpy((np.array(QUAD) @ turn.T).astype(np.float32)), code
+                )
                 if scheme == "none":
                     mesh.CreateNormalsAttr().Set([tuple(turn[:, 2])] * 4, code)
             mesh.SetNormalsInterpolation("vertex")
@@ -101,7 +116,9 @@ class Bends(MotionCase):
                 normals = rest + np.tensordot(weights, targets, 1)
                 normals /= np.linalg.norm(normals, axis=1)[:, None]
                 angle = np.radians(20 * (frame - 1))
-                np.testing.assert_allclose(normals, np.tile([0, -np.sin(angle), np.cos(angle)], (len(rest), 1)), atol=1e-3)
+                np.testing.assert_allclose(
+                    normals, np.tile([0, -np.sin(angle), np.cos(angle)], (len(rest), 1)), atol=1e-3
+                )
 
     def test_few_targets_where_few_do(self):
         random = np.random.default_rng(1)
@@ -110,7 +127,9 @@ class Bends(MotionCase):
         movement = np.einsum("cm,mpi->cpi", np.sin(codes[:, None] * [0.1, 0.2, 0.37]), modes)
         found = read_bend("/a", lambda code: rest + movement[int(code)], codes, rest)
         self.assertEqual(len(found.targets), 3)
-        np.testing.assert_allclose(np.einsum("cm,mpi->cpi", found.weights, found.targets), movement, atol=1e-5)
+        np.testing.assert_allclose(
+            np.einsum("cm,mpi->cpi", found.weights, found.targets), movement, atol=1e-5
+        )
         self.assertLessEqual(np.abs(found.weights).max(), 1 + 1e-9)
 
     def test_a_target_a_code_where_few_do_not(self):
@@ -122,7 +141,9 @@ class Bends(MotionCase):
         movement[30:] = movement[20:30]
         found = read_bend("/a", lambda code: rest + movement[int(code)], codes, rest)
         self.assertEqual(len(found.targets), 20)
-        np.testing.assert_allclose(np.einsum("cm,mpi->cpi", found.weights, found.targets), movement, atol=1e-5)
+        np.testing.assert_allclose(
+            np.einsum("cm,mpi->cpi", found.weights, found.targets), movement, atol=1e-5
+        )
 
     def test_what_is_too_much_is_left_out(self):
         stage = self.stage()
@@ -135,7 +156,9 @@ class Bends(MotionCase):
             self.load(stage)
         finally:
             bends.MOST_VALUES = most
-        self.assertIn("/b: is left out: 4 points that change over 5 frames are too many", self.said()["usd-prim"])
+        self.assertIn(
+            "/b: is left out: 4 points that change over 5 frames are too many", self.said()["usd-prim"]
+        )
 
 
 class Faces(MotionCase):
@@ -224,10 +247,15 @@ class Instances(MotionCase):
 
     @needs_program
     def test_the_renderer_agrees(self):
-        for name, counts in (("H_instancer_anim_vis", {1: 3, 4: 3, 5: 2}), ("H2_instancer_velocities", {1: 2, 4: 2, 5: 3})):
+        for name, counts in (
+            ("H_instancer_anim_vis", {1: 3, 4: 3, 5: 2}),
+            ("H2_instancer_velocities", {1: 2, 4: 2, 5: 3}),
+        ):
             self.case(name)
             for frame, found in inspect(self.folder / "case.glb", list(counts)).items():
-                seen = [key for key, node in found["nodes"].items() if key.startswith("PI.") and node["visible"]]
+                seen = [
+                    key for key, node in found["nodes"].items() if key.startswith("PI.") and node["visible"]
+                ]
                 self.assertEqual(len(seen), counts[frame], f"{name}, frame {frame}")
 
     def test_particles_are_told_apart_by_their_ids(self):
@@ -245,7 +273,9 @@ class Instances(MotionCase):
         self.assertEqual(set(at[2]), {"crowd.7", "crowd.8"})
         self.assertEqual((at[2]["crowd.7"], at[3]), (0, {"crowd.8": 12, "crowd.9": 20}))
         self.assertEqual(at[5], {"crowd.9": 22})
-        ids = {node.name: node.extras.raw.get("leaf_id") for node in gltf.nodes if node.name.startswith("crowd.")}
+        ids = {
+            node.name: node.extras.raw.get("leaf_id") for node in gltf.nodes if node.name.startswith("crowd.")
+        }
         self.assertEqual(ids, {"crowd.7": 7, "crowd.8": 8, "crowd.9": 9})
 
     def test_that_change_their_prototype(self):
@@ -256,7 +286,10 @@ class Instances(MotionCase):
         for code, number in ((1, 0), (3, 1), (4, 0)):
             instancer.CreateProtoIndicesAttr().Set([number], code)
         gltf = self.load(stage)
-        sizes = [[self.bent(gltf, name, frame).max() for name in self.shown(gltf, frame)] for frame in (1, 2, 3, 3.5, 4, 5)]
+        sizes = [
+            [self.bent(gltf, name, frame).max() for name in self.shown(gltf, frame)]
+            for frame in (1, 2, 3, 3.5, 4, 5)
+        ]
         self.assertEqual(sizes, [[1], [1], [2], [2], [1], [1]])
 
     def test_velocities_carry_between_samples(self):
@@ -335,7 +368,9 @@ class Hostile(MotionCase):
     def test_one_bad_mesh(self):
         gltf = self.case("R_one_bad_mesh")
         self.assertEqual(set(self.said()), {"usd-prim"})
-        self.assertIn("/World/Quad: is left out: faceVertexIndices go from 0 to 9, of 4 points", self.said()["usd-prim"])
+        self.assertIn(
+            "/World/Quad: is left out: faceVertexIndices go from 0 to 9, of 4 points", self.said()["usd-prim"]
+        )
         self.assertEqual({node.name for node in gltf.nodes}, {"World", "Sun", "Cam"})
 
     def test_numbers_that_are_none_at_a_time(self):

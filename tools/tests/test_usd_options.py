@@ -1,4 +1,5 @@
-"""What `import-usd` is asked for on its command line, what it reports, and stages of which a part is missing."""
+"""What `import-usd` is asked for on its command line, what it reports, and stages of
+which a part is missing."""
 
 from __future__ import annotations
 
@@ -44,8 +45,10 @@ class Clock(LookCase):
 
     def test_samples_within_references_are_shifted(self):
         (self.folder / "mover.usda").write_text(
-            '#usda 1.0\n(\n    defaultPrim = "a"\n)\ndef Xform "a"\n{\n    double3 xformOp:translate.timeSamples = '
-            '{ 1: (0,0,0), 4: (3,0,0) }\n    uniform token[] xformOpOrder = ["xformOp:translate"]\n    def Camera "c"\n    {\n    }\n}\n'
+            '#usda 1.0\n(\n    defaultPrim = "a"\n)\ndef Xform "a"\n{\n    double3 '
+            'xformOp:translate.timeSamples = '
+            '{ 1: (0,0,0), 4: (3,0,0) }\n    uniform token[] xformOpOrder = ["xformOp:translate"]\n    def '
+            'Camera "c"\n    {\n    }\n}\n'
         )
         stage = self.stage()
         stage.ClearMetadata("startTimeCode")
@@ -80,7 +83,9 @@ class Parts(LookCase):
         for choice in ("spring", "autumn"):
             target = self.folder / f"{choice}.glb"
             import_usd(path, target, ImportOptions(variants=(("/tree", "season", choice),)))
-            self.assertEqual([mesh["name"] for mesh in Container(target).document.raw["meshes"]], [f"{choice}_leaf"])
+            self.assertEqual(
+                [mesh["name"] for mesh in Container(target).document.raw["meshes"]], [f"{choice}_leaf"]
+            )
         for variant, said in (
             (("/tree", "season", "winter"), "has no `winter`; it has autumn, spring"),
             (("/tree", "size", "big"), "has no variant set `size`; it has season"),
@@ -102,7 +107,14 @@ class Parts(LookCase):
 
     def test_strict(self):
         target = self.folder / "out.glb"
-        code, _, said = run("import-usd", CASES / "C_missing.usda", target, "--strict", "--report", self.folder / "report.json")
+        code, _, said = run(
+            "import-usd",
+            CASES / "C_missing.usda",
+            target,
+            "--strict",
+            "--report",
+            self.folder / "report.json",
+        )
         self.assertEqual(code, 3)
         self.assertIn("[usd-texture] /World/Mat/D: the texture `./not_there.png` is left out", said)
         self.assertEqual(list(self.folder.iterdir()), [])
@@ -119,7 +131,15 @@ class Parts(LookCase):
             self.assertEqual(code, 2)
             self.assertIn(said, found)
         code, out, _ = run(
-            "import-usd", CASES / "Z_no_range.usda", target, "--frames", "2-4", "--mask", "/World/Mover", "--mask", "/World/Cam"
+            "import-usd",
+            CASES / "Z_no_range.usda",
+            target,
+            "--frames",
+            "2-4",
+            "--mask",
+            "/World/Mover",
+            "--mask",
+            "/World/Cam",
         )
         self.assertEqual((code, "frames 2 to 4" in out), (0, True))
         code, _, said = run("import-usd", CASES / "J_23976.usda", target, "--variant", "/World{a=b}{c=d}")
@@ -129,14 +149,17 @@ class Parts(LookCase):
 class Report(LookCase):
     def test_it_says_what_was_lost(self):
         report = self.folder / "report.json"
-        code, _, said = run("import-usd", CASES / "E_rect_shaping_texture.usda", self.folder / "out.glb", "--report", report)
+        code, _, said = run(
+            "import-usd", CASES / "E_rect_shaping_texture.usda", self.folder / "out.glb", "--report", report
+        )
         self.assertEqual(code, 0)
         found = json.loads(report.read_text())
         schema = json.loads((Path(sunfleck_tools.__file__).parent / "import_usd.schema.json").read_text())
         self.assertEqual(list(faults(found, schema)), [])
         self.assertEqual(found["frames"], {"first": 1, "last": 1})
         self.assertEqual(
-            [(loss["id"], loss["count"], loss["first_place"]) for loss in found["losses"]], [("usd-light-input", 3, "/World/L")]
+            [(loss["id"], loss["count"], loss["first_place"]) for loss in found["losses"]],
+            [("usd-light-input", 3, "/World/L")],
         )
         self.assertIn(f"[usd-light-input] {found['losses'][0]['sentence']} (and 2 more)", said)
 
@@ -147,16 +170,24 @@ class Report(LookCase):
 
     def test_it_needs_a_folder(self):
         target = self.folder / "out.glb"
-        self.assertEqual(run("import-usd", CASES / "J_23976.usda", target, "--report", self.folder / "no/report.json")[0], 3)
+        self.assertEqual(
+            run("import-usd", CASES / "J_23976.usda", target, "--report", self.folder / "no/report.json")[0],
+            3,
+        )
         self.assertFalse(target.exists())
 
 
 class Missing(LookCase):
     def test_the_rest_is_read(self):
-        for arc in ("references = @./nope.usda@</x>", "payload = @./nope.usda@</x>", "references = </nowhere>"):
+        for arc in (
+            "references = @./nope.usda@</x>",
+            "payload = @./nope.usda@</x>",
+            "references = </nowhere>",
+        ):
             path = self.folder / f"part_{len(list(self.folder.iterdir()))}.usda"
             path.write_text(
-                f'#usda 1.0\n(\n    subLayers = [@./no_layer.usda@]\n)\ndef Xform "a" ({arc})\n{{\n}}\ndef Camera "b"\n{{\n}}\n'
+                f'#usda 1.0\n(\n    subLayers = [@./no_layer.usda@]\n)\ndef Xform "a" ({arc})\n{{\n}}\ndef '
+                f'Camera "b"\n{{\n}}\n'
             )
             imported = import_usd(path, self.folder / "out.glb")
             self.assertEqual(imported.counts["cameras"], 1)
@@ -173,12 +204,16 @@ class Missing(LookCase):
     def test_a_library_of_materials_is_a_stage_too(self):
         path = self.folder / "looks.usda"
         path.write_text('#usda 1.0\ndef Material "a"\n{\n}\n')
-        self.assertEqual([loss.kind for loss in import_usd(path, self.folder / "out.glb").lost], ["usd-empty"])
+        self.assertEqual(
+            [loss.kind for loss in import_usd(path, self.folder / "out.glb").lost], ["usd-empty"]
+        )
 
     def test_a_layer_that_is_damaged(self):
         (self.folder / "broken.usda").write_text('#usda 1.0\ndef Xform "a" (\n')
         path = self.folder / "whole.usda"
-        path.write_text('#usda 1.0\ndef Xform "a" (references = @./broken.usda@</a>)\n{\n}\ndef SphereLight "b"\n{\n}\n')
+        path.write_text(
+            '#usda 1.0\ndef Xform "a" (references = @./broken.usda@</a>)\n{\n}\ndef SphereLight "b"\n{\n}\n'
+        )
         imported = import_usd(path, self.folder / "out.glb")
         self.assertEqual([loss.kind for loss in imported.lost], ["usd-missing"])
 

@@ -18,7 +18,8 @@ from .test_validation import run
 class Refusals(ImportCase):
     def test_what_does_not_hold_together(self):
         for text, said in (
-            ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    }\n}\n', "Cycle"),
+            ('def Xform "b" (references = </b/c>)\n{\n    def Xform "c" (references = </b>)\n    {\n    '
+             '}\n}\n', "Cycle"),
             ('def Xform "a" (sublayers = 3)\n', "is no stage"),
         ):
             path = self.folder / "bad.usda"
@@ -84,7 +85,9 @@ class Refusals(ImportCase):
         quad(stage, "/a")
         self.load(stage)
         self.assertEqual(self.imported.frames, (1, 1))
-        self.assertIn("time codes 1 to 1e+12 are no range of 1 to 100000 frames", self.imported.lost[0].sentence)
+        self.assertIn(
+            "time codes 1 to 1e+12 are no range of 1 to 100000 frames", self.imported.lost[0].sentence
+        )
         stage = self.stage()
         UsdGeom.Camera.Define(stage, "/camera").CreateFocalLengthAttr(0.0)
         self.left_out(stage, "/camera: is left out: a camera needs a focal length")
@@ -113,12 +116,19 @@ class Refusals(ImportCase):
         texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set("./no such.png")
         output = texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3)
         shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(output)
-        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        material.CreateSurfaceOutput().ConnectToSource(
+            shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+        )
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
         material = self.load(stage).document.raw["materials"][0]
-        np.testing.assert_allclose(material["pbrMetallicRoughness"]["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
+        np.testing.assert_allclose(
+            material["pbrMetallicRoughness"]["baseColorFactor"], [0.18, 0.18, 0.18, 1.0]
+        )
         self.assertEqual([loss.kind for loss in self.imported.lost], ["usd-texture"])
-        self.assertIn("/m/t: the texture `./no such.png` is left out: there is no such file", self.imported.lost[0].sentence)
+        self.assertIn(
+            "/m/t: the texture `./no such.png` is left out: there is no such file",
+            self.imported.lost[0].sentence,
+        )
 
     def test_custom_data_of_any_type(self):
         for data in ("text", 3, {"sunfleck_material": "text", "KHR_materials_transmission": 3, "sunfleck_camera": Vt.DoubleArray([1.0, 2.0])},
@@ -129,9 +139,15 @@ class Refusals(ImportCase):
             mesh, material = quad(stage, "/a"), UsdShade.Material.Define(stage, "/m")
             shader = UsdShade.Shader.Define(stage, "/m/s")
             shader.CreateIdAttr("UsdPreviewSurface")
-            material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+            material.CreateSurfaceOutput().ConnectToSource(
+                shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+            )
             UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
-            prims = [UsdGeom.Camera.Define(stage, "/camera"), UsdLux.SphereLight.Define(stage, "/lamp"), material]
+            prims = [
+                UsdGeom.Camera.Define(stage, "/camera"),
+                UsdLux.SphereLight.Define(stage, "/lamp"),
+                material,
+            ]
             for prim in prims:
                 prim.GetPrim().SetCustomDataByKey("sunfleck", data)
             try:

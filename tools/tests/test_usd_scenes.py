@@ -1,4 +1,5 @@
-"""`import-usd`: what stands where, and whether it is seen: instances, visibility, purposes, solids, subdivision surfaces."""
+"""`import-usd`: what stands where, and whether it is seen: instances, visibility, purposes, solids,
+subdivision surfaces."""
 
 from __future__ import annotations
 
@@ -51,7 +52,9 @@ class SceneCase(LookCase):
         """Whether a node and all above it are shown at a frame."""
         node, seconds = self.node(gltf, name), gltf.settings.seconds(np.array([frame]))
         while node is not None:
-            still = (node.source.raw.get("extensions") or {}).get("KHR_node_visibility", {}).get("visible", True)
+            still = (
+                (node.source.raw.get("extensions") or {}).get("KHR_node_visibility", {}).get("visible", True)
+            )
             control = gltf.controls.get(f"{node.name}.sunfleck_node.visible")
             if not (control.at(seconds)[0, 0] >= 0.5 if control else still):
                 return False
@@ -59,10 +62,15 @@ class SceneCase(LookCase):
         return True
 
     def material(self, stage: Usd.Stage, path: str, color: tuple) -> UsdShade.Material:
-        material, shader = UsdShade.Material.Define(stage, path), UsdShade.Shader.Define(stage, f"{path}/surface")
+        material, shader = (
+            UsdShade.Material.Define(stage, path),
+            UsdShade.Shader.Define(stage, f"{path}/surface"),
+        )
         shader.CreateIdAttr("UsdPreviewSurface")
         shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(color)
-        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        material.CreateSurfaceOutput().ConnectToSource(
+            shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+        )
         return material
 
     def bind(self, prim: Usd.Prim, material: UsdShade.Material) -> None:
@@ -74,7 +82,9 @@ class Instances(SceneCase):
         gltf = self.case("P_instances_two_materials")
         self.assertEqual([self.color(gltf, name) for name in ("Left", "Right")], [list(RED), list(BLUE)])
         # What is the same is stored once: points and triangles.
-        self.assertEqual(len({str(mesh["primitives"][0]["attributes"]) for mesh in gltf.document.raw["meshes"]}), 1)
+        self.assertEqual(
+            len({str(mesh["primitives"][0]["attributes"]) for mesh in gltf.document.raw["meshes"]}), 1
+        )
         self.assertEqual(self.imported.lost, [])
 
     def test_those_that_look_alike_are_one_mesh(self):
@@ -89,7 +99,9 @@ class Instances(SceneCase):
             self.bind(prim, material)
         gltf = self.load(stage)
         self.assertEqual(len(gltf.document.raw["meshes"]), 2)
-        self.assertEqual([self.color(gltf, f"leaf{index}") for index in range(4)], [list(RED), list(BLUE)] * 2)
+        self.assertEqual(
+            [self.color(gltf, f"leaf{index}") for index in range(4)], [list(RED), list(BLUE)] * 2
+        )
 
     def test_subsets_and_colours_of_instances(self):
         stage = self.stage()
@@ -99,7 +111,9 @@ class Instances(SceneCase):
             prim = UsdGeom.Xform.Define(stage, f"/leaf{index}").GetPrim()
             prim.GetInherits().AddInherit("/_leaf")
             prim.SetInstanceable(True)
-            UsdGeom.PrimvarsAPI(prim).CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, "constant").Set([color])
+            UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
+                "displayColor", Sdf.ValueTypeNames.Color3fArray, "constant"
+            ).Set([color])
         gltf = self.load(stage)
         for index, color in enumerate((RED, BLUE)):
             _, mesh = Meshes(gltf, []).of(self.node(gltf, f"leaf{index}"))
@@ -123,7 +137,8 @@ class Crowds(SceneCase):
     """Instancers in instancers."""
 
     def nested(self, *numbers: int) -> Usd.Stage:
-        """Instancers each in the one before, of so many instances a unit apart; the last of them of a quad."""
+        """Instancers each in the one before, of so many instances a unit apart; the last
+        of them of a quad."""
         stage, path = self.stage(), ""
         for level, number in enumerate(numbers):
             path += f"/crowd{level}"
@@ -166,7 +181,10 @@ class Crowds(SceneCase):
         positions = UsdGeom.PointInstancer.Get(stage, "/crowd0").GetPositionsAttr()
         for code in (1, 5):
             positions.Set([(code, 0, 0)] * 2, code)
-        with mock.patch.object(crowds, "MOST_MOMENTS", 9), self.assertRaisesRegex(SceneError, "/crowd0: 2 instances .* --frames"):
+        with (
+            mock.patch.object(crowds, "MOST_MOMENTS", 9),
+            self.assertRaisesRegex(SceneError, "/crowd0: 2 instances .* --frames"),
+        ):
             self.load(stage)
 
 
@@ -178,9 +196,15 @@ class Units(SceneCase):
         quad(stage, "/a")
         UsdGeom.SetStageMetersPerUnit(stage, 0.5)
         stage.GetRootLayer().Export(str(path))
-        with mock.patch.object(UsdGeom, "GetStageMetersPerUnit", side_effect=Tf.ErrorException("does not match retrieved type float")):
+        with mock.patch.object(
+            UsdGeom,
+            "GetStageMetersPerUnit",
+            side_effect=Tf.ErrorException("does not match retrieved type float"),
+        ):
             import_usd(path, self.folder / "single.glb")
-        np.testing.assert_allclose(Container(self.folder / "single.glb").document.raw["nodes"][0]["scale"], [0.5] * 3)
+        np.testing.assert_allclose(
+            Container(self.folder / "single.glb").document.raw["nodes"][0]["scale"], [0.5] * 3
+        )
 
 
 class Visibility(SceneCase):
@@ -204,7 +228,9 @@ class Visibility(SceneCase):
             quad(stage, f"/{name}")
         quad(stage, "/hidden/d").CreateVisibilityAttr("inherited")
         gltf = self.compare(stage, list("abcd"), [1, 2, 3, 4, 5])
-        self.assertEqual([self.is_seen(gltf, "b", frame) for frame in (1, 2, 3.5, 4)], [True, False, False, True])
+        self.assertEqual(
+            [self.is_seen(gltf, "b", frame) for frame in (1, 2, 3.5, 4)], [True, False, False, True]
+        )
         self.assertFalse(self.is_seen(gltf, "d"))
 
     def test_of_what_resets_its_place(self):
@@ -232,7 +258,9 @@ class Visibility(SceneCase):
         child = quad(stage, "/stage/child")
         child.AddTranslateOp().Set((0, 0, 2))
         UsdGeom.Xformable(child).SetResetXformStack(True)
-        np.testing.assert_allclose(self.points(self.load(stage), "child").min(axis=0), [0, 1, -0.5], atol=1e-6)
+        np.testing.assert_allclose(
+            self.points(self.load(stage), "child").min(axis=0), [0, 1, -0.5], atol=1e-6
+        )
 
     def test_of_a_prototype(self):
         stage = self.stage()
@@ -255,7 +283,9 @@ class Visibility(SceneCase):
         quad(stage, "/scope/leaf")
         self.load(stage)
         found = inspect(self.folder / "made.glb", [1, 2, 3])
-        self.assertEqual([found[frame]["nodes"]["leaf"]["visible"] for frame in (1, 2, 3)], [False, False, True])
+        self.assertEqual(
+            [found[frame]["nodes"]["leaf"]["visible"] for frame in (1, 2, 3)], [False, False, True]
+        )
 
 
 class Purposes(SceneCase):
@@ -263,7 +293,13 @@ class Purposes(SceneCase):
         stage = self.stage()
         parent = UsdGeom.Xform.Define(stage, "/parent")
         parent.CreatePurposeAttr("proxy")
-        for name, purpose in (("parent/inherits", None), ("parent/own", "default"), ("a", None), ("b", "render"), ("c", "guide")):
+        for name, purpose in (
+            ("parent/inherits", None),
+            ("parent/own", "default"),
+            ("a", None),
+            ("b", "render"),
+            ("c", "guide"),
+        ):
             mesh = quad(stage, f"/{name}")
             mesh.AddTranslateOp().Set((1, 0, 0))
             if purpose:
@@ -301,12 +337,18 @@ class Solids(SceneCase):
                 gltf = self.load(stage)
                 _, mesh = Meshes(gltf, []).of(gltf.nodes[0])
                 primitive = mesh.primitives[0]
-                a, b, c = (primitive.positions[primitive.triangles[:, corner]].astype(float) for corner in range(3))
+                a, b, c = (
+                    primitive.positions[primitive.triangles[:, corner]].astype(float) for corner in range(3)
+                )
                 self.assertLessEqual(abs((a * np.cross(b, c)).sum() / 6 - volume), 0.012 * volume, kind)
-                facing = np.einsum("fi,fi->f", np.cross(b - a, c - a), primitive.normals[primitive.triangles[:, 0]])
+                facing = np.einsum(
+                    "fi,fi->f", np.cross(b - a, c - a), primitive.normals[primitive.triangles[:, 0]]
+                )
                 self.assertGreater(facing.min(), 0, kind)
                 if kind != "Plane":
-                    extent = np.array(UsdGeom.Boundable.ComputeExtentFromPlugins(UsdGeom.Boundable(prim), Usd.TimeCode(1)))
+                    extent = np.array(
+                        UsdGeom.Boundable.ComputeExtentFromPlugins(UsdGeom.Boundable(prim), Usd.TimeCode(1))
+                    )
                     np.testing.assert_allclose(
                         [primitive.positions.min(axis=0), primitive.positions.max(axis=0)], extent, atol=3e-3
                     )
@@ -321,7 +363,9 @@ class Solids(SceneCase):
             gltf = self.load(stage)
             np.testing.assert_allclose(np.ptp(self.points(gltf, "a"), axis=0), size, atol=1e-6)
             _, mesh = Meshes(gltf, []).of(gltf.nodes[0])
-            np.testing.assert_allclose(mesh.primitives[0].normals, np.tile(np.eye(3)["XYZ".index(axis)], (4, 1)))
+            np.testing.assert_allclose(
+                mesh.primitives[0].normals, np.tile(np.eye(3)["XYZ".index(axis)], (4, 1))
+            )
 
     def test_curves_and_points_are_said(self):
         stage = self.stage()
@@ -337,18 +381,26 @@ class Subdivision(SceneCase):
         mesh = UsdGeom.Mesh.Define(stage, path)
         mesh.CreatePointsAttr([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         mesh.CreateFaceVertexCountsAttr([4] * 6)
-        mesh.CreateFaceVertexIndicesAttr([0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3])
+        mesh.CreateFaceVertexIndicesAttr(
+            [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3]
+        )
         return mesh
 
     def primitive(self, gltf: Gltf):
-        return Meshes(gltf, []).of(next(node for node in gltf.nodes if node.source.member("mesh") is not None))[1].primitives[0]
+        return (
+            Meshes(gltf, [])
+            .of(next(node for node in gltf.nodes if node.source.member("mesh") is not None))[1]
+            .primitives[0]
+        )
 
     def test_what_says_nothing_is_one(self):
         """USD's scheme is catmullClark unless another is said; a square's edges stay, by `edgeAndCorner`."""
         gltf = self.case("D_subdiv_unauthored")
         found = self.primitive(gltf)
         self.assertEqual(len(found.triangles), 32)
-        np.testing.assert_allclose([found.positions.min(axis=0), found.positions.max(axis=0)], [[-1, -1, 0], [1, 1, 0]])
+        np.testing.assert_allclose(
+            [found.positions.min(axis=0), found.positions.max(axis=0)], [[-1, -1, 0], [1, 1, 0]]
+        )
         np.testing.assert_allclose(found.normals, np.tile([0, 0, 1], (25, 1)))
         # Coordinates of points go the way of the points: u = (x + 1) / 2, v from the top.
         expected = 0.5 * (found.positions[:, :2] * [1, -1] + 1)
@@ -367,7 +419,11 @@ class Subdivision(SceneCase):
         self.assertGreater(outwards.min(), 0.97)
 
     def test_schemes(self):
-        for scheme, triangles, size in (("none", 12, 1.0), ("bilinear", 192, 1.0), ("catmullClark", 192, None)):
+        for scheme, triangles, size in (
+            ("none", 12, 1.0),
+            ("bilinear", 192, 1.0),
+            ("catmullClark", 192, None),
+        ):
             stage = self.stage()
             self.cube(stage).CreateSubdivisionSchemeAttr(scheme)
             found = self.primitive(self.load(stage))
@@ -398,19 +454,26 @@ class Subdivision(SceneCase):
         mesh = self.cube(stage)
         mesh.CreateHoleIndicesAttr([0])
         red = self.material(stage, "/red", RED)
-        subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset("one", Vt.IntArray([1, 2]))
+        subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(
+            "one", Vt.IntArray([1, 2])
+        )
         self.bind(subset.GetPrim(), red)
         _, found = Meshes(gltf := self.load(stage), []).of(self.node(gltf, "cube"))
         self.assertEqual(sorted(len(each.triangles) for each in found.primitives), [2 * 32, 3 * 32])
 
     def test_coordinates_of_corners(self):
-        """One square a face: by all rules for seams but `none` its corners stay, and always the middle of a face is that of its square."""
+        """One square a face: by all rules for seams but `none` its corners stay, and always the middle of a
+        face is that of its square."""
         for rule in ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"):
             stage = self.stage()
             mesh = self.cube(stage)
             mesh.CreateFaceVaryingLinearInterpolationAttr(rule)
-            primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2dArray, "faceVarying")
-            squares = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) + np.repeat(np.arange(6), 4).reshape(6, 4, 1) * [2, 0]
+            primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+                "st", Sdf.ValueTypeNames.TexCoord2dArray, "faceVarying"
+            )
+            squares = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) + np.repeat(np.arange(6), 4).reshape(
+                6, 4, 1
+            ) * [2, 0]
             primvar.Set(Vt.Vec2dArray.FromNumpy(squares.reshape(-1, 2).astype(float)))
             found = self.primitive(self.load(stage))
             corners = {(u, v) for u, v in np.round(found.uvs[0], 6).tolist()}
@@ -429,15 +492,21 @@ class Subdivision(SceneCase):
         ):
             stage = self.stage()
             mesh = quad(stage, "/a")
-            primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", getattr(Sdf.ValueTypeNames, kind), "vertex")
+            primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+                "st", getattr(Sdf.ValueTypeNames, kind), "vertex"
+            )
             values = [(0, 0), (0.5, 0), (0.5, 0.25), (0, 0.25)]
             primvar.Set([Gf.Vec3f(*each, 9) if "3" in kind else each for each in values])
             found = self.primitive(self.load(stage))
-            self.assertEqual({tuple(uv) for uv in found.uvs[0].tolist()}, {(u, 1 - v) for u, v in values}, kind)
+            self.assertEqual(
+                {tuple(uv) for uv in found.uvs[0].tolist()}, {(u, 1 - v) for u, v in values}, kind
+            )
 
     def test_values_that_do_not_fit_are_said(self):
         stage = self.stage()
-        UsdGeom.PrimvarsAPI(quad(stage, "/a")).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "vertex").Set([(0, 0)] * 3)
+        UsdGeom.PrimvarsAPI(quad(stage, "/a")).CreatePrimvar(
+            "st", Sdf.ValueTypeNames.TexCoord2fArray, "vertex"
+        ).Set([(0, 0)] * 3)
         self.assertEqual(self.primitive(self.load(stage)).uvs, {})
         self.assertIn("3 values of interpolation `vertex`", self.said()["usd-primvar"])
 

@@ -1,4 +1,5 @@
-"""`import-usd`: skeletons of UsdSkel, as skins of glTF where those say the same, and as points that bend where they do not."""
+"""`import-usd`: skeletons of UsdSkel. They are skins of glTF where those say the same, and points that bend
+where they do not."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ def shift(x: float, y: float, z: float) -> Gf.Matrix4d:
 
 
 class Skins(MotionCase):
-    """A square on an arm of two joints; arm and square stand in places of their own, and were bound in others."""
+    """A square on an arm of two joints; arm and square stand in places of their own, and
+    were bound in others."""
 
     def armed(self) -> Usd.Stage:
         stage = self.stage()
@@ -38,8 +40,16 @@ class Skins(MotionCase):
         animation.CreateScalesAttr([Gf.Vec3h(1), Gf.Vec3h(1)])
         turns = animation.CreateRotationsAttr()
         for code in range(1, 6):
-            turns.Set([Gf.Quatf(Gf.Rotation(axis, by * code).GetQuat()) for axis, by in (((0, 0, 1), 10), ((0, 1, 0), 20))], code)
-        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+            turns.Set(
+                [
+                    Gf.Quatf(Gf.Rotation(axis, by * code).GetQuat())
+                    for axis, by in (((0, 0, 1), 10), ((0, 1, 0), 20))
+                ],
+                code,
+            )
+        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
+            [animation.GetPath()]
+        )
         self.tie(stage, "/root/leaf", [0, 0, 1, 0, 1, 0, 0, 1], [1, 0, 0.75, 0.25, 1, 0, 0.5, 0.5])
         return stage
 
@@ -73,7 +83,9 @@ class Skins(MotionCase):
 
     def assert_follows(self, stage: Usd.Stage, gltf: Gltf) -> None:
         for frame in FRAMES:
-            np.testing.assert_allclose(self.skinned(gltf, frame), self.by_usd(stage, "/root/leaf", frame), atol=2e-5)
+            np.testing.assert_allclose(
+                self.skinned(gltf, frame), self.by_usd(stage, "/root/leaf", frame), atol=2e-5
+            )
 
     def test_joints_stay_joints(self):
         stage = self.armed()
@@ -105,7 +117,8 @@ class Skins(MotionCase):
         self.assertEqual([node.get("skin") for node in document["nodes"] if "mesh" in node], [0, 0])
 
     def test_what_skins_cannot_say_bends(self):
-        """Cages that bend before they are refined, blends of dual quaternions, weights that are not 1 together."""
+        """Cages that bend before they are refined, blends of dual quaternions, weights that
+        are not 1 together."""
         for name in ("refined", "quaternions", "heavy", "instancer"):
             with self.subTest(name):
                 stage = self.armed()
@@ -122,7 +135,9 @@ class Skins(MotionCase):
                 self.assertNotIn("skins", gltf.document.raw)
                 self.assertIn("targets", gltf.document.raw["meshes"][0]["primitives"][0])
                 if name != "refined":
-                    np.testing.assert_allclose(self.bent(gltf, "leaf", 3), self.by_usd(stage, "/root/leaf", 3), atol=1e-5)
+                    np.testing.assert_allclose(
+                        self.bent(gltf, "leaf", 3), self.by_usd(stage, "/root/leaf", 3), atol=1e-5
+                    )
 
     def test_a_square_that_joints_leave_alone_is_where_it_was_bound(self):
         stage = self.armed()

@@ -42,7 +42,12 @@ class WithSequence(unittest.TestCase):
 
 class FrameLists(unittest.TestCase):
     def test_read_as_render_reads_them(self):
-        for text, frames in (("7", [7]), ("-3--1", [-3, -2, -1]), ("1..5x2,9", [1, 3, 5, 9]), ("1-4:3", [1, 4])):
+        for text, frames in (
+            ("7", [7]),
+            ("-3--1", [-3, -2, -1]),
+            ("1..5x2,9", [1, 3, 5, 9]),
+            ("1-4:3", [1, 4]),
+        ):
             self.assertEqual(parse_frames(text), frames)
         for text in ("", "a", "5-1", "1-5x0", "1,,2", "1-99999999999"):
             with self.assertRaises(ValueError):
@@ -79,13 +84,18 @@ class CommandLine(WithSequence):
         code, out, _ = run("validate", self.folder, "--write-missing", listed)
         self.assertEqual((code, listed.read_text()), (0, "4\n"))
         self.assertIn("render again: 4", out)
-        self.assertEqual(run("validate", self.folder, "--list-missing", "--write-missing", listed.parent / "no" / "x")[0], 4)
+        self.assertEqual(
+            run("validate", self.folder, "--list-missing", "--write-missing", listed.parent / "no" / "x")[0],
+            4,
+        )
 
     def test_warnings_fail_only_if_asked_to(self):
         rewrite(frame_path(self.folder, 4), texts={"seed": "3"})
         self.assertEqual(run("validate", self.folder)[0], 0)
         self.assertEqual(run("validate", self.folder, "--fail-on", "warning")[0], 1)
-        self.assertEqual(run("validate", self.folder, "--fail-on", "warning", "--skip-checks", "mixed-seed")[0], 0)
+        self.assertEqual(
+            run("validate", self.folder, "--fail-on", "warning", "--skip-checks", "mixed-seed")[0], 0
+        )
 
     def test_what_cannot_be_used_says_why(self):
         empty = self.folder.parent / "empty"
@@ -122,7 +132,9 @@ class CommandLine(WithSequence):
         frame_path(self.folder, 4).write_bytes(b"")
         rewrite(frame_path(self.folder, 7), set_value("R", np.inf))
         stats = self.folder.parent / "stats.jsonl"
-        stats.write_text('{"frame": 2, "outcome": "written", "render_seconds": 1.5}\n{"frame": 3, "outcome": "skipped"}\n')
+        stats.write_text(
+            '{"frame": 2, "outcome": "written", "render_seconds": 1.5}\n{"frame": 3, "outcome": "skipped"}\n'
+        )
         code, out, _ = run("validate", self.folder, "--json", "--stats", stats)
         report = json.loads(out)
         self.assertEqual(list(faults(report, json.loads(SCHEMA.read_text()))), [])

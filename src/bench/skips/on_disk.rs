@@ -81,7 +81,8 @@ fn loaded(plan: &SkipsPlan, path: &Path) -> Result<(Frame, f64), String> {
     Ok((picture(&plan, &scene, &[]).0, seconds))
 }
 
-/// Two scene files that show the same: a leaf, and a large texture on nothing or on a surface behind the camera.
+/// Two scene files that show the same: a leaf, and a large texture on nothing or on a
+/// surface behind the camera.
 fn textured_scenes(folder: &Path) -> Result<[std::path::PathBuf; 2], String> {
     const SIDE: u32 = 1024;
     let noise = |x: u32, y: u32| {

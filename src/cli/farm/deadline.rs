@@ -1,5 +1,5 @@
-//! Jobs of Deadline 10 for its plug-in CommandLine. In goes a job, out come two files a step. Invariant: no frame is rendered that
-//! was not asked for, though Deadline tells a task its first and last frame alone.
+//! Jobs of Deadline 10 for its plug-in CommandLine. In goes a job, out come two files a step. Invariant: no
+//! frame is rendered that was not asked for, though Deadline tells a task its first and last frame alone.
 
 use super::super::CliError;
 use super::super::error::usage;

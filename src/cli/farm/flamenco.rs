@@ -1,5 +1,6 @@
-//! A job of Flamenco 3. In goes a job, out come its job type, which is the same for all and is installed once, and what is sent to
-//! the Manager. Invariant: every path is a setting of its own, so that two-way variables find it.
+//! A job of Flamenco 3. In goes a job, out come its job type, which is the same for all and is
+//! installed once, and what is sent to the Manager. Invariant: every path is a setting of its own, so
+//! that two-way variables find it.
 
 use super::super::CliError;
 use super::super::error::usage;

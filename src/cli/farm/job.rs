@@ -1,12 +1,14 @@
-//! What a job is, whoever manages it. In goes what the manager calls its parts, out come the steps as command lines. Invariant:
-//! frames that are there and whole are kept, so a step that was stopped anywhere is done again by its own command.
+//! What a job is, whoever manages it. In goes what the manager calls its parts, out come the steps as command
+//! lines. Invariant: frames that are there and whole are kept, so a step that was stopped anywhere is done
+//! again by its own command.
 
 /// Frames are in this folder of the job's.
 pub(super) const FRAMES: &str = "frames";
 /// Falls that were baked are in this one.
 pub(super) const BAKES: &str = "bakes";
 
-/// Beside what the picture and the input's files take: the program itself, its trees, what a frame is encoded in.
+/// Beside what the picture and the input's files take: the program itself, its trees, what a
+/// frame is encoded in.
 const MIB_BESIDE: u64 = 512;
 /// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
@@ -53,8 +55,8 @@ pub(super) struct Step {
 }
 
 impl Job {
-    /// Rendering; looking at what is there; rendering again what is not as it should be; and looking again, which is where a job
-    /// fails that is not whole.
+    /// Rendering; looking at what is there; rendering again what is not as it should be; and looking again,
+    /// which is where a job fails that is not whole.
     pub(super) fn steps(&self, names: &Names) -> [Step; 4] {
         let missing = format!("{}/missing.txt", names.output);
         let listed = format!("@{missing}");
@@ -94,7 +96,8 @@ pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
 }
 
-/// The shortest list of ranges that these ascending frames are; every nth frame is a range with a step if there is a sign for that.
+/// The shortest list of ranges that these ascending frames are; every nth frame is a range with a step if
+/// there is a sign for that.
 pub(super) fn ranges(frames: &[i64], step_sign: Option<char>) -> String {
     let mut ranges = Vec::new();
     let mut rest = frames;

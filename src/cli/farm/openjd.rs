@@ -1,5 +1,6 @@
-//! A job bundle of Open Job Description (2023-09), as AWS Deadline Cloud and `openjd` take it. In goes a job, out come the template
-//! and what says which files to bring along. Invariant: the template names no path of this machine; the manager maps those it is given.
+//! A job bundle of Open Job Description (2023-09), as AWS Deadline Cloud and `openjd` take it. In goes a job,
+//! out come the template and what says which files to bring along. Invariant: the template names no path of
+//! this machine; the manager maps those it is given.
 
 use super::super::CliError;
 use super::super::error::usage;

@@ -1,13 +1,16 @@
-//! The packets of the viewer tev. In go frames, out come bytes. Invariant: a packet begins with its own length.
+//! The packets of the viewer tev. In go frames, out come bytes. Invariant: a packet begins
+//! with its own length.
 //!
-//! As `IpcPacket` of github.com/Tom94/tev has it (`include/tev/Ipc.h`, `src/Ipc.cpp`): a length in bytes (`u32`, itself
-//! included), a kind (`i8`), then fields in order, numbers little-endian, truths as a byte, texts ended by a zero byte.
+//! A packet is what `IpcPacket` of github.com/Tom94/tev has (`include/tev/Ipc.h`, `src/Ipc.cpp`). It begins
+//! with a length in bytes (`u32`, itself included) and a kind (`i8`). Then come fields in order: numbers
+//! little-endian, truths as a byte, texts ended by a zero byte.
 
 use crate::film::{Channel, Frame};
 
 /// Makes an image, all black.
 const CREATE_IMAGE: u8 = 4;
-/// Third form of the packet that changes some of an image's pixels: with an offset and a stride for each channel.
+/// Third form of the packet that changes some of an image's pixels: with an offset and a
+/// stride for each channel.
 const UPDATE_IMAGE: u8 = 6;
 
 /// Values a packet, at most about: the viewer takes a packet as a whole.

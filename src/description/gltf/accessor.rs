@@ -1,5 +1,5 @@
-//! Accessor numbers in, numbers out. Invariant: nothing is allocated for what the file claims to
-//! hold before it is known to hold it, and no more in all than a fixed multiple of its size.
+//! Accessor numbers in, numbers out. Invariants: nothing is allocated for what the file claims to hold before
+//! it is known to hold it. In all no more is allocated than a fixed multiple of the file's size.
 
 use super::buffers::Buffers;
 use super::draco::Unpacked;

@@ -65,7 +65,8 @@ pub(super) fn read(
     (channels, properties)
 }
 
-/// Whether a channel shows that all of them target wrong nodes, as Blender's exporter makes them beside GPU instances.
+/// Whether a channel shows that all of them target wrong nodes, as Blender's exporter makes them
+/// beside GPU instances.
 fn is_misnumbered(document: &Document, channel: &json::Channel) -> bool {
     let has_instances = document.nodes.iter().any(|node| node.extensions.instancing.is_some());
     has_instances && channel.target.node.is_some_and(|node| node >= document.nodes.len())

@@ -1,6 +1,6 @@
-//! Buffers and the views into them: bytes from the binary chunk, from data URIs and from files, and
-//! what is compressed there unpacked. Invariant: a view that is handed out lies inside its buffer;
-//! what lies in a buffer that cannot be had is left out by whoever asks for it.
+//! Buffers and the views into them, from the binary chunk, from data URIs and from files. What is compressed
+//! there is unpacked. Invariant: a view that is handed out lies inside its buffer. What lies in a buffer that
+//! cannot be had is left out by whoever asks for it.
 
 use super::json::{self, Document};
 use super::meshopt;

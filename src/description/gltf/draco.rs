@@ -1,6 +1,6 @@
-//! Primitives compressed with Draco in, plain accessors out (KHR_draco_mesh_compression). Invariant:
-//! every accessor that is handed out has as many bytes as its count and type ask for, and no more
-//! memory is taken than a fixed multiple of what the file holds.
+//! Primitives compressed with Draco in, plain accessors out (KHR_draco_mesh_compression). Invariants: every
+//! accessor that is handed out has as many bytes as its count and type ask for. No more memory is taken than
+//! a fixed multiple of what the file holds.
 
 use super::buffers::Buffers;
 use super::invalid;
@@ -103,7 +103,8 @@ fn fill(
     Ok(())
 }
 
-/// What the mesh must be like: as its accessors say, and not much larger than it is compressed. Else why it cannot.
+/// What the mesh must be like: as its accessors say, and not much larger than it is
+/// compressed. Else why it cannot.
 fn contract(
     primitive: &Primitive,
     document: &Document,

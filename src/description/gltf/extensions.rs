@@ -40,8 +40,8 @@ const HONOURED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Textures in formats that are not read, each told as one that cannot be read, and materials of other models,
-/// whose plain values are drawn.
+/// Textures in formats that are not read, each told as one that cannot be read, and materials of other
+/// models, whose plain values are drawn.
 const REPORTED: &[&str] = &[
     "EXT_texture_astc",
     "EXT_texture_avif",
@@ -88,8 +88,8 @@ const ASIDE: &[&str] = &[
     "MSFT_lod",
 ];
 
-/// Those of the registry (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in progress and archived, and others
-/// that are widely written. `None` is one that is not known.
+/// Those of the registry (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in progress and
+/// archived, and others that are widely written. `None` is one that is not known.
 fn support(extension: &str) -> Option<Support> {
     Some(if HONOURED.contains(&extension) {
         Support::Honoured

@@ -1,5 +1,5 @@
-//! Materials and the textures they need. Invariant: only images that a mesh shows are opened; every number of a
-//! material is in its range.
+//! Materials and the textures they need. Invariant: only images that a mesh shows are opened; every number of
+//! a material is in its range.
 
 use super::buffers::Buffers;
 use super::extensions::material_extension;

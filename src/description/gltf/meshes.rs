@@ -110,7 +110,8 @@ fn read_primitive(
     Ok(whole)
 }
 
-/// The tangents of the file, or those that it leaves to be computed from texture coordinates (specification, 3.7.2.1).
+/// The tangents of the file, or those that it leaves to be computed from texture coordinates
+/// (specification, 3.7.2.1).
 fn add_tangents(whole: &mut Primitive, set: usize, attributes: &mut Attributes<'_>) {
     // Without normals they mean nothing.
     if let Some(given) = attributes.tangents().filter(|_| !whole.normals.is_empty()) {
@@ -123,7 +124,8 @@ fn add_tangents(whole: &mut Primitive, set: usize, attributes: &mut Attributes<'
     }
 }
 
-/// Gives a primitive tangents, and the copies of vertices that these need; `false` if too many triangles meet in one place.
+/// Gives a primitive tangents, and the copies of vertices that these need; `false` if too many
+/// triangles meet in one place.
 fn make_tangents(whole: &mut Primitive, uvs: &[Vec2]) -> bool {
     let vertices = Vertices { positions: &whole.positions, normals: &whole.normals, uvs };
     let Some(made) = tangents::generate(vertices, &mut whole.triangles) else { return false };

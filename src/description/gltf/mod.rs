@@ -1,10 +1,10 @@
-//! A glTF 2.0 file in (`.glb`, or `.gltf` with its buffers and images), plain typed data out.
-//! Invariant: in a [`GltfScene`] every index points somewhere, nodes form trees, every number is
-//! finite, and what the file asks for that is not here stands in [`GltfScene::remarks`].
+//! A glTF 2.0 file in (`.glb`, or `.gltf` with its buffers and images), plain typed data out. Invariant: in a
+//! [`GltfScene`] every index points somewhere, nodes form trees and every number is finite. What the file
+//! asks for that is not here stands in [`GltfScene::remarks`].
 //!
-//! The container is taken apart by the `gltf` crate. Its JSON types and accessors are not used: they
-//! refuse files that Blender writes (animation pointers) and panic on damaged ones, so everything is
-//! checked here, before any value is read.
+//! The container is taken apart by the `gltf` crate. Its JSON types and accessors are not used: they refuse
+//! files that Blender writes (animation pointers) and panic on damaged ones. So everything is checked here,
+//! before any value is read.
 
 mod accessor;
 mod animations;
@@ -186,8 +186,8 @@ pub struct Primitive {
     pub colors: Vec<Vec3>,
     /// In `0..=1`, one a position, or none at all; they multiply the base colour's alpha.
     pub alphas: Vec<f32>,
-    /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on which
-    /// the bitangent `w * normal x tangent` lies, 1 or -1.
+    /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on
+    /// which the bitangent `w * normal x tangent` lies, 1 or -1.
     pub tangents: Vec<Vec4>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,

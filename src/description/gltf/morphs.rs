@@ -1,5 +1,5 @@
-//! Morph targets, checked. Invariant: a target has a difference for every vertex, or none at all, and
-//! all primitives of a mesh have as many targets as it has weights, if need be none.
+//! Morph targets, checked. Invariants: a target has a difference for every vertex, or none at all. All
+//! primitives of a mesh have as many targets as it has weights, if need be none.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::attributes::vectors;
@@ -51,8 +51,8 @@ pub(super) fn targets(
     Ok(targets)
 }
 
-/// The weights of a mesh with these primitives, 0 where the file has none. Primitives that do not have the same number of
-/// targets lose them.
+/// The weights of a mesh with these primitives, 0 where the file has none. Primitives that do not have the
+/// same number of targets lose them.
 pub(super) fn weights(
     mesh: &json::Mesh,
     index: usize,

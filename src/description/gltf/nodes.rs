@@ -243,8 +243,8 @@ pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Repor
     lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
 }
 
-/// Inner and outer angle of a spot's cone. Both may be the same, which Blender's hard edges are, though glTF wants the
-/// inner one to be less.
+/// Inner and outer angle of a spot's cone. Both may be the same, which Blender's hard edges are, though glTF
+/// wants the inner one to be less.
 fn cone(spot: &json::Spot, path: &str, name: &str, report: &mut Report) -> [f64; 2] {
     let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
     if outer <= 0.0 {

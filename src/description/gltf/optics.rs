@@ -1,4 +1,5 @@
-//! Cameras and lights of a glTF file in its own terms. Invariant: every number is in the range that glTF gives it.
+//! Cameras and lights of a glTF file in its own terms. Invariant: every number is in the
+//! range that glTF gives it.
 
 use glam::DVec3;
 use serde_json::Value;
@@ -10,8 +11,8 @@ pub struct Camera {
     pub name: String,
     /// What it sees.
     pub lens: Lens,
-    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther beyond it
-    /// or infinite.
+    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther
+    /// beyond it or infinite.
     pub clip_m: (f64, f64),
     /// Whatever the author attached.
     pub extras: Value,

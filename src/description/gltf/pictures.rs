@@ -1,5 +1,5 @@
-//! The images that extras name: the sky's, and those on suns. In go their names, out come the images. Invariant: only
-//! images that the shown scene uses are opened.
+//! The images that extras name: the sky's, and those on suns. In go their names, out come the images.
+//! Invariant: only images that the shown scene uses are opened.
 
 use super::buffers::fetch;
 use super::report::Report;

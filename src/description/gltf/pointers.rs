@@ -137,8 +137,8 @@ impl PropertyChannel {
         self.property.wanted().width
     }
 
-    /// The first value that leaves its range, at a key or as an inner control point of the curve between two: the
-    /// curve stays between its control points.
+    /// The first value that leaves its range, at a key or as an inner control point of the curve between two:
+    /// the curve stays between its control points.
     pub(super) fn out_of_range(&self) -> Option<f64> {
         let range = self.property.range();
         let width = self.property.wanted().width;

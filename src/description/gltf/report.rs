@@ -1,6 +1,6 @@
-//! Collects what is wrong with one file. Invariant: things of the same kind end up in one message
-//! that lists their names, however many there are; what is left out or put right is a warning, and
-//! an error only where nothing would be left.
+//! Collects what is wrong with one file. Invariant: things of the same kind end up in one message that lists
+//! their names, however many there are. What is left out or put right is a warning. It is an error only where
+//! nothing would be left.
 
 use super::field;
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, readable, shown};

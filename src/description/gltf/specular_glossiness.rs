@@ -1,10 +1,10 @@
-//! KHR_materials_pbrSpecularGlossiness in, the same surface in metallic-roughness and KHR_materials_specular out.
-//! Invariant: what reflects along the normal is the same, texel by texel.
+//! KHR_materials_pbrSpecularGlossiness in, the same surface in metallic-roughness and KHR_materials_specular
+//! out. Invariant: what reflects along the normal is the same, texel by texel.
 //!
-//! A diffuse colour under a specular one is what KHR_materials_specular describes with an index of refraction of 0,
-//! which stands for an infinite one (KHR_materials_ior): its colour then is the reflectance along the normal itself.
-//! So nothing has to be guessed, as it would for a metalness (Khronos' three.pbrUtilities solves a quadratic for it). What
-//! is black beneath the specular colour is a metal.
+//! KHR_materials_specular describes a diffuse colour under a specular one with an index of refraction of 0.
+//! That stands for an infinite one (KHR_materials_ior), so its colour is the reflectance along the normal
+//! itself. Nothing has to be guessed, as it would for a metalness: Khronos' three.pbrUtilities solves a
+//! quadratic for that. What is black beneath the specular colour is a metal.
 
 use super::json::{Document, Glossiness, Material, SpecularGlossiness, TextureInfo};
 use super::named;

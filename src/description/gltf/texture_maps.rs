@@ -1,5 +1,6 @@
-//! Which textures of a material are honoured, and with which texture coordinates they are looked up. Invariant:
-//! the base colour's coordinates come first; coordinates that textures have in common are there once.
+//! Which textures of a material are honoured, and with which texture coordinates they are looked
+//! up. Invariant: the base colour's coordinates come first; coordinates that textures have in
+//! common are there once.
 
 use super::json::{Material, TextureInfo, TextureTransform};
 use super::textures::Look;

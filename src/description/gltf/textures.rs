@@ -1,5 +1,6 @@
-//! Textures and their images. In go numbers of the file's textures, out come texels. Invariant: an image is decoded once
-//! for each way of looking at it; one that cannot be had is told once and left out wherever it is asked for.
+//! Textures and their images. In go numbers of the file's textures, out come texels. Invariant: an image
+//! is decoded once for each way of looking at it; one that cannot be had is told once and left out
+//! wherever it is asked for.
 
 use super::buffers::{Buffers, fetch, unreadable};
 use super::json::{self, Document};

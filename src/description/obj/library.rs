@@ -1,5 +1,5 @@
-//! The names after `mtllib` in, the materials of those files out. Invariant: a file is read once, and one that cannot be
-//! read is said.
+//! The names after `mtllib` in, the materials of those files out. Invariant: a file is read once, and one
+//! that cannot be read is said.
 
 use super::material::{self, ObjMaterial};
 use super::tally::Tally;

@@ -1,7 +1,8 @@
-//! The text of an MTL file in, its materials out. Invariant: every number is in its range; what a material asks for
-//! beyond is said.
+//! The text of an MTL file in, its materials out. Invariant: every number is in its range; what a material
+//! asks for beyond is said.
 //!
-//! How `illum`, `Ka`, `Ks` and `Ns` become a coat is as in Blender's importer (io/wavefront_obj, obj_import_mtl.cc).
+//! How `illum`, `Ka`, `Ks` and `Ns` become a coat is as in Blender's importer
+//! (io/wavefront_obj, obj_import_mtl.cc).
 
 use super::tally::Tally;
 use super::text::{number, statements};

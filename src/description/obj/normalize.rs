@@ -1,5 +1,5 @@
-//! An OBJ file's text in, text that tobj takes as it stands out. Invariant: in what comes out every number is finite,
-//! every index in range and positive, and the corners of a group have all of the same parts.
+//! An OBJ file's text in, text that tobj takes as it stands out. Invariant: in what comes out every number is
+//! finite, every index in range and positive, and the corners of a group have all of the same parts.
 
 use super::tally::Tally;
 use super::text::{Statement, number, statements};

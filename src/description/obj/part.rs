@@ -1,5 +1,5 @@
-//! One group of a file as tobj indexes it in, triangles out. Invariant: every vertex has all of what the group has,
-//! and no triangle is without area.
+//! One group of a file as tobj indexes it in, triangles out. Invariant: every vertex has all of what the
+//! group has, and no triangle is without area.
 
 use super::normalize::Group;
 use super::tally::Tally;
@@ -85,8 +85,9 @@ impl Part {
         triangulate::newell_normal(&triangle.map(|index| self.position(index)))
     }
 
-    /// Gives vertices the mean normal of the triangles around their place, each by its angle there, so that it does
-    /// not matter how faces were cut (Thuermer and Wuethrich 1998, Computing Vertex Normals from Polygonal Facets).
+    /// Gives vertices the mean normal of the triangles around their place, each by its angle there, so
+    /// that it does not matter how faces were cut (Thuermer and Wuethrich 1998, Computing Vertex Normals
+    /// from Polygonal Facets).
     fn shade_smooth(&mut self) {
         // Adding nothing makes both zeros the same.
         let place = |position: Vec3| (position + Vec3::ZERO).to_array().map(f32::to_bits);

@@ -1,5 +1,5 @@
-//! The images that MTL files name in, those that materials look up out. Invariant: a picture is made once, and an image
-//! that is missing or damaged is said and stood in for.
+//! The images that MTL files name in, those that materials look up out. Invariant: a picture is made once,
+//! and an image that is missing or damaged is said and stood in for.
 
 use super::ObjModel;
 use super::material::ObjMaterial;

@@ -1,4 +1,5 @@
-//! What OBJ and MTL files lose, kind by kind. Invariant: a kind is said once, with its first line and how often it is.
+//! What OBJ and MTL files lose, kind by kind. Invariant: a kind is said once, with its first line
+//! and how often it is.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,5 +1,5 @@
-//! Bytes of OBJ and MTL files in, statements out. Invariant: every statement knows the line that it starts on,
-//! whatever the file's encoding, line ends and continuations are.
+//! Bytes of OBJ and MTL files in, statements out. Invariant: every statement knows the line that it starts
+//! on, whatever the file's encoding, line ends and continuations are.
 
 use std::borrow::Cow;
 

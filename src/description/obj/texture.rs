@@ -1,5 +1,5 @@
-//! What stands after `map_Kd` and its like in, a path and how the image lies out. Invariant: an option is read or
-//! named as one that is not.
+//! What stands after `map_Kd` and its like in, a path and how the image lies out. Invariant: an option is
+//! read or named as one that is not.
 
 use glam::Vec2;
 use std::path::{Path, PathBuf};
@@ -123,8 +123,8 @@ fn split_word(text: &str) -> Option<(&str, &str)> {
     (end > 0).then(|| (&text[..end], text[end..].trim_start()))
 }
 
-/// The file that `name` is for, relative to `folder`: as it stands, without quotes, with slashes for backslashes, or
-/// without a comment; the plainest of these if there is no such file. `None` without a name.
+/// The file that `name` is for, relative to `folder`: as it stands, without quotes, with slashes for
+/// backslashes, or without a comment; the plainest of these if there is no such file. `None` without a name.
 pub(super) fn beside(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim();
     let name = name.strip_prefix('"').and_then(|name| name.strip_suffix('"')).unwrap_or(name);

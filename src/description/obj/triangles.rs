@@ -1,5 +1,6 @@
-//! Triangles that a program made, as a model. In go positions and indices, out comes what an OBJ file would give.
-//! Invariant: the same as of a file's model, every index in range, every number finite, no triangle without area.
+//! Triangles that a program made, as a model. In go positions and indices, out comes what an OBJ file
+//! would give. Invariant: the same as of a file's model, every index in range, every number finite, no
+//! triangle without area.
 
 use super::{ObjModel, ObjTriangle};
 use glam::{Vec2, Vec3};

@@ -1,6 +1,7 @@
-//! A scene that a program writes in place of a file. In go parts as values under the names that the format has for their
-//! fields, out comes a scene as if it had been read. Invariant: every part is read by the reader of files, so a number out of
-//! range, a name that occurs twice and a field that does not exist are refused here too.
+//! A scene that a program writes in place of a file. In go parts as values under the names that the
+//! format has for their fields, out comes a scene as if it had been read. Invariant: every part is read
+//! by the reader of files. So a number out of range, a name that occurs twice and a field that does not
+//! exist are refused here too.
 
 use super::{LoadedScene, Named, SceneFile, Version, defaults, references};
 use crate::description::obj::{ObjModel, Triangles};

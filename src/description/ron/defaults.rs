@@ -1,5 +1,5 @@
-//! What fields hold that a file leaves out. In goes a number, out comes a value of the field's type that is that number
-//! throughout. Invariant: the number lies in the field's range.
+//! What fields hold that a file leaves out. In goes a number, out comes a value of the field's type that is
+//! that number throughout. Invariant: the number lies in the field's range.
 
 use super::keyed::{Keyable, Keyed};
 use super::number::{Number, Span, Three};

@@ -5,7 +5,8 @@ use super::defaults::{one, zero};
 use super::number::{Degrees, Finite, NonNegative, Number, Point, Positive, Span, Whole};
 use serde::Deserialize;
 
-/// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one line may ask for them.
+/// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one
+/// line may ask for them.
 pub const MAX_LEAVES: u32 = 1_000_000;
 
 /// Seeded copies of meshes, scattered over a box or a surface.

@@ -1,5 +1,5 @@
-//! Numbers that know their range. In goes RON, out come finite values; invariant: a number that
-//! was read lies in its range, and one that does not is an error at its own line and column.
+//! Numbers that know their range. In goes RON, out come finite values. Invariant: a number that was read lies
+//! in its range. One that does not is an error at its own line and column.
 
 pub use super::range::*;
 use glam::{DQuat, DVec3};

@@ -1,5 +1,5 @@
-//! Which numbers fields admit. In goes a number in the author's unit, out comes whether its range has it. Invariant: numbers are
-//! finite before they are asked about.
+//! Which numbers fields admit. In goes a number in the author's unit, out comes whether its range has it.
+//! Invariant: numbers are finite before they are asked about.
 
 /// A set of admissible numbers.
 pub trait Range: Copy {
@@ -11,7 +11,8 @@ pub trait Range: Copy {
     fn contains(value: f64) -> bool;
 }
 
-/// A row for each: what to say to someone who left it, which numbers it has, and its unit where that is none of SI.
+/// A row for each: what to say to someone who left it, which numbers it has, and its unit
+/// where that is none of SI.
 macro_rules! ranges {
     ($($(#[$doc:meta])* $name:ident: $expected:literal, $contains:expr $(, $unit:expr)?;)*) => {$(
         $(#[$doc])*

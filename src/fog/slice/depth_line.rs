@@ -1,6 +1,6 @@
-//! Even fog along a part of a ray. In go an optical depth that changes in proportion to the reach and what is lit
-//! there, out comes the integral of what gets through. Invariant: nothing cancels, neither in thin fog nor as
-//! the ray turns towards the sun.
+//! Even fog along a part of a ray. In go an optical depth that changes in proportion to the reach and what is
+//! lit there, out comes the integral of what gets through. Invariant: nothing cancels, neither in thin fog
+//! nor as the ray turns towards the sun.
 
 use super::lit_cells::{Lit, MOST_PIECES, Piece};
 use crate::color::Rgb;
@@ -8,8 +8,8 @@ use crate::fog::beer_lambert::NOTHING_LEFT;
 use crate::math::fast_exp;
 use std::ops::Range;
 
-/// The optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Fog that
-/// treats all colours alike has one lane, other fog three.
+/// The optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Fog
+/// that treats all colours alike has one lane, other fog three.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthLine<const LANES: usize> {
     pub(super) start: f64,
@@ -61,7 +61,8 @@ impl<const LANES: usize> DepthLine<LANES> {
         self.per_reach.iter().fold(0.0, |most, k| most.max(k.abs()))
     }
 
-    /// The part of a range where, of some colour, something is left beside what gets through at its brighter end.
+    /// The part of a range where, of some colour, something is left beside what gets through
+    /// at its brighter end.
     fn visible(&self, range: Range<f64>) -> Range<f64> {
         let (mut first, mut last) = (range.end, range.start);
         for per_reach in self.per_reach {
@@ -72,8 +73,8 @@ impl<const LANES: usize> DepthLine<LANES> {
         first.max(range.start)..last.min(range.end)
     }
 
-    /// `integral of exp(-tau)` over what is lit of a piece, by eight moments. The derivatives of the integrand are
-    /// powers of `k`.
+    /// `integral of exp(-tau)` over what is lit of a piece, by eight moments. The derivatives of the
+    /// integrand are powers of `k`.
     #[inline(always)]
     fn integral(&self, lane: usize, offset: f64, half_width: f64, m: &[f64; 8]) -> f64 {
         let k = -self.per_reach[lane] * half_width;

@@ -1,10 +1,10 @@
-//! Fog that thins out with height, alone or with even fog, along a part of a ray. In go the ways of eye and light through it
-//! and what is lit, out comes the integral of what is scattered and gets through. Invariant: every piece is so short that
-//! ten terms of its series tell all but 1e-8 of it.
+//! Fog that thins out with height, alone or with even fog, along a part of a ray. In go the ways of eye and
+//! light through it and what is lit. Out comes the integral of what is scattered and gets through. Invariant:
+//! every piece is so short that ten terms of its series tell all but 1e-8 of it.
 //!
-//! The optical depth's series is known in the middle of a piece (`thinning_fog.rs`); those of `exp(-tau)` and of its
-//! product with the density follow by the rules for power series (Knuth, "The Art of Computer Programming" 2,
-//! section 4.7).
+//! The optical depth's series is known in the middle of a piece (`thinning_fog.rs`). Those of `exp(-tau)` and
+//! of its product with the density follow by the rules for power series (Knuth, "The Art of Computer
+//! Programming" 2, section 4.7).
 
 use super::depth_line::DepthLine;
 use super::lit_cells::{FACTORIALS, Lit, MOST_PIECES, Moments, ORDER, Piece};
@@ -22,9 +22,10 @@ pub(super) struct DepthSeries<'a> {
 }
 
 impl DepthSeries<'_> {
-    /// Light scattered on what is lit of a range, per unit of irradiance and, as its integral goes over reaches, per metre
-    /// of reach: see [`Lit::for_each_piece`], by the sum of the exponents of density and transmittance. `None` if the fog changes too fast along it.
-    /// What is left out is below 1e-8 of what an unshadowed piece scatters (see the tests).
+    /// Light scattered on what is lit of a range, per unit of irradiance and, as its integral goes over
+    /// reaches, per metre of reach: see [`Lit::for_each_piece`], by the sum of the exponents of density and
+    /// transmittance. `None` if the fog changes too fast along it. What is left out is below 1e-8 of what an
+    /// unshadowed piece scatters (see the tests).
     pub(super) fn lit_integral(&self, end: f64, lit: &Lit) -> Option<Rgb> {
         let start = self.even.start;
         let range = start..end;
@@ -79,8 +80,8 @@ fn dot(coefficients: &[Rgb; ORDER], powers: &[f64; ORDER]) -> Rgb {
     coefficients.iter().zip(powers).fold(Rgb::ZERO, |sum, (coefficient, power)| sum + coefficient * *power)
 }
 
-/// The coefficients of `exp(-tau)` by powers of the distance from the middle: as `f' = -tau' f`, `n f_n` is the sum of
-/// `-j tau_j f_(n - j)` over j.
+/// The coefficients of `exp(-tau)` by powers of the distance from the middle: as `f' = -tau' f`, `n f_n` is
+/// the sum of `-j tau_j f_(n - j)` over j.
 fn exp_of_minus(tau: &[Rgb; ORDER]) -> [Rgb; ORDER] {
     let slopes: [Rgb; ORDER] = std::array::from_fn(|j| -tau[j] * (j as f64 / FACTORIALS[j]));
     let mut f = [Rgb::ZERO; ORDER];
@@ -145,7 +146,8 @@ mod tests {
         }
     }
 
-    /// Ten thousand kilometres below the base, where the light's way through the layer is the same everywhere.
+    /// Ten thousand kilometres below the base, where the light's way through the layer is
+    /// the same everywhere.
     #[test]
     fn far_below_the_base() {
         let heights = Linear { at_eye: -3.0, per_reach: 0.3, per_height: 0.8 };

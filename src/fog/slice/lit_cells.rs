@@ -1,12 +1,12 @@
-//! What reaches the light's rays of a slice, summed up beforehand. In go the shadows as they grow,
-//! out come the moments of what is lit, for any range of reaches in a few pieces. Invariant: a cell knows its lit part
-//! exactly, through its moments; only in the cells that a range begins and ends in are single shadows looked at, once
-//! for all colours.
+//! What reaches the light's rays of a slice, summed up beforehand. In go the shadows as they grow. Out come
+//! the moments of what is lit, for any range of reaches in a few pieces. Invariant: a cell knows its lit part
+//! exactly, by its moments. Single shadows are looked at only in the cells where a range begins and ends,
+//! once for all colours.
 //!
-//! With `x` the distance from a piece's middle in halves of its width, and `m_j` the integral of `x^j / j!` over
-//! what is lit, the integral of any smooth `f` over the same is `sum(f_j m_j)`, `f_j` being its derivatives
-//! in the middle (a multipole expansion: Greengard & Rokhlin 1987, section 2). The moments depend neither
-//! on the camera's ray nor on what is integrated.
+//! Let `x` be the distance from a piece's middle in halves of its width. Let `m_j` be the integral of
+//! `x^j / j!` over what is lit. The integral of any smooth `f` over the same is `sum(f_j m_j)`, where `f_j`
+//! are its derivatives in the middle. This is a multipole expansion (Greengard & Rokhlin 1987, section 2).
+//! The moments depend neither on the camera's ray nor on what is integrated.
 
 use crate::math::IntervalSet;
 use std::ops::Range;
@@ -43,8 +43,8 @@ pub(super) struct Piece {
 }
 
 impl LitCells {
-    /// Starts over with everything lit. Every break is an edge; beyond `last_reach` there will be no shadows, and
-    /// so no cells.
+    /// Starts over with everything lit. Every break is an edge; beyond `last_reach` there will be no
+    /// shadows, and so no cells.
     pub(super) fn start(&mut self, breaks: &[f64], last_reach: f64, cells_per_reach: f64) {
         self.edges.clear();
         self.moments.clear();
@@ -88,10 +88,11 @@ pub(super) struct Lit<'a> {
 }
 
 impl Lit<'_> {
-    /// Calls back with a range in pieces and with the moments of what is lit there: in no shadow. What the ray's own take away comes as pieces of its own, with negative moments.
+    /// Calls back with a range in pieces and with the moments of what is lit there: in no shadow. What the
+    /// ray's own take away comes as pieces of its own, with negative moments.
     ///
-    /// The integrand takes the first N moments. `changes` says how fast the integrand changes per reach, which between two places is no faster than at one of
-    /// the two; over a piece it changes by 1 at most.
+    /// The integrand takes the first N moments. `changes` says how fast the integrand changes per reach,
+    /// which between two places is no faster than at one of the two; over a piece it changes by 1 at most.
     #[inline(always)]
     pub(super) fn for_each_piece<const N: usize>(
         &self,

@@ -1,10 +1,12 @@
-//! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow, out comes, for any ray in it, what fog does
-//! on the way. Invariant: what does not depend on the ray is found once a slice; where there is no answer the ray is left to [`Medium::scattered`].
+//! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow. Out comes,
+//! for any ray in it, what fog does on the way. Invariant: what does not depend on the ray is found once a
+//! slice. Where there is no answer the ray is left to [`Medium::scattered`].
 //!
-//! The light's way through a bank leads from one border of its section (`section.rs`) to another, the same two between breaks that are known
-//! beforehand; so on every stretch of a ray between breaks (`stretch.rs`) all ways are smooth. What is lit there is known by its moments
-//! (`lit_cells.rs`), which the integrand's derivatives are multiplied with: where fog is even they are powers (`depth_line.rs`), where it
-//! thins out with height they are series (`depth_series.rs`, `thinning_fog.rs`).
+//! The light's way through a bank leads from one border of its section (`section.rs`) to another. Between
+//! breaks that are known beforehand the two stay the same. So all ways are smooth on every stretch of a ray
+//! between breaks (`stretch.rs`). What is lit there is known by its moments (`lit_cells.rs`), which the
+//! integrand's derivatives are multiplied with. Where fog is even these are powers (`depth_line.rs`). Where
+//! it thins out with height they are series (`depth_series.rs`, `thinning_fog.rs`).
 
 mod depth_line;
 mod depth_series;
@@ -63,8 +65,8 @@ const CELLS_PER_DEPTH: f64 = 3.0;
 const MOST_SCALE_HEIGHTS: f64 = 1e6;
 
 impl FogSlice {
-    /// Starts over with another slice, in which everything is lit. `slope` is that of a ray like most; all shadows will
-    /// be those of `cuts`.
+    /// Starts over with another slice, in which everything is lit. `slope` is that of a ray like most; all
+    /// shadows will be those of `cuts`.
     pub fn start(
         &mut self,
         medium: &Medium,
@@ -133,8 +135,9 @@ impl FogSlice {
         }
     }
 
-    /// Follows a ray up to a reach. The first `shadows` are those that [`FogSlice::darken`] was told of, the second
-    /// this ray's own. `None` if nothing is known of the slice, or the fog changes too fast along the ray.
+    /// Follows a ray up to a reach. The first `shadows` are those that [`FogSlice::darken`] was
+    /// told of, the second this ray's own. `None` if nothing is known of the slice, or the fog
+    /// changes too fast along the ray.
     pub fn follow(
         &mut self,
         planar: &PlanarRay,

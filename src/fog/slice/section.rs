@@ -1,10 +1,12 @@
-//! What a slice cuts of one bank of fog. In go the bank and the half plane, out come where a ray is inside and
-//! between which heights the light is. Invariant: everything that does not depend on the ray is found once a slice.
+//! What a slice cuts of one bank of fog. In go the bank and the half plane. Out come where a ray is
+//! inside, and between which heights the light is. Invariant: everything that does not depend on the ray
+//! is found once a slice.
 //!
-//! A bank is bounded by planes, each of which cuts the half plane in a line, so the section is a convex polygon,
-//! perhaps without end. Its upper edge, where the light enters, is the least of some lines `height(reach)`,
-//! its lower edge the greatest of others; both are the same for all rays. Fog that thins out with height has two sections:
-//! below its base it is as dense everywhere, above it its density is `exp(-u)`, with `u` linear in reach and height.
+//! A bank is bounded by planes, each of which cuts the half plane in a line. So the section is a convex
+//! polygon, perhaps without end. Its upper edge, where the light enters, is the least of some lines
+//! `height(reach)`; its lower edge is the greatest of others. Both are the same for all rays. Fog that thins
+//! out with height has two sections. Below its base it is as dense everywhere. Above it its density is
+//! `exp(-u)`, with `u` linear in reach and height.
 
 use crate::accel::HalfPlane;
 use crate::fog::FogBank;
@@ -12,8 +14,8 @@ use crate::fog::bank::EDGE_SLACK;
 use crate::math::Ray;
 use glam::DVec3;
 
-/// A border as near to the light's direction, in radians, runs along it: as a line over the reach it would be so
-/// steep that rounding puts it metres from where it is.
+/// A border as near to the light's direction, in radians, runs along it: as a line over the reach it would be
+/// so steep that rounding puts it metres from where it is.
 const ALONG_THE_LIGHT: f64 = 1e-12;
 
 /// Three pairs of faces, and the base.

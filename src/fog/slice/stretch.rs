@@ -1,6 +1,6 @@
-//! A ray's way through fog, between two places where the way of the light through it changes. In go the banks as the slice
-//! and the ray cut them, out comes the light that is scattered on the way. Invariant: the optical depth of a stretch,
-//! to the eye and to the light together, is smooth.
+//! A ray's way through fog, between two places where the way of the light through it changes. In go the banks
+//! as the slice and the ray cut them, out comes the light that is scattered on the way. Invariant: the
+//! optical depth of a stretch, to the eye and to the light together, is smooth.
 
 use super::depth_line::DepthLine;
 use super::depth_series::DepthSeries;
@@ -89,7 +89,8 @@ impl SliceStretch<'_> {
         DepthSeries { even, scattering, thinning }.lit_integral(self.end, lit)
     }
 
-    /// Adds the optical depth of an even bank, to the eye and to the light together, and what it scatters per metre.
+    /// Adds the optical depth of an even bank, to the eye and to the light together, and what
+    /// it scatters per metre.
     #[inline(always)]
     fn add_even<const LANES: usize>(
         &self,
@@ -152,7 +153,8 @@ impl BankProfile {
         }
     }
 
-    /// Metres of this fog on the current ray up to a reach at which it is inside, counted at the density of the base.
+    /// Metres of this fog on the current ray up to a reach at which it is inside, counted at the
+    /// density of the base.
     fn metres_between(&self, ray: &PlanarRay, reach: f64) -> f64 {
         let (enter, _) = self.span;
         match self.section.scale_heights {

@@ -1,6 +1,7 @@
-//! Fog whose density is an exponential of the height, on the ways of eye and light. In go its section of the slice and a ray,
-//! out come its metres on both ways and its density, as series about the middle of a piece. Invariant: where the density
-//! changes little on a way nothing is divided by its change, so that nothing cancels on level ways.
+//! Fog whose density is an exponential of the height, on the ways of eye and light. In go its section of
+//! the slice and a ray. Out come its metres on both ways and its density, as series about the middle of a
+//! piece. Invariant: where the density changes little on a way, nothing is divided by its change. So
+//! nothing cancels on level ways.
 
 use super::lit_cells::{ORDER, Piece};
 use super::section::{LightWay, Line, Linear};

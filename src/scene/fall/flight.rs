@@ -1,11 +1,11 @@
-//! One leaf from its twig to the ground. In goes a leaf, out come its poses, evenly spaced but for the
-//! one that touches it. Invariant: a pure function of the leaf and what is around it; no frame rate
-//! and no frame reaches it, and before it lands no point of it is below the ground or in an obstacle.
+//! One leaf from its twig to the ground. In goes a leaf, out come its poses, evenly spaced but for the one
+//! that touches it. Invariants: a flight is a pure function of the leaf and what is around it; no frame rate
+//! and no frame reaches it. Before it lands, no point of it is below the ground or in an obstacle.
 //!
-//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind
-//! that is exact in the frame of the air; changing wind acts as a weight. What three dimensions need
-//! beyond that is dressing, chosen for looks: the plane turns ([`Manner`](super::leaf::Manner)), the leaf banks and is
-//! twisted about its normal, and across the plane the air carries it along.
+//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind that
+//! is exact in the frame of the air; changing wind acts as a weight. What three dimensions need beyond that
+//! is dressing, chosen for looks. The plane turns ([`Manner`](super::leaf::Manner)), the leaf banks and is
+//! twisted about its normal, and the air carries it along across the plane.
 
 use super::landing;
 use super::leaf::{Flight, Leaf, Pose, Surroundings};

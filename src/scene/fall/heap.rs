@@ -1,5 +1,6 @@
-//! What lies on the ground already: how high, over squares of a fine grid. In go leaves at rest, out come heights.
-//! Invariant: no leaf that lies here is higher than its squares say, but for what its mesh bends within one of them.
+//! What lies on the ground already: how high, over squares of a fine grid. In go leaves at rest, out
+//! come heights. Invariant: no leaf that lies here is higher than its squares say, but for what its
+//! mesh bends within one of them.
 
 use super::ground::Ground;
 use super::outline::Outline;
@@ -80,8 +81,8 @@ impl Heap {
         })
     }
 
-    /// How high the sheet's middle must be for no point of it to be below what lies here; infinitely low over bare
-    /// ground.
+    /// How high the sheet's middle must be for no point of it to be below what lies here; infinitely
+    /// low over bare ground.
     pub(super) fn lowest_height_m(&self, sheet: &Sheet, lie: Lie) -> f64 {
         let points = sheet.at(lie);
         let heights = self.under(&points).zip(&points);
@@ -89,7 +90,8 @@ impl Heap {
         over.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Over each of the sheet's points how much it would have to rise to be on what lies there, or on the ground.
+    /// Over each of the sheet's points how much it would have to rise to be on what lies
+    /// there, or on the ground.
     pub(super) fn rises(&self, sheet: &Sheet, lie: Lie, ground: &Ground) -> Vec<DVec3> {
         let points = sheet.at(lie);
         let floors = self.under(&points).zip(&points).map(|(top, point)| {

@@ -1,8 +1,9 @@
 //! Bakes as bytes, and back. In goes a fall, out come its flights, from where bakes are kept if they are
-//! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken: its
-//! name says what was baked and by which edition of this code, its checksum that nothing is damaged.
+//! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken. Its
+//! name says what was baked and by which edition of this code. Its checksum says that nothing is damaged.
 //!
-//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves' flights; CRC-32 of all that.
+//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves'
+//! flights; CRC-32 of all that.
 
 use super::Fall;
 use super::flown::Flown;

@@ -88,8 +88,8 @@ pub(crate) fn to_one_side(poses: &mut [Pose], mut previous: DQuat) {
     }
 }
 
-/// Poses, all on one side, of a node whose own point `middle` is the leaf's. Slopes by differences; where a leaf first
-/// touches what it comes to rest on, of what comes after: its fall ends there.
+/// Poses, all on one side, of a node whose own point `middle` is the leaf's. Slopes by differences; where a
+/// leaf first touches what it comes to rest on, of what comes after: its fall ends there.
 pub(crate) fn knots(poses: &[Pose], landed_at: Option<usize>, middle: DVec3) -> Vec<Knot> {
     let poses: Vec<Pose> =
         poses.iter().map(|&pose| Pose { middle: pose.middle - pose.turn * middle, ..pose }).collect();
@@ -108,7 +108,8 @@ pub(crate) fn knots(poses: &[Pose], landed_at: Option<usize>, middle: DVec3) -> 
             // Where poses are evenly spaced to both sides.
             let end = landed_at.map_or(last, |landed_at| landed_at.saturating_sub(1));
             if at >= 2 && at + 2 <= end {
-                // Differences of fourth order: with those of second, a curve's slopes would be its largest error.
+                // Differences of fourth order: with those of second, a curve's slopes would
+                // be its largest error.
                 let (far_from, far_to) = (&poses[at - 2], &poses[at + 2]);
                 velocity = (velocity * 8.0 - (far_to.middle - far_from.middle) * over) / 6.0;
                 turning = (turning * 8.0 - (far_to.turn - far_from.turn) * over) / 6.0;

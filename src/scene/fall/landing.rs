@@ -1,5 +1,6 @@
-//! A leaf that touches the ground, or what lies on it, and comes to rest. Invariant: no point of its outline goes
-//! below the ground, and it slides to a halt. How it settles is dressing: the air below it is not modelled.
+//! A leaf that touches the ground, or what lies on it, and comes to rest. Invariant: no point of
+//! its outline goes below the ground, and it slides to a halt. How it settles is dressing: the
+//! air below it is not modelled.
 
 use super::ground::Ground;
 use super::leaf::{Leaf, Pose, Surroundings};

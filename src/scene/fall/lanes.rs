@@ -1,12 +1,12 @@
-//! Numbers of several leaves side by side. Invariant: what becomes of one does not depend on its neighbours and is
-//! what it becomes alone, to the last bit: all operations are those of `f64`, lane by lane, in loops so plain that
-//! the compiler has neighbours share instructions.
+//! Numbers of several leaves side by side. Invariant: what becomes of one does not depend on its neighbours,
+//! and is what it becomes alone, to the last bit. All operations are those of `f64`, lane by lane. Their
+//! loops are so plain that the compiler has neighbours share instructions.
 
 use std::array;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// How many: a step waits for its own numbers, and so many wait at once. Eight are hardly faster, and leave more idle
-/// where leaves run out.
+/// How many: a step waits for its own numbers, and so many wait at once. Eight are hardly faster, and leave
+/// more idle where leaves run out.
 pub(super) const LANES: usize = 4;
 
 /// What the equations of a plate are written in.

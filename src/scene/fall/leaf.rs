@@ -1,5 +1,5 @@
-//! A leaf that falls, what is around it, and where it was. In go numbers, nothing comes out. Invariant: all of a leaf's fall
-//! follows from these.
+//! A leaf that falls, what is around it, and where it was. In go numbers, nothing comes out. Invariant: all
+//! of a leaf's fall follows from these.
 
 use super::ground::Ground;
 use super::obstacles::Obstacles;

@@ -1,5 +1,5 @@
-//! What a stiff leaf leans on. In go heights that its points must not be below, out comes the plane that rests on
-//! them: three contacts with its weight between them. Invariant: sums, products and quotients alone.
+//! What a stiff leaf leans on. In go heights that its points must not be below, out comes the plane that
+//! rests on them: three contacts with its weight between them. Invariant: sums, products and quotients alone.
 
 use glam::{DVec2, DVec3};
 
@@ -11,8 +11,9 @@ const STEEPEST: f64 = 3.0;
 
 /// Slopes along x and along z of the plane over all points (x, height, z) that is lowest over the origin.
 ///
-/// That is a side of the points' convex hull, above the origin. From any three contacts around the origin, the point
-/// that stands out farthest takes the place of one of them: the plane over the origin rises with each exchange.
+/// That is a side of the points' convex hull, above the origin. From any three contacts around the
+/// origin, the point that stands out farthest takes the place of one of them: the plane over the origin
+/// rises with each exchange.
 pub(super) fn slopes(points: &[DVec3]) -> DVec2 {
     let flat = |point: DVec3| DVec2::new(point.x, point.z);
     let reach = points.iter().map(|&point| flat(point).length()).fold(f64::MIN_POSITIVE, f64::max);

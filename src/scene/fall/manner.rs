@@ -1,8 +1,8 @@
-//! The ways in which leaves fall, and in what proportion. Invariant: a way fixes the plate's inertia and
-//! with it what the equations do; only turns and lean of the plane of fall are added to that.
+//! The ways in which leaves fall, and in what proportion. Invariant: a way fixes the plate's inertia, and
+//! with it what the equations do. Only turns and lean of the plane of fall are added to that.
 //!
-//! The six are those of Xie & Miyata, "Stochastic modeling of immersed rigid-body dynamics" (SIGGRAPH
-//! Asia 2013 briefs), whose first four are the regimes of Field, Klaus, Moore & Nori, Nature 388 (1997).
+//! The six are those of Xie & Miyata, "Stochastic modeling of immersed rigid-body dynamics" (SIGGRAPH Asia
+//! 2013 briefs). The first four of them are the regimes of Field, Klaus, Moore & Nori, Nature 388 (1997).
 
 use super::leaf::Manner;
 use super::plate::PAPER_DAMPING;

@@ -1,6 +1,6 @@
-//! Leaves that fall, each on its own way. In goes what the author wants of a fall, resolved and in SI
-//! units; out come keys. Invariant: until it lands, leaf `i` is a pure function of the fall's values other than
-//! its count, and of `i`: no frame, no frame rate, no other leaf and no machine changes it. How it lies then
+//! Leaves that fall, each on its own way. In goes what the author wants of a fall, resolved and in SI units;
+//! out come keys. Invariant: until it lands, leaf `i` is a pure function of `i` and of the fall's values
+//! other than its count. No frame, no frame rate, no other leaf and no machine changes it. How it lies then
 //! depends on the leaves that landed before it, and on nothing else.
 //!
 //! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
@@ -52,10 +52,10 @@ const TOLERANCE: f64 = 0.01;
 /// Free height below a leaf that lies, over its length: no curve dips below the ground. Leaves lie up
 /// to twice as high, so that those that lie on each other do not lie in one plane.
 const CLEARANCE: f64 = 0.02;
-/// Forces of the air on a leaf, over those on as much of an endless strip as wide as it: air flows round
-/// its ends. A disc has drag 1.17 (Hoerner, Fluid-Dynamic Drag, 1965) in the place of the plate's 2.4, and an
-/// added mass of `8/3` radius^3 air (Lamb, Hydrodynamics, section 102) in the place of `pi^2 / 2`: 0.49 and 0.54.
-/// With all forces alike, a leaf falls as a strip does that is so much heavier.
+/// Forces of the air on a leaf, over those on as much of an endless strip as wide as it: air flows round its
+/// ends. A disc has drag 1.17 (Hoerner, Fluid-Dynamic Drag, 1965) in the place of the plate's 2.4, and an
+/// added mass of `8/3` radius^3 air (Lamb, Hydrodynamics, section 102) in the place of `pi^2 / 2`: 0.49 and
+/// 0.54. With all forces alike, a leaf falls as a strip does that is so much heavier.
 const OF_A_STRIP: f64 = 0.5;
 /// Leaves that one thread takes at a time: so many that few lanes stay empty as the last ones fall.
 const LEAVES_AT_A_TIME: u32 = 64;

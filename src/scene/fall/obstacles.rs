@@ -1,6 +1,6 @@
-//! What falling leaves slide off: trunks, and whatever else the author names. In goes the way that a ball would go, out
-//! comes the one that it can go. Invariant: a ball that was free stays free of every triangle, or nearly so in a
-//! crevice narrower than itself; no way leads through a surface.
+//! What falling leaves slide off: trunks, and whatever else the author names. In goes the way that a ball
+//! would go, out comes the one that it can go. Invariant: a ball that was free stays free of every triangle,
+//! or nearly so in a crevice narrower than itself; no way leads through a surface.
 
 use glam::DVec3;
 use std::fmt;
@@ -122,7 +122,8 @@ fn grow(nodes: &mut Vec<Node>, triangles: &mut [Triangle], first: usize) {
     nodes[place].next = nodes.len();
 }
 
-/// The point of a triangle that is nearest to a place (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+/// The point of a triangle that is nearest to a place (Ericson, Real-Time Collision Detection,
+/// 2005, section 5.1.5).
 fn nearest_in(&[a, b, c]: &Triangle, place: DVec3) -> DVec3 {
     let (ab, ac) = (b - a, c - a);
     let from_a = place - a;

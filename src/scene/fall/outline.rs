@@ -1,5 +1,6 @@
-//! What falling needs to know of a leaf's mesh. In go vertices and triangles, out come points that may touch the
-//! ground, the two ways in which they lie on it, and the blade. Invariant: relative to the middle of their box.
+//! What falling needs to know of a leaf's mesh. In go vertices and triangles, out come points that may
+//! touch the ground, the two ways in which they lie on it, and the blade. Invariant: relative to the
+//! middle of their box.
 
 use super::ground::height_in;
 use glam::{DVec2, DVec3};
@@ -45,7 +46,8 @@ impl Outline {
         self.size.x.max(self.size.y) / self.size.z
     }
 
-    /// Points all over the blade, so far apart along x and along z, and of its corners one in every cube so large.
+    /// Points all over the blade, so far apart along x and along z, and of its corners one in
+    /// every cube so large.
     pub(super) fn sampled(&self, spacing: f64) -> Vec<DVec3> {
         let cube = |point: DVec3| (point / spacing).to_array().map(|along| along.floor() as i64);
         let mut taken = BTreeSet::new();

@@ -1,8 +1,9 @@
-//! Leaves that come to rest on each other. In go falls that share a ground, and how their leaves have flown; out come
-//! the leaves. Invariant: a leaf lies on the ground and on those that landed before it, whoever flew on which thread;
-//! later ones do not move it.
+//! Leaves that come to rest on each other. In go falls that share a ground, and how their leaves have flown;
+//! out come the leaves. Invariant: a leaf lies on the ground and on those that landed before it, whoever flew
+//! on which thread; later ones do not move it.
 //!
-//! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says what that leaves undone.
+//! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says
+//! what that leaves undone.
 
 use super::flown::Flown;
 use super::ground::Ground;

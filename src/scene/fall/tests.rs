@@ -266,7 +266,8 @@ fn curves_go_through_all_poses() {
         };
         let (place_m, turn_rad) = most(&flight, flight.poses.len());
         assert!(place_m < 0.00081 && turn_rad < 1.01 * TOLERANCE, "{place_m} {turn_rad}");
-        // Finer steps are the same flight for the first seconds, by `shorter_intervals_end_in_the_same_place`.
+        // Finer steps are the same flight for the first seconds, by
+        // `shorter_intervals_end_in_the_same_place`.
         let (place_m, turn_rad) = most(&fine, (1.5 / (interval_s / 4.0)) as usize);
         assert!(place_m < 0.001 && turn_rad < 1.5 * TOLERANCE, "{place_m} {turn_rad}");
         assert!(places.times_s().len() < flight.poses.len() && turns.times_s().len() < flight.poses.len());

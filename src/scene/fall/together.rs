@@ -1,6 +1,6 @@
 //! Many flights at once. In go leaves, out come their flights, in the order in which they end. Invariant: a
-//! flight is the one of its leaf alone, to the last bit. Plates take steps side by side; where one comes to the
-//! end of a leg, what turns it into a leaf is done for it alone, and where a flight ends, the next leaf takes its lane.
+//! flight is the one of its leaf alone, to the last bit. Plates take steps side by side. Where one comes to
+//! the end of a leg, it is turned into a leaf alone. Where a flight ends, the next leaf takes its lane.
 
 use super::flight::{Journey, Leg};
 use super::lanes::{LANES, Lanes};

@@ -1,8 +1,9 @@
-//! Which animations of a file are played. In go all of its channels and what whoever renders asked for; those of other
-//! animations are taken out. Invariant: unless all are asked for, no two that are played move the same thing.
+//! Which animations of a file are played. In go all of its channels and what whoever renders asked for;
+//! those of other animations are taken out. Invariant: unless all are asked for, no two that are played
+//! move the same thing.
 //!
-//! Blender exports an action an object, which belong together; a game's model has a walk and a run, which do not. What
-//! tells them apart is whether they move the same things.
+//! Blender exports an action an object, which belong together; a game's model has a walk and a run, which do
+//! not. What tells them apart is whether they move the same things.
 
 use super::clock::Clock;
 use crate::description::gltf::report::Report;
@@ -23,8 +24,8 @@ enum Thing {
     Property(Property),
 }
 
-/// All animations. Takes the channels of those out of the file that are not played: `wanted` is a name, a number or
-/// `all`; without it those play that do not move what an earlier one moves.
+/// All animations. Takes the channels of those out of the file that are not played: `wanted` is a name, a
+/// number or `all`; without it those play that do not move what an earlier one moves.
 pub(super) fn choose(source: &mut GltfScene, wanted: Option<&str>, report: &mut Report) -> Vec<Animation> {
     let targets = targets(source);
     let is_played: Vec<bool> = match wanted {

@@ -1,5 +1,5 @@
-//! `sunfleck_env` of a scene in, its background or its sky out. Invariant: what lights nothing and is the same
-//! everywhere is a background.
+//! `sunfleck_env` of a scene in, its background or its sky out. Invariant: what lights nothing and is the
+//! same everywhere is a background.
 
 use super::extras::{Channels, read};
 use crate::color::Rgb;

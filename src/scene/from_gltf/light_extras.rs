@@ -42,7 +42,8 @@ pub(super) struct LightExtras {
     shape: Option<String>,
     /// Of an area light, metres before the node's scale.
     size: Option<Size>,
-    /// Of an area light, all light that it emits, W, which are Blender's watts; those of other lights stand in the light itself.
+    /// Of an area light, all light that it emits, W, which are Blender's watts; those of other lights stand
+    /// in the light itself.
     power_w: Option<f64>,
     color: Option<Channels>,
     /// Of an area light's beam.
@@ -50,7 +51,8 @@ pub(super) struct LightExtras {
     casts_shafts: Option<bool>,
     /// Whether camera and mirrors see the disc of a sun.
     visible_to_camera: bool,
-    /// What that disc shows: a file beside this one or a data URI, or a Julia set, and how much darker its edge is.
+    /// What that disc shows: a file beside this one or a data URI, or a Julia set, and how
+    /// much darker its edge is.
     pub(super) image: Option<String>,
     pub(super) fractal: Option<Fractal>,
     pub(super) limb_darkening: Option<f64>,

@@ -14,7 +14,8 @@ use std::f64::consts::PI;
 const EXPOSURE_TOLERANCE: f64 = 1e-5;
 /// The range of Blender's exposures.
 const LARGEST_EXPOSURE: f64 = 10.0;
-/// A spot's edge of less than this share of its angle is what rounding to single precision leaves of a hard one.
+/// A spot's edge of less than this share of its angle is what rounding to single precision
+/// leaves of a hard one.
 const SOFTEST_HARD_EDGE: f64 = 1e-6;
 
 impl<'a> Builder<'a> {
@@ -89,9 +90,9 @@ impl<'a> Builder<'a> {
 
     /// What to multiply animated intensities with to have them in the unit of the still one.
     ///
-    /// Blender 5.0's exporter converts animated intensities otherwise than still ones (io_scene_gltf2, `keyframes.py` and
-    /// `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683, of all of them the exposure. The last is
-    /// found from the still intensity, which is that of frame 0.
+    /// Blender 5.0's exporter converts animated intensities otherwise than still ones (io_scene_gltf2,
+    /// `keyframes.py` and `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683, of
+    /// all of them the exposure. The last is found from the still intensity, which is that of frame 0.
     fn intensity_factor(&mut self, light: &gltf::Light, channel: &PropertyChannel, units: LightUnits) -> f64 {
         if !self.source.generator.contains("Blender") {
             return 1.0;

@@ -1,5 +1,6 @@
-//! What `sunfleck_light` says of a picture on a sun's disc. In go its fields, out comes a [`SunPicture`]. Invariant: as in our
-//! own format a picture has a disc to be on, and is bright somewhere; what is not is an error at its own JSON path.
+//! What `sunfleck_light` says of a picture on a sun's disc. In go its fields, out comes a [`SunPicture`].
+//! Invariant: as in our own format a picture has a disc to be on, and is bright somewhere; what is not is an
+//! error at its own JSON path.
 
 use super::Builder;
 use super::light_extras::{Fractal, LightExtras};

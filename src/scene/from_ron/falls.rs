@@ -1,5 +1,5 @@
-//! Blocks of leaves that fall in, nodes with keys and instances out. Invariant: until it lands, leaf `i` depends on
-//! its block's fields other than `count`, and on `i`; an object of its name goes before it.
+//! Blocks of leaves that fall in, nodes with keys and instances out. Invariant: until it lands, leaf `i`
+//! depends on its block's fields other than `count`, and on `i`; an object of its name goes before it.
 
 use super::Resolver;
 use crate::description::ron;
@@ -18,7 +18,8 @@ const MOST_WIDTH_TO_LENGTH: f64 = 100.0;
 /// Leaves that start higher would be followed for minutes.
 const HIGHEST_START_M: f64 = 200.0;
 
-/// Triangles of all objects that leaves come to rest on, by name; `None` of one that cannot be a ground, as is told already.
+/// Triangles of all objects that leaves come to rest on, by name; `None` of one that cannot be a
+/// ground, as is told already.
 type Grounds<'a> = BTreeMap<&'a str, Option<Vec<[DVec3; 3]>>>;
 
 /// Meshes and materials of a species.
@@ -121,7 +122,8 @@ impl Resolver<'_> {
         Some(Flock { name, block, fall, dresses, flown })
     }
 
-    /// Counts so many leaves more that fall. Whether all may that the file asks for: else none need be followed.
+    /// Counts so many leaves more that fall. Whether all may that the file asks for: else
+    /// none need be followed.
     fn has_room_to_fall(&mut self, owner: &str, leaves: u32) -> bool {
         self.fall_count = self.fall_count.saturating_add(leaves);
         if self.fall_count > ron::MOST_FALLING {
@@ -314,7 +316,8 @@ impl Resolver<'_> {
     }
 }
 
-/// A block's ground: beyond its own object leaves come down on those of the other blocks, and do not pass through them.
+/// A block's ground: beyond its own object leaves come down on those of the other blocks, and do
+/// not pass through them.
 fn ground(ground: &ron::FallGround, grounds: &Grounds<'_>) -> Option<Ground> {
     let own = ground.object.as_deref();
     let triangles = own.map_or(Some(Vec::new()), |object| grounds.get(object)?.clone())?;

@@ -73,7 +73,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// How the fog thins out with height, if it does. A box's base is its bottom unless the file says otherwise.
+    /// How the fog thins out with height, if it does. A box's base is its bottom unless the
+    /// file says otherwise.
     fn fog_falloff(
         &mut self,
         owner: &str,

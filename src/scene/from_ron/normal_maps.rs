@@ -1,11 +1,13 @@
-//! Tangents of the meshes that wear a normal map. Invariant: a mesh is given them once, before anything is cut out of it.
+//! Tangents of the meshes that wear a normal map. Invariant: a mesh is given them once, before
+//! anything is cut out of it.
 
 use super::{MaterialIndex, MeshIndex, Resolver, Triangle};
 use crate::description::tangents::{self, Vertices};
 use crate::diagnostic::{Diagnostic, Loss};
 
 impl Resolver<'_> {
-    /// Gives the mesh what it needs for the material's normal map, if there is one; says where that cannot be.
+    /// Gives the mesh what it needs for the material's normal map, if there is one; says
+    /// where that cannot be.
     pub(super) fn make_tangents(&mut self, mesh: MeshIndex, material: Option<MaterialIndex>) {
         let mesh = &mut self.scene.meshes[mesh];
         if !mesh.tangents.is_empty() {

@@ -1,5 +1,5 @@
-//! OBJ models in, meshes with materials of their own out. Invariant: an OBJ file's materials are there once, however
-//! many meshes show it.
+//! OBJ models in, meshes with materials of their own out. Invariant: an OBJ file's materials are there once,
+//! however many meshes show it.
 
 use super::{AlphaMode, Coat, Material, MaterialIndex, Mesh, Resolver, TextureMap, Triangle, Wrap};
 use crate::color::Rgb;

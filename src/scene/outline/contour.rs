@@ -19,14 +19,16 @@ impl Window {
     }
 }
 
-/// Curves may pass between so many texels. Pictures of foliage have a tenth of that; each takes some 100 bytes.
+/// Curves may pass between so many texels. Pictures of foliage have a tenth of that; each
+/// takes some 100 bytes.
 const MOST_CROSSINGS: usize = 1 << 20;
 
 /// A place where a curve passes between two neighbouring texels: that of the smaller numbers, and
 /// whether the other one lies below it or to its right.
 type Crossing = (i64, i64, bool);
 
-/// The curves where alpha, bilinear between texel centres, is `threshold`. The centre of texel (0, 0) is at (0.5, 0.5).
+/// The curves where alpha, bilinear between texel centres, is `threshold`. The centre of texel
+/// (0, 0) is at (0.5, 0.5).
 ///
 /// Marching squares; where two opposite corners of a cell are inside, the bilinear function's value at its
 /// saddle tells whether they are connected (Nielson and Hamann 1991, "The asymptotic decider"). `None` if
@@ -153,7 +155,8 @@ impl Cell {
     }
 }
 
-/// Every so many points one is kept: a ring whose every point matters would take time in the square of its length.
+/// Every so many points one is kept: a ring whose every point matters would take time in the
+/// square of its length.
 const LONGEST_STRETCH: usize = 512;
 
 /// A ring with fewer points, none of which the old one passes farther away than `tolerance` (Ramer 1972,

@@ -162,8 +162,8 @@ fn rest(rings: &[Ring], corners: [Point; 3]) -> Rest {
     Rest::Parts { points: mesh.points, triangles }
 }
 
-/// A ring without its detours on the far side of one edge of a box: within the box it encloses what it did, by the parity of
-/// its turns. So many triangles under one long ring cost what each of them meets of it.
+/// A ring without its detours on the far side of one edge of a box: within the box it encloses what it did,
+/// by the parity of its turns. So many triangles under one long ring cost what each of them meets of it.
 fn shortened(ring: &[Point], low: Point, high: Point) -> Vec<Point> {
     // The sides of the box on whose far side a point lies (Cohen and Sutherland's codes).
     let beyond = |point: Point| {
@@ -224,7 +224,8 @@ mod tests {
         (-9_i32..=9, -9_i32..=9).prop_map(|(x, y)| Point::new(x, y))
     }
 
-    /// Twice the signed area that a ring has in a box: of the ring clipped at one side after the other (Sutherland and Hodgman).
+    /// Twice the signed area that a ring has in a box: of the ring clipped at one side after the other
+    /// (Sutherland and Hodgman).
     fn area_within(ring: &[Point], low: Point, high: Point) -> f64 {
         let mut polygon: Vec<DVec2> = ring.iter().map(|p| DVec2::new(p.x.into(), p.y.into())).collect();
         for (side, limit) in

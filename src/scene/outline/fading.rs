@@ -1,5 +1,6 @@
-//! Triangles whose vertices have an alpha in, those parts out where it is at least a threshold. Invariant: alpha is
-//! linear on a triangle, so the cut is straight and exact; neighbours share the vertices on their common edge.
+//! Triangles whose vertices have an alpha in, those parts out where it is at least a threshold.
+//! Invariant: alpha is linear on a triangle, so the cut is straight and exact; neighbours share the
+//! vertices on their common edge.
 
 use super::{Between, Outlined};
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
-//! Masked triangles in, opaque ones out: what the alpha of a texture or of vertices hides is cut away along the
-//! curve where alpha equals the cutoff. Invariant: neighbouring triangles are cut at the very same points of their
-//! common edge, and a triangle without anything to cut away stays as it is.
+//! Masked triangles in, opaque ones out. What the alpha of a texture or of vertices hides is cut away along
+//! the curve where alpha equals the cutoff. Invariants: neighbouring triangles are cut at the very same
+//! points of their common edge. A triangle without anything to cut away stays as it is.
 
 mod contour;
 mod cut;
@@ -99,7 +99,8 @@ pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Betwe
     Ok(rebuilt(mesh, outlined(mask, &mesh.uvs, &triangles)?))
 }
 
-/// What is left of a mesh where the alpha of its vertices is below `threshold`, and the vertices that follow its own.
+/// What is left of a mesh where the alpha of its vertices is below `threshold`, and the vertices
+/// that follow its own.
 pub(super) fn faded_cut_out(mesh: &Mesh, threshold: f64) -> (Mesh, Vec<Between>) {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     let (mut cut, added) = rebuilt(mesh, fading::outlined(&mesh.alphas, threshold, &triangles));

@@ -1,5 +1,5 @@
-//! Sheen and clear coat of a point of a surface. In go a facet and where on it, out come its layers. Invariant: a
-//! surface without any asks for no texture.
+//! Sheen and clear coat of a point of a surface. In go a facet and where on it, out come its layers.
+//! Invariant: a surface without any asks for no texture.
 
 use super::Facet;
 use crate::color::Rgb;

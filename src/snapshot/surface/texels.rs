@@ -1,5 +1,5 @@
-//! What a mesh's images and vertices say of a point of a facet. In go barycentric coordinates, out come colours, alphas and
-//! the coat that they make. Invariant: what has neither image nor colours is 1.
+//! What a mesh's images and vertices say of a point of a facet. In go barycentric coordinates, out come
+//! colours, alphas and the coat that they make. Invariant: what has neither image nor colours is 1.
 
 use super::Facet;
 use crate::color::Rgb;

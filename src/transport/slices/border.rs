@@ -1,5 +1,5 @@
-//! A straight edge that a slice cuts: the border of a triangle, or its shadow on another. In goes where the slice meets it, out
-//! comes where a slice beside does. Invariant: exact as far as the border goes.
+//! A straight edge that a slice cuts: the border of a triangle, or its shadow on another. In goes where the
+//! slice meets it, out comes where a slice beside does. Invariant: exact as far as the border goes.
 
 use super::edges::EdgeOrigin;
 use super::fan::Fan;
@@ -9,14 +9,16 @@ use crate::accel::PrimitiveId;
 use crate::snapshot::Snapshot;
 use glam::{DMat3, DVec3};
 
-/// A border's place in double precision and in that of the cuts differ by this fraction of its coordinates at most.
+/// A border's place in double precision and in that of the cuts differ by this fraction of its
+/// coordinates at most.
 const SAME_PLACE: f64 = 1e-4;
 
-/// So far beyond its corner a border is taken to go on, as a fraction of its length: outlines mostly bend there, and do not end. Found by trying on
-/// leaves500, where none and as much again do worse.
+/// So far beyond its corner a border is taken to go on, as a fraction of its length: outlines mostly bend
+/// there, and do not end. Found by trying on leaves500, where none and as much again do worse.
 const BEYOND: f64 = 0.5;
 
-/// Where a slice and its light are: coordinates are the reach, the height along the axis and the distance from the half plane, metres.
+/// Where a slice and its light are: coordinates are the reach, the height along the axis and the distance
+/// from the half plane, metres.
 pub(super) struct Borders<'a> {
     snapshot: &'a Snapshot<'a>,
     fan: &'a Fan,
@@ -84,12 +86,14 @@ impl<'a> Borders<'a> {
 }
 
 impl Border {
-    /// How far from the eye it is met, metres; without end if it is a shadow's, which what it lies on may hide.
+    /// How far from the eye it is met, metres; without end if it is a shadow's, which
+    /// what it lies on may hide.
     pub(super) fn distance(&self) -> f64 {
         if self.shaded.is_some() { f64::INFINITY } else { self.point.length() }
     }
 
-    /// The slopes of the rays that meet it in two half planes that are rotated by an angle of this sine and cosine, one each way; not finite where none does.
+    /// The slopes of the rays that meet it in two half planes that are rotated by an angle of this sine and
+    /// cosine, one each way; not finite where none does.
     pub(super) fn slopes_beside(&self, (sin, cos): (f64, f64)) -> [f64; 2] {
         let (low, high) = self.reaches;
         [sin, -sin].map(|sin| {

@@ -1,5 +1,6 @@
-//! Segments by the part of the slice that they begin in. In go things and their numbers, out come those of each number. Invariant:
-//! sorting takes linear time, and things of one number stay in the order in which they came.
+//! Segments by the part of the slice that they begin in. In go things and their numbers, out come
+//! those of each number. Invariant: sorting takes linear time, and things of one number stay in the
+//! order in which they came.
 
 /// Things by number.
 #[derive(Debug)]
@@ -57,7 +58,8 @@ impl<T: Copy> Buckets<T> {
     }
 }
 
-/// What [`slice::partition_point`] finds, in few steps where it is near a guess: a galloping search (Bentley & Yao 1976).
+/// What [`slice::partition_point`] finds, in few steps where it is near a guess: a galloping search
+/// (Bentley & Yao 1976).
 pub(super) fn partition_point_near(values: &[f64], guess: usize, is_before: impl Fn(f64) -> bool) -> usize {
     let (mut low, mut high) = (0, values.len());
     let mut step = 1;

@@ -1,5 +1,6 @@
-//! The part of a slice that lies in one pixel. In go a slice and the pixels that are wanted, out come its chords, one after
-//! the other. Invariant: the chords of all pixels are the whole slice, without a gap or a part twice.
+//! The part of a slice that lies in one pixel. In go a slice and the pixels that are wanted, out come
+//! its chords, one after the other. Invariant: the chords of all pixels are the whole slice, without
+//! a gap or a part twice.
 
 use super::slice::Slice;
 use crate::scene::{Size, Window};
@@ -64,8 +65,8 @@ impl Slice {
         unwanted_around: impl Fn(usize, usize) -> Option<Window>,
     ) -> impl Iterator<Item = Crossing> {
         let (start_px, along_px) = self.line_px();
-        // From border to border, by counting (Amanatides & Woo 1987): a line almost along a border must not be caught between two
-        // pixels by rounding.
+        // From border to border, by counting (Amanatides & Woo 1987): a line almost along a border must not
+        // be caught between two pixels by rounding.
         let mut column = Steps::new(start_px.x, along_px.x, size.width);
         let mut row = Steps::new(start_px.y, along_px.y, size.height);
         let mut at = 0.0_f64;
@@ -116,7 +117,8 @@ impl Steps {
         steps
     }
 
-    /// The length after which it leaves a range of them; without end at the picture's borders, where the slice ends by itself.
+    /// The length after which it leaves a range of them; without end at the picture's borders, where the
+    /// slice ends by itself.
     fn exit(&self, low: usize, width: usize) -> f64 {
         if self.along_px > 0.0 && low + width < self.count {
             ((low + width) as f64 - self.start_px) / self.along_px

@@ -1,7 +1,8 @@
-//! What cuts a chord in pieces that look alike. In go the segments that its rays may meet, out come the areas at which
-//! its pieces end: where another thing becomes visible, or the light begins or ends on what is.
-//! Invariant: the pieces are the whole chord. Which they are is only a matter of error: an edge that is missed, where two leaves lie
-//! through each other, or one too many does no harm to the mean, for each piece's sample lies anywhere in it alike.
+//! What cuts a chord in pieces that look alike. In go the segments that its rays may meet, out come the areas
+//! at which its pieces end. A piece ends where another thing becomes visible, or where light begins or ends
+//! on what is. Invariant: the pieces are the whole chord. An edge too many, or one missed where two leaves
+//! lie through each other, does no harm to the mean. Each piece's sample lies anywhere in it alike, so edges
+//! are only a matter of error.
 
 use super::chord::Chord;
 use super::slice::Slice;
@@ -11,8 +12,8 @@ use glam::DVec2;
 use std::ops::Range;
 use std::ptr;
 
-/// Of more segments in a pixel than this edges are not sought, and to more pieces than this a chord is not cut:
-/// their time is better spent on more slices.
+/// Of more segments in a pixel than this edges are not sought, and to more pieces than this a chord is not
+/// cut: their time is better spent on more slices.
 const CROWD: usize = 12;
 const MOST_PIECES: usize = 8;
 
@@ -25,7 +26,8 @@ const LEAST_PIECE: f64 = 1e-4;
 /// Ends of neighbouring triangles lie in the same place, to this fraction of their coordinates.
 const SAME_PLACE: f64 = 1e-5;
 
-/// Where a surface bends by less than an angle of this sine between two of its triangles, it looks alike on both sides.
+/// Where a surface bends by less than an angle of this sine between two of its triangles, it looks
+/// alike on both sides.
 const LEAST_BEND: f64 = 0.1;
 
 /// What makes an edge: the border of a triangle, or its shadow.
@@ -58,8 +60,8 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Where the pieces of the chord end that some sweeps have entered, each over things of its own; its rays are those
-    /// between two slopes.
+    /// Where the pieces of the chord end that some sweeps have entered, each over things of its own; its rays
+    /// are those between two slopes.
     pub(super) fn pieces(
         &mut self,
         chord: &Chord,
@@ -151,7 +153,8 @@ fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
     reaches.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(segment, _)| segment)
 }
 
-/// The border of a triangle where what is seen changes, at a slope; none where two of them lie through each other.
+/// The border of a triangle where what is seen changes, at a slope; none where two of them
+/// lie through each other.
 fn border(before: Option<&Segment>, after: Option<&Segment>, slope: f64) -> Option<EdgeOrigin> {
     let ended = before.map(|segment| (segment, segment.lower)).filter(|(_, end)| end.slope == slope);
     let begun = after.map(|segment| (segment, segment.upper)).filter(|(_, end)| end.slope == slope);
@@ -216,7 +219,8 @@ mod tests {
     }
 
     proptest! {
-        /// Leaves that do not touch, one in each cell of a grid: wherever what rays see or its light changes, there is an edge.
+        /// Leaves that do not touch, one in each cell of a grid: wherever what rays see or its light
+        /// changes, there is an edge.
         #[test]
         fn nothing_changes_between_edges(
             leaves in prop::collection::vec((prop::array::uniform2(0.05..0.95_f64), prop::array::uniform2(0.05..0.95_f64)), 12),

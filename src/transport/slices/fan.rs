@@ -1,7 +1,7 @@
-//! The half planes through camera and light, and the lines that they are in the picture. In goes
-//! an angle about the axis, out come directions and areas. Invariant: the density of a slice's
-//! samples is uniform over the picture's area, wherever the light's image (the epipole) lies: in the
-//! picture, beside it, behind the camera or at infinity.
+//! The half planes through camera and light, and the lines that they are in the picture. In goes an angle
+//! about the axis, out come directions and areas. Invariant: the density of a slice's samples is uniform over
+//! the picture's area. It is so wherever the light's image (the epipole) lies: in the picture, beside it,
+//! behind the camera or at infinity.
 
 use super::picture::Picture;
 use super::slice::{Ring, Slice};
@@ -155,7 +155,8 @@ impl Fan {
 
 #[cfg(test)]
 impl Fan {
-    /// Of a light in a direction, unit length, seen by a pinhole that looks along -z, its picture so many radians high.
+    /// Of a light in a direction, unit length, seen by a pinhole that looks along -z, its picture
+    /// so many radians high.
     pub(crate) fn of_pinhole(fov_y_rad: f64, size: Size, to_light: DVec3) -> Self {
         use crate::scene::{Camera, Clip, Lens, Track};
         let lens = Lens::Perspective { fov_y: Track::from(fov_y_rad) };

@@ -1,19 +1,21 @@
-//! What lies between slices. In go the pieces of a slice and the borders between them, out comes which piece stands for which part of a
-//! slice beside it. Invariant: the parts of a slice beside are all of it that lies near the slice, and none is there twice.
+//! What lies between slices. In go the pieces of a slice and the borders between them. Out comes which piece
+//! stands for which part of a slice beside it. Invariant: the parts of a slice beside are all of it that lies
+//! near the slice, and none is there twice.
 //!
-//! Nearly every edge changes from slice to slice. Were a piece to stand for as much of the slices beside, each of them would be a step; but most edges are straight,
-//! and where a straight one goes on is known (`border.rs`).
+//! Nearly every edge changes from slice to slice. If a piece stood for as much of the slices beside, each
+//! edge would be a step. Most edges are straight, and where a straight one goes on is known (`border.rs`).
 
 use super::border::Border;
 use super::slice::Slice;
 use crate::scene::{Size, Window};
 use std::ops::Range;
 
-/// No edge moves farther than this along a slice beside, pixels: how far those that lie almost along the slice go on is not known, and
-/// what a pixel shows must not depend on what lies far from it.
+/// No edge moves farther than this along a slice beside, pixels: how far those that lie almost along the
+/// slice go on is not known, and what a pixel shows must not depend on what lies far from it.
 pub const FARTHEST_SHIFT_PX: f64 = 2.0;
 
-/// Edges of which the nearer has this part of the other's distance and more may be of one outline, which ends where they meet.
+/// Edges of which the nearer has this part of the other's distance and more may be of one outline, which
+/// ends where they meet.
 const ONE_OUTLINE: f64 = 0.99;
 
 /// The pieces of a slice that know of one another: those in one region of the picture.
@@ -69,7 +71,8 @@ pub struct Outline {
 struct End {
     /// How much of the slice lies before, in its length, if edges run along the slices.
     unmoved: f64,
-    /// By how much more or less it is since its edge does not, there and on the slice that is rotated as much the other way.
+    /// By how much more or less it is since its edge does not, there and on the slice that is rotated
+    /// as much the other way.
     shifts: [f64; 2],
     /// How much of that it moves, 0 to 1.
     moved: f64,
@@ -88,7 +91,8 @@ impl Default for Outline {
 }
 
 impl Outline {
-    /// Begins another slice. In each square of so many pixels, counted from the picture's corner, parts will depend on nothing but the pieces in it.
+    /// Begins another slice. In each square of so many pixels, counted from the picture's corner, parts will
+    /// depend on nothing but the pieces in it.
     pub fn start(&mut self, region_side: usize) {
         self.region_side = region_side;
         self.slopes.clear();
@@ -97,7 +101,8 @@ impl Outline {
         self.goes_on = false;
     }
 
-    /// Adds a piece in a pixel that begins and ends at slopes, without an edge before unless the one before has ended.
+    /// Adds a piece in a pixel that begins and ends at slopes, without an edge before unless the
+    /// one before has ended.
     pub(super) fn add(&mut self, pixel: (usize, usize), start: f64, end: f64) {
         let region = self.region(pixel);
         if self.stretches.last().is_none_or(|stretch| stretch.region != region) {
@@ -139,8 +144,9 @@ impl Outline {
         self.runs[run].first..end
     }
 
-    /// Calls back with the parts of a slice that is rotated by so much, not farther from the ends of what the slice has in a region than an edge may move, in
-    /// pixels of a picture that are not said to be unwanted, as [`Slice::crossings`] is told.
+    /// Calls back with the parts of a slice that is rotated by so much, not farther from the ends of what the
+    /// slice has in a region than an edge may move, in pixels of a picture that are not said to be unwanted,
+    /// as [`Slice::crossings`] is told.
     pub fn parts(
         &mut self,
         beside: &Slice,
@@ -151,13 +157,15 @@ impl Outline {
     ) {
         self.move_ends(beside, rotated_rad);
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
-        // Of the stretch in the region at hand: its runs that are still to come, and where it begins and ends.
+        // Of the stretch in the region at hand: its runs that are still to come, and
+        // where it begins and ends.
         let (mut stretch, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
         let mut piece = 0;
         for crossing in beside.crossings(size, unwanted_around) {
             let region = self.region(crossing.pixel);
             if stretch.is_none_or(|stretch: usize| self.stretches[stretch].region != region) {
-                // Slices side by side meet regions in the same order, but for corners that one of them misses.
+                // Slices side by side meet regions in the same order, but for corners
+                // that one of them misses.
                 let next = stretch.map_or(0, |stretch| stretch + 1);
                 let Some(skipped) =
                     self.stretches[next..].iter().position(|stretch| stretch.region == region)
@@ -241,8 +249,9 @@ fn put_in_order(ends: &mut [End]) {
     }
 }
 
-/// Two edges that move towards each other do so until they meet, or the farther until the nearer hides it. On the other side, where they part, they
-/// move as far and no farther. So what slices beside gain and lose is the same in the mean over all slices, and the mean of many pictures is right.
+/// Two edges that move towards each other do so until they meet, or the farther until the nearer hides it. On
+/// the other side, where they part, they move as far and no farther. So what slices beside gain and lose is
+/// the same in the mean over all slices, and the mean of many pictures is right.
 fn stop_where_they_meet(before: &mut End, after: &mut End) {
     let gap = after.unmoved - before.unmoved;
     let closing = [0, 1].map(|side| before.shifts[side] - after.shifts[side]);
@@ -309,7 +318,8 @@ mod tests {
             prop_assert!((passed - (high - low)).abs() < 1e-9 * beside.area_per_rad, "{passed} {low} {high}");
         }
 
-        /// With or without the pieces in every other region, as a crop is, and a pass that fewer pixels take part in.
+        /// With or without the pieces in every other region, as a crop is, and a pass that fewer
+        /// pixels take part in.
         #[test]
         fn parts_depend_on_nothing_beyond_their_region(
             to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),

@@ -1,5 +1,6 @@
-//! The picture as a rectangle of the image plane at distance 1 from a point of the lens. In go points of that plane, out come
-//! directions and pixels. Invariant: what is in focus has the same pixel from every point of the lens.
+//! The picture as a rectangle of the image plane at distance 1 from a point of the lens. In go points
+//! of that plane, out come directions and pixels. Invariant: what is in focus has the same pixel from
+//! every point of the lens.
 
 use crate::scene::Size;
 use crate::snapshot::View;

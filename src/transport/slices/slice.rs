@@ -1,5 +1,6 @@
-//! One half plane through camera and light, and the line that it is in the picture. In goes how far the slice has come along that line,
-//! by length, by area or by slope, out come places and directions. Invariant: all of these grow away from the light, but the slope, which falls.
+//! One half plane through camera and light, and the line that it is in the picture. In goes how far the slice
+//! has come along that line, by length, by area or by slope, out come places and directions. Invariant: all
+//! of these grow away from the light, but the slope, which falls.
 
 use super::picture::Picture;
 use glam::{DVec2, DVec3};
@@ -27,10 +28,12 @@ pub struct Slice {
     start: DVec2,
     along: DVec2,
     pub(super) length: f64,
-    /// What its rays have of the outward direction and of the axis: at the start, and the growth per unit of length.
+    /// What its rays have of the outward direction and of the axis: at the start, and the
+    /// growth per unit of length.
     reach: (f64, f64),
     height: (f64, f64),
-    /// Picture area per radian of rotation and unit of length, pixels^2: at the start, and its growth per unit of length.
+    /// Picture area per radian of rotation and unit of length, pixels^2: at the start, and its
+    /// growth per unit of length.
     density: (f64, f64),
     /// Picture area per radian of rotation, pixels^2.
     pub area_per_rad: f64,
@@ -52,7 +55,8 @@ struct ImageLine {
     foot: DVec2,
     /// Unit direction.
     along: DVec2,
-    /// What its directions have of the outward direction and of the axis: at the foot, and the growth per unit of length.
+    /// What its directions have of the outward direction and of the axis: at the foot, and the
+    /// growth per unit of length.
     reach: (f64, f64),
     height: (f64, f64),
     /// How much of the half plane's normal lies in the image plane.
@@ -60,7 +64,8 @@ struct ImageLine {
 }
 
 impl ImageLine {
-    /// That of a half plane with its unit vectors outwards and at right angles to itself; `None` if it is parallel to the image plane.
+    /// That of a half plane with its unit vectors outwards and at right angles to itself; `None` if it is
+    /// parallel to the image plane.
     fn new(picture: &Picture, axis: DVec3, [outward, normal]: [DVec3; 2]) -> Option<Self> {
         // normal . (x right + y up + forward) = 0.
         let across = DVec2::new(normal.dot(picture.right), normal.dot(picture.up));
@@ -106,8 +111,8 @@ impl ImageLine {
 }
 
 impl Slice {
-    /// That of a half plane with its unit vectors outwards and at right angles to itself, as far as it lies in a ring; `None` if
-    /// it misses the picture there.
+    /// That of a half plane with its unit vectors outwards and at right angles to itself, as far as it lies
+    /// in a ring; `None` if it misses the picture there.
     pub(super) fn new(
         picture: Picture,
         axis: DVec3,
@@ -146,7 +151,8 @@ impl Slice {
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
-    /// How far away a slice lies that is rotated by one radian, pixels, where this one has passed so much of its area per radian.
+    /// How far away a slice lies that is rotated by one radian, pixels, where this one has passed so much of
+    /// its area per radian.
     pub fn separation_px_per_rad_at(&self, area_per_rad: f64) -> f64 {
         self.separation_px_per_rad(self.length_at(area_per_rad))
     }
@@ -168,7 +174,8 @@ impl Slice {
         (self.height.0 + passed * self.height.1) / reach
     }
 
-    /// How much of its area the slice has passed, per radian, where its rays have a slope: of those of its axis by those outward.
+    /// How much of its area the slice has passed, per radian, where its rays have a slope: of those of its
+    /// axis by those outward.
     pub(super) fn area_at_slope(&self, slope: f64) -> f64 {
         self.area_at(self.length_at_slope(slope))
     }

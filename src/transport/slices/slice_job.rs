@@ -1,5 +1,5 @@
-//! What is asked of slices, the same for all of a draw. In goes nothing, nothing comes out. Invariant: the fan's eye and axis are those of
-//! the snapshot's view and of the light.
+//! What is asked of slices, the same for all of a draw. In goes nothing, nothing comes out. Invariant: the
+//! fan's eye and axis are those of the snapshot's view and of the light.
 
 use super::fan::Fan;
 use crate::color::Rgb;

@@ -1,5 +1,5 @@
-//! One ray of a slice. In go what it meets first and what the sweep knows of shadows, out comes its value. Invariant: it is
-//! what the per-ray method finds for the same ray, to rounding.
+//! One ray of a slice. In go what it meets first and what the sweep knows of shadows, out comes its value.
+//! Invariant: it is what the per-ray method finds for the same ray, to rounding.
 
 use super::slice_job::SliceJob;
 use super::sweep::{LightRays, Meeting, Sweep};
@@ -100,7 +100,8 @@ impl SliceRay<'_> {
         path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 
-    /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the light, if that is known.
+    /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the
+    /// light, if that is known.
     fn reflected(&self, path: &mut Path, point: &SurfacePoint, is_lit: bool, to_light: Option<Rgb>) -> Shown {
         let SliceJob { snapshot, transport, light, .. } = *self.job;
         let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };

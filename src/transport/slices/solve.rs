@@ -52,9 +52,10 @@ pub struct Piece<'a> {
     number: usize,
 }
 
-/// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its sample sees by the slice's light alone. Rays that blended surfaces touch
-/// are followed by themselves. Notes the outline of what is seen if it is given one, begun by the caller. Returns how many segments
-/// the slice gathered; `None` if there is no chord, and so nothing done.
+/// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its
+/// sample sees by the slice's light alone. Rays that blended surfaces touch are followed by themselves. Notes
+/// the outline of what is seen if it is given one, begun by the caller. Returns how many segments the slice
+/// gathered; `None` if there is no chord, and so nothing done.
 pub fn solve(
     job: &SliceJob,
     slice: &Slice,

@@ -1,13 +1,12 @@
-//! The sweep over the directions of a slice, from the light outwards. In go the slice's segments
-//! and ever lower slopes, out come what a ray of that slope meets first and which part of it lies in
-//! shadow. Invariant: between two slopes the shadow only grows, so each segment enters it once.
+//! The sweep over the directions of a slice, from the light outwards. In go the slice's segments and ever
+//! lower slopes. Out come what a ray of that slope meets first, and which part of it lies in shadow.
+//! Invariant: between two slopes the shadow only grows, so each segment enters it once.
 //!
-//! In the half plane through camera and light let `reach` be the distance from the axis and `height`
-//! that along it. A ray has the slope `height / reach`; a point above it shadows the ray where the
-//! light's own ray through the point meets it, and *which of the light's rays that is does not depend
-//! on the camera's ray*: it is named by the reach for a distant light, and by the angle at the light
-//! for a near one. So a segment wholly above a ray shadows it over an interval of these names that
-//! is known beforehand.
+//! In the half plane through camera and light, `reach` is the distance from the axis and `height` that along
+//! it. A ray has the slope `height / reach`. A point above the ray shadows it where the light's own ray
+//! through the point meets it. *Which of the light's rays that is does not depend on the camera's ray.* It is
+//! named by its reach for a distant light, and by its angle at the light for a near one. So a segment wholly
+//! above a ray shadows it over an interval of these names that is known beforehand.
 
 use super::buckets::{Buckets, partition_point_near};
 use crate::accel::{Cut, PrimitiveId};
@@ -45,7 +44,8 @@ impl LightRays {
         }
     }
 
-    /// Reach of the point where a ray of the light meets the camera's ray of a slope; infinite if it does not.
+    /// Reach of the point where a ray of the light meets the camera's ray of a slope;
+    /// infinite if it does not.
     pub(super) fn reach(self, name: f64, slope: f64) -> f64 {
         match self {
             Self::Parallel => name,
@@ -180,7 +180,8 @@ pub(super) struct Sweep {
     active: Vec<Segment>,
     /// What the segments above the current ray shadow.
     shadows: IntervalSet,
-    /// Names of the light's rays at which parts of that began and ended as they were added, and the ends of segments there.
+    /// Names of the light's rays at which parts of that began and ended as they were added, and the
+    /// ends of segments there.
     passed_names: Vec<f64>,
     passed_ends: Vec<CutEnd>,
     /// The active segments that the current ray meets.
@@ -209,7 +210,8 @@ pub(super) struct Meeting {
 }
 
 impl Sweep {
-    /// Starts over with the cuts of another slice; `lowest_slopes` are those of its parts, from the highest to the lowest.
+    /// Starts over with the cuts of another slice; `lowest_slopes` are those of its parts, from the
+    /// highest to the lowest.
     pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, lowest_slopes: &[f64]) {
         self.segments.clear();
         // A mesh's cuts come together and lie side by side.
@@ -229,8 +231,8 @@ impl Sweep {
         self.passed_ends.clear();
     }
 
-    /// Goes on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken` is told between which of the
-    /// light's rays the shadow of what lies above has grown.
+    /// Goes on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken` is told
+    /// between which of the light's rays the shadow of what lies above has grown.
     pub(super) fn enter(&mut self, highest_slope: f64, darken: impl FnMut(f64, f64)) {
         self.active.extend_from_slice(self.segments.bucket(self.next));
         self.next += 1;
@@ -330,9 +332,9 @@ impl Sweep {
         Some(Meeting { primitive, distance, is_lit })
     }
 
-    /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and
-    /// what it meets. `end` names the one through the place where the ray ends, if it meets anything: better known than the
-    /// segment there, whose own shadow must not end before.
+    /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and what
+    /// it meets. `end` names the one through the place where the ray ends, if it meets anything: better known
+    /// than the segment there, whose own shadow must not end before.
     pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
         if let (Some(index), Some(name)) = (self.met, end) {
             let crossing = &mut self.crossings[index];

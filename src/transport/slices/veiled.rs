@@ -1,5 +1,6 @@
-//! Which rays of a slice have to do with blended surfaces. In go what the half plane cuts of these, out comes, ray
-//! by ray, whether one may lie on it or in the light's way. Invariant: none that has to do with one is missed.
+//! Which rays of a slice have to do with blended surfaces. In go what the half plane cuts of these,
+//! out comes, ray by ray, whether one may lie on it or in the light's way. Invariant: none that has
+//! to do with one is missed.
 
 use super::sweep::{LightRays, Sweep};
 use crate::accel::Cut;

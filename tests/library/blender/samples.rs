@@ -1,4 +1,4 @@
-//! The samples, and what of them is known to be wrong in the file or lost on the way to it.
+//! The samples. What of them is known to be wrong in the file, or lost on the way to it.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -18,10 +18,11 @@ pub(crate) struct Sample {
     pub(crate) known: &'static [Known],
 }
 
-/// Still lights are JSON numbers in double precision: Blender's own, times constants that fall out again but for the last bit.
-/// Blender itself has single precision.
+/// Still lights are JSON numbers in double precision: Blender's own, times constants that fall out again but
+/// for the last bit. Blender itself has single precision.
 const EXACT: f64 = f64::EPSILON;
-/// Values that change are keys, which glTF has in single precision: what of 683 lm/W times the power was rounded away.
+/// Values that change are keys, which glTF has in single precision: what of 683 lm/W times the
+/// power was rounded away.
 const ROUNDED_ONCE: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Objects that a file is known to have wrong, and why.

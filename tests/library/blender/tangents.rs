@@ -1,5 +1,5 @@
-//! Tangents against those that Blender computes for a mesh whose left half has the texture of its right half,
-//! mirrored; smooth, and flat in a mirrored place.
+//! Tangents against those that Blender computes, smooth, and flat in a mirrored place. The left half of the
+//! mesh has the texture of its right half, mirrored.
 
 use crate::blender::samples::path;
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! A glTF file under construction: a square of 2 m, 3 m before a camera at the origin, lit from there.
+//! A glTF file under construction. A square of 2 m hangs 3 m before a camera at the origin, lit from there.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use glam::DVec3;

@@ -1,4 +1,5 @@
-//! Small glTF files made here, one question each: values that change, bodies that bend, cameras of every kind.
+//! Small glTF files made here, one question each: values that change, bodies that bend,
+//! cameras of every kind.
 
 mod bending;
 mod cameras;

@@ -1,5 +1,5 @@
-//! Rays that run nearly or exactly along the light: the sun or a lamp in the picture, behind the camera,
-//! and everything between a tenth of a radian and nothing.
+//! Rays that run nearly or exactly along the light. The sun or a lamp is in the picture, behind the camera,
+//! or at any angle between a tenth of a radian and nothing.
 
 use crate::common::INSTANT;
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray_of};

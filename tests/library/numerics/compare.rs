@@ -84,8 +84,8 @@ impl Errors {
             None => self.undecided += 1,
             Some(light) => {
                 let light = light * expected.transmittance;
-                // What is left of the surface behind much fog is lost in the sum with the shafts; what is left of
-                // light in its own plane is rounding.
+                // What is left of the surface behind much fog is lost in the sum with the shafts; what is
+                // left of light in its own plane is rounding.
                 let lost = 1e-14 * sample.shafts.length() + 1e-13;
                 let error = ((surface - light).length() - lost).max(0.0);
                 if error > 0.01 * light.length().max(surface.length()) {

@@ -1,4 +1,4 @@
-//! Edges and vertices exactly in the plane through camera and light, rays exactly through them, and a
+//! Edges and vertices exactly in the plane through camera and light. Rays exactly through them, and a
 //! camera on a triangle.
 
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray};

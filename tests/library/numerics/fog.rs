@@ -1,5 +1,5 @@
-//! Fog from a breath to a wall, phase functions like needles, boxes that share faces, many boxes, and
-//! cameras and lights in their faces, edges and corners.
+//! Fog from a breath to a wall, and phase functions like needles. Boxes that share faces, and many boxes.
+//! Cameras and lights in their faces, edges and corners.
 
 use crate::common::{EXACT, INSTANT};
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray};
@@ -43,9 +43,9 @@ fn anisotropy() {
     }
 }
 
-/// A third opinion about needles in the phase function: mpmath's `quad` at 30 digits, over the distance, cut at the
-/// place nearest to the lamp and at 2^-6 to 2^39 times the gap on both sides of it. Rays beside the lamp, past it by
-/// 40 micrometres, and away from it; red light.
+/// A third opinion about needles in the phase function: mpmath's `quad` at 30 digits, over the distance, cut
+/// at the place nearest to the lamp and at 2^-6 to 2^39 times the gap on both sides of it. Rays beside the
+/// lamp, past it by 40 micrometres, and away from it; red light.
 const BY_THIRTY_DIGITS: [([f64; 3], [f64; 4]); 3] = [
     (
         [0.05, 0.1, -1.0],
@@ -125,7 +125,8 @@ fn camera_at_the_border() {
     }
 }
 
-/// Dense boxes with faces along the light to its last bit but one: nothing shines through a face's last 1e-16 m.
+/// Dense boxes with faces along the light to its last bit but one: nothing shines through a
+/// face's last 1e-16 m.
 #[test]
 fn faces_along_the_light() {
     let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);

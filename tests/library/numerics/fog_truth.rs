@@ -117,7 +117,8 @@ impl FogBox {
     }
 }
 
-/// What a light that counts as farther away than it is sends to `ray.at(t)`, and the cosine of its deflection.
+/// What a light that counts as farther away than it is sends to `ray.at(t)`, and the
+/// cosine of its deflection.
 fn kept_apart(ray: &Ray, t: f64, light: &FrozenLight) -> (Rgb, f64) {
     let (to_light, _, arriving) = light.arriving_at(ray.at(t));
     let FrozenLight::Point { position, .. } = light else { return (arriving, to_light.dot(ray.direction)) };
@@ -174,7 +175,8 @@ pub(crate) fn integral(
     quadrature(&|t: f64| fog.scattered_at(ray, t, light), &cuts, shadows)
 }
 
-/// Between cuts the light is brightest at one of them; in thick fog the rule's first node would see none of it.
+/// Between cuts the light is brightest at one of them; in thick fog the rule's first node
+/// would see none of it.
 fn beside_cuts_in_the_dark(fog: &FogTruth, cuts: &[f64]) -> Vec<f64> {
     let densest: Rgb = fog.boxes.iter().map(|fog| fog.sigma_t).sum();
     let dark = cuts.windows(2).filter(|pair| densest.max_element() * (pair[1] - pair[0]) > 30.0);

@@ -1,5 +1,5 @@
-//! Fog that thins out within a millimetre or a thousand kilometres, from below its base and from a
-//! hundred kilometres above, along level rays and others: against closed forms of their own.
+//! Fog that thins out within a millimetre or a thousand kilometres, against closed forms of their own. It is
+//! seen from below its base and from a hundred kilometres above, along level rays and others.
 
 use crate::common::{EXACT, INSTANT, add_layer, add_light, camera_at};
 use glam::{DVec2, DVec3};
@@ -30,7 +30,8 @@ fn mean_of_exp(x: f64) -> f64 {
 
 impl Layer {
     /// What a ray from height `y` scatters of a sun of height `sun_y`, and what it lets through. With
-    /// `q = exp(-height / scale height)` for the variable, depths are linear in it: `dq = -+ density dt |dy| / H`.
+    /// `q = exp(-height / scale height)` for the variable, depths are linear in it:
+    /// `dq = -+ density dt |dy| / H`.
     fn look(&self, y: f64, direction: DVec3, to_sun: DVec3) -> (f64, f64) {
         let cos = direction.dot(to_sun);
         let phase = (1.0 - G * G) / (4.0 * PI * (1.0 + G * G - 2.0 * G * cos).powf(1.5));

@@ -1,5 +1,5 @@
-//! Scenes that nobody would build: a few triangles on a coarse grid, so that vertices, edges, planes, the
-//! light and the fog's faces coincide, at any scale, in any fog.
+//! Scenes that nobody would build: a few triangles on a coarse grid, at any scale, in any fog. Vertices,
+//! edges, planes, the light and the fog's faces coincide in them.
 
 use crate::common::{EXACT, INSTANT};
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray};

@@ -1,5 +1,5 @@
-//! Lights where they should not be: in the plane of a leaf, on a leaf, in a vertex, at the camera; and
-//! images of lights (epipoles) on corners, centres and edges of pixels.
+//! Lights where they should not be: in the plane of a leaf, on a leaf, in a vertex, at the camera. And images
+//! of lights (epipoles) on corners, centres and edges of pixels.
 
 use crate::numerics::compare::{SlicePlan, by_slices, per_ray};
 use crate::numerics::scenes::{Frame, Lamp, add_triangles, empty, fog, grove, light, spread};
@@ -105,8 +105,9 @@ fn images_of_lights_on_round_places() {
     }
 }
 
-/// A leaf hides the lamp from all fog before it, but is seen nearly edge on, so that its places are known less well in
-/// single precision than where a ray meets its plane. Rays that end on it are dark to their ends.
+/// A leaf hides the lamp from all fog before it, but is seen nearly edge on, so that its places
+/// are known less well in single precision than where a ray meets its plane. Rays that end on it
+/// are dark to their ends.
 #[test]
 fn behind_a_leaf_seen_edge_on() {
     let dark = |scale: f64,

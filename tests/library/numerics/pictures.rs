@@ -1,5 +1,5 @@
-//! Pictures of one pixel, one row and one column, through a pinhole and nearly all around; and whole
-//! pictures with a lamp exactly at the camera.
+//! Pictures of one pixel, one row and one column, through a pinhole and nearly all around. Whole pictures
+//! with a lamp exactly at the camera.
 
 use crate::common::EXACT;
 use crate::common::INSTANT;

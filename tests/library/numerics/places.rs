@@ -1,4 +1,4 @@
-//! Where the scene is and how large it is: rendered as if it were here, against the truth there and
+//! Where the scene is and how large it is. It is rendered as if it were here, against the truth there and
 //! against the same rays here.
 
 use crate::common::{EXACT, INSTANT};

@@ -1,4 +1,4 @@
-//! Scenes of the stress tests: a cloud of leaves above a ground, in fog, with one light; placed,
+//! Scenes of the stress tests: a cloud of leaves above a ground, in fog, with one light. They are placed,
 //! scaled and lit as a test asks.
 
 use crate::common::{add_fog, add_light, camera_at, place};

@@ -1,5 +1,5 @@
-//! Suns from a point to a quarter of the sky: each point of the disc against the slow truth, and all of it
-//! against quadrature over the disc.
+//! Suns from a point to a quarter of the sky. Each point of the disc is held against the slow truth, and all
+//! of it against quadrature over the disc.
 
 use crate::common::{EXACT, INSTANT, add_light};
 use crate::numerics::compare::{SlicePlan, by_slices_through};
@@ -73,7 +73,8 @@ fn the_whole_disc() {
             }
             expected /= f64::from(PLACES * grid * grid);
             for method in [Method::Slices, Method::Segments] {
-                // Of 256 samples so few pixels under a quarter of the sky still differ by 3e-3 from seed to seed.
+                // Of 256 samples so few pixels under a quarter of the sky still differ by
+                // 3e-3 from seed to seed.
                 let found = mean(&picture(&scene, size, 1024, method).0);
                 let error = (found / expected - 1.0).abs();
                 println!("whole disc of {diameter_deg} degrees, {to_sun}, {method:?}: {error:.1e}");

@@ -1,9 +1,9 @@
 //! The slow truth about a camera ray: every triangle of the scene, no tree, double precision. In go a
-//! snapshot's scene and a ray, out comes what the ray may meet, which parts of it are lit, and its light.
+//! snapshot's scene and a ray. Out come what the ray may meet, which parts of it are lit, and its light.
 //!
-//! Shadows are found another way than the renderer finds them: a triangle's shadow volume has four
-//! planes, each bounds the ray by one linear inequality, and nothing is projected onto a plane. So
-//! nothing degenerates as ray and light become parallel.
+//! Shadows are found another way than the renderer finds them. A triangle's shadow volume has four planes,
+//! each of which bounds the ray by one linear inequality. Nothing is projected onto a plane, so nothing
+//! degenerates as ray and light become parallel.
 
 use crate::numerics::fog_truth::{FogTruth, integral};
 use glam::{DAffine3, DVec2, DVec3};
@@ -134,7 +134,8 @@ impl Truth {
         shadows
     }
 
-    /// Whether an edge or a vertex lies on the one line of ray and light: then rounding decides about the shadows.
+    /// Whether an edge or a vertex lies on the one line of ray and light: then rounding
+    /// decides about the shadows.
     fn grazes_in_line(&self, ray: &Ray, light: LightPlace) -> bool {
         let axis = match light {
             LightPlace::Towards(to_light) => to_light,

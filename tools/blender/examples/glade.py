@@ -4,8 +4,8 @@ which a simulation zone lets go, blows about and lays on the ground (glade_wind.
     PYTHONPATH=tools/blender python tools/blender/examples/glade.py [GLB]
 
 needs `pip install bpy`, and the meshes and textures of scenes/woods. Everything after the imports is what an
-artist does with the mouse: place meshes, build nodes, key the camera, set the add-on's properties, export. The same
-versions of Blender and of this file write the same scene.
+artist does with the mouse: place meshes, build nodes, key the camera, set the add-on's properties, export.
+The same versions of Blender and of this file write the same scene.
 """
 
 import math
@@ -100,7 +100,8 @@ def group(name, things):
 
 
 def aloft(scene, count, rng):
-    """A mesh whose vertices are leaves that fall already as the film begins: all over the clearing, and where the lens is sharp."""
+    """A mesh whose vertices are leaves that fall already as the film begins: all over the clearing, and where
+    the lens is sharp."""
     points = []
     for number in range(count):
         if number % 4 == 0:
@@ -115,9 +116,16 @@ def aloft(scene, count, rng):
 def falling(scene, twigs, solid, shades, rng):
     """Leaves in the wind (glade_wind.py)."""
     shown = []
-    for name, shade in (("maple_far", shades[0]), ("maple_far_b", shades[1]), ("maple_far_c", shades[0]), ("maple_far_d", shades[1])):
+    for name, shade in (
+        ("maple_far", shades[0]),
+        ("maple_far_b", shades[1]),
+        ("maple_far_c", shades[0]),
+        ("maple_far_d", shades[1]),
+    ):
         shown.append(bpy.data.objects.new(name, mesh(name, shade)))
-    glade_wind.blow(aloft(scene, 260, rng), twigs, group("falling leaves", shown), group("solid", solid), 40.0)
+    glade_wind.blow(
+        aloft(scene, 260, rng), twigs, group("falling leaves", shown), group("solid", solid), 40.0
+    )
 
 
 def light_and_fog(scene):
@@ -144,7 +152,11 @@ def camera(scene):
     thing = place(scene, "camera", data)
     for frame, location in ((FRAMES[0], (0.6, -7.6, 0.85)), (FRAMES[1], (0.2, -6.9, 0.95))):
         thing.location = location
-        thing.rotation_euler = (mathutils.Vector((-0.5, 2.0, 2.9)) - mathutils.Vector(location)).to_track_quat("-Z", "Y").to_euler()
+        thing.rotation_euler = (
+            (mathutils.Vector((-0.5, 2.0, 2.9)) - mathutils.Vector(location))
+            .to_track_quat("-Z", "Y")
+            .to_euler()
+        )
         thing.keyframe_insert("location", frame=frame)
         thing.keyframe_insert("rotation_euler", frame=frame)
     scene.camera = thing
@@ -155,8 +167,14 @@ def main(output):
     rng = random.Random("glade")
     scene = start()
     litter, bark = material("litter", "litter.png", factor=0.5), material("bark", "bark_oak.png")
-    yellow, amber = material("yellow maple", "maple_yellow.png", 0.6), material("amber maple", "maple_amber.png", 0.6)
-    solid = [place(scene, f"ground {name}", mesh(f"ground_{name}", litter)) for name in ("clearing", "left", "right", "beyond")]
+    yellow, amber = (
+        material("yellow maple", "maple_yellow.png", 0.6),
+        material("amber maple", "maple_amber.png", 0.6),
+    )
+    solid = [
+        place(scene, f"ground {name}", mesh(f"ground_{name}", litter))
+        for name in ("clearing", "left", "right", "beyond")
+    ]
     twig = bpy.data.materials.new("twig")
     twig.use_nodes = True
     twig.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.06, 0.045, 0.035, 1.0)
@@ -168,7 +186,9 @@ def main(output):
     crown(scene, "crown", hanging, twigs, oak, 4200, (0.20, 0.34), rng)
     maple_bark = material("maple bark", "bark_maple.png")
     far_wood, far_twigs = mesh("birch_wood", maple_bark), mesh("birch_twigs", twig)
-    for i, (x, y) in enumerate([(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]):
+    for i, (x, y) in enumerate(
+        [(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]
+    ):
         turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5)
         tree = place(scene, f"far tree {i + 1}", far_wood, (x, y, 0.0), turn, size)
         if x < 5.0:

@@ -1,4 +1,5 @@
-"""Leaves in the wind, as a simulation zone of geometry nodes: they let go, drift, strike trunks and come to rest on the ground.
+"""Leaves in the wind, as a simulation zone of geometry nodes: they let go, drift, strike trunks and come
+to rest on the ground.
 
 What an artist would build in the node editor, in Python. Lengths are metres, times seconds.
 """
@@ -12,7 +13,8 @@ SETTLES = 0.3
 
 
 class Nodes:
-    """A tree of geometry nodes whose sums are written as calls; sockets and numbers may stand for each other."""
+    """A tree of geometry nodes whose sums are written as calls; sockets and numbers may
+    stand for each other."""
 
     def __init__(self, name):
         self.group = bpy.data.node_groups.new(name, "GeometryNodeTree")
@@ -59,7 +61,12 @@ class Nodes:
     def stored(self, geometry, **values):
         """The geometry with attributes of its points, each a kind and a field."""
         for name, (kind, field) in values.items():
-            made = self.add("GeometryNodeStoreNamedAttribute", {"Geometry": geometry, "Name": name}, data_type=kind, domain="POINT")
+            made = self.add(
+                "GeometryNodeStoreNamedAttribute",
+                {"Geometry": geometry, "Name": name},
+                data_type=kind,
+                domain="POINT",
+            )
             self.put(enabled(made.inputs, "Value"), field)
             geometry = made.outputs[0]
         return geometry
@@ -79,8 +86,9 @@ def enabled(sockets, name):
 
 
 def blow(air, twigs, leaves, colliders, a_second):
-    """Gives the mesh `air`, whose vertices are leaves that fall already, a modifier that moves them and lets others go from `twigs`,
-    so many a second; they show objects of the collection `leaves` and strike those of `colliders`."""
+    """Gives the mesh `air`, whose vertices are leaves that fall already, a modifier that moves them and
+    lets others go from `twigs`, so many a second; they show objects of the collection `leaves` and strike
+    those of `colliders`."""
     nodes = Nodes("leaves in the wind")
     time = nodes.add("GeometryNodeInputSceneTime")
     start, end = nodes.add("GeometryNodeSimulationInput"), nodes.add("GeometryNodeSimulationOutput")
@@ -91,7 +99,9 @@ def blow(air, twigs, leaves, colliders, a_second):
     joined = nodes.add("GeometryNodeJoinGeometry")
     nodes.put(joined.inputs[0], start.outputs["Geometry"])
     nodes.put(joined.inputs[0], let_go(nodes, twigs, time.outputs["Frame"], a_second))
-    obstacles = nodes.add("GeometryNodeCollectionInfo", {"Collection": colliders}, transform_space="RELATIVE").outputs[0]
+    obstacles = nodes.add(
+        "GeometryNodeCollectionInfo", {"Collection": colliders}, transform_space="RELATIVE"
+    ).outputs[0]
     solid = nodes.add("GeometryNodeRealizeInstances", {"Geometry": obstacles}).outputs[0]
     moved = step(nodes, joined.outputs[0], solid, time.outputs["Seconds"], start.outputs["Delta Time"])
     nodes.put(end.inputs["Geometry"], moved)
@@ -103,7 +113,9 @@ def blow(air, twigs, leaves, colliders, a_second):
 def born(nodes, points, velocity, seed):
     """Points with all that a leaf knows; `seed` is the first of eight numbers."""
     of = lambda kind, low, high, more: nodes.random(kind, low, high, nodes.math("ADD", seed, float(more)))
-    turn = nodes.add("FunctionNodeEulerToRotation", {0: of("FLOAT_VECTOR", (0.0,) * 3, (6.28,) * 3, 0)}).outputs[0]
+    turn = nodes.add(
+        "FunctionNodeEulerToRotation", {0: of("FLOAT_VECTOR", (0.0,) * 3, (6.28,) * 3, 0)}
+    ).outputs[0]
     return nodes.stored(
         points,
         velocity=("FLOAT_VECTOR", velocity),
@@ -122,7 +134,9 @@ def let_go(nodes, twigs, frame, a_second):
     area = sum(face.area for face in twigs.data.polygons) * twigs.matrix_world.to_scale().x ** 2
     mesh = nodes.add("GeometryNodeObjectInfo", {"Object": twigs}, transform_space="RELATIVE").outputs["Geometry"]
     density = a_second / (bpy.context.scene.render.fps * area)
-    points = nodes.add("GeometryNodeDistributePointsOnFaces", {"Mesh": mesh, "Density": density, "Seed": frame}).outputs["Points"]
+    points = nodes.add(
+        "GeometryNodeDistributePointsOnFaces", {"Mesh": mesh, "Density": density, "Seed": frame}
+    ).outputs["Points"]
     return born(nodes, points, (0.0, 0.0, 0.0), nodes.math("MULTIPLY_ADD", frame, 8.0, 100.0))
 
 
@@ -132,7 +146,9 @@ def air_at(nodes, position, seconds):
     roll = nodes.math("SINE", nodes.math("MULTIPLY_ADD", x, -0.35, nodes.math("MULTIPLY", seconds, 2.2)))
     gust = nodes.scaled((1.0, -0.25, 0.1), nodes.math("MULTIPLY_ADD", roll, 0.5, 0.7))
     eddies = nodes.add(
-        "ShaderNodeTexNoise", {"Vector": position, "W": nodes.math("MULTIPLY", seconds, 0.5), "Scale": 0.55, "Detail": 1.0}, noise_dimensions="4D"
+        "ShaderNodeTexNoise",
+        {"Vector": position, "W": nodes.math("MULTIPLY", seconds, 0.5), "Scale": 0.55, "Detail": 1.0},
+        noise_dimensions="4D",
     )
     swirl = nodes.vector("SUBTRACT", eddies.outputs["Color"], (0.5, 0.5, 0.5))
     return nodes.vector("ADD", gust, nodes.vector("MULTIPLY", swirl, (4.0, 4.0, 2.5)))
@@ -162,16 +178,22 @@ def step(nodes, points, solid, seconds, interval):
     lands = nodes.math("MULTIPLY", is_hit, is_flat)
     rests = nodes.math("MAXIMUM", nodes.attribute("FLOAT", "rests"), lands)
     # What strikes a trunk keeps what goes along the bark.
-    into = nodes.math("MULTIPLY", nodes.vector("DOT_PRODUCT", faster, normal), nodes.math("MULTIPLY", is_hit, -1.2))
+    into = nodes.math(
+        "MULTIPLY", nodes.vector("DOT_PRODUCT", faster, normal), nodes.math("MULTIPLY", is_hit, -1.2)
+    )
     slower = nodes.vector("ADD", faster, nodes.scaled(normal, into))
     onto = nodes.vector("ADD", hit.outputs["Hit Position"], nodes.scaled(normal, 0.02))
     target = switched(nodes, "VECTOR", is_hit, nodes.vector("ADD", position, way), onto)
     ground = switched(nodes, "VECTOR", lands, nodes.attribute("FLOAT_VECTOR", "ground"), normal)
-    rolled = nodes.add("FunctionNodeEulerToRotation", {0: nodes.scaled(nodes.attribute("FLOAT_VECTOR", "spin"), interval)}).outputs[0]
+    rolled = nodes.add(
+        "FunctionNodeEulerToRotation", {0: nodes.scaled(nodes.attribute("FLOAT_VECTOR", "spin"), interval)}
+    ).outputs[0]
     turned = settling(nodes, rolled, rests, ground)
     # Each of these looks at what was before, so all are known before anything moves.
     known = nodes.captured(points, position=target, velocity=slower, turn=turned, ground=ground, rests=rests)
-    moved = nodes.add("GeometryNodeSetPosition", {"Geometry": known["Geometry"], "Position": known["position"]}).outputs[0]
+    moved = nodes.add(
+        "GeometryNodeSetPosition", {"Geometry": known["Geometry"], "Position": known["position"]}
+    ).outputs[0]
     return nodes.stored(
         moved, velocity=("FLOAT_VECTOR", known["velocity"]), turn=("QUATERNION", known["turn"]),
         ground=("FLOAT_VECTOR", known["ground"]), rests=("FLOAT", known["rests"]),
@@ -183,13 +205,18 @@ def settling(nodes, rolled, rests, ground):
     turn = nodes.attribute("QUATERNION", "turn")
     spinning = nodes.add("FunctionNodeRotateRotation", {0: turn, 1: rolled}, rotation_space="LOCAL").outputs[0]
     share = nodes.math("MULTIPLY", rests, SETTLES)
-    lying = nodes.add("FunctionNodeAlignRotationToVector", {"Rotation": turn, "Factor": share, "Vector": ground}, axis="Z").outputs[0]
+    lying = nodes.add(
+        "FunctionNodeAlignRotationToVector", {"Rotation": turn, "Factor": share, "Vector": ground}, axis="Z"
+    ).outputs[0]
     return switched(nodes, "ROTATION", rests, spinning, lying)
 
 
 def show(nodes, points, leaves):
     """A leaf on each point."""
-    chosen = nodes.add("GeometryNodeCollectionInfo", {"Collection": leaves, "Separate Children": True, "Reset Children": True})
+    chosen = nodes.add(
+        "GeometryNodeCollectionInfo",
+        {"Collection": leaves, "Separate Children": True, "Reset Children": True},
+    )
     return nodes.add(
         "GeometryNodeInstanceOnPoints",
         {
@@ -200,7 +227,9 @@ def show(nodes, points, leaves):
 
 
 def switched(nodes, kind, condition, off, on):
-    made = nodes.add("GeometryNodeSwitch", {"Switch": nodes.math("GREATER_THAN", condition, 0.5)}, input_type=kind)
+    made = nodes.add(
+        "GeometryNodeSwitch", {"Switch": nodes.math("GREATER_THAN", condition, 0.5)}, input_type=kind
+    )
     nodes.put(made.inputs["False"], off)
     nodes.put(made.inputs["True"], on)
     return made.outputs[0]

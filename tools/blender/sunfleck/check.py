@@ -1,7 +1,7 @@
 """What of a scene will be lost on the way to sunfleck, as far as its settings tell.
 
-In goes a scene, out come findings (`losses`); what only the export itself finds out, it adds. Invariant: whatever Blender renders
-and sunfleck does not is among them.
+In goes a scene, out come findings (`losses`); what only the export itself finds out, it adds. Invariant:
+whatever Blender renders and sunfleck does not is among them.
 """
 
 from . import world
@@ -96,7 +96,10 @@ def of_cycles(owner, name, default, group="cycles"):
 
 def of_cameras(scene):
     bound = [marker.camera for marker in scene.timeline_markers if marker.camera]
-    lenses = {(eye.data.type, eye.data.shift_x, eye.data.shift_y, eye.data.clip_start, eye.data.clip_end) for eye in bound}
+    lenses = {
+        (eye.data.type, eye.data.shift_x, eye.data.shift_y, eye.data.clip_start, eye.data.clip_end)
+        for eye in bound
+    }
     if len(lenses) > 1:
         yield Finding("camera-cuts", more=", ".join(sorted({f"`{eye.name}`" for eye in bound})))
 
@@ -112,10 +115,15 @@ def of_object(thing, is_blurred):
     if thing.type == "CAMERA":
         if thing.data.type not in {"PERSP", "ORTHO"}:
             yield Finding("camera-panoramic", name)
-        if any(curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"} for curve in curves_of(thing.data)):
+        if any(
+            curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"}
+            for curve in curves_of(thing.data)
+        ):
             yield Finding("camera-values", name)
         dof = thing.data.dof
-        if dof.use_dof and (dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)):
+        if dof.use_dof and (
+            dof.aperture_ratio != 1.0 or (dof.aperture_blades >= 3 and dof.aperture_rotation != 0.0)
+        ):
             yield Finding("camera-aperture", name)
         return
     if thing.sunfleck_settings.is_fog:
@@ -141,7 +149,8 @@ def of_object(thing, is_blurred):
 
 
 def is_fogs_cube(thing):
-    """Whether a mesh shows where the cube from -1 to 1 is; along an axis in which it is flat it says nothing."""
+    """Whether a mesh shows where the cube from -1 to 1 is; along an axis in which it is
+    flat it says nothing."""
     sides = [(min(axis), max(axis)) for axis in zip(*thing.bound_box)]
     return all(high == low or (abs(low + 1.0) < 1e-5 and abs(high - 1.0) < 1e-5) for low, high in sides)
 
@@ -167,7 +176,11 @@ def of_collection(collection):
 
 def of_light(name, thing):
     light = thing.data
-    own_nodes = light.node_tree and light.use_nodes and any(node.type not in {"OUTPUT_LIGHT", "EMISSION"} for node in light.node_tree.nodes)
+    own_nodes = (
+        light.node_tree
+        and light.use_nodes
+        and any(node.type not in {"OUTPUT_LIGHT", "EMISSION"} for node in light.node_tree.nodes)
+    )
     is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
     has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
     said = {
@@ -191,7 +204,9 @@ def of_material(material):
     if output is None:
         return
     if sockets.link_to(output.inputs["Volume"]):
-        yield Finding("volume-beside-surface" if sockets.link_to(output.inputs["Surface"]) else "volume-material", name)
+        yield Finding(
+            "volume-beside-surface" if sockets.link_to(output.inputs["Surface"]) else "volume-material", name
+        )
     if dependence.is_transparent(material) and not material.use_transparent_shadow:
         yield Finding("material-shadows", name)
     if sockets.link_to(output.inputs["Displacement"]) and material.displacement_method != "BUMP":

@@ -1,7 +1,8 @@
-"""Blender's settings and ours in, the custom properties that sunfleck reads out (docs/scene-format.md, "glTF").
+"""Blender's settings and ours in, the custom properties that sunfleck reads out
+(docs/scene-format.md, "glTF").
 
-Invariant: every property here is a plain dictionary of numbers, texts and lists; whoever wrote one by hand keeps it
-unless the panel speaks of the same thing.
+Invariant: every property here is a plain dictionary of numbers, texts and lists. Whoever wrote one by hand
+keeps it unless the panel speaks of the same thing.
 """
 
 from pathlib import Path
@@ -73,7 +74,10 @@ def of_object(thing, path=None):
     if own.use_leaf_id:
         written["leaf_id"] = own.leaf_id
     if thing.type == "LIGHT":
-        written["sunfleck_light"] = {**plain(thing.get("sunfleck_light")), **light(thing.data, own, thing.matrix_world.to_scale())}
+        written["sunfleck_light"] = {
+            **plain(thing.get("sunfleck_light")),
+            **light(thing.data, own, thing.matrix_world.to_scale()),
+        }
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name)
             written["sunfleck_light"]["image"] = quote(name)
@@ -151,7 +155,9 @@ def shift_of_longer_side(data, scene):
 def focus_distance(data, scene, eye=None):
     """Along the view, to the plane in focus, metres."""
     target = data.dof.focus_object
-    eye = eye or next((thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None)
+    eye = eye or next(
+        (thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None
+    )
     if target is None or eye is None:
         return data.dof.focus_distance
     return max(1e-6, -(eye.matrix_world.normalized().inverted() @ target.matrix_world.translation).z)

@@ -1,8 +1,9 @@
 """A file that `sunfleck export` wrote, into the scene, at its own frame rate.
 
-Blender's glTF importer multiplies seconds by `fps * fps_base`, where frames a second are `fps / fps_base`: at 24000/1001 frames
-a second keys come out a thousandth apart from their frames, twice. So it is given a base that makes the product right, and
-the scene its own rate afterwards. Invariant: a key at a frame of the file is at that frame in Blender.
+Blender's glTF importer multiplies seconds by `fps * fps_base`, where frames a second are `fps / fps_base`: at
+24000/1001 frames a second keys come out a thousandth apart from their frames, twice. So it is given a base
+that makes the product right, and the scene its own rate afterwards. Invariant: a key at a frame of the file
+is at that frame in Blender.
 """
 
 import json

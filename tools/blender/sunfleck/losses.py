@@ -1,6 +1,7 @@
-"""What of a .blend is not honoured, or only nearly: each by an id that never changes its meaning (docs/blender-scenes.md).
+"""What of a .blend is not honoured, or only nearly (docs/blender-scenes.md).
 
-An error stands in the way of export; of a warning something is lost; news (`INFO`) say what was done instead.
+Invariant: each loss has an id that never changes its meaning. An error stands in the way of export; of a
+warning something is lost; news (`INFO`) say what was done instead.
 """
 
 from dataclasses import dataclass
@@ -11,13 +12,15 @@ LOSSES = {
     # The scene.
     "no-camera": (WARNING, "the scene has no active camera: sunfleck takes the first, or makes one up"),
     "unit-scale": (WARNING, "the unit scale is not exported: one Blender unit is one metre"),
-    "world-not-exported": (WARNING, "the world is not exported: tick World as sky in the panel, or give a background and a sun for its light"),
+    "world-not-exported": (WARNING, "the world is not exported: tick World as sky in the panel, or give a "
+                                    "background and a sun for its light"),
     "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
     "world-changes": (WARNING, "the world changes: it is exported as it is now"),
     "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
     "world-volume": (WARNING, "the world's volume is not exported: tick Fog everywhere in the panel"),
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
-    "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a screen with pixels of its aspect"),
+    "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a "
+                              "screen with pixels of its aspect"),
     "film-exposure": (WARNING, "the film's exposure is not 1: frames are in W/(m2 sr), without it"),
     "film-transparent": (WARNING, "the film is transparent: alpha is 1 wherever a sky is"),
     "frame-step": (WARNING, "every frame is in the file: Animation renders those of the step alone"),
@@ -32,8 +35,10 @@ LOSSES = {
     "camera-culling": (WARNING, "what Cycles would cull, far away or beside the picture, is there"),
     # Cameras.
     "camera-panoramic": (WARNING, "panoramic cameras are not exported"),
-    "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those of the first camera stay"),
-    "camera-values": (WARNING, "shift and clipping of a camera do not change: they stay as in the first frame"),
+    "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those "
+                             "of the first camera stay"),
+    "camera-values": (WARNING, "shift and clipping of a camera do not change: they stay as in the first "
+                               "frame"),
     "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched"),
     "shutter-shape": (WARNING, "the shutter opens and closes at once, and everywhere at the same time"),
     "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest"),
@@ -41,7 +46,8 @@ LOSSES = {
     "light-power": (ERROR, "a light's power is negative"),
     "light-spread": (WARNING, "the spread of an area light is not honoured"),
     "light-square": (WARNING, "a square spot is round"),
-    "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it lights"),
+    "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it "
+                                 "lights"),
     "light-nodes": (WARNING, "light nodes are exported only in part: use the light's own power and colour"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
     "light-seen": (WARNING, "Cycles' camera sees lights that have a size; here it sees none but suns"),
@@ -50,8 +56,10 @@ LOSSES = {
     "light-portal": (WARNING, "portals light nothing and are not exported"),
     # Things.
     "volume": (WARNING, "volumes are not rendered"),
-    "volume-material": (WARNING, "a volume material without a surface is not rendered, nor an opaque box: tick Holds fog in its panel"),
-    "volume-beside-surface": (WARNING, "of a material with a surface and a volume only the surface is rendered"),
+    "volume-material": (WARNING, "a volume material without a surface is not rendered, nor an opaque box: "
+                                 "tick Holds fog in its panel"),
+    "volume-beside-surface": (WARNING, "of a material with a surface and a volume only the surface is "
+                                       "rendered"),
     "holdout": (WARNING, "holdouts are rendered like other surfaces"),
     "shadow-catcher": (WARNING, "shadow catchers are rendered like other surfaces"),
     "camera-invisible": (WARNING, "what is invisible to the camera alone is seen"),
@@ -62,8 +70,10 @@ LOSSES = {
     "point-cloud": (INFO, "points are exported as spheres of 20 sides"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),
     "displacement": (WARNING, "true displacement by materials is not rendered"),
-    "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is subdivided as often as its modifier says"),
-    "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches elsewhere"),
+    "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is "
+                                      "subdivided as often as its modifier says"),
+    "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches "
+                                "elsewhere"),
     # Materials.
     "material-baked": (INFO, "the material is baked"),
     "material-not-honoured": (WARNING, "the material is not honoured"),
@@ -71,7 +81,8 @@ LOSSES = {
     "material-glows": (INFO, "what glows is seen, and lights other things only where light bounces"),
     "material-shadows": (WARNING, "what is transparent casts shadows that are so too"),
     "material-changes": (WARNING, "the material changes in a way that is not honoured"),
-    "instance-colors": (INFO, "colours that differ from instance to instance are rounded to a number of them"),
+    "instance-colors": (INFO, "colours that differ from instance to instance are rounded to a number of "
+                              "them"),
     # Counts after export.
     "count-instances": (WARNING, "the file shows another number of instances than Blender"),
     "count-area": (WARNING, "what the file shows has another area than in Blender"),

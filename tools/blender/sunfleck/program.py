@@ -11,7 +11,9 @@ class SunfleckPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     program: StringProperty(
-        name="Program", description="The program sunfleck; found by the search path if empty", subtype="FILE_PATH"
+        name="Program",
+        description="The program sunfleck; found by the search path if empty",
+        subtype="FILE_PATH",
     )
 
     def draw(self, _context):
@@ -28,7 +30,9 @@ def find():
     return shutil.which(os.environ.get("SUNFLECK", "sunfleck"))
 
 
-MISSING = "the program sunfleck was not found: name it in the add-on's preferences, or put it into the search path"
+MISSING = (
+    "the program sunfleck was not found: name it in the add-on's preferences, or put it into the search path"
+)
 
 
 def register():

@@ -1,7 +1,15 @@
-"""What an artist sets for sunfleck and Blender has no place for. Everything else is taken from Blender's own settings."""
+"""What an artist sets for sunfleck and Blender has no place for. Everything else is taken from
+Blender's own settings."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+)
 
 PASSES = [
     ("shafts", "Shafts", "Light scattered in the fog"),
@@ -44,7 +52,8 @@ def colour(name, description, default=(1.0, 1.0, 1.0)):
 
 
 def forgetting(*fields):
-    """What to do when the panel speaks: what an earlier export or a hand has written of the same thing goes."""
+    """What to do when the panel speaks: what an earlier export or a hand has written of
+    the same thing goes."""
 
     def forget(own, _context):
         said = own.id_data.get("sunfleck_light", {})
@@ -77,26 +86,40 @@ class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
         default="box",
     )
     bounces: IntProperty(
-        name="Bounces", default=0, min=0, max=64, description="How often light is scattered beyond direct light and single scattering"
+        name="Bounces",
+        default=0,
+        min=0,
+        max=64,
+        description="How often light is scattered beyond direct light and single scattering",
     )
-    all_bounces: BoolProperty(name="All light", description="Light is scattered until nothing is left of it", default=True)
+    all_bounces: BoolProperty(
+        name="All light", description="Light is scattered until nothing is left of it", default=True
+    )
     seed: IntProperty(name="Seed", default=0, min=0)
-    passes: EnumProperty(name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"shafts", "depth", "leaf-id"})
+    passes: EnumProperty(
+        name="Passes", items=PASSES, options={"ENUM_FLAG"}, default={"shafts", "depth", "leaf-id"}
+    )
     use_fog: BoolProperty(name="Fog everywhere", description="Fog without bounds that thins out with height")
     scale_height: FloatProperty(
         name="Scale height", description="Metres over which the density falls to 1/e", default=3.0, min=0.01
     )
-    base_height: FloatProperty(name="Base", description="Height above which it thins out, metres", default=0.0)
+    base_height: FloatProperty(
+        name="Base", description="Height above which it thins out, metres", default=0.0
+    )
     background_color: colour("Background", "What lies beyond the scene")
     background_strength: FloatProperty(name="Strength", description="W/(m2 sr)", default=0.0, min=0.0)
     use_world: BoolProperty(
         name="World as sky", description="The world's colour or environment texture instead of the background"
     )
-    sky_lights: EnumProperty(name="Lights", description="What the sky lights", items=SKY_LIGHTS, default="nothing")
+    sky_lights: EnumProperty(
+        name="Lights", description="What the sky lights", items=SKY_LIGHTS, default="nothing"
+    )
 
 
 class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):
-    is_fog: BoolProperty(name="Holds fog", description="This cube from -1 to 1 (an empty or a mesh) is full of fog")
+    is_fog: BoolProperty(
+        name="Holds fog", description="This cube from -1 to 1 (an empty or a mesh) is full of fog"
+    )
     thins_out: BoolProperty(name="Thins out with height")
     scale_height: FloatProperty(
         name="Scale height", description="Metres over which the density falls to 1/e", default=3.0, min=0.01
@@ -115,12 +138,18 @@ class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):
         name="Image", description="The largest circle in its middle is on the disc", type=bpy.types.Image,
         update=forgetting("image"),
     )
-    fractal_real: FloatProperty(name="Real part", description="Of the constant", default=-0.012375, min=-2.0, max=2.0)
+    fractal_real: FloatProperty(
+        name="Real part", description="Of the constant", default=-0.012375, min=-2.0, max=2.0
+    )
     fractal_imaginary: FloatProperty(
         name="Imaginary part", description="Of the constant", default=0.56805, min=-2.0, max=2.0
     )
     fractal_iterations: IntProperty(
-        name="Iterations", description="After so many a point counts as one that never escapes", default=100, min=1, max=1000
+        name="Iterations",
+        description="After so many a point counts as one that never escapes",
+        default=100,
+        min=1,
+        max=1000,
     )
     picture_rotation: FloatProperty(name="Turned", description="Anticlockwise", subtype="ANGLE", default=0.0)
     limb_darkening: FloatProperty(
@@ -139,7 +168,11 @@ class SunfleckMaterial(bpy.types.PropertyGroup):
 
 
 CLASSES = (SunfleckScene, SunfleckObject, SunfleckMaterial)
-OWNERS = ((bpy.types.Scene, SunfleckScene), (bpy.types.Object, SunfleckObject), (bpy.types.Material, SunfleckMaterial))
+OWNERS = (
+    (bpy.types.Scene, SunfleckScene),
+    (bpy.types.Object, SunfleckObject),
+    (bpy.types.Material, SunfleckMaterial),
+)
 
 
 def register():

@@ -1,4 +1,5 @@
-"""Exports a scene and calls `sunfleck render` on it, telling its progress; without a window it waits for the end."""
+"""Exports a scene and calls `sunfleck render` on it, telling its progress; without a window it
+waits for the end."""
 
 import json
 import queue
@@ -73,7 +74,11 @@ def flags(scene, animation):
     """What Blender renders of the file: this frame or those of the step, and within the border."""
     found = [f"--frames={scene.frame_current}"]
     if animation:
-        found = [] if scene.frame_step == 1 else [f"--frames={scene.frame_start}..{scene.frame_end}:{scene.frame_step}"]
+        found = (
+            []
+            if scene.frame_step == 1
+            else [f"--frames={scene.frame_start}..{scene.frame_end}:{scene.frame_step}"]
+        )
     render = scene.render
     if not render.use_border:
         return found
@@ -107,7 +112,11 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         except export.NotExportable as error:
             self.report({"ERROR"}, str(error))
             return False
-        self.run, self.folder, self.total = Run(executable, glb, folder, flags(scene, self.animation)), folder, 1
+        self.run, self.folder, self.total = (
+            Run(executable, glb, folder, flags(scene, self.animation)),
+            folder,
+            1,
+        )
         self.done, self.shown = 0, 0.0
         return True
 

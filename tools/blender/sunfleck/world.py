@@ -1,6 +1,8 @@
-"""The world in, the custom property `sunfleck_env` out: a colour all around, or an environment texture whose image then
-lies beside the exported file, as images on suns do, or a picture of whatever else its nodes show. Invariant: the sky is the world as
-it is at the frame at hand.
+"""The world in, the custom property `sunfleck_env` out.
+
+A sky is a colour all around, or an environment texture, or a picture of whatever else its nodes show. The
+texture's image lies beside the exported file, as images on suns do. Invariant: the sky is the world as it is
+at the frame at hand.
 """
 
 import math
@@ -68,15 +70,23 @@ def changes(scene):
     """Whether it is keyed or driven."""
     world = scene.world
     owners = [owner for owner in (world, world and world.node_tree) if owner]
-    return any(owner.animation_data and (owner.animation_data.action or owner.animation_data.drivers) for owner in owners)
+    return any(
+        owner.animation_data and (owner.animation_data.action or owner.animation_data.drivers)
+        for owner in owners
+    )
 
 
 def of_world(scene, path):
-    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if there is none or nowhere to write it."""
+    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if there is none or
+    nowhere to write it."""
     if not is_plain(scene):
         if path is None or not is_baked(scene):
             return None
-        return {"image": quote(world_picture.beside(scene.world, Path(path))), "strength": 1.0, "rotation": 0.0}
+        return {
+            "image": quote(world_picture.beside(scene.world, Path(path))),
+            "strength": 1.0,
+            "rotation": 0.0,
+        }
     shader = backgrounds(scene)[0]
     color, strength = shader.inputs["Color"], shader.inputs["Strength"].default_value
     if not color.is_linked:
@@ -84,14 +94,20 @@ def of_world(scene, path):
     if path is None:
         return None
     texture = environment(shader)
-    return {"image": quote(written(texture.image, Path(path))), "strength": strength, "rotation": QUARTER_TURN + turn(texture)}
+    return {
+        "image": quote(written(texture.image, Path(path))),
+        "strength": strength,
+        "rotation": QUARTER_TURN + turn(texture),
+    }
 
 
 def environment(background):
     """The environment texture that a background shows, if that is what it shows."""
     links = background.inputs["Color"].links
     node = links[0].from_node if links else None
-    return node if node and node.type == "TEX_ENVIRONMENT" and node.image and 0 not in node.image.size else None
+    return (
+        node if node and node.type == "TEX_ENVIRONMENT" and node.image and 0 not in node.image.size else None
+    )
 
 
 def turn(texture):
@@ -101,7 +117,11 @@ def turn(texture):
         return 0.0
     node = link.from_node
     inner = link_to(node.inputs["Vector"]) if node.type == "MAPPING" and not node.mute else None
-    if inner is None or not is_direction(inner) or any(node.inputs[name].is_linked for name in ("Location", "Rotation", "Scale")):
+    if (
+        inner is None
+        or not is_direction(inner)
+        or any(node.inputs[name].is_linked for name in ("Location", "Rotation", "Scale"))
+    ):
         return None
     x, y, z = node.inputs["Rotation"].default_value
     location, scale = node.inputs["Location"].default_value, node.inputs["Scale"].default_value
@@ -149,7 +169,11 @@ def source_of(image):
 def written(image, path):
     """The name of a file beside `path` with the image, radiances as they are."""
     source = source_of(image)
-    if source and source.suffix.lower() in READ_AS_IT_IS and image.colorspace_settings.name == "Linear Rec.709":
+    if (
+        source
+        and source.suffix.lower() in READ_AS_IT_IS
+        and image.colorspace_settings.name == "Linear Rec.709"
+    ):
         return copied(source, path.with_name(f"{path.stem}_sky{source.suffix.lower()}"))
     beside = path.with_name(f"{path.stem}_sky.exr")
     settings_of = bpy.data.scenes.new("sunfleck image")

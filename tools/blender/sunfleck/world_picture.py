@@ -1,7 +1,7 @@
 """A world of any nodes as a picture of all directions: Cycles renders it, from where nothing else is.
 
-In go a world and a path, out comes an EXR beside it. Invariant: its middle is +Y and its right +X, which is how sunfleck reads
-pictures that are not turned; radiances are in linear Rec. 709.
+In go a world and a path, out comes an EXR beside it. Invariant: its middle is +Y and its right +X, which is
+how sunfleck reads pictures that are not turned; radiances are in linear Rec. 709.
 """
 
 import math
@@ -21,7 +21,10 @@ SAMPLES = 16
 
 def beside(world, path):
     """The name of the file; what was rendered of the same nodes is kept."""
-    key = digest(fingerprint.of_tree(world.node_tree), repr((SIZE, SAMPLES, colours.working_space(), bpy.app.version)).encode())
+    key = digest(
+        fingerprint.of_tree(world.node_tree),
+        repr((SIZE, SAMPLES, colours.working_space(), bpy.app.version)).encode(),
+    )
     kept = bake.folder() / f"{key.hex()}.exr"
     if not kept.is_file():
         with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
@@ -45,8 +48,16 @@ def render(world, target):
         settings = scene.render
         settings.engine, settings.resolution_percentage, settings.filepath = "CYCLES", 100, str(target)
         settings.resolution_x, settings.resolution_y = SIZE
-        settings.image_settings.file_format, settings.image_settings.color_mode, settings.image_settings.color_depth = "OPEN_EXR", "RGB", "32"
-        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = SAMPLES, False, False
+        (
+            settings.image_settings.file_format,
+            settings.image_settings.color_mode,
+            settings.image_settings.color_depth,
+        ) = "OPEN_EXR", "RGB", "32"
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = (
+            SAMPLES,
+            False,
+            False,
+        )
         scene.cycles.pixel_filter_type = "BOX"
         bpy.ops.render.render(write_still=True, scene=scene.name)
         in_rec709(target)
@@ -57,7 +68,8 @@ def render(world, target):
 
 
 def in_rec709(target):
-    """Blender writes the working space, and says so in the file; whoever reads the file need not know that."""
+    """Blender writes the working space, and says so in the file; whoever reads the file
+    need not know that."""
     if colours.working_space() == "Linear Rec.709":
         return
     image = bpy.data.images.load(str(target))

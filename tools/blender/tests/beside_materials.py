@@ -1,4 +1,5 @@
-"""Small scenes of materials, each of one kind, to be rendered beside Cycles; on the stage of `beside_stage`."""
+"""Small scenes of materials, each of one kind, to be rendered beside Cycles; on the stage
+of `beside_stage`."""
 
 import math
 
@@ -37,7 +38,9 @@ def waves(name, size=64):
     """A picture without edges: between texels Cycles mixes what sRGB encodes, and glTF what it stands for."""
     image = bpy.data.images.new(name, size, size)
     across, up = numpy.meshgrid(*2 * [0.5 + 0.4 * numpy.sin(numpy.arange(size) * math.tau / size)])
-    image.pixels.foreach_set(numpy.stack([across, up, 1.0 - across, numpy.ones_like(up)], -1).astype("f4").ravel())
+    image.pixels.foreach_set(
+        numpy.stack([across, up, 1.0 - across, numpy.ones_like(up)], -1).astype("f4").ravel()
+    )
     image.pack()
     return image
 
@@ -50,7 +53,9 @@ def textures(scene):
     tree.link(uv.outputs[0], mapping.inputs["Vector"])
     for name, socket in (("colour", "Base Color"), ("rough", "Roughness")):
         picture = tree.node("TexImage", image=waves(name))
-        tree.link(mapping.outputs[0], picture.inputs["Vector"]).link(picture.outputs["Color"], tree.shader.inputs[socket])
+        tree.link(mapping.outputs[0], picture.inputs["Vector"]).link(
+            picture.outputs["Color"], tree.shader.inputs[socket]
+        )
     picture.image.colorspace_settings.name = "Non-Color"
     bumps = bpy.data.images.new("bumps", 16, 16)
     bumps.colorspace_settings.name = "Non-Color"
@@ -60,7 +65,9 @@ def textures(scene):
     bumps.pixels.foreach_set(pixels.ravel())
     bumps.pack()
     bent, bends = tree.node("TexImage", image=bumps), tree.node("NormalMap", uv_map="UVMap")
-    tree.link(bent.outputs["Color"], bends.inputs["Color"]).link(bends.outputs[0], tree.shader.inputs["Normal"])
+    tree.link(bent.outputs["Color"], bends.inputs["Color"]).link(
+        bends.outputs[0], tree.shader.inputs["Normal"]
+    )
     tree.shader.inputs["Specular IOR Level"].default_value = 0.0
     shaded("floor", tree)
     scenes.sun(scene)
@@ -78,7 +85,10 @@ def colour_attributes(scene):
 
 def coloured_by_chance(tree):
     info, ramp = tree.node("ObjectInfo"), tree.node("ValToRGB")
-    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.8, 0.1, 0.0, 1.0), (0.1, 0.6, 0.1, 1.0)
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (
+        (0.8, 0.1, 0.0, 1.0),
+        (0.1, 0.6, 0.1, 1.0),
+    )
     tree.link(info.outputs["Random"], ramp.inputs[0]).link(ramp.outputs[0], tree.shader.inputs["Base Color"])
     tree.shader.inputs["Specular IOR Level"].default_value = 0.0
 
@@ -87,7 +97,13 @@ def random_colours(scene):
     tree = Tree()
     coloured_by_chance(tree)
     for number in range(24):
-        scenes.quad(scene, f"leaf {number}", 0.4, tree.material, (0.5 * (number % 8) - 1.7, 0.5 * (number // 8), 0.3 + 0.1 * number % 1.0))
+        scenes.quad(
+            scene,
+            f"leaf {number}",
+            0.4,
+            tree.material,
+            (0.5 * (number % 8) - 1.7, 0.5 * (number // 8), 0.3 + 0.1 * number % 1.0),
+        )
     scenes.sun(scene)
 
 
@@ -95,7 +111,10 @@ def baked_nodes(scene):
     tree = Tree()
     noise, ramp = tree.node("TexNoise"), tree.node("ValToRGB")
     noise.inputs["Scale"].default_value = 3.0
-    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.8, 0.3, 0.05, 1.0), (0.1, 0.4, 0.1, 1.0)
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (
+        (0.8, 0.3, 0.05, 1.0),
+        (0.1, 0.4, 0.1, 1.0),
+    )
     tree.link(noise.outputs["Fac"], ramp.inputs[0]).link(ramp.outputs[0], tree.shader.inputs["Base Color"])
     tree.shader.inputs["Specular IOR Level"].default_value = 0.0
     shaded("floor", tree)
@@ -131,7 +150,10 @@ def bumps(scene):
 def translucent_leaf(scene):
     tree = Tree()
     front, back = tree.node("BsdfDiffuse"), tree.node("BsdfTranslucent")
-    front.inputs["Color"].default_value, back.inputs["Color"].default_value = (0.2, 0.5, 0.1, 1.0), (0.6, 0.8, 0.2, 1.0)
+    front.inputs["Color"].default_value, back.inputs["Color"].default_value = (
+        (0.2, 0.5, 0.1, 1.0),
+        (0.6, 0.8, 0.2, 1.0),
+    )
     tree.mixed(0.4, front, back)
     shaded("wall", tree)
     scenes.sun(scene, towards=(0.2, -0.8, -0.6))
@@ -174,5 +196,8 @@ def glowing(scene):
         bpy.data.objects[name].hide_render = True
     bpy.data.objects["card"].rotation_euler.x = math.radians(60.0)
     shader = bpy.data.materials["card"].node_tree.nodes["Principled BSDF"]
-    shader.inputs["Emission Color"].default_value, shader.inputs["Emission Strength"].default_value = (1.0, 0.4, 0.1, 1.0), 3.0
+    shader.inputs["Emission Color"].default_value, shader.inputs["Emission Strength"].default_value = (
+        (1.0, 0.4, 0.1, 1.0),
+        3.0,
+    )
     scenes.sun(scene)

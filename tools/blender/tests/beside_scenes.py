@@ -1,4 +1,5 @@
-"""Small scenes to be rendered beside Cycles, each of one kind, by name; builders return the frame to render."""
+"""Small scenes to be rendered beside Cycles, each of one kind, by name; builders return
+the frame to render."""
 
 import math
 
@@ -58,7 +59,9 @@ def world_image(scene):
     tree, shader = world(scene)
     image = bpy.data.images.new("sky", 32, 16, float_buffer=True)
     across, up = numpy.meshgrid(numpy.linspace(0.0, 1.0, 32), numpy.linspace(0.0, 1.0, 16))
-    image.pixels.foreach_set(numpy.stack([across, up, 1.0 - 0.5 * across, numpy.ones_like(up)], -1).astype("f4").ravel())
+    image.pixels.foreach_set(
+        numpy.stack([across, up, 1.0 - 0.5 * across, numpy.ones_like(up)], -1).astype("f4").ravel()
+    )
     image.pack()
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = image
@@ -82,7 +85,8 @@ def above_the_floor(scene, build):
 
 
 def hidden_things(scene):
-    """Excluded, hidden, nested and instanced collections, and things that are hidden in the viewport alone."""
+    """Excluded, hidden, nested and instanced collections, and things that are hidden in
+    the viewport alone."""
     stages.collections(scene)
     scenes.quad(scene, "not seen", 2.0, None, (0.0, -1.0, 1.0)).hide_render = True
     bpy.data.objects["card"].hide_viewport = True
@@ -152,7 +156,12 @@ def border(scene):
     render = scene.render
     render.resolution_x, render.resolution_y = SIZE[0] + 1, SIZE[1] + 1
     render.use_border = render.use_crop_to_border = True
-    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.31, 0.77, 0.13, 0.61
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = (
+        0.31,
+        0.77,
+        0.13,
+        0.61,
+    )
 
 
 def pixel_aspect(scene):

@@ -31,7 +31,9 @@ def lamp(scene, kind, **values):
 
 
 def with_uv(thing):
-    thing.data.uv_layers.new(name="UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+    thing.data.uv_layers.new(name="UVMap").uv.foreach_set(
+        "vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4")
+    )
     return thing
 
 

@@ -1,4 +1,5 @@
-"""Falling leaves as artists animate them: particles, geometry nodes and simulation zones, whose leaves are born, move and turn."""
+"""Falling leaves as artists animate them: particles, geometry nodes and simulation zones, whose leaves are
+born, move and turn."""
 
 import math
 
@@ -48,7 +49,11 @@ def particles(leaf, emitter):
     settings.count, settings.frame_start, settings.frame_end, settings.lifetime = LEAVES, -20, 10, 100
     settings.render_type, settings.instance_object, settings.particle_size = "OBJECT", leaf, 1.0
     settings.normal_factor, settings.brownian_factor, settings.drag_factor = 0.0, 2.0, 0.5
-    settings.use_rotations, settings.angular_velocity_mode, settings.angular_velocity_factor = True, "VELOCITY", 3.0
+    settings.use_rotations, settings.angular_velocity_mode, settings.angular_velocity_factor = (
+        True,
+        "VELOCITY",
+        3.0,
+    )
     settings.effector_weights.gravity = 0.2
     emitter.show_instancer_for_render = emitter.show_instancer_for_viewport = False
 
@@ -93,7 +98,9 @@ def nodes(leaf, emitter, born=False):
     points, time = tree.scatter(LEAVES / 24), tree.node("GeometryNodeInputSceneTime")
     delay = tree.node("FunctionNodeRandomValue", data_type="FLOAT")
     delay.inputs[2].default_value, delay.inputs[3].default_value = 0.0, 2.0
-    age, drop, spin = (tree.node("ShaderNodeMath", operation=kind) for kind in ("ADD", "MULTIPLY", "MULTIPLY"))
+    age, drop, spin = (
+        tree.node("ShaderNodeMath", operation=kind) for kind in ("ADD", "MULTIPLY", "MULTIPLY")
+    )
     tree.link(time.outputs["Seconds"], age.inputs[0])
     tree.link(delay.outputs[1], age.inputs[1])
     drop.inputs[1].default_value, spin.inputs[1].default_value = -1.2, 5.0
@@ -110,7 +117,11 @@ def nodes(leaf, emitter, born=False):
     if born:
         later = tree.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
         birth = tree.node("FunctionNodeRandomValue", data_type="FLOAT")
-        birth.inputs[2].default_value, birth.inputs[3].default_value, birth.inputs["Seed"].default_value = 0.0, 24.0, 7
+        birth.inputs[2].default_value, birth.inputs[3].default_value, birth.inputs["Seed"].default_value = (
+            0.0,
+            24.0,
+            7,
+        )
         tree.link(birth.outputs[1], later.inputs[0])
         tree.link(time.outputs["Frame"], later.inputs[1])
         unborn = tree.node("GeometryNodeDeleteGeometry", domain="POINT")
@@ -132,7 +143,11 @@ def simulation(leaf, emitter, emits=False):
     step.inputs["Offset"].default_value = (0.01, 0.0, -0.05)
     state = start.outputs["Geometry"]
     if emits:
-        joined, more, time = tree.node("GeometryNodeJoinGeometry"), tree.scatter(0.15), tree.node("GeometryNodeInputSceneTime")
+        joined, more, time = (
+            tree.node("GeometryNodeJoinGeometry"),
+            tree.scatter(0.15),
+            tree.node("GeometryNodeInputSceneTime"),
+        )
         tree.link(time.outputs["Frame"], more.inputs["Seed"])
         tree.link(state, joined.inputs[0])
         tree.link(more.outputs["Points"], joined.inputs[0])

@@ -40,7 +40,9 @@ def material(name, colour):
 def quad(scene, name, size, shade, location=(0.0, 0.0, 0.0)):
     half = size / 2
     mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)], [], [(0, 1, 2, 3)])
+    mesh.from_pydata(
+        [(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)], [], [(0, 1, 2, 3)]
+    )
     mesh.materials.append(shade)
     return add(scene, name, mesh, location)
 

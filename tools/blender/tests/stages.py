@@ -1,4 +1,5 @@
-"""Small scenes of everything that moves, shows or hides in Blender, each by its name; four to eight frames."""
+"""Small scenes of everything that moves, shows or hides in Blender, each by its name;
+four to eight frames."""
 
 import math
 
@@ -146,7 +147,11 @@ def words_curves_and_balls(scene):
     spline = curve.splines.new("BEZIER")
     spline.bezier_points.add(2)
     for index, point in enumerate(spline.bezier_points):
-        point.co, point.handle_left_type, point.handle_right_type = (index, math.sin(index), 0.2 * index), "AUTO", "AUTO"
+        point.co, point.handle_left_type, point.handle_right_type = (
+            (index, math.sin(index), 0.2 * index),
+            "AUTO",
+            "AUTO",
+        )
     scenes.add(scene, "curve", curve)
     key(curve, "bevel_factor_end", (0.3, 1.0))
     balls = bpy.data.metaballs.new("ball")

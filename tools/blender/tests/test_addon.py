@@ -28,7 +28,9 @@ def document(path):
 
 
 def inspect(path, *arguments):
-    text = subprocess.run([PROGRAM, "inspect", str(path), "--json", *arguments], capture_output=True, check=True, text=True)
+    text = subprocess.run(
+        [PROGRAM, "inspect", str(path), "--json", *arguments], capture_output=True, check=True, text=True
+    )
     return json.loads(text.stdout)
 
 
@@ -77,7 +79,17 @@ class Registration(unittest.TestCase):
         import tomllib
 
         manifest = tomllib.loads((Path(sunfleck.__file__).parent / "blender_manifest.toml").read_text())
-        needed = {"schema_version", "id", "version", "name", "tagline", "maintainer", "type", "blender_version_min", "license"}
+        needed = {
+            "schema_version",
+            "id",
+            "version",
+            "name",
+            "tagline",
+            "maintainer",
+            "type",
+            "blender_version_min",
+            "license",
+        }
         self.assertLessEqual(needed, set(manifest))
 
 
@@ -129,7 +141,11 @@ class Export(Case):
             scene.frame_set(int(frame["frame"]))
             expected = turn @ leaf.matrix_world @ turn.inverted()
             world = frame["nodes"]["leaf"]["world"]
-            worst = max(abs(world[4 * row + column] - expected[row][column]) for row in range(4) for column in range(4))
+            worst = max(
+                abs(world[4 * row + column] - expected[row][column])
+                for row in range(4)
+                for column in range(4)
+            )
             self.assertLess(worst, 1e-5)
 
     def test_values_that_change_travel_in_empties_that_do_not_stay(self):
@@ -146,7 +162,11 @@ class Export(Case):
         path = self.folder / "scene.glb"
         export.export(scene, path)
         self.assertEqual((set(bpy.data.objects.keys()), set(bpy.data.actions.keys())), before)
-        targets = [node["extras"]["sunfleck_ctl"]["target"] for node in document(path)["nodes"] if "sunfleck_ctl" in node.get("extras", {})]
+        targets = [
+            node["extras"]["sunfleck_ctl"]["target"]
+            for node in document(path)["nodes"]
+            if "sunfleck_ctl" in node.get("extras", {})
+        ]
         self.assertEqual(sorted(targets), ["fog.sunfleck_fog_volume.density", "lamp.sunfleck_light.power_w"])
         found = inspect(path, "--frames", "1,3,5")
         for frame in found["frames"]:
@@ -169,9 +189,15 @@ class Export(Case):
             inputs["Base Color"].keyframe_insert("default_value", frame=frame)
         path = self.folder / "scene.glb"
         export.export(scene, path)
-        targets = [channel["target"].get("extensions", {}) for channel in document(path)["animations"][0]["channels"]]
+        targets = [
+            channel["target"].get("extensions", {}) for channel in document(path)["animations"][0]["channels"]
+        ]
         pointers = {target["KHR_animation_pointer"]["pointer"] for target in targets if target}
-        for value in ("pbrMetallicRoughness/baseColorFactor", "emissiveFactor", "extensions/KHR_materials_emissive_strength/emissiveStrength"):
+        for value in (
+            "pbrMetallicRoughness/baseColorFactor",
+            "emissiveFactor",
+            "extensions/KHR_materials_emissive_strength/emissiveStrength",
+        ):
             self.assertIn(f"/materials/0/{value}", pointers)
         loud = [remark for remark in inspect(path)["remarks"] if "warning" in remark]
         self.assertEqual(loud, [])
@@ -211,7 +237,9 @@ class Export(Case):
         path = self.folder / "scene.glb"
         self.assertEqual(export.export(self.scene, path), [])
         said = document(path)["scenes"][0]["extras"]["sunfleck_env"]
-        self.assertEqual((said["image"], said["lights"], said["strength"]), ("scene_sky.exr", "surfaces_and_fog", 2.0))
+        self.assertEqual(
+            (said["image"], said["lights"], said["strength"]), ("scene_sky.exr", "surfaces_and_fog", 2.0)
+        )
         differences, _ = self.beside_cycles()
         self.assertLess(sum(differences) / len(differences), 5e-3)
         self.assertLess(max(differences), 5e-2)
@@ -221,9 +249,17 @@ class Export(Case):
         path = self.folder / "scene.glb"
         export.export(self.scene, path)
         ours = self.folder / "ours.exr"
-        subprocess.run([PROGRAM, "render", str(path), "--passes", "none", "--bounces", "0", "--out", str(ours)], capture_output=True, check=True)
+        subprocess.run(
+            [PROGRAM, "render", str(path), "--passes", "none", "--bounces", "0", "--out", str(ours)],
+            capture_output=True,
+            check=True,
+        )
         render = self.scene.render
-        render.engine, render.image_settings.file_format, render.filepath = "CYCLES", "OPEN_EXR", str(self.folder / "theirs.exr")
+        render.engine, render.image_settings.file_format, render.filepath = (
+            "CYCLES",
+            "OPEN_EXR",
+            str(self.folder / "theirs.exr"),
+        )
         self.scene.cycles.samples, self.scene.cycles.use_denoising = 16, False
         bpy.ops.render.render(write_still=True)
         theirs = bpy.data.images.load(str(self.folder / "theirs.exr"))
@@ -236,7 +272,12 @@ class Export(Case):
         scenes.camera(self.scene)
         sun = scenes.sun(self.scene, angle=0.2)
         own = sun.sunfleck_settings
-        own.visible_to_camera, own.sun_shows, own.picture_rotation, own.limb_darkening = True, "FRACTAL", 0.5, 0.25
+        own.visible_to_camera, own.sun_shows, own.picture_rotation, own.limb_darkening = (
+            True,
+            "FRACTAL",
+            0.5,
+            0.25,
+        )
         own.keyframe_insert("fractal_real", frame=1)
         own.fractal_real = 0.25
         own.keyframe_insert("fractal_real", frame=4)
@@ -245,9 +286,15 @@ class Export(Case):
         export.export(self.scene, path)
         self.assertEqual(inspect(path)["remarks"], [])
         said = self.light_of(path, "sun")
-        self.assertEqual((said["limb_darkening"], said["picture_rotation"], said["visible_to_camera"]), (0.25, 0.5, True))
+        self.assertEqual(
+            (said["limb_darkening"], said["picture_rotation"], said["visible_to_camera"]), (0.25, 0.5, True)
+        )
         self.assertEqual(said["fractal"]["iterations"], 100)
-        controls = [node["extras"]["sunfleck_ctl"]["target"] for node in document(path)["nodes"] if node["name"].startswith("ctl_")]
+        controls = [
+            node["extras"]["sunfleck_ctl"]["target"]
+            for node in document(path)["nodes"]
+            if node["name"].startswith("ctl_")
+        ]
         self.assertEqual(controls, ["sun.sunfleck_light.fractal_real"])
         sun.animation_data_clear()
         # An image that no file holds yet, then one that is a file.
@@ -259,7 +306,9 @@ class Export(Case):
         self.assertEqual(inspect(path)["remarks"], [])
         own.sun_image = bpy.data.images.load(str(self.folder / "scene_sun.png"))
         export.export(self.scene, self.folder / "again.glb")
-        self.assertEqual((self.folder / "again_sun.png").read_bytes(), (self.folder / "scene_sun.png").read_bytes())
+        self.assertEqual(
+            (self.folder / "again_sun.png").read_bytes(), (self.folder / "scene_sun.png").read_bytes()
+        )
         # What the panel takes back is gone.
         own.sun_shows, own.limb_darkening, own.visible_to_camera = "EVEN", 0.0, False
         export.export(self.scene, path)
@@ -275,7 +324,10 @@ class Export(Case):
         self.scene.world = world
         scenes.camera(self.scene)
         background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
-        background.inputs["Color"].default_value, background.inputs["Strength"].default_value = (0.25, 0.5, 1.0, 1.0), 3.0
+        background.inputs["Color"].default_value, background.inputs["Strength"].default_value = (
+            (0.25, 0.5, 1.0, 1.0),
+            3.0,
+        )
         self.assertIn("tick World as sky", " ".join(finding.message for finding in check.check(self.scene)))
         self.scene.sunfleck_settings.use_world = True
         self.assertEqual(check.check(self.scene), [])

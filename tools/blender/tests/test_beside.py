@@ -1,6 +1,7 @@
 """Small scenes of every kind beside Cycles, with no bounces: the ratio of the means.
 
-Run with the other tests here (test_addon.py says how). Prints the table that stands in docs/blender-scenes.md.
+Run with the other tests here (test_addon.py says how). Prints the table that stands in
+docs/blender-scenes.md.
 """
 
 import os
@@ -44,7 +45,11 @@ class Beside(unittest.TestCase):
                 ours, theirs, findings = beside.pictures(scene, wish, self.folder)
                 ratio = ours.mean() / theirs.mean()
                 said = " ".join(finding.id for finding in findings)
-                print(f"{name:28} {theirs.mean():9.5f} {ratio:9.5f} {time.perf_counter() - begun:6.1f} s  {said}", flush=True)
+                print(
+                    f"{name:28} {theirs.mean():9.5f} {ratio:9.5f} {time.perf_counter() - begun:6.1f} s  "
+                    f"{said}",
+                    flush=True,
+                )
                 self.assertLess(abs(ratio - 1.0), bar, name)
 
 

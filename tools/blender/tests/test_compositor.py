@@ -121,8 +121,13 @@ class Compositor(unittest.TestCase):
         node = self.tree.nodes.new("CompositorNodeCryptomatteV2")
         node.source, node.image, node.layer_name = "IMAGE", self.image.image, "CryptoObject"
         node.frame_start, node.frame_duration = self.image.frame_start, self.image.frame_duration
-        shares = {name: np.where(truth["ids"] == number, truth["coverages"], 0).sum(axis=-1) for name, number in manifest.items()}
-        leaf = max((name for name in shares if name.startswith("falling.")), key=lambda name: shares[name].sum())
+        shares = {
+            name: np.where(truth["ids"] == number, truth["coverages"], 0).sum(axis=-1)
+            for name, number in manifest.items()
+        }
+        leaf = max(
+            (name for name in shares if name.startswith("falling.")), key=lambda name: shares[name].sum()
+        )
         for name in (leaf, "hanging leaf", "ground"):
             node.matte_id = name
             found = self.composited(node.outputs["Matte"], 2)[..., 0]

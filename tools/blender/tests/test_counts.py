@@ -28,7 +28,12 @@ def rewritten(path, change):
     text = json.dumps(said).encode()
     text += b" " * (-len(text) % 4)
     rest = data[20 + length :]
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) + struct.pack("<II", len(text), 0x4E4F534A) + text + rest)
+    path.write_bytes(
+        struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest))
+        + struct.pack("<II", len(text), 0x4E4F534A)
+        + text
+        + rest
+    )
 
 
 class Counts(Case):
@@ -83,7 +88,9 @@ class Counts(Case):
             scene = stages.stage()
             build(scene)
             told = export.exported(scene, self.path)
-            self.assertEqual([str(finding) for finding in told.findings if finding.id.startswith("count")], [], name)
+            self.assertEqual(
+                [str(finding) for finding in told.findings if finding.id.startswith("count")], [], name
+            )
 
     def test_an_export_that_was_stopped_is_none(self):
         scene = stages.stage()
@@ -99,6 +106,9 @@ class Counts(Case):
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             self.assertEqual(command.main(["check"]), 0)
-        self.assertIn("frame 2: 1 instances, 1 m2, from (-0.500, 1.000, -0.500) to (0.500, 1.000, 0.500), 1 lights", said.getvalue())
+        self.assertIn(
+            "frame 2: 1 instances, 1 m2, from (-0.500, 1.000, -0.500) to (0.500, 1.000, 0.500), 1 lights",
+            said.getvalue(),
+        )
         self.assertIn("material `quad`: exact", said.getvalue())
         self.assertIn("warning[volume] `smoke`: volumes are not rendered", said.getvalue())

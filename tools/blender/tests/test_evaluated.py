@@ -120,7 +120,8 @@ class Blur(Case):
         self.compare_open("simulation", scene)
 
     def test_what_appears_does_so_between_shutters(self):
-        """With any position of the shutter a thing that is hidden until frame 3 is there all the time of that frame's shutter."""
+        """With any position of the shutter a thing that is hidden until frame 3 is there all the time of
+        that frame's shutter."""
         for position, opening in (("START", 0.0), ("CENTER", -0.25), ("END", -0.5)):
             scene = stages.stage()
             stages.keyed_visibility(scene)
@@ -145,7 +146,9 @@ class Large(Case):
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         size = self.path.stat().st_size / 1e6
         file = File(self.path)
-        visible = sum(shown[0] for node, shown in zip(file.nodes, file.visible(file.seconds([240]))) if "mesh" in node)
+        visible = sum(
+            shown[0] for node, shown in zip(file.nodes, file.visible(file.seconds([240]))) if "mesh" in node
+        )
         print(f"2000 leaves, 240 frames: {cpu:.1f} s of a core, {wall:.1f} s in all, {size:.1f} MB")
         self.assertEqual(visible, 2002)
         self.assertLess(cpu, 20.0)
@@ -175,7 +178,8 @@ class Inspected(Case):
         self.assertEqual(counts, [9, 25, 46, 86])
 
     def test_other_readers_open_it(self):
-        """Blender's own importer, which knows no visibility: leaves that are there at the end are where they were."""
+        """Blender's own importer, which knows no visibility: leaves that are there at the end
+        are where they were."""
         scene = leaf_scenes.build("simulation_emits")
         self.exported(scene)
         expected = truth.of(scene, [24])[24]
@@ -191,7 +195,12 @@ class Inspected(Case):
     def test_usd_has_them_come_and_go(self):
         file = self.exported(leaf_scenes.build("nodes_born"))
         stage = self.path.with_suffix(".usda")
-        subprocess.run([TOOLS, "export-usd", str(self.path), str(stage)], capture_output=True, check=True, env={**os.environ, "SUNFLECK": PROGRAM})
+        subprocess.run(
+            [TOOLS, "export-usd", str(self.path), str(stage)],
+            capture_output=True,
+            check=True,
+            env={**os.environ, "SUNFLECK": PROGRAM},
+        )
         born = sum(not shown[0] for shown in file.visible(file.seconds([1])))
         self.assertEqual(stage.read_text().count("token visibility.timeSamples"), born)
 
@@ -218,7 +227,9 @@ class Strands(Case):
         self.assertAlmostEqual(float(numpy.ptp(corners[..., 1])), 1.0, 5)
         normal = numpy.cross(corners[0, 1] - corners[0, 0], corners[0, 2] - corners[0, 0])
         eye = numpy.array([0.0, 2.0, 6.0]) - corners[0].mean(axis=0)
-        self.assertGreater(abs(float(normal @ eye)) / numpy.linalg.norm(normal) / numpy.linalg.norm(eye), 0.94)
+        self.assertGreater(
+            abs(float(normal @ eye)) / numpy.linalg.norm(normal) / numpy.linalg.norm(eye), 0.94
+        )
 
     def test_particle_hair(self):
         self.scene = stages.stage((1, 1))
@@ -235,7 +246,9 @@ class Strands(Case):
         tree.is_modifier = True
         for way in ("INPUT", "OUTPUT"):
             tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
-        start, made, end = (tree.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput"))
+        start, made, end = (
+            tree.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput")
+        )
         made.inputs["Radius"].default_value = 0.1
         tree.links.new(start.outputs[0], made.inputs["Mesh"])
         tree.links.new(made.outputs[0], end.inputs[0])
@@ -245,7 +258,11 @@ class Strands(Case):
 
 
 def area(corners):
-    return 0.5 * float(numpy.linalg.norm(numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum())
+    return 0.5 * float(
+        numpy.linalg.norm(
+            numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        ).sum()
+    )
 
 
 class Stages(Case):

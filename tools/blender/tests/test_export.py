@@ -1,4 +1,5 @@
-"""What `sunfleck export` writes, opened in Blender: every object, camera and light where sunfleck has it, at every frame.
+"""What `sunfleck export` writes, opened in Blender: every object, camera and light where sunfleck
+has it, at every frame.
 
 Run with the other tests here (test_addon.py says how).
 """
@@ -40,7 +41,8 @@ def rows(numbers):
 
 
 class Curves:
-    """Objects' places from their F-curves and parents alone: what Blender's evaluation gives, without meshes."""
+    """Objects' places from their F-curves and parents alone: what Blender's evaluation
+    gives, without meshes."""
 
     def __init__(self, scene):
         self.objects = list(scene.objects)
@@ -64,7 +66,9 @@ class Curves:
 
         def world(thing):
             if thing not in worlds:
-                above = world(thing.parent) @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
+                above = (
+                    world(thing.parent) @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
+                )
                 worlds[thing] = above @ self.basis(thing, frame)
             return worlds[thing]
 
@@ -73,21 +77,27 @@ class Curves:
         return worlds
 
     def basis(self, thing, frame):
-        parts = {"location": thing.location.copy(), "rotation_quaternion": thing.rotation_quaternion.copy(), "scale": thing.scale.copy()}
+        parts = {
+            "location": thing.location.copy(),
+            "rotation_quaternion": thing.rotation_quaternion.copy(),
+            "scale": thing.scale.copy(),
+        }
         if thing.rotation_mode != "QUATERNION" or not self.curves[thing]:
             return thing.matrix_basis
         for curve in self.curves[thing]:
             if curve.data_path in parts:
                 parts[curve.data_path][curve.array_index] = curve.evaluate(frame)
-        return mathutils.Matrix.LocRotScale(parts["location"], parts["rotation_quaternion"].normalized(), parts["scale"])
+        return mathutils.Matrix.LocRotScale(
+            parts["location"], parts["rotation_quaternion"].normalized(), parts["scale"]
+        )
 
 
 class Opened(unittest.TestCase):
     """`check` compares one input; what it prints are the largest differences."""
 
     def check(self, source, frames, evaluated=1):
-        """Blender evaluates the whole scene at every frame, or at one in `evaluated`; at the others there are the curves
-        of what moves."""
+        """Blender evaluates the whole scene at every frame, or at one in `evaluated`; at the others there are
+        the curves of what moves."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         path = Path(folder.name) / "scene.glb"
@@ -120,7 +130,8 @@ class Opened(unittest.TestCase):
             for name, camera in frame["cameras"].items():
                 self.compare_lens(self.named(name, "CAMERA"), rows(camera["projection"]), truth["size"])
             for name, light in frame["lights"].items():
-                # Values that change travel in empties that only sunfleck reads: lights are compared where they are still.
+                # Values that change travel in empties that only sunfleck reads: lights are compared
+                # where they are still.
                 if number == 0:
                     self.compare_light(self.named(name, "LIGHT"), light)
         print(source, {what: f"{self.worst[what]:.1e} of {self.compared[what]}" for what in self.worst})
@@ -128,11 +139,17 @@ class Opened(unittest.TestCase):
 
     def told(self, source, frames):
         numbers = ",".join(map(str, frames))
-        return json.loads(program("inspect", ROOT / source, "--json", "--frames", numbers, "--default-light", "off"))
+        return json.loads(
+            program("inspect", ROOT / source, "--json", "--frames", numbers, "--default-light", "off")
+        )
 
     def named(self, name, kind):
         """An object; Blender numbers those that share their name with others."""
-        alike = [thing for thing in self.things.values() if thing.type == kind and thing.name.rpartition(".")[0] == name]
+        alike = [
+            thing
+            for thing in self.things.values()
+            if thing.type == kind and thing.name.rpartition(".")[0] == name
+        ]
         here = self.things.get(name)
         return here if here and here.type == kind else next(iter(alike), here)
 
@@ -146,7 +163,11 @@ class Opened(unittest.TestCase):
         if thing is None and "#" in name:
             # What `inspect` tells apart by numbers of its own, Blender does by others.
             stem = name.rpartition("#")[0]
-            alike = [self.things[key] for key in (f"{stem}.{number:03}" for number in range(1, 1000)) if key in self.things]
+            alike = [
+                self.things[key]
+                for key in (f"{stem}.{number:03}" for number in range(1, 1000))
+                if key in self.things
+            ]
             thing = min(alike, key=lambda one: self.off(one, world, worlds), default=None)
         if thing is None or thing.type == "ARMATURE":
             return self.compare_bone(source, frame, name, world)
@@ -229,7 +250,8 @@ class Opened(unittest.TestCase):
 
 
 class Bent(unittest.TestCase):
-    """Skins and morph targets: what Blender makes of the exported file, and what it had itself (tests/data/blender)."""
+    """Skins and morph targets: what Blender makes of the exported file, and what it had itself
+    (tests/data/blender)."""
 
     def compare(self, name):
         folder = tempfile.TemporaryDirectory()

@@ -11,7 +11,15 @@ from sunfleck.losses import LOSSES
 
 PAGE = Path(__file__).parents[3] / "docs" / "blender-scenes.md"
 # Beside ids, words that stand in the same letters.
-PARTS = {"image-unreadable", "image-sequence", "texture-clip", "depends-on-view", "mean-colours", "nearly-...", "count-..."}
+PARTS = {
+    "image-unreadable",
+    "image-sequence",
+    "texture-clip",
+    "depends-on-view",
+    "mean-colours",
+    "nearly-...",
+    "count-...",
+}
 
 
 class Page(unittest.TestCase):
@@ -20,7 +28,11 @@ class Page(unittest.TestCase):
         self.assertEqual(told - PARTS - {"~/.cache/sunfleck/bakes"}, set(LOSSES))
 
     def test_it_has_sixty_rows(self):
-        rows = [line for line in PAGE.read_text().splitlines() if line.startswith("| ") and not line.startswith("| in Blender")]
+        rows = [
+            line
+            for line in PAGE.read_text().splitlines()
+            if line.startswith("| ") and not line.startswith("| in Blender")
+        ]
         self.assertGreaterEqual(len(rows), 60)
 
 

@@ -47,7 +47,9 @@ class Tree:
             self.link(share, mix.inputs[0])
         else:
             mix.inputs[0].default_value = share
-        self.link(a.outputs[0], mix.inputs[1]).link(b.outputs[0], mix.inputs[2]).link(mix.outputs[0], self.output.inputs["Surface"])
+        self.link(a.outputs[0], mix.inputs[1]).link(b.outputs[0], mix.inputs[2]).link(
+            mix.outputs[0], self.output.inputs["Surface"]
+        )
 
 
 def checks(size=8, alpha=False, name="checks"):
@@ -75,10 +77,14 @@ class Materials(Case):
         thing = scenes.quad(self.scene, "quad", 2.0, material)
         uv = thing.data.uv_layers.new(name="UVMap")
         uv.uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
-        thing.data.color_attributes.new("tint", "FLOAT_COLOR", "POINT").data.foreach_set("color", [0.5, 0.25, 1.0, 1.0] * 4)
+        thing.data.color_attributes.new("tint", "FLOAT_COLOR", "POINT").data.foreach_set(
+            "color", [0.5, 0.25, 1.0, 1.0] * 4
+        )
         told = export.exported(self.scene, self.path)
         self.file = document(self.path)
-        return next(one for one in self.file["materials"] if one["name"] == name), {finding.id: finding for finding in told.findings}
+        return next(one for one in self.file["materials"] if one["name"] == name), {
+            finding.id: finding for finding in told.findings
+        }
 
     def test_numbers_of_a_principled_bsdf_are_exact(self):
         tree = Tree()
@@ -91,8 +97,12 @@ class Materials(Case):
         said, findings = self.said(tree.material)
         pbr, extensions = said["pbrMetallicRoughness"], said["extensions"]
         numpy.testing.assert_allclose(pbr["baseColorFactor"], (0.1, 0.2, 0.3, 0.5), rtol=1e-6)
-        self.assertEqual((pbr["metallicFactor"], pbr["roughnessFactor"], said["alphaMode"]), (0.25, 0.75, "BLEND"))
-        self.assertEqual(extensions["KHR_materials_clearcoat"], {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.125})
+        self.assertEqual(
+            (pbr["metallicFactor"], pbr["roughnessFactor"], said["alphaMode"]), (0.25, 0.75, "BLEND")
+        )
+        self.assertEqual(
+            extensions["KHR_materials_clearcoat"], {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.125}
+        )
         self.assertEqual(extensions["KHR_materials_sheen"]["sheenColorFactor"], [0.5, 0.5, 0.5])
         self.assertEqual(extensions["KHR_materials_specular"], {"specularColorFactor": [0.5, 0.5, 0.5]})
         self.assertEqual(extensions["KHR_materials_emissive_strength"], {"emissiveStrength": 4.0})
@@ -101,13 +111,19 @@ class Materials(Case):
 
     def test_textures_with_their_coordinates_are_exact(self):
         tree = Tree()
-        picture, mapping, uv = tree.node("TexImage", image=checks(alpha=True)), tree.node("Mapping"), tree.node("UVMap", uv_map="UVMap")
+        picture, mapping, uv = (
+            tree.node("TexImage", image=checks(alpha=True)),
+            tree.node("Mapping"),
+            tree.node("UVMap", uv_map="UVMap"),
+        )
         mapping.inputs["Scale"].default_value = (2.0, 3.0, 1.0)
         mapping.inputs["Rotation"].default_value[2] = 0.5
         tree.link(uv.outputs[0], mapping.inputs["Vector"]).link(mapping.outputs[0], picture.inputs["Vector"])
         cut = tree.node("Math", operation="GREATER_THAN")
         cut.inputs[1].default_value = 0.25
-        tree.link(picture.outputs["Color"], tree.shader.inputs["Base Color"]).link(picture.outputs["Alpha"], cut.inputs[0])
+        tree.link(picture.outputs["Color"], tree.shader.inputs["Base Color"]).link(
+            picture.outputs["Alpha"], cut.inputs[0]
+        )
         tree.link(cut.outputs[0], tree.shader.inputs["Alpha"])
         said, findings = self.said(tree.material)
         info = said["pbrMetallicRoughness"]["baseColorTexture"]
@@ -119,12 +135,19 @@ class Materials(Case):
 
     def test_colour_attributes_multiply(self):
         tree = Tree()
-        color, picture, mix = tree.node("VertexColor", layer_name="tint"), tree.node("TexImage", image=checks()), tree.node("Mix")
+        color, picture, mix = (
+            tree.node("VertexColor", layer_name="tint"),
+            tree.node("TexImage", image=checks()),
+            tree.node("Mix"),
+        )
         mix.data_type, mix.blend_type = "RGBA", "MULTIPLY"
         mix.inputs["Factor"].default_value = 1.0
         a, b = (next(one for one in mix.inputs if one.identifier == f"{name}_Color") for name in "AB")
         tree.link(color.outputs["Color"], a).link(picture.outputs["Color"], b)
-        tree.link(next(one for one in mix.outputs if one.identifier == "Result_Color"), tree.shader.inputs["Base Color"])
+        tree.link(
+            next(one for one in mix.outputs if one.identifier == "Result_Color"),
+            tree.shader.inputs["Base Color"],
+        )
         said, findings = self.said(tree.material)
         self.assertEqual(findings, {})
         self.assertIn("COLOR_0", self.file["meshes"][0]["primitives"][0]["attributes"])
@@ -142,14 +165,21 @@ class Materials(Case):
     def test_matte_mixtures_with_light_from_behind_are_exact(self):
         tree = Tree()
         front, back = tree.node("BsdfDiffuse"), tree.node("BsdfTranslucent")
-        front.inputs["Color"].default_value, back.inputs["Color"].default_value = (0.2, 0.4, 0.1, 1.0), (0.6, 0.8, 0.2, 1.0)
+        front.inputs["Color"].default_value, back.inputs["Color"].default_value = (
+            (0.2, 0.4, 0.1, 1.0),
+            (0.6, 0.8, 0.2, 1.0),
+        )
         tree.mixed(0.25, front, back)
         said, findings = self.said(tree.material)
         through = said["extensions"]["KHR_materials_diffuse_transmission"]
         share = through["diffuseTransmissionFactor"]
         reflected = numpy.array(said["pbrMetallicRoughness"]["baseColorFactor"][:3]) * (1.0 - share)
         numpy.testing.assert_allclose(reflected, numpy.array((0.2, 0.4, 0.1)) * 0.75, rtol=1e-6)
-        numpy.testing.assert_allclose(share * numpy.array(through["diffuseTransmissionColorFactor"]), numpy.array((0.6, 0.8, 0.2)) * 0.25, rtol=1e-6)
+        numpy.testing.assert_allclose(
+            share * numpy.array(through["diffuseTransmissionColorFactor"]),
+            numpy.array((0.6, 0.8, 0.2)) * 0.25,
+            rtol=1e-6,
+        )
         self.assertEqual(findings, {})
 
     def test_transparent_mixtures_are_coverage(self):
@@ -166,7 +196,9 @@ class Materials(Case):
         noise, ramp = tree.node("TexNoise"), tree.node("ValToRGB")
         ramp.color_ramp.elements[0].color = (0.8, 0.1, 0.0, 1.0)
         ramp.color_ramp.elements[1].color = (0.1, 0.8, 0.0, 1.0)
-        tree.link(noise.outputs["Fac"], ramp.inputs[0]).link(ramp.outputs[0], tree.shader.inputs["Base Color"])
+        tree.link(noise.outputs["Fac"], ramp.inputs[0]).link(
+            ramp.outputs[0], tree.shader.inputs["Base Color"]
+        )
         said, findings = self.said(tree.material)
         self.assertIn("baseColorTexture", said["pbrMetallicRoughness"])
         self.assertEqual(findings["material-baked"].more, "at 256 x 256 texels, for its node `Noise Texture`")
@@ -181,7 +213,10 @@ class Materials(Case):
         tree = Tree()
         group = bpy.data.node_groups.new("leaf", "ShaderNodeTree")
         group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
-        inner = {name: group.nodes.new(name) for name in ("ShaderNodeBsdfDiffuse", "ShaderNodeTexChecker", "NodeGroupOutput")}
+        inner = {
+            name: group.nodes.new(name)
+            for name in ("ShaderNodeBsdfDiffuse", "ShaderNodeTexChecker", "NodeGroupOutput")
+        }
         group.links.new(inner["ShaderNodeTexChecker"].outputs[0], inner["ShaderNodeBsdfDiffuse"].inputs[0])
         group.links.new(inner["ShaderNodeBsdfDiffuse"].outputs[0], inner["NodeGroupOutput"].inputs[0])
         node, back, noise = tree.node("Group"), tree.node("BsdfTranslucent"), tree.node("TexNoise")
@@ -212,17 +247,24 @@ class Materials(Case):
         tree = Tree()
         tree.link(tree.node("TexImage", image=checks()).outputs["Color"], tree.shader.inputs["Base Color"])
         emitter = scenes.quad(self.scene, "emitter", 2.0, tree.material)
-        emitter.data.uv_layers.new(name="UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+        emitter.data.uv_layers.new(name="UVMap").uv.foreach_set(
+            "vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4")
+        )
         settings = emitter.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
         settings.type, settings.count, settings.hair_length = "HAIR", 20, 0.5
         emitter.show_instancer_for_render = False
         export.exported(self.scene, self.path)
         file = File(self.path)
-        mesh = next(mesh for mesh in file.said["meshes"] if "TEXCOORD_0" in mesh["primitives"][0]["attributes"])
+        mesh = next(
+            mesh for mesh in file.said["meshes"] if "TEXCOORD_0" in mesh["primitives"][0]["attributes"]
+        )
         primitive = mesh["primitives"][0]
         indices = file.accessor(primitive["indices"]).ravel()
-        places, uvs = (file.accessor(primitive["attributes"][name])[indices] for name in ("POSITION", "TEXCOORD_0"))
-        # Roots are the lowest corners; the square is two metres wide, and v goes down in glTF as z does towards the camera.
+        places, uvs = (
+            file.accessor(primitive["attributes"][name])[indices] for name in ("POSITION", "TEXCOORD_0")
+        )
+        # Roots are the lowest corners; the square is two metres wide, and v goes down in glTF as z
+        # does towards the camera.
         roots = places[:, 1] < 1e-3
         self.assertGreaterEqual(int(roots.sum()), 20)
         expected = numpy.stack([0.5 + 0.5 * places[roots, 0], 0.5 + 0.5 * places[roots, 2]], axis=1)
@@ -231,7 +273,9 @@ class Materials(Case):
     def test_bumps_become_normal_maps(self):
         tree = Tree()
         noise, bump = tree.node("TexNoise"), tree.node("Bump")
-        tree.link(noise.outputs["Fac"], bump.inputs["Height"]).link(bump.outputs[0], tree.shader.inputs["Normal"])
+        tree.link(noise.outputs["Fac"], bump.inputs["Height"]).link(
+            bump.outputs[0], tree.shader.inputs["Normal"]
+        )
         said, findings = self.said(tree.material)
         self.assertIn("normalTexture", said)
         self.assertEqual(set(findings), {"material-baked"})
@@ -242,7 +286,9 @@ class Materials(Case):
         tree.link(color.outputs["Color"], tree.shader.inputs["Roughness"])
         said, findings = self.said(tree.material)
         # The mean of what it is at all corners: it is the same at each.
-        self.assertAlmostEqual(said["pbrMetallicRoughness"]["roughnessFactor"], 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722, 3)
+        self.assertAlmostEqual(
+            said["pbrMetallicRoughness"]["roughnessFactor"], 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722, 3
+        )
         self.assertEqual(set(findings), {"material-baked"})
 
     def test_leaves_of_the_panel_stay_leaves_among_instances(self):
@@ -255,7 +301,9 @@ class Materials(Case):
         empty = scenes.add(self.scene, "group", None)
         empty.instance_type, empty.instance_collection = "COLLECTION", collection
         export.exported(self.scene, self.path)
-        self.assertEqual(document(self.path)["materials"][0]["extras"]["sunfleck_leaf"], {"translucency": 0.5})
+        self.assertEqual(
+            document(self.path)["materials"][0]["extras"]["sunfleck_leaf"], {"translucency": 0.5}
+        )
 
     def test_meshes_that_change_all_the_time_are_not_baked_without_end(self):
         tree = Tree()
@@ -265,15 +313,21 @@ class Materials(Case):
         stages.key(row.modifiers.new("array", "ARRAY"), "count", (1, 4), frames=(1, 4))
         with mock.patch.object(library, "MOST_MESHES", 2):
             told = export.exported(self.scene, self.path)
-        self.assertEqual({finding.id: finding.more for finding in told.findings}["material-lost"], "mean-colours")
-        textured = ["baseColorTexture" in one["pbrMetallicRoughness"] for one in document(self.path)["materials"]]
+        self.assertEqual(
+            {finding.id: finding.more for finding in told.findings}["material-lost"], "mean-colours"
+        )
+        textured = [
+            "baseColorTexture" in one["pbrMetallicRoughness"] for one in document(self.path)["materials"]
+        ]
         self.assertEqual(sorted(textured), [False, False, True, True])
 
     def randomly(self):
         """A colour by Cycles' random number."""
         tree = Tree()
         info, ramp = tree.node("ObjectInfo"), tree.node("ValToRGB")
-        tree.link(info.outputs["Random"], ramp.inputs[0]).link(ramp.outputs[0], tree.shader.inputs["Base Color"])
+        tree.link(info.outputs["Random"], ramp.inputs[0]).link(
+            ramp.outputs[0], tree.shader.inputs["Base Color"]
+        )
         return tree
 
     def test_random_colours_are_those_of_cycles(self):
@@ -282,8 +336,13 @@ class Materials(Case):
         _, findings = self.said(tree.material, "shade 1")
         self.assertEqual(findings, {})
         of_mesh = {node["name"]: node["mesh"] for node in self.file["nodes"] if "mesh" in node}
-        numbers = {name: self.file["meshes"][mesh]["primitives"][0]["material"] for name, mesh in of_mesh.items()}
-        colors = {name: self.file["materials"][number]["pbrMetallicRoughness"]["baseColorFactor"][0] for name, number in numbers.items()}
+        numbers = {
+            name: self.file["meshes"][mesh]["primitives"][0]["material"] for name, mesh in of_mesh.items()
+        }
+        colors = {
+            name: self.file["materials"][number]["pbrMetallicRoughness"]["baseColorFactor"][0]
+            for name, number in numbers.items()
+        }
         # Measured in Cycles.
         self.assertAlmostEqual(colors["some leaf"], 0.948119, 5)
         self.assertNotAlmostEqual(colors["quad"], colors["some leaf"], 2)
@@ -298,7 +357,10 @@ class Materials(Case):
         tree.link(asked.outputs["Color"], tree.shader.inputs["Base Color"])
         bpy.data.objects["leaf"].data.materials[0] = tree.material
         group = bpy.data.node_groups["fall"]
-        store, index = group.nodes.new("GeometryNodeStoreNamedAttribute"), group.nodes.new("GeometryNodeInputIndex")
+        store, index = (
+            group.nodes.new("GeometryNodeStoreNamedAttribute"),
+            group.nodes.new("GeometryNodeInputIndex"),
+        )
         store.data_type, store.domain = "FLOAT_COLOR", "INSTANCE"
         store.inputs["Name"].default_value = "tint"
         divide = group.nodes.new("ShaderNodeMath")

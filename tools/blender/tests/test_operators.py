@@ -1,4 +1,5 @@
-"""Operators and panels of the add-on as a person or a script meets them: drawn, undone, with progress, from the command line.
+"""Operators and panels of the add-on as a person or a script meets them: drawn, undone, with progress,
+from the command line.
 
 Run with the other tests here (test_addon.py says how).
 """
@@ -24,7 +25,8 @@ TESTS = Path(__file__).parent
 
 
 class Layout:
-    """Takes what a panel draws, and fails where Blender would: at a property or an operator that there is not."""
+    """Takes what a panel draws, and fails where Blender would: at a property or an operator
+    that there is not."""
 
     def __init__(self, drawn):
         self.drawn = drawn
@@ -131,11 +133,20 @@ class Progress(Case):
             event_timer_add=lambda *_, **__: "timer", event_timer_remove=lambda _: None, modal_handler_add=lambda _: True,
         )
         workspace = types.SimpleNamespace(status_text_set=shown.append)
-        context = types.SimpleNamespace(scene=self.scene, window_manager=manager, workspace=workspace, window=None)
+        context = types.SimpleNamespace(
+            scene=self.scene, window_manager=manager, workspace=workspace, window=None
+        )
         plain = {name: value for name, value in vars(render.SUNFLECK_OT_render).items() if callable(value)}
         # An operator without Blender's half of it, which only a window has.
-        stage = type("Stage", (), {**plain, "report": lambda _, level, text: shown.append((level, text)), "animation": True})()
-        with mock.patch.object(export, "default_folder", lambda _: self.folder), mock.patch.object(program, "find", lambda: PROGRAM):
+        stage = type(
+            "Stage",
+            (),
+            {**plain, "report": lambda _, level, text: shown.append((level, text)), "animation": True},
+        )()
+        with (
+            mock.patch.object(export, "default_folder", lambda _: self.folder),
+            mock.patch.object(program, "find", lambda: PROGRAM),
+        ):
             self.assertEqual(stage.invoke(context, None), {"RUNNING_MODAL"})
         return stage, context, shown
 
@@ -153,7 +164,9 @@ class Progress(Case):
         fractions = [value for value in shown if isinstance(value, float)]
         self.assertEqual(fractions, sorted(fractions))
         self.assertEqual(fractions[-1], 1.0)
-        self.assertTrue(any(isinstance(value, str) and value.startswith("sunfleck: 100 %") for value in shown))
+        self.assertTrue(
+            any(isinstance(value, str) and value.startswith("sunfleck: 100 %") for value in shown)
+        )
         self.assertIsNone(shown[shown.index("end") + 1], "the status line is Blender's again")
         self.assertTrue(any(image.type == "MULTILAYER" for image in bpy.data.images))
 
@@ -181,7 +194,11 @@ class CommandLine(Case):
             "bpy.ops.wm.open_mainfile(filepath=sys.argv[1]); "
             "from sunfleck import command; sys.exit(command.main(sys.argv[2:]))"
         )
-        surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ADDONS), str(TESTS)]), "SUNFLECK": PROGRAM}
+        surroundings = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(ADDONS), str(TESTS)]),
+            "SUNFLECK": PROGRAM,
+        }
         words = [sys.executable, "-c", code, str(blend), *map(str, arguments)]
         return subprocess.run(words, capture_output=True, text=True, env=surroundings)
 
@@ -190,7 +207,9 @@ class CommandLine(Case):
         self.assertEqual(self.call(blend, "check").returncode, 0)
         self.assertEqual(self.call(blend, "export", self.folder / "out.glb").returncode, 0)
         self.assertTrue((self.folder / "out.glb").exists())
-        done = self.call(blend, "render", "--folder", self.folder / "frames", "--size", "50%", "--frames", "2")
+        done = self.call(
+            blend, "render", "--folder", self.folder / "frames", "--size", "50%", "--frames", "2"
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(list((self.folder / "frames").glob("*.exr"))), 1)
         self.assertEqual(self.call(blend, "paint").returncode, 2)
@@ -213,7 +232,15 @@ class CommandLine(Case):
         words = [sys.executable, str(tools[0]), "validate", str(ADDONS / "sunfleck")]
         done = subprocess.run(words, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        words = [sys.executable, str(tools[0]), "build", "--source-dir", str(ADDONS / "sunfleck"), "--output-dir", str(self.folder)]
+        words = [
+            sys.executable,
+            str(tools[0]),
+            "build",
+            "--source-dir",
+            str(ADDONS / "sunfleck"),
+            "--output-dir",
+            str(self.folder),
+        ]
         done = subprocess.run(words, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertTrue(list(self.folder.glob("sunfleck-*.zip")))

@@ -1,4 +1,5 @@
-"""What decides about the picture: cameras and their markers, borders, pixels, steps, layers, colours of the working space.
+"""What decides about the picture: cameras and their markers, borders, pixels, steps, layers, colours
+of the working space.
 
 Run with the other tests here (test_addon.py says how).
 """
@@ -67,7 +68,9 @@ class Pictures(Case):
         found = inspect(self.path)
         self.assertEqual(found["size"], [128, 36])
         graph = bpy.context.evaluated_depsgraph_get()
-        wanted = self.scene.camera.evaluated_get(graph).calc_matrix_camera(graph, x=64, y=36, scale_x=2.0, scale_y=1.0)
+        wanted = self.scene.camera.evaluated_get(graph).calc_matrix_camera(
+            graph, x=64, y=36, scale_x=2.0, scale_y=1.0
+        )
         projection = numpy.array(found["frames"][0]["camera"]["projection"]).reshape(4, 4)
         numpy.testing.assert_allclose(projection[:2], numpy.array(wanted)[:2], atol=1e-5)
 
@@ -175,11 +178,15 @@ class Pictures(Case):
     def test_one_frame_alone_below_zero(self):
         """The frame at hand may be negative; the file's times are not."""
         thing = bpy.data.objects["quad"]
-        stages.key(thing, "location", ((0.0, 0.0, 0.0), (8.0, 0.0, 4.0)), frames=(-10, 6), interpolation="LINEAR")
+        stages.key(
+            thing, "location", ((0.0, 0.0, 0.0), (8.0, 0.0, 4.0)), frames=(-10, 6), interpolation="LINEAR"
+        )
         self.scene.render.use_motion_blur = True
         export.export(self.scene, self.path, only=-6)
         said = document(self.path)
-        times = [said["accessors"][sampler["input"]]["min"][0] for sampler in said["animations"][0]["samplers"]]
+        times = [
+            said["accessors"][sampler["input"]]["min"][0] for sampler in said["animations"][0]["samplers"]
+        ]
         self.assertGreaterEqual(min(times), 0.0)
         for frame in (-6.25, -6.0, -5.75):
             world = File(self.path).worlds(File(self.path).seconds([frame]))
@@ -223,12 +230,20 @@ class Pictures(Case):
 
     def test_colours_of_a_wider_space_are_converted(self):
         bpy.ops.wm.set_working_color_space(working_space="ACEScg", convert_colors=False)
-        self.addCleanup(bpy.ops.wm.set_working_color_space, working_space="Linear Rec.709", convert_colors=False)
+        self.addCleanup(
+            bpy.ops.wm.set_working_color_space, working_space="Linear Rec.709", convert_colors=False
+        )
         shader = bpy.data.materials["quad"].node_tree.nodes["Principled BSDF"]
         shader.inputs["Base Color"].default_value = (0.25, 0.5, 0.125, 1.0)
         told = export.exported(self.scene, self.path)
         found = document(self.path)["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][:3]
-        expected = numpy.array([[1.705052, -0.621791, -0.083261], [-0.130257, 1.140803, -0.010546], [-0.024003, -0.128969, 1.152972]])
+        expected = numpy.array(
+            [
+                [1.705052, -0.621791, -0.083261],
+                [-0.130257, 1.140803, -0.010546],
+                [-0.024003, -0.128969, 1.152972],
+            ]
+        )
         numpy.testing.assert_allclose(found, expected @ (0.25, 0.5, 0.125), atol=1e-4)
         self.assertIn("working-space", {finding.id for finding in told.findings})
 

@@ -1,4 +1,5 @@
-"""Stages that `sunfleck-tools export-usd` writes, opened in Blender: is everything where, and as bright as, the renderer has it?
+"""Stages that `sunfleck-tools export-usd` writes, opened in Blender: is everything where, and as bright as,
+the renderer has it?
 
 The tools have USD libraries of their own, which must not meet Blender's in one process: they run in theirs.
 """
@@ -95,7 +96,9 @@ class Review(unittest.TestCase):
             graph = at_frame(frame)
             for key, leaf in leaves.items():
                 world = world_of(leaf.evaluated_get(graph).matrix_world)
-                self.assertNear(world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}")
+                self.assertNear(
+                    world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}"
+                )
         # All of one mesh.
         self.assertEqual(len([mesh for mesh in bpy.data.meshes if mesh.name.startswith("leaf")]), 1)
 
@@ -106,7 +109,9 @@ class Review(unittest.TestCase):
             graph = at_frame(frame)
             for leaf in (thing for thing in bpy.data.objects if thing.instance_collection):
                 world = world_of(leaf.evaluated_get(graph).matrix_world)
-                self.assertNear(world.ravel(), expected["nodes"][leaf["sunfleck_name"]]["world"], TRANSFORMS, leaf.name)
+                self.assertNear(
+                    world.ravel(), expected["nodes"][leaf["sunfleck_name"]]["world"], TRANSFORMS, leaf.name
+                )
 
     def test_the_sky_is_the_world(self):
         """Blender makes a world of a dome where the scene has one, as its own new scenes do."""
@@ -114,7 +119,8 @@ class Review(unittest.TestCase):
         source = self.folder / "sky.ron"
         for sky in (
             "Constant(radiance_w_per_m2_sr: (0.4, 0.2, 0.1))",
-            "Gradient(zenith_w_per_m2_sr: (0.2, 0.3, 0.8), horizon_w_per_m2_sr: (0.8, 0.7, 0.9), ground_w_per_m2_sr: 0.1)",
+            "Gradient(zenith_w_per_m2_sr: (0.2, 0.3, 0.8), horizon_w_per_m2_sr: (0.8, 0.7, 0.9), "
+            "ground_w_per_m2_sr: 0.1)",
         ):
             source.write_text(f"Scene(version: 1, meshes: {scene}, sky: {sky})")
             self.open(source, has_world=True)
@@ -122,25 +128,40 @@ class Review(unittest.TestCase):
             background = nodes["ShaderNodeBackground"]
             strength = background.inputs["Strength"].default_value
             if "ShaderNodeTexEnvironment" not in nodes:
-                self.assertNear(np.array(background.inputs["Color"].default_value[:3]) * strength, [0.4, 0.2, 0.1], 1e-6, sky)
+                self.assertNear(
+                    np.array(background.inputs["Color"].default_value[:3]) * strength,
+                    [0.4, 0.2, 0.1],
+                    1e-6,
+                    sky,
+                )
                 continue
             image = nodes["ShaderNodeTexEnvironment"].image
             # From straight down to straight up.
             rows = np.array(image.pixels[:]).reshape(image.size[1], image.size[0], 4)[:, 0, :3] * strength
             half = len(rows) // 2
-            for row, expected in ((0, [0.1] * 3), (half - 1, [0.1] * 3), (half, [0.8, 0.7, 0.9]), (-1, [0.2, 0.3, 0.8])):
+            for row, expected in (
+                (0, [0.1] * 3),
+                (half - 1, [0.1] * 3),
+                (half, [0.8, 0.7, 0.9]),
+                (-1, [0.2, 0.3, 0.8]),
+            ):
                 self.assertNear(rows[row], expected, 2e-3, f"row {row}")
             self.assertNear(rows[half + half // 3], [0.5, 0.5, 0.85], 2e-3, "at 30 degrees")
 
     def test_an_image_of_the_sky_is_seen_where_the_renderer_has_it(self):
-        """What Blender sees, rendered, in directions of the renderer's: red is how far to the right in the picture."""
-        right, down = np.meshgrid((np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32)
+        """What Blender sees, rendered, in directions of the renderer's: red is how far to the
+        right in the picture."""
+        right, down = np.meshgrid(
+            (np.arange(64, dtype=np.float32) + 0.5) / 64, (np.arange(32, dtype=np.float32) + 0.5) / 32
+        )
         with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"R": right, "G": down, "B": right}) as file:
             file.write(str(self.folder / "marked.exr"))
         sky = 'Image(image: "marked.exr", rotation_deg: 20, lights: Surfaces)'
         source = self.folder / "sky.ron"
         mesh = 'meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.06) }, objects: { "leaf": (mesh: "leaf", translation_m: (0, -9, 0)) }'
-        source.write_text(f'Scene(version: 1, {mesh}, cameras: {{ "main": (position_m: (0, 1, 4)) }}, sky: {sky})')
+        source.write_text(
+            f'Scene(version: 1, {mesh}, cameras: {{ "main": (position_m: (0, 1, 4)) }}, sky: {sky})'
+        )
         self.open(source, has_world=True)
         scene = bpy.context.scene
         scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
@@ -151,8 +172,14 @@ class Review(unittest.TestCase):
         camera.data.angle = math.radians(1)
         scene.collection.objects.link(camera)
         scene.camera = camera
-        # The renderer has -z in the middle, +x to the right of it; 20 degrees anticlockwise move a direction to the right.
-        for direction, u, v in (((1, 0, 0), 0.75, 0.5), ((-1, 0, 0), 0.25, 0.5), ((0, 0, -1), 0.5, 0.5), ((0, 1, -1), 0.5, 0.25)):
+        # The renderer has -z in the middle, +x to the right of it; 20 degrees anticlockwise move a
+        # direction to the right.
+        for direction, u, v in (
+            ((1, 0, 0), 0.75, 0.5),
+            ((-1, 0, 0), 0.25, 0.5),
+            ((0, 0, -1), 0.5, 0.5),
+            ((0, 1, -1), 0.5, 0.25),
+        ):
             x, y, z = direction
             camera.matrix_world = Vector((x, -z, y)).to_track_quat("-Z", "Y").to_matrix().to_4x4()
             bpy.ops.render.render(write_still=True)
@@ -173,10 +200,13 @@ class Review(unittest.TestCase):
             ]
             self.assertEqual(len(worlds), len(keys))
             for key, world in zip(keys, worlds):
-                self.assertNear(world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}")
+                self.assertNear(
+                    world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}"
+                )
 
     def test_meshes_that_bend_are_right_between_frames_too(self):
-        """Where there are samples, against the curves of the glTF file, which are not Blender's own between its keys."""
+        """Where there are samples, against the curves of the glTF file, which are not Blender's own
+        between its keys."""
         for name, shapes in (("c_morph", ("morph_leaf_0", "morph_leaf_1")), ("d_skin", ("branch",))):
             self.open(SAMPLES / f"{name}.glb", "--samples-per-frame", "4")
             gltf = Gltf(Container(SAMPLES / f"{name}.glb"))
@@ -187,11 +217,17 @@ class Review(unittest.TestCase):
                     node = nodes[shape]
                     bending = Bending(gltf, node, meshes.of(node)[1])
                     place = np.eye(4) if bending.is_skinned else node.world_from_node(times)[0]
-                    expected = np.concatenate([bending.positions(each, times)[0] for each in bending.mesh.primitives])
+                    expected = np.concatenate(
+                        [bending.positions(each, times)[0] for each in bending.mesh.primitives]
+                    )
                     expected = expected @ place[:3, :3].T + place[:3, 3]
                     things = (thing for thing in bpy.data.objects if thing.type == "MESH")
-                    thing = next(thing for thing in things if thing.get("sunfleck_name") == shape).evaluated_get(graph)
-                    points = np.array([[*(thing.matrix_world @ vertex.co), 1.0] for vertex in thing.to_mesh().vertices])
+                    thing = next(
+                        thing for thing in things if thing.get("sunfleck_name") == shape
+                    ).evaluated_get(graph)
+                    points = np.array(
+                        [[*(thing.matrix_world @ vertex.co), 1.0] for vertex in thing.to_mesh().vertices]
+                    )
                     points = (points @ np.linalg.inv(BLENDER_FROM_USD).T)[:, :3]
                     self.assertNear(points, expected, TRANSFORMS, f"{shape} at {frame}")
 
@@ -204,7 +240,9 @@ class Review(unittest.TestCase):
                 bar = TRANSFORMS if truth["frame"] == int(truth["frame"]) else 1e-2
                 for shape in shapes:
                     meshes = (thing for thing in bpy.data.objects if thing.type == "MESH")
-                    thing = next(thing for thing in meshes if thing.get("sunfleck_name") == shape).evaluated_get(graph)
+                    thing = next(
+                        thing for thing in meshes if thing.get("sunfleck_name") == shape
+                    ).evaluated_get(graph)
                     mesh = thing.to_mesh()
                     points = np.array([[*(thing.matrix_world @ vertex.co), 1.0] for vertex in mesh.vertices])
                     points = points @ np.linalg.inv(BLENDER_FROM_USD).T
@@ -227,7 +265,9 @@ class Review(unittest.TestCase):
                     # A skin's own mesh is in the world.
                     if key in expected["nodes"] and not (name == "d_skin" and thing.type == "MESH"):
                         world = world_of(thing.evaluated_get(graph).matrix_world)
-                        self.assertNear(world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}")
+                        self.assertNear(
+                            world.ravel(), expected["nodes"][key]["world"], TRANSFORMS, f"{key} at {frame}"
+                        )
                         compared += 1
             self.assertGreaterEqual(compared, 8)
 
@@ -239,7 +279,9 @@ class Review(unittest.TestCase):
         for frame, expected in truth.items():
             graph = at_frame(frame)
             seen = camera.evaluated_get(graph)
-            self.assertNear(world_of(seen.matrix_world).ravel(), expected["camera"]["world"], TRANSFORMS, f"at {frame}")
+            self.assertNear(
+                world_of(seen.matrix_world).ravel(), expected["camera"]["world"], TRANSFORMS, f"at {frame}"
+            )
             self.assertLessEqual(abs(seen.data.angle_y - expected["camera"]["fov_y_rad"]), ANGLES)
             projection = np.array(seen.calc_matrix_camera(graph, x=960, y=540))
             expected = np.reshape(expected["camera"]["projection"], (4, 4))
@@ -275,7 +317,9 @@ class Review(unittest.TestCase):
             self.assertNear(light.energy * np.array(light.color), power, 1e-5 * max(power), name)
             # Where it shines.
             axis = np.reshape(expected["world"], (4, 4))[:3, 2]
-            self.assertNear(world_of(thing.matrix_world)[:3, 2], axis / np.linalg.norm(axis), TRANSFORMS, name)
+            self.assertNear(
+                world_of(thing.matrix_world)[:3, 2], axis / np.linalg.norm(axis), TRANSFORMS, name
+            )
             if kind == "sun":
                 self.assertAlmostEqual(light.angle, expected["angular_diameter_rad"], 6)
             else:
@@ -299,7 +343,12 @@ class Review(unittest.TestCase):
     def test_materials_are_cut_out_where_they_were(self):
         self.open(SAMPLES / "b_leafcards.glb")
         shaders = {material.name: material.node_tree.nodes for material in bpy.data.materials}
-        images = {node.image.name for nodes in shaders.values() for node in nodes if node.type == "TEX_IMAGE" and node.image}
+        images = {
+            node.image.name
+            for nodes in shaders.values()
+            for node in nodes
+            if node.type == "TEX_IMAGE" and node.image
+        }
         self.assertTrue(images)
         cut = [nodes for nodes in shaders.values() if any(node.type == "MATH" for node in nodes)]
         self.assertGreaterEqual(len(cut), 3)

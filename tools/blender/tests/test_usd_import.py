@@ -1,4 +1,5 @@
-"""Stages that Blender itself exports, read by `sunfleck-tools import-usd`: is everything where Blender has it?"""
+"""Stages that Blender itself exports, read by `sunfleck-tools import-usd`: is everything
+where Blender has it?"""
 
 import json
 import math
@@ -42,11 +43,18 @@ class FromBlender(unittest.TestCase):
             leaf.parent = parent
             leaf["leaf_id"] = number + 1
             for frame in (1, 8):
-                leaf.location[2], leaf.rotation_euler = 2.0 - 0.2 * frame, (0.5 * frame, 0.1 * number, -0.3 * frame)
+                leaf.location[2], leaf.rotation_euler = (
+                    2.0 - 0.2 * frame,
+                    (0.5 * frame, 0.1 * number, -0.3 * frame),
+                )
                 leaf.keyframe_insert("location", frame=frame)
                 leaf.keyframe_insert("rotation_euler", frame=frame)
         camera = scenes.camera(scene)
-        camera.data.dof.use_dof, camera.data.dof.focus_distance, camera.data.dof.aperture_fstop = True, 3.5, 2.0
+        camera.data.dof.use_dof, camera.data.dof.focus_distance, camera.data.dof.aperture_fstop = (
+            True,
+            3.5,
+            2.0,
+        )
         camera.data.shift_x = 0.1
         for frame, lens in ((1, 35.0), (8, 70.0)):
             camera.data.lens = lens
@@ -54,23 +62,38 @@ class FromBlender(unittest.TestCase):
         scenes.sun(scene, 3.0, 0.02)
         lamp = scenes.add(scene, "lamp", bpy.data.lights.new("lamp", "POINT"), (1.0, 2.0, 3.0))
         lamp.data.energy, lamp.data.shadow_soft_size, lamp.data.color = 40.0, 0.05, (1.0, 0.5, 0.25)
-        spot = scenes.add(scene, "spot", bpy.data.lights.new("spot", "SPOT"), (0.0, 0.0, 4.0), (0.0, 0.0, 0.0))
+        spot = scenes.add(
+            scene, "spot", bpy.data.lights.new("spot", "SPOT"), (0.0, 0.0, 4.0), (0.0, 0.0, 0.0)
+        )
         spot.data.energy, spot.data.spot_size, spot.data.spot_blend = 80.0, 1.0, 0.3
-        window = scenes.add(scene, "window", bpy.data.lights.new("window", "AREA"), (3.0, 0.0, 2.0), (0.0, 0.0, 1.0))
-        window.data.shape, window.data.size, window.data.size_y, window.data.energy = "RECTANGLE", 2.0, 1.0, 25.0
+        window = scenes.add(
+            scene, "window", bpy.data.lights.new("window", "AREA"), (3.0, 0.0, 2.0), (0.0, 0.0, 1.0)
+        )
+        window.data.shape, window.data.size, window.data.size_y, window.data.energy = (
+            "RECTANGLE",
+            2.0,
+            1.0,
+            25.0,
+        )
         found = inspect(self.back(), FRAMES)
         for frame, truth in found.items():
             graph = at_frame(frame)
             for thing in [parent, *leaves]:
-                world = USD_FROM_BLENDER @ np.array(thing.evaluated_get(graph).matrix_world) @ BLENDER_FROM_USD
+                world = (
+                    USD_FROM_BLENDER @ np.array(thing.evaluated_get(graph).matrix_world) @ BLENDER_FROM_USD
+                )
                 again = np.reshape(truth["nodes"][thing.name]["world"], (4, 4)) @ BLENDER_FROM_USD
                 self.assertLessEqual(np.abs(again - world).max(), TRANSFORMS, f"{thing.name} at {frame}")
             seen = camera.evaluated_get(graph)
             world = USD_FROM_BLENDER @ np.array(seen.matrix_world)
-            self.assertLessEqual(np.abs(np.reshape(truth["camera"]["world"], (4, 4)) - world).max(), TRANSFORMS)
+            self.assertLessEqual(
+                np.abs(np.reshape(truth["camera"]["world"], (4, 4)) - world).max(), TRANSFORMS
+            )
             projection = np.array(seen.calc_matrix_camera(graph, x=64, y=36))
             expected = np.reshape(truth["camera"]["projection"], (4, 4))
-            self.assertLessEqual(np.abs(projection[:2, :3] - expected[:2, :3]).max(), 1e-4, f"lens at {frame}")
+            self.assertLessEqual(
+                np.abs(projection[:2, :3] - expected[:2, :3]).max(), 1e-4, f"lens at {frame}"
+            )
         lights = found[1.0]["lights"]
         self.near(lights["sun"]["irradiance_w_per_m2"], [3.0] * 3)
         self.near(lights["sun"]["angular_diameter_rad"], 0.02)

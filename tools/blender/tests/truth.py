@@ -1,4 +1,5 @@
-"""What Blender's dependency graph holds at every frame, for tests to compare files with: independent of how files are made."""
+"""What Blender's dependency graph holds at every frame, for tests to compare files with: independent of
+how files are made."""
 
 import math
 
@@ -10,12 +11,15 @@ TURN = numpy.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)
 
 
 def of(scene, frames, subframe=0.0):
-    """By frame: the triangles, (triangles, 3, 3) in glTF's axes, of every instance that has any. The viewport shows what renders."""
+    """By frame: the triangles, (triangles, 3, 3) in glTF's axes, of every instance that has any. The viewport
+    shows what renders."""
     found = {}
     for frame in frames:
         scene.frame_set(frame, subframe=subframe)
         graph = bpy.context.evaluated_depsgraph_get()
-        found[frame] = [corners for instance in graph.object_instances if (corners := triangles(instance)) is not None]
+        found[frame] = [
+            corners for instance in graph.object_instances if (corners := triangles(instance)) is not None
+        ]
     return found
 
 
@@ -27,9 +31,12 @@ def at(scene, moment):
 
 
 def triangles(instance):
-    """Curves, texts and metaballs are there a second time as meshes; what is a child of faces or vertices renders there alone."""
+    """Curves, texts and metaballs are there a second time as meshes; what is a child of faces or vertices
+    renders there alone."""
     thing, parent = instance.object, instance.object.parent
-    is_pattern = not instance.is_instance and parent is not None and parent.instance_type in {"FACES", "VERTS"}
+    is_pattern = (
+        not instance.is_instance and parent is not None and parent.instance_type in {"FACES", "VERTS"}
+    )
     if thing.type != "MESH" or not instance.show_self or is_pattern or not thing.data.polygons:
         return None
     mesh = thing.data
@@ -56,14 +63,19 @@ def of_file(file, frames):
         for at, frame in enumerate(frames):
             if not visible[index][at]:
                 continue
-            bent = still if numpy.array_equal(weights[at], weights[0]) else file.triangles(node["mesh"], weights[at])
+            bent = (
+                still
+                if numpy.array_equal(weights[at], weights[0])
+                else file.triangles(node["mesh"], weights[at])
+            )
             matrix = worlds[index][at]
             found[frame].append(bent @ matrix[:3, :3].T + matrix[:3, 3])
     return found
 
 
 def farthest(found, expected):
-    """The largest distance between corners of the same number of instances, each compared with the nearest like it."""
+    """The largest distance between corners of the same number of instances, each compared with
+    the nearest like it."""
     assert len(found) == len(expected), f"{len(found)} instances, not {len(expected)}"
     worst, left = 0.0, list(range(len(found)))
     middles = numpy.array([corners.mean(axis=(0, 1)) for corners in found]).reshape(-1, 3)

@@ -2,4 +2,15 @@
 
 from . import blocks, constancy, container, fireflies, naming, order, passes, reference, time, values
 
-__all__ = ["blocks", "constancy", "container", "fireflies", "naming", "order", "passes", "reference", "time", "values"]
+__all__ = [
+    "blocks",
+    "constancy",
+    "container",
+    "fireflies",
+    "naming",
+    "order",
+    "passes",
+    "reference",
+    "time",
+    "values",
+]

@@ -1,7 +1,8 @@
 """Blocks of a picture that were never rendered: rectangles of zeros where the picture is lit.
 
-Renderers work in buckets, and files in blocks of rows; one that is lost is black to its last value, with straight edges. A black
-thing has no straight edges, or lasts: the frames before and after say which. Invariant: no more than `MOST` candidates a frame.
+Renderers work in buckets, and files in blocks of rows; one that is lost is black to its last value, with
+straight edges. A black thing has no straight edges, or lasts: the frames before and after say which.
+Invariant: no more than `MOST` candidates a frame.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ SMALLEST = 8
 LIT_SHARE = 0.9
 """Of what surrounds a block, and of its place in the frames before and after."""
 GRID = 8
-"""Where there is no other frame, a block has to have multiples of so many columns and rows, as those of renderers and files do."""
+"""Where there is no other frame, a block has to have multiples of so many columns and rows, as those of
+renderers and files do."""
 MOST = 64
 
 Block = tuple[int, int, int, int]
@@ -27,7 +29,8 @@ Block = tuple[int, int, int, int]
 
 
 def candidates(frame: Frame) -> list[Block]:
-    """Rectangles of zeros that are as wide in every row, with light around them, in places of the full picture."""
+    """Rectangles of zeros that are as wide in every row, with light around them, in places of
+    the full picture."""
     colors = [frame.channels[name] for name in frame.picture]
     if not colors or any(frame.extremes(name)[0] > 0 for name in frame.picture):
         return []
@@ -49,7 +52,9 @@ def _rectangles(dark: np.ndarray) -> Iterator[Block]:
     for y in range(height + 1):
         runs = set()
         if y < height and dark[y].any():
-            runs = set(zip(np.flatnonzero(edges[y] == 1).tolist(), (np.flatnonzero(edges[y] == -1) - 1).tolist()))
+            runs = set(
+                zip(np.flatnonzero(edges[y] == 1).tolist(), (np.flatnonzero(edges[y] == -1) - 1).tolist())
+            )
             runs = {run for run in runs if run[1] - run[0] + 1 >= SMALLEST}
         for run in [run for run in open_runs if run not in runs]:
             first = open_runs.pop(run)
@@ -60,7 +65,8 @@ def _rectangles(dark: np.ndarray) -> Iterator[Block]:
 
 
 def _stands_out(dark: np.ndarray, block: Block) -> bool:
-    """True if the rows above and below, where there are some, are lit; to the sides every rectangle ends by itself."""
+    """True if the rows above and below, where there are some, are lit; to the sides every
+    rectangle ends by itself."""
     x0, y0, x1, y1 = block
     rows = [row for row in (y0 - 1, y1 + 1) if 0 <= row < dark.shape[0]]
     lit = [1 - dark[row, x0 : x1 + 1].mean() for row in rows]
@@ -68,7 +74,8 @@ def _stands_out(dark: np.ndarray, block: Block) -> bool:
 
 
 def lit_in(luminance: np.ndarray, found: list[Block], corner: tuple[int, int]) -> list[Block]:
-    """Those blocks, in places of the full picture, that this picture of the frame before or after is lit in."""
+    """Those blocks, in places of the full picture, that this picture of the frame before
+    or after is lit in."""
     lit = []
     for block in found:
         x0, y0, x1, y1 = (max(0, value - corner[index % 2]) for index, value in enumerate(block))
@@ -79,7 +86,8 @@ def lit_in(luminance: np.ndarray, found: list[Block], corner: tuple[int, int]) -
 
 
 def unlikely_alone(found: list[Block], window: Block) -> list[Block]:
-    """Those blocks whose size is that of a bucket, and that are no bars along the edges of the picture, whose data window this is."""
+    """Those blocks whose size is that of a bucket, and that are no bars along the edges of the picture, whose
+    data window this is."""
 
     def is_bar(block: Block, axis: int) -> bool:
         spans = block[axis] == window[axis] and block[axis + 2] == window[axis + 2]
@@ -91,7 +99,13 @@ def unlikely_alone(found: list[Block], window: Block) -> list[Block]:
     return [block for block in found if is_bucket(block) and not is_bar(block, 0) and not is_bar(block, 1)]
 
 
-@check("black-block", Severity.ERROR, Scope.SEQUENCE, "a rectangle of the picture is black to its last value", rerender=True)
+@check(
+    "black-block",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "a rectangle of the picture is black to its last value",
+    rerender=True,
+)
 def black_block(rendered: Rendered) -> Iterator[Found]:
     """One finding a frame, for its largest."""
     for frame in rendered.decoded:

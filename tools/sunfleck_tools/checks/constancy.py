@@ -1,4 +1,5 @@
-"""Checks that what should be the same in all frames is, and that what counts frames agrees with their names."""
+"""Checks that what should be the same in all frames is, and that what counts frames agrees
+with their names."""
 
 from __future__ import annotations
 
@@ -44,9 +45,15 @@ def _shown(value: object) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-@check("structure", Severity.ERROR, Scope.SEQUENCE, "channels, windows, compression or colour space differ from the other frames'")
+@check(
+    "structure",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "channels, windows, compression or colour space differ from the other frames'",
+)
 def structure(rendered: Rendered) -> Iterator[Found]:
-    """Readers take them from the first frame. The data window of other renderers follows what is in the picture."""
+    """Readers take them from the first frame. The data window of other renderers follows what
+    is in the picture."""
     is_own = any(frame.provenance for frame in rendered.frames)
     for part in STRUCTURE + (("data window",) if is_own else ()):
         yield from odd_ones(rendered, part, lambda frame: frame.structure[part])
@@ -90,13 +97,21 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
     if sealed:
         for frame in frames:
             if "fileHash" not in frame.provenance:
-                yield Found("it carries no hash of the file, as the others do", frame=frame.number, path=frame.path)
+                yield Found(
+                    "it carries no hash of the file, as the others do", frame=frame.number, path=frame.path
+                )
 
 
-@check("ends-early", Severity.WARNING, Scope.SEQUENCE, "the scene's own frames go on before or after those that are there")
+@check(
+    "ends-early",
+    Severity.WARNING,
+    Scope.SEQUENCE,
+    "the scene's own frames go on before or after those that are there",
+)
 def ends_early(rendered: Rendered) -> Iterator[Found]:
-    """A first or last frame that is missing leaves no gap. Frames say which their scene has, whichever of them a run was asked for:
-    where one end is there and the other is not, it may be lost. Who renders a part of them knows."""
+    """A first or last frame that is missing leaves no gap. Frames say which their scene has, whichever of
+    them a run was asked for: where one end is there and the other is not, it may be lost. Who renders a
+    part of them knows."""
     numbers = [frame.number for frame in rendered.frames]
     texts = {frame.provenance.get("sequenceFrames", "") for frame in rendered.frames}
     ranges = [(int(match[1]), int(match[2])) for text in texts if (match := RANGE.fullmatch(text))]
@@ -107,10 +122,18 @@ def ends_early(rendered: Rendered) -> Iterator[Found]:
     is_first_there, is_last_there = numbers[0] - step < first, numbers[-1] + step > last
     if is_first_there != is_last_there:
         lost = f"after {numbers[-1]}" if is_first_there else f"before {numbers[0]}"
-        yield Found(f"the scene's frames are {first}-{last}, and none {lost} is there: say by --frames if that is right")
+        yield Found(
+            f"the scene's frames are {first}-{last}, and none {lost} is there: say by --frames if that is "
+            "right"
+        )
 
 
-@check("frame-rate", Severity.ERROR, Scope.SEQUENCE, "the frame rate differs from the other frames', or from --fps")
+@check(
+    "frame-rate",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "the frame rate differs from the other frames', or from --fps",
+)
 def frame_rate(rendered: Rendered) -> Iterator[Found]:
     """Editors take it from any frame."""
     yield from odd_ones(
@@ -118,14 +141,22 @@ def frame_rate(rendered: Rendered) -> Iterator[Found]:
     )
 
 
-@check("image-counter", Severity.ERROR, Scope.SEQUENCE, "the file's frame number is not that of its name", rerender=True)
+@check(
+    "image-counter",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "the file's frame number is not that of its name",
+    rerender=True,
+)
 def image_counter(rendered: Rendered) -> Iterator[Found]:
     """Swapped, copied and renumbered frames. Other renderers' may be renumbered, as long as all are."""
     is_own = any(frame.provenance for frame in rendered.frames)
     if not is_own:
         said = [frame for frame in rendered.frames if number_said(frame) is not None]
         ahead = "own number ahead of its name by"
-        yield from odd_ones(Rendered(said, rendered.options), ahead, lambda frame: number_said(frame) - frame.number)
+        yield from odd_ones(
+            Rendered(said, rendered.options), ahead, lambda frame: number_said(frame) - frame.number
+        )
     for frame in rendered.frames:
         counter = frame.attributes.get("imageCounter")
         if is_own and counter is not None and counter != frame.number:
@@ -137,7 +168,9 @@ def number_said(frame: FrameSummary) -> int | None:
     counter, text = frame.attributes.get("imageCounter"), frame.attributes.get("Frame")
     if isinstance(counter, int):
         return counter
-    return int(text) if isinstance(text, str) and text.isascii() and text.isdigit() and len(text) < 10 else None
+    return (
+        int(text) if isinstance(text, str) and text.isascii() and text.isdigit() and len(text) < 10 else None
+    )
 
 
 @check("time-code", Severity.ERROR, Scope.SEQUENCE, "time codes do not advance as the names do")

@@ -33,7 +33,13 @@ def header(file: FileBytes) -> Iterator[Found]:
         yield Found(file.header_error)
 
 
-@check("size-claim", Severity.ERROR, Scope.FILE, "the header claims more pixels than the file can hold", rerender=True)
+@check(
+    "size-claim",
+    Severity.ERROR,
+    Scope.FILE,
+    "the header claims more pixels than the file can hold",
+    rerender=True,
+)
 def size_claim(file: FileBytes) -> Iterator[Found]:
     """Asked before the decoder allocates."""
     if file.claim:
@@ -47,7 +53,9 @@ def unsupported(file: FileBytes) -> Iterator[Found]:
         yield Found(f"{file.unsupported} cannot be checked: flatten it")
 
 
-@check("chunks", Severity.ERROR, Scope.FILE, "a chunk of pixels is missing, misplaced or cut off", rerender=True)
+@check(
+    "chunks", Severity.ERROR, Scope.FILE, "a chunk of pixels is missing, misplaced or cut off", rerender=True
+)
 def chunks(file: FileBytes) -> Iterator[Found]:
     """The first of them; one cut leaves many."""
     if file.chunk_faults:
@@ -63,7 +71,13 @@ def decode(file: FileBytes) -> Iterator[Found]:
         yield Found(f"it cannot be decoded: {file.decode_error}")
 
 
-@check("pixel-hash", Severity.ERROR, Scope.FRAME, "the pixels are not those that the file was written with", rerender=True)
+@check(
+    "pixel-hash",
+    Severity.ERROR,
+    Scope.FRAME,
+    "the pixels are not those that the file was written with",
+    rerender=True,
+)
 def pixel_hash(frame: Frame) -> Iterator[Found]:
     """Damage that decodes without complaint, as in uncompressed or PIZ files."""
     if not _has_its_pixels(frame):
@@ -71,7 +85,13 @@ def pixel_hash(frame: Frame) -> Iterator[Found]:
         yield Found(f"the pixels' hash is {frame.hash[:12]}..., the header says {stored[:12]}...")
 
 
-@check("file-hash", Severity.ERROR, Scope.FRAME, "a byte is not the one that the file was written with", rerender=True)
+@check(
+    "file-hash",
+    Severity.ERROR,
+    Scope.FRAME,
+    "a byte is not the one that the file was written with",
+    rerender=True,
+)
 def file_hash(frame: Frame) -> Iterator[Found]:
     """Damage beside the pixels, of which `pixel-hash` tells: in the header, or bytes at the end."""
     if whole.NAME not in frame.headers[0].values or not _has_its_pixels(frame):
@@ -86,7 +106,10 @@ def file_hash(frame: Frame) -> Iterator[Found]:
         yield Found("the file's hash is no 64 digits: its header is damaged")
     elif hashes[0] != hashes[1]:
         said, has = hashes
-        yield Found(f"the file's hash is {has[:12]}..., its header says {said[:12]}...: it is damaged, or saved by another program")
+        yield Found(
+            f"the file's hash is {has[:12]}..., its header says {said[:12]}...: it is damaged, or saved by "
+            "another program"
+        )
 
 
 def _has_its_pixels(frame: Frame) -> bool:

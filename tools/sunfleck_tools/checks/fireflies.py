@@ -1,8 +1,8 @@
 """Single pixels far brighter than all around them, in space and in time.
 
-A spike of noise is one pixel in one frame; a spark, a gap between leaves or a highlight is wider, or lasts. Spikes no brighter
-than what is lit well are not told from small leaves, and pass. Invariant: no more
-than `MOST` candidates a frame: more are noise, and cost.
+A spike of noise is one pixel in one frame; a spark, a gap between leaves or a highlight is wider, or lasts.
+Spikes no brighter than what is lit well are not told from small leaves, and pass. Invariant: no more than
+`MOST` candidates a frame: more are noise, and cost.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ REACH = 2
 DEVIATIONS = 20.0
 """Standard deviations (by the median absolute deviation of the neighbours) above the neighbours' median."""
 ISOLATION = 5.0
-"""How many times brighter than the brightest neighbour in space, and than the place in the frames before and after."""
+"""How many times brighter than the brightest neighbour in space, and than the place in the frames
+before and after."""
 COMPANY = 2.0
-"""And how many times brighter than the brightest pixel of the picture that is no spike: a leaf too small for a pixel is a
-spike as well, and no brighter than the larger ones."""
+"""And how many times brighter than the brightest pixel of the picture that is no spike: a leaf too small for
+a pixel is a spike as well, and no brighter than the larger ones."""
 MOST = 200
 NORMAL_FROM_MAD = 1.4826
 
@@ -32,7 +33,8 @@ Candidate = tuple[int, int, float, float]
 
 def candidates(luminance: np.ndarray) -> list[Candidate]:
     """Spikes in space, from the upper left of the data window."""
-    # If so many are at least half as bright as the brightest, it has company; noise all over is no firefly either.
+    # If so many are at least half as bright as the brightest, it has company; noise all over
+    # is no firefly either.
     if np.count_nonzero(luminance > luminance.max() / COMPANY) > MOST:
         return []
     padded = np.pad(luminance, REACH, mode="edge")
@@ -63,8 +65,8 @@ def candidates(luminance: np.ndarray) -> list[Candidate]:
 
 
 def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, int]) -> list[Candidate]:
-    """Those candidates, in places of the full picture, that this picture of the frame before or after, whose upper left pixel is
-    `corner`, does not show within a pixel."""
+    """Those candidates, in places of the full picture, that this picture of the frame before or after, whose
+    upper left pixel is `corner`, does not show within a pixel."""
     height, width = luminance.shape
     absent = []
     for candidate in found:
@@ -77,7 +79,12 @@ def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, 
     return absent
 
 
-@check("firefly", Severity.WARNING, Scope.SEQUENCE, "a single pixel is far brighter than its neighbours in space and time")
+@check(
+    "firefly",
+    Severity.WARNING,
+    Scope.SEQUENCE,
+    "a single pixel is far brighter than its neighbours in space and time",
+)
 def firefly(rendered: Rendered) -> Iterator[Found]:
     """One finding a frame, for its brightest."""
     for frame in rendered.decoded:

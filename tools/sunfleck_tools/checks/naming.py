@@ -16,7 +16,12 @@ def missing_frame(listing: Listing) -> Iterator[Found]:
         yield Found(f"there is no {listing.name_of(number)}", frame=number)
 
 
-@check("shorter-sequence", Severity.WARNING, Scope.LISTING, "another sequence of the folder goes on where this one ends")
+@check(
+    "shorter-sequence",
+    Severity.WARNING,
+    Scope.LISTING,
+    "another sequence of the folder goes on where this one ends",
+)
 def shorter_sequence(listing: Listing) -> Iterator[Found]:
     """A last frame that is missing leaves no gap; passes that are rendered together tell."""
     for pattern, numbers in listing.elsewhere.items():
@@ -24,7 +29,9 @@ def shorter_sequence(listing: Listing) -> Iterator[Found]:
             yield Found(f"{pattern} has frames {format_frames(numbers)} too, and {listing.pattern} has not")
 
 
-@check("unexpected-frame", Severity.WARNING, Scope.LISTING, "a file's number lies outside of the range asked for")
+@check(
+    "unexpected-frame", Severity.WARNING, Scope.LISTING, "a file's number lies outside of the range asked for"
+)
 def unexpected_frame(listing: Listing) -> Iterator[Found]:
     """Only where a range was asked for: else all that is found is expected."""
     expected = set(listing.expected)
@@ -40,7 +47,11 @@ def duplicate_frame(listing: Listing) -> Iterator[Found]:
     for file in listing.files:
         first = chosen[file.number]
         if file is not first:
-            yield Found(f"{file.path.name} has the number of {first.path.name}", frame=file.number, path=str(file.path))
+            yield Found(
+                f"{file.path.name} has the number of {first.path.name}",
+                frame=file.number,
+                path=str(file.path),
+            )
 
 
 @check("mixed-padding", Severity.WARNING, Scope.LISTING, "a number is padded otherwise than the sequence's")
@@ -52,7 +63,12 @@ def mixed_padding(listing: Listing) -> Iterator[Found]:
             yield Found(message, frame=file.number, path=str(file.path))
 
 
-@check("foreign-file", Severity.WARNING, Scope.LISTING, "an EXR file beside the sequence belongs to no frame of it")
+@check(
+    "foreign-file",
+    Severity.WARNING,
+    Scope.LISTING,
+    "an EXR file beside the sequence belongs to no frame of it",
+)
 def foreign_file(listing: Listing) -> Iterator[Found]:
     """Renamed frames, and other sequences in the same folder."""
     for path in listing.strangers:

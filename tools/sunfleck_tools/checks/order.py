@@ -1,8 +1,9 @@
-"""Frames that were swapped, where the files do not say their numbers: pictures that move on from frame to frame tell.
+"""Frames that were swapped, where the files do not say their numbers: pictures that move on from
+frame to frame tell.
 
-Of three frames in order the outer two are farther apart than either is from the middle one; of three that go back they are
-nearer. Where two frames have to change places for nothing to go back any more, they did. Invariant: what moves in no order (noise,
-shaking, blinking) accuses nobody.
+Of three frames in order the outer two are farther apart than either is from the middle one; of three that go
+back they are nearer. Where two frames have to change places for nothing to go back any more, they did.
+Invariant: what moves in no order (noise, shaking, blinking) accuses nobody.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from .constancy import number_said
 CELLS_ACROSS = 24
 """Of a signature: coarse enough that what moves by a few pixels moves on."""
 BACKWARDS = 0.75
-"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of them, if they go back: 2
-where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
+"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of
+them, if they go back: 2 where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
 ONWARDS = 1.2
 """And at least, if they go on: 1.4 where a hard edge moves."""
 REACH = 3
@@ -34,7 +35,8 @@ MOST_ROUGH = 40
 
 
 def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:
-    """A small picture of the luminance: square roots of means of cells, so that highlights do not outweigh the rest."""
+    """A small picture of the luminance: square roots of means of cells, so that highlights do not
+    outweigh the rest."""
     luminance = frame.on_canvas(luminance)
     step = -(-luminance.shape[1] // CELLS_ACROSS)
     rows, columns = (np.arange(0, extent, step) for extent in luminance.shape)
@@ -48,7 +50,9 @@ def order(rendered: Rendered) -> Iterator[Found]:
     for frames in _runs(rendered.decoded):
         for i, j in _swapped(frames):
             for one, other in ((i, j), (j, i)):
-                message = f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
+                message = (
+                    f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
+                )
                 yield Found(message, frame=frames[one].number, path=frames[one].path)
 
 
@@ -57,7 +61,9 @@ def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
     run: list[FrameSummary] = []
     for frame in frames:
         fits = frame.signature is not None and number_said(frame) is None
-        if run and not (fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape):
+        if run and not (
+            fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape
+        ):
             yield run
             run = []
         if fits:
@@ -89,5 +95,9 @@ def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
         # What goes back now, here and some way on, has to go on then: where more goes back, things move so.
         around = {k for k in rough if min(abs(k - i), abs(k - j)) <= CALM_REACH}
         explained = bool(around) and around <= {k + side for k in (i, j) for side in (-1, 0, 1)}
-        if explained and len(triples) >= LEAST_TRIPLES and all(progress(*triple) >= ONWARDS for triple in triples):
+        if (
+            explained
+            and len(triples) >= LEAST_TRIPLES
+            and all(progress(*triple) >= ONWARDS for triple in triples)
+        ):
             yield i, j

@@ -23,14 +23,16 @@ LONGEST_NORMAL = 1.001
 LARGEST_MOTION = 100.0
 """Pictures' widths beyond which a pixel that moves so alone is damage."""
 LONE_MOTION = 1.0
-"""Pictures' widths that its fastest neighbour moves at least where it is no damage. What passes close by is many pixels wide; and
-where a camera that turns fast has points in its own plane before or afterwards, motion is without bound, but falls off from there
-as the inverse of the distance: to a quarter of a picture's width, in pictures' widths, one pixel on."""
+"""Pictures' widths that its fastest neighbour moves at least where it is no damage. What passes close by is
+many pixels wide; and where a camera that turns fast has points in its own plane before or afterwards, motion
+is without bound, but falls off from there as the inverse of the distance: to a quarter of a picture's width,
+in pictures' widths, one pixel on."""
 
 
 @check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")
 def beauty_sum(frame: Frame) -> Iterator[Found]:
-    """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no term is negative."""
+    """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no
+    term is negative."""
     for letter in "RGB":
         if frame.is_own and letter in frame.channels and f"shafts.{letter}" in frame.channels:
             if _nowhere_above(frame, f"shafts.{letter}", letter):
@@ -42,7 +44,8 @@ def beauty_sum(frame: Frame) -> Iterator[Found]:
 
 
 def _nowhere_above(frame: Frame, name: str, other: str) -> bool:
-    """True if no value of one channel is above the other's; may be False as well where it is not quick to say."""
+    """True if no value of one channel is above the other's; may be False as well where it is
+    not quick to say."""
     one, two = frame.channels[name], frame.channels[other]
     if one.dtype != np.float16 or two.dtype != np.float16:
         return False
@@ -64,7 +67,8 @@ def transmittance_range(frame: Frame) -> Iterator[Found]:
 
 @check("depth", Severity.ERROR, Scope.FRAME, "depth is zero, negative, or beyond where rays end")
 def depth(frame: Frame) -> Iterator[Found]:
-    """Nothing lies in the camera or behind it. Other renderers have their own measure, direction and background."""
+    """Nothing lies in the camera or behind it. Other renderers have their own measure,
+    direction and background."""
     if "Z" not in frame.channels or not frame.is_own:
         return
     nearest, farthest = frame.extremes("Z")
@@ -86,7 +90,9 @@ def normal_length(frame: Frame) -> Iterator[Found]:
             for name in names[1:]:
                 squared += np.square(frame.float(name), out=part)
             if not squared.max() <= LONGEST_NORMAL**2:
-                yield from first_bad(frame, names[0], squared > LONGEST_NORMAL**2, "part of a normal longer than 1")
+                yield from first_bad(
+                    frame, names[0], squared > LONGEST_NORMAL**2, "part of a normal longer than 1"
+                )
 
 
 @check("leaf-id", Severity.ERROR, Scope.FRAME, "a leaf's number is no whole number")
@@ -101,9 +107,15 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
                     yield from first_bad(frame, name, broken & np.isfinite(values), "not whole")
 
 
-@check("motion", Severity.ERROR, Scope.FRAME, "motion is not finite, or a pixel alone moves as far as a hundred pictures")
+@check(
+    "motion",
+    Severity.ERROR,
+    Scope.FRAME,
+    "motion is not finite, or a pixel alone moves as far as a hundred pictures",
+)
 def motion(frame: Frame) -> Iterator[Found]:
-    """Vectors in pixels a frame. Other renderers have their own measure, and values for what has no motion."""
+    """Vectors in pixels a frame. Other renderers have their own measure, and values for
+    what has no motion."""
     if not frame.is_own:
         return
     for name in frame.channels:

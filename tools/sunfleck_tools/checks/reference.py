@@ -15,11 +15,18 @@ def comparable(frame: Frame, reference: Frame) -> str | None:
     if not frame.picture or not reference.picture:
         return "one of the two has no R, G and B"
     if frame.header.data_window != reference.header.data_window:
-        return f"the reference's data window is {reference.header.data_window}, not {frame.header.data_window}"
+        return (
+            f"the reference's data window is {reference.header.data_window}, not {frame.header.data_window}"
+        )
     return incomparable(frame, reference)
 
 
-@check("reference-missing", Severity.WARNING, Scope.SEQUENCE, "a frame has no reference that it can be compared with")
+@check(
+    "reference-missing",
+    Severity.WARNING,
+    Scope.SEQUENCE,
+    "a frame has no reference that it can be compared with",
+)
 def reference_missing(rendered: Rendered) -> Iterator[Found]:
     """Only where references were asked for."""
     for frame in rendered.decoded:

@@ -13,11 +13,13 @@ NEIGHBOURS = 5
 SIZE_RATIO = 2.0
 """How many times larger or smaller than the median a file may be."""
 POP_RATIO = {"mean": 0.15, "p99": 0.5}
-"""Relative step, to one frame alone, that is taken for a pop; the brightest hundredth may be a single leaf that turns."""
+"""Relative step, to one frame alone, that is taken for a pop; the brightest hundredth may be a
+single leaf that turns."""
 POP_DEVIATIONS = 6.0
 """And how many times the usual step it has to be."""
 REST_FRAMES = 3
-"""Equal frames at the beginning or end that are a rest; fewer are a frame written twice, or one that failed."""
+"""Equal frames at the beginning or end that are a rest; fewer are a frame written twice,
+or one that failed."""
 FADED_RATIO = 0.1
 """Of the usual mean of frames that are not black: as dark is the last frame of a slow fade."""
 FADE_STEPS = 2.0
@@ -28,9 +30,12 @@ FLICKER_RATIO = 0.02
 """Median relative step of such a run."""
 
 
-@check("black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True)
+@check(
+    "black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True
+)
 def black(rendered: Rendered) -> Iterator[Found]:
-    """A light or a camera that was lost. Not what fades out, leaves the picture, or rests at the beginning or end."""
+    """A light or a camera that was lost. Not what fades out, leaves the picture, or rests at the
+    beginning or end."""
     frames = rendered.decoded
     lit = [frame.mean for frame in frames if frame.mean is not None and not _is_black(frame)]
     for start, end in _black_runs(frames):
@@ -40,13 +45,16 @@ def black(rendered: Rendered) -> Iterator[Found]:
         steps = [side[0] for side in sides if not _fades(side, median(lit))]
         if steps and not rests:
             for frame in frames[start:end]:
-                message = f"every pixel is black, where frame {steps[0].number} has a mean of {steps[0].mean:.4g}"
+                message = (
+                    f"every pixel is black, where frame {steps[0].number} has a mean of {steps[0].mean:.4g}"
+                )
                 yield Found(message, frame=frame.number, path=frame.path)
 
 
 @check("all-black", Severity.WARNING, Scope.SEQUENCE, "no frame shows anything")
 def all_black(rendered: Rendered) -> Iterator[Found]:
-    """A scene without light, or a camera that looks past it: as it was rendered, most likely, and as nobody means it."""
+    """A scene without light, or a camera that looks past it: as it was rendered, most likely, and
+    as nobody means it."""
     if rendered.decoded and all(map(_is_black, rendered.decoded)):
         yield Found("every pixel of every frame is black: is there a light, and is the camera right?")
 
@@ -56,8 +64,9 @@ def _is_black(frame: FrameSummary) -> bool:
 
 
 def _fades(side: list[FrameSummary], usual: float) -> bool:
-    """True if black is no step from a frame and the one beyond it: the frame is dark; or darker than the other by so much that
-    black may be next; or shows something in fewer than a hundredth of its pixels, as small things do on their way out."""
+    """True if black is no step from a frame and the one beyond it: the frame is dark; or darker than the
+    other by so much that black may be next; or shows something in fewer than a hundredth of its pixels, as
+    small things do on their way out."""
     near = side[0]
     if near.mean is None or near.p99 == 0 or near.mean <= FADED_RATIO * usual:
         return True
@@ -83,9 +92,15 @@ def constant(rendered: Rendered) -> Iterator[Found]:
             yield Found("all pixels have one colour", frame=frame.number, path=frame.path)
 
 
-@check("stuck", Severity.ERROR, Scope.SEQUENCE, "a frame has the pixels of the one before, where --static does not allow it")
+@check(
+    "stuck",
+    Severity.ERROR,
+    Scope.SEQUENCE,
+    "a frame has the pixels of the one before, where --static does not allow it",
+)
 def stuck(rendered: Rendered) -> Iterator[Found]:
-    """One finding for each run of equal frames. A sequence may rest at its beginning and end; black frames are like one another."""
+    """One finding for each run of equal frames. A sequence may rest at its beginning and end; black frames
+    are like one another."""
     if rendered.options.static:
         return
     frames = rendered.decoded
@@ -98,7 +113,11 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
         if len(run) > 1 and not rests and not _is_black(run[0]):
             until = f", and so do all until frame {run[-1].number}" if len(run) > 2 else ""
             meant = "" if len(run) < len(frames) else "; if nothing moves, say so by --static"
-            yield Found(f"it has the pixels of frame {run[0].number}{until}{meant}", frame=run[1].number, path=run[1].path)
+            yield Found(
+                f"it has the pixels of frame {run[0].number}{until}{meant}",
+                frame=run[1].number,
+                path=run[1].path,
+            )
         start = end
 
 
@@ -122,8 +141,12 @@ def pop(rendered: Rendered) -> Iterator[Found]:
         bends = [_bend(values, i) if 0 < i < len(values) - 1 else 0.0 for i in range(len(values))]
         for i, frame in enumerate(frames):
             around = [abs(bends[j]) for j in _around(i, len(frames), NEIGHBOURS) if abs(j - i) > 1]
-            level = max(values[i], median(values[j] for j in _around(i, len(frames), 2)) if len(frames) > 1 else 0.0)
-            if len(around) >= 3 and abs(bends[i]) > max(POP_RATIO[name] * level, POP_DEVIATIONS * median(around)):
+            level = max(
+                values[i], median(values[j] for j in _around(i, len(frames), 2)) if len(frames) > 1 else 0.0
+            )
+            if len(around) >= 3 and abs(bends[i]) > max(
+                POP_RATIO[name] * level, POP_DEVIATIONS * median(around)
+            ):
                 message = f"{label} {values[i]:.4g} between {values[i - 1]:.4g} and {values[i + 1]:.4g}"
                 yield Found(f"it pops: {message}", frame=frame.number, path=frame.path)
 

@@ -25,7 +25,9 @@ def first_bad(frame: Frame, name: str, bad: np.ndarray, what: str) -> Iterator[F
         x, y = frame.place(name, at)
         value = float(frame.channels[name].flat[at])
         values = "1 value is" if count == 1 else f"{count} values are"
-        yield Found(f"{name}: {values} {what}, the first at ({x}, {y}): {value:g}", channel=name, pixel=(x, y))
+        yield Found(
+            f"{name}: {values} {what}, the first at ({x}, {y}): {value:g}", channel=name, pixel=(x, y)
+        )
 
 
 def not_finite(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
@@ -44,20 +46,31 @@ def nan(frame: Frame) -> Iterator[Found]:
 
 @check("infinity", Severity.ERROR, Scope.FRAME, "a value is infinite", rerender=True)
 def infinity(frame: Frame) -> Iterator[Found]:
-    """Also what overflows half precision in programs that do not clamp. Depths and places of what is not there may be infinite,
-    in frames of other renderers."""
+    """Also what overflows half precision in programs that do not clamp. Depths and places of what is not
+    there may be infinite, in frames of other renderers."""
     for name, values in not_finite(frame):
         if frame.is_own or kind(name) in (Kind.LIGHT, Kind.ALPHA):
             yield from first_bad(frame, name, np.isinf(values), "infinite")
 
 
-@check("half-overflow", Severity.WARNING, Scope.FRAME, "a value of half precision is the largest that there is")
+@check(
+    "half-overflow", Severity.WARNING, Scope.FRAME, "a value of half precision is the largest that there is"
+)
 def half_overflow(frame: Frame) -> Iterator[Found]:
     """The renderer clamps there: the true value was larger."""
     for name, stored in frame.channels.items():
         # Not `<`: where there is NaN, the rest has to be looked at.
-        if stored.dtype == np.float16 and kind(name) in (Kind.LIGHT, Kind.ALPHA) and not max(map(abs, frame.extremes(name))) < LARGEST_HALF:
-            yield from first_bad(frame, name, np.abs(stored) == LARGEST_HALF, f"at the limit of half precision, {LARGEST_HALF:g}")
+        if (
+            stored.dtype == np.float16
+            and kind(name) in (Kind.LIGHT, Kind.ALPHA)
+            and not max(map(abs, frame.extremes(name))) < LARGEST_HALF
+        ):
+            yield from first_bad(
+                frame,
+                name,
+                np.abs(stored) == LARGEST_HALF,
+                f"at the limit of half precision, {LARGEST_HALF:g}",
+            )
 
 
 @check("negative", Severity.ERROR, Scope.FRAME, "light, transmittance or albedo is negative")
@@ -81,4 +94,6 @@ def alpha_range(frame: Frame) -> Iterator[Found]:
         if not (smallest >= 0 and largest <= 1 + ALPHA_ROUNDING):
             alpha = frame.float(name)
             with np.errstate(invalid="ignore"):
-                yield from first_bad(frame, name, (alpha < 0) | (alpha > 1 + ALPHA_ROUNDING), "not between 0 and 1")
+                yield from first_bad(
+                    frame, name, (alpha < 0) | (alpha > 1 + ALPHA_ROUNDING), "not between 0 and 1"
+                )

@@ -1,4 +1,5 @@
-"""The commands, a module each: `HELP`, `add_arguments(parser)`, and `run(arguments)`, which returns the exit code."""
+"""The commands, a module each: `HELP`, `add_arguments(parser)`, and `run(arguments)`, which
+returns the exit code."""
 
 COMMANDS = ("validate", "compare", "contact_sheet", "movie", "peers", "export_usd", "import_usd")
 """Modules of this package; a command has its module's name, with hyphens."""

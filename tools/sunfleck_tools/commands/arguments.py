@@ -47,7 +47,8 @@ def positive(text: str) -> float:
 
 
 def limit(text: str) -> tuple[str | None, float]:
-    """A pattern of channels' names, or `None` for all, and the limit: a number above 0, of a pattern also `inf`."""
+    """A pattern of channels' names, or `None` for all, and the limit: a number above 0, of a
+    pattern also `inf`."""
     channels, is_single, number = text.rpartition("=")
     if not is_single:
         return None, positive(text)

@@ -20,7 +20,8 @@ from . import FINDINGS, OK, looks
 from .arguments import count, limit, positive, share_limit
 
 LIMITS = {
-    "--max-rmse": "root mean square error: of the colour, and of every other channel; or of those named, such as diffuse.*=0.01",
+    "--max-rmse": "root mean square error: of the colour, and of every other channel; or of those named, "
+                  "such as diffuse.*=0.01",
     "--max-relmse": "relative mean square error, likewise",
     "--max-error": "difference of a value, likewise",
 }
@@ -30,20 +31,36 @@ FORMAT_VERSION = 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
-    parser.add_argument("output", metavar="OUTPUT", type=Path, help="a frame, or a folder or pattern such as out/x.####.exr")
-    parser.add_argument("reference", metavar="REFERENCE", type=Path, help="what it is compared with, by number")
+    parser.add_argument(
+        "output", metavar="OUTPUT", type=Path, help="a frame, or a folder or pattern such as out/x.####.exr"
+    )
+    parser.add_argument(
+        "reference", metavar="REFERENCE", type=Path, help="what it is compared with, by number"
+    )
     for flag, what in LIMITS.items():
-        parser.add_argument(flag, metavar="[CHANNELS=]X", type=limit, action="append", default=[], help=f"largest {what}")
-    parser.add_argument("--max-flip", metavar="X", type=positive, help="largest mean FLIP (pip install flip-evaluator)")
+        parser.add_argument(
+            flag, metavar="[CHANNELS=]X", type=limit, action="append", default=[], help=f"largest {what}"
+        )
+    parser.add_argument(
+        "--max-flip", metavar="X", type=positive, help="largest mean FLIP (pip install flip-evaluator)"
+    )
     parser.add_argument(
         "--max-ids", metavar="[CHANNELS=]SHARE", type=share_limit, action="append", default=[],
         help="largest share of a channel's ids that differ, 0 to 1",
     )  # fmt: skip
     parser.add_argument("--flip", action="store_true", help="computes FLIP (pip install flip-evaluator)")
-    parser.add_argument("--picture", metavar="FILE|DIR", type=Path, help="writes output, reference and difference as PNG")
-    parser.add_argument("--white", metavar="X", type=positive, help="difference that is white there (99.9 %% are below)")
-    parser.add_argument("--display", choices=CURVES, default="agx", help="how light is brought into a screen's range (agx)")
-    parser.add_argument("--exposure", metavar="EV", type=looks.stops, default=0.0, help="brightens by powers of two (0)")
+    parser.add_argument(
+        "--picture", metavar="FILE|DIR", type=Path, help="writes output, reference and difference as PNG"
+    )
+    parser.add_argument(
+        "--white", metavar="X", type=positive, help="difference that is white there (99.9 %% are below)"
+    )
+    parser.add_argument(
+        "--display", choices=CURVES, default="agx", help="how light is brought into a screen's range (agx)"
+    )
+    parser.add_argument(
+        "--exposure", metavar="EV", type=looks.stops, default=0.0, help="brightens by powers of two (0)"
+    )
     parser.add_argument("--json", action="store_true", help="as JSON on the output stream")
     parser.add_argument("--processes", metavar="N", type=count, help="that decode (all processors)")
 
@@ -64,7 +81,11 @@ def run(arguments: argparse.Namespace) -> int:
         Bar(),
     )
     limits = _limits(arguments)
-    print(json.dumps(as_object(results, limits), indent=1, allow_nan=False) if arguments.json else as_text(results, limits))
+    print(
+        json.dumps(as_object(results, limits), indent=1, allow_nan=False)
+        if arguments.json
+        else as_text(results, limits)
+    )
     return FINDINGS if any(r.difference is None or limits.any and r.exceeded(limits) for r in results) else OK
 
 
@@ -73,8 +94,15 @@ def _limits(arguments: argparse.Namespace) -> Limits:
     given = {
         "rmse": arguments.max_rmse, "relative_mse": arguments.max_relmse, "max_error": arguments.max_error, "ids": arguments.max_ids,
     }  # fmt: skip
-    general = {name: value for name, values in given.items() for channels, value in values if channels is None}
-    single = [ChannelLimit(name, channels, x) for name, values in given.items() for channels, x in values if channels is not None]
+    general = {
+        name: value for name, values in given.items() for channels, value in values if channels is None
+    }
+    single = [
+        ChannelLimit(name, channels, x)
+        for name, values in given.items()
+        for channels, x in values
+        if channels is not None
+    ]
     return Limits(**general, flip=arguments.max_flip, channels=tuple(single))
 
 
@@ -111,17 +139,27 @@ def as_text(results: list[Compared], limits: Limits) -> str:
         found = result.difference
         flip = "" if found.flip is None else f"  FLIP {found.flip:.4f}"
         white = "" if result.white is None else f"  white is {result.white:.4g} in {result.pair.picture}"
-        part = "" if found.shared is None else f"  in the {found.shared[0]} x {found.shared[1]} pixels that both have"
+        part = (
+            ""
+            if found.shared is None
+            else f"  in the {found.shared[0]} x {found.shared[1]} pixels that both have"
+        )
         over = "".join(f"; too much: {sentence}" for sentence in result.exceeded(limits))
         if found.color is not None:
             layer = split(found.picture[0])[0]
-            lines.append(f"{name}: {layer + ' ' if layer else ''}RGB  {_line(found.color)}{flip}{white}{part}{over}")
+            lines.append(
+                f"{name}: {layer + ' ' if layer else ''}RGB  {_line(found.color)}{flip}{white}{part}{over}"
+            )
         elif over or part:
             lines.append(f"{name}:{part}{over}".replace(":; ", ": ").replace(":  ", ": "))
         if found.color is None or len(results) == 1:
             width = max(map(len, [*found.channels, *found.ids]))
-            lines += [f"{name}: {channel:{width}}  {_line(errors)}" for channel, errors in found.channels.items()]
-            lines += [f"{name}: {channel:{width}}  {_id_line(errors)}" for channel, errors in found.ids.items()]
+            lines += [
+                f"{name}: {channel:{width}}  {_line(errors)}" for channel, errors in found.channels.items()
+            ]
+            lines += [
+                f"{name}: {channel:{width}}  {_id_line(errors)}" for channel, errors in found.ids.items()
+            ]
         if len(results) == 1 and found.unmatched:
             lines.append(f"only in one of the two: {', '.join(found.unmatched)}")
     return "\n".join(map(printable, lines))

@@ -36,5 +36,9 @@ def run(arguments: argparse.Namespace) -> int:
     sheet = contact_sheet(pictures, [len(listing.expected) for listing in listings], arguments.columns)
     write_whole(out, png(sheet.pixels))
     height, width, _ = sheet.pixels.shape
-    print(printable(f"{out}: {len(frames) - len(sheet.faults)} of {len(frames)} frames in {width}x{height} pixels"))
+    print(
+        printable(
+            f"{out}: {len(frames) - len(sheet.faults)} of {len(frames)} frames in {width}x{height} pixels"
+        )
+    )
     return looks.tell_faults(sheet.faults)

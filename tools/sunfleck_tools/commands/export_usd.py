@@ -19,15 +19,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
     parser.add_argument("source", metavar="INPUT", type=Path, help="a sequence or scene (.ron), or glTF")
     parser.add_argument("target", metavar="OUT.usdc|usda|usdz", type=Path, help="the stage to write")
-    parser.add_argument("--for", dest="reader", choices=["usd", "blender"], default="usd", help="whose light units (usd)")
-    parser.add_argument("--point-instancer", action="store_true", help="one PointInstancer for leaves that share meshes")
-    parser.add_argument("--samples-per-frame", metavar="N", type=int, choices=range(1, 65), default=1, help="time samples (1)")
-    parser.add_argument("--frames", metavar="A-B", type=frames, help="first and last frame (the input's)")
-    parser.add_argument("--fps", type=frame_rate, help="frames a second, if the input does not say: 24 or 24000/1001")
     parser.add_argument(
-        "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
+        "--for", dest="reader", choices=["usd", "blender"], default="usd", help="whose light units (usd)"
     )
-    parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
+    parser.add_argument(
+        "--point-instancer", action="store_true", help="one PointInstancer for leaves that share meshes"
+    )
+    parser.add_argument(
+        "--samples-per-frame", metavar="N", type=int, choices=range(1, 65), default=1, help="time samples (1)"
+    )
+    parser.add_argument("--frames", metavar="A-B", type=frames, help="first and last frame (the input's)")
+    parser.add_argument(
+        "--fps", type=frame_rate, help="frames a second, if the input does not say: 24 or 24000/1001"
+    )
+    parser.add_argument(
+        "--allow",
+        metavar="DIR",
+        type=Path,
+        action="append",
+        default=[],
+        help="a folder to read from too (the input's own alone)",
+    )
+    parser.add_argument(
+        "--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -50,7 +65,9 @@ def run(arguments: argparse.Namespace) -> int:
         exported = export_usd(arguments.source, arguments.target, options)
     except Tf.ErrorException as error:
         said = re.search(r"writing file: ([^']+)", str(error))
-        raise ToolError(f"cannot write {arguments.target}: {said[1] if said else error}", is_usage=False) from None
+        raise ToolError(
+            f"cannot write {arguments.target}: {said[1] if said else error}", is_usage=False
+        ) from None
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(exported.prims.items()))
     print(printable(f"{arguments.target}: frames {exported.frames[0]} to {exported.frames[-1]}; {kinds}"))
     for lost in exported.lost:

@@ -24,18 +24,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
     parser.add_argument("source", metavar="SCENE.usd", type=Path, help="a stage: .usd, .usda, .usdc or .usdz")
     parser.add_argument("target", metavar="OUT.glb", type=Path, help="the file to write")
-    parser.add_argument("--frames", metavar="A-B", type=frame_range, help="first and last frame (the stage's)")
     parser.add_argument(
-        "--purpose", metavar="LIST", type=_purposes, default=("render",), help=f"shown beside `default`, of {','.join(PURPOSES)} (render)"
+        "--frames", metavar="A-B", type=frame_range, help="first and last frame (the stage's)"
     )
     parser.add_argument(
-        "--variant", metavar="PRIM{SET=CHOICE}", type=_variants, action="append", default=[], help="takes a variant; may be repeated"
+        "--purpose",
+        metavar="LIST",
+        type=_purposes,
+        default=("render",),
+        help=f"shown beside `default`, of {','.join(PURPOSES)} (render)",
     )
     parser.add_argument(
-        "--mask", metavar="PRIM", action="append", default=[], help="reads only what is at this path, and what that needs; may be repeated"
+        "--variant",
+        metavar="PRIM{SET=CHOICE}",
+        type=_variants,
+        action="append",
+        default=[],
+        help="takes a variant; may be repeated",
     )
-    parser.add_argument("--strict", action="store_true", help="refuses a stage of which anything would be lost")
-    parser.add_argument("--report", metavar="FILE.json", type=Path, help="also writes counts, frames and losses as JSON")
+    parser.add_argument(
+        "--mask",
+        metavar="PRIM",
+        action="append",
+        default=[],
+        help="reads only what is at this path, and what that needs; may be repeated",
+    )
+    parser.add_argument(
+        "--strict", action="store_true", help="refuses a stage of which anything would be lost"
+    )
+    parser.add_argument(
+        "--report", metavar="FILE.json", type=Path, help="also writes counts, frames and losses as JSON"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -47,7 +66,9 @@ def run(arguments: argparse.Namespace) -> int:
     if report is not None and not report.parent.is_dir():
         raise SceneError(f"{report}: there is no folder {report.parent}")
     variants = tuple(variant for variants in arguments.variant for variant in variants)
-    options = ImportOptions(arguments.frames, arguments.purpose, variants, tuple(arguments.mask), arguments.strict)
+    options = ImportOptions(
+        arguments.frames, arguments.purpose, variants, tuple(arguments.mask), arguments.strict
+    )
     imported = import_usd(arguments.source, arguments.target, options)
     counts = ", ".join(f"{count} {kind}" for kind, count in imported.counts.items() if count)
     print(f"{arguments.target}: frames {imported.frames[0]} to {imported.frames[1]}; {counts}")
@@ -60,7 +81,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(source: Path, imported) -> str:
     """What `import_usd.schema.json` describes."""
-    losses = [{"id": lost.kind, "count": lost.count, "first_place": lost.place, "sentence": lost.sentence} for lost in imported.lost]
+    losses = [
+        {"id": lost.kind, "count": lost.count, "first_place": lost.place, "sentence": lost.sentence}
+        for lost in imported.lost
+    ]
     said = {
         "format_version": REPORT_VERSION,
         "source": str(source),
@@ -75,13 +99,17 @@ def _report(source: Path, imported) -> str:
 def _purposes(text: str) -> tuple[str, ...]:
     names = tuple(name for name in text.split(",") if name and name != "default")
     if unknown := [name for name in names if name not in PURPOSES]:
-        raise argparse.ArgumentTypeError(f"`{unknown[0]}` is no purpose: write for instance {','.join(PURPOSES)}")
+        raise argparse.ArgumentTypeError(
+            f"`{unknown[0]}` is no purpose: write for instance {','.join(PURPOSES)}"
+        )
     return names
 
 
 def _variants(text: str) -> list[tuple[str, str, str]]:
     match = VARIANT.fullmatch(text)
     if match is None:
-        raise argparse.ArgumentTypeError(f"`{text}` is no variant: write for instance /World/tree{{season=autumn}}")
+        raise argparse.ArgumentTypeError(
+            f"`{text}` is no variant: write for instance /World/tree{{season=autumn}}"
+        )
     pairs = (pair.split("=") for pair in match[2].strip("{}").split("}{"))
     return [(match[1], name, choice) for name, choice in pairs]

@@ -1,4 +1,7 @@
-"""What commands that make pictures of a sequence share: their arguments, and how they tell of frames that they cannot show."""
+"""What commands that make pictures of a sequence share.
+
+It is their arguments, and how they tell of frames that they cannot show.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +27,25 @@ MOST_FAULTS = 8
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Which frames, and how they are shown."""
     parser.add_argument("target", metavar="DIR|PATTERN", help="a folder, or frames such as out/x.####.exr")
-    parser.add_argument("--frames", metavar="LIST", type=frames, help="which, as in `sunfleck render` (from the first to the last)")
-    parser.add_argument("--display", choices=CURVES, default="agx", help="how light is brought into a screen's range (agx)")
-    parser.add_argument("--exposure", metavar="EV", type=stops, default=0.0, help="brightens by powers of two (0)")
-    parser.add_argument("--processes", metavar="N", type=count, default=os.cpu_count() or 1, help="that decode (all processors)")
+    parser.add_argument(
+        "--frames",
+        metavar="LIST",
+        type=frames,
+        help="which, as in `sunfleck render` (from the first to the last)",
+    )
+    parser.add_argument(
+        "--display", choices=CURVES, default="agx", help="how light is brought into a screen's range (agx)"
+    )
+    parser.add_argument(
+        "--exposure", metavar="EV", type=stops, default=0.0, help="brightens by powers of two (0)"
+    )
+    parser.add_argument(
+        "--processes",
+        metavar="N",
+        type=count,
+        default=os.cpu_count() or 1,
+        help="that decode (all processors)",
+    )
 
 
 def display(arguments: argparse.Namespace) -> Display:
@@ -58,7 +76,10 @@ def tell_faults(faults: Iterable[tuple[int, str]]) -> int:
     for number, fault in faults[:MOST_FAULTS]:
         print(printable(f"error: frame {number} is not shown: {fault}"), file=sys.stderr)
     if len(faults) > MOST_FAULTS:
-        print(f"... and {len(faults) - MOST_FAULTS} more; `sunfleck-tools validate` says all about them", file=sys.stderr)
+        print(
+            f"... and {len(faults) - MOST_FAULTS} more; `sunfleck-tools validate` says all about them",
+            file=sys.stderr,
+        )
     return FINDINGS if faults else OK
 
 

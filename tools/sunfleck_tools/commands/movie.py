@@ -18,9 +18,16 @@ HELP = "shows a sequence as a movie"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
     looks.add_arguments(parser)
-    parser.add_argument("out", metavar="OUT", type=Path, help=f"the movie to write: {', '.join(ENDINGS)}; all but .png by ffmpeg")
+    parser.add_argument(
+        "out",
+        metavar="OUT",
+        type=Path,
+        help=f"the movie to write: {', '.join(ENDINGS)}; all but .png by ffmpeg",
+    )
     parser.add_argument("--fps", type=frame_rate, help="frames a second (what the frames say, else 24)")
-    parser.add_argument("--width", metavar="PX", type=_width, help="about, by averages of whole pixels (the frames' own)")
+    parser.add_argument(
+        "--width", metavar="PX", type=_width, help="about, by averages of whole pixels (the frames' own)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -37,7 +44,11 @@ def run(arguments: argparse.Namespace) -> int:
             bar(done, len(frames))
 
     faults = movie(counted(), len(frames), out, arguments.fps)
-    print(printable(f"{out}: {len(frames) - len(faults)} of {len(frames)} frames, {out.stat().st_size / 1e6:.1f} MB"))
+    print(
+        printable(
+            f"{out}: {len(frames) - len(faults)} of {len(frames)} frames, {out.stat().st_size / 1e6:.1f} MB"
+        )
+    )
     return looks.tell_faults(faults)
 
 

@@ -25,18 +25,51 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
     parser.add_argument("scene", metavar="INPUT", type=Path, help="a sequence or scene (.ron), or glTF")
     parser.add_argument("--frame", metavar="F", type=float, help="the moment (the first frame)")
-    parser.add_argument("--renderers", metavar="LIST", type=_renderers, default=RENDERERS, help=f"of {', '.join(RENDERERS)} (all)")
-    parser.add_argument("--samples", metavar="LIST", type=_samples, default=(1, 4, 16, 64), help="a pixel (1,4,16,64)")
-    parser.add_argument("--reference", metavar="FILE.exr", type=Path, help="a converged frame, filtered by a box")
-    parser.add_argument("--reference-noise", metavar="X", type=positive, default=0.0, help="its own noise, taken out of the RMSE")
-    parser.add_argument("--out", metavar="FILE.csv", type=Path, help="error against time, for `sunfleck bench --peers`")
-    parser.add_argument("--pictures", metavar="DIR", type=Path, help="where the frames go")
-    parser.add_argument("--bounces", metavar="N|all", type=bounces, default=0, help="scatterings beyond direct light and single scattering (0)")
-    parser.add_argument("--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)")
     parser.add_argument(
-        "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
+        "--renderers",
+        metavar="LIST",
+        type=_renderers,
+        default=RENDERERS,
+        help=f"of {', '.join(RENDERERS)} (all)",
     )
-    parser.add_argument("--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)")
+    parser.add_argument(
+        "--samples", metavar="LIST", type=_samples, default=(1, 4, 16, 64), help="a pixel (1,4,16,64)"
+    )
+    parser.add_argument(
+        "--reference", metavar="FILE.exr", type=Path, help="a converged frame, filtered by a box"
+    )
+    parser.add_argument(
+        "--reference-noise",
+        metavar="X",
+        type=positive,
+        default=0.0,
+        help="its own noise, taken out of the RMSE",
+    )
+    parser.add_argument(
+        "--out", metavar="FILE.csv", type=Path, help="error against time, for `sunfleck bench --peers`"
+    )
+    parser.add_argument("--pictures", metavar="DIR", type=Path, help="where the frames go")
+    parser.add_argument(
+        "--bounces",
+        metavar="N|all",
+        type=bounces,
+        default=0,
+        help="scatterings beyond direct light and single scattering (0)",
+    )
+    parser.add_argument(
+        "--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)"
+    )
+    parser.add_argument(
+        "--allow",
+        metavar="DIR",
+        type=Path,
+        action="append",
+        default=[],
+        help="a folder to read from too (the input's own alone)",
+    )
+    parser.add_argument(
+        "--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -46,9 +79,13 @@ def run(arguments: argparse.Namespace) -> int:
     from ..peers.scene import read_scene
 
     if arguments.out is None and arguments.pictures is None:
-        raise ToolError("nothing would be kept: give --pictures DIR, or --reference FILE.exr with --out FILE.csv")
+        raise ToolError(
+            "nothing would be kept: give --pictures DIR, or --reference FILE.exr with --out FILE.csv"
+        )
     if (arguments.out is None) != (arguments.reference is None):
-        raise ToolError("an error is measured against a reference: --reference FILE.exr and --out FILE.csv go together")
+        raise ToolError(
+            "an error is measured against a reference: --reference FILE.exr and --out FILE.csv go together"
+        )
     if missing := [sentence for name in arguments.renderers if (sentence := available(name)) is not None]:
         raise ToolError("\n".join(missing))
     out = looks.writable(arguments.out) if arguments.out is not None else None
@@ -64,11 +101,19 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"note: {note}", file=sys.stderr)
     points = []
     for point in measure(
-        scene, arguments.renderers, arguments.samples, reference, arguments.reference_noise, arguments.pictures
+        scene,
+        arguments.renderers,
+        arguments.samples,
+        reference,
+        arguments.reference_noise,
+        arguments.pictures,
     ):
         points.append(point)
         error = "" if point.rmse is None else f", RMSE {point.rmse:.4f}, mean ratio {point.mean_ratio:.4f}"
-        print(f"{point.renderer} {point.version}: {point.samples} spp, {point.cpu_s:.3f} CPU s{error}", flush=True)
+        print(
+            f"{point.renderer} {point.version}: {point.samples} spp, {point.cpu_s:.3f} CPU s{error}",
+            flush=True,
+        )
     if out is not None:
         table, size = StringIO(newline=""), f"{scene.size[0]} x {scene.size[1]}"
         write_table(table, points, f"{arguments.scene.name} at {size}, by sunfleck-tools peers")
@@ -96,7 +141,9 @@ def bounces(text: str) -> int:
 def _renderers(text: str) -> tuple[str, ...]:
     names = tuple(part.strip() for part in text.split(","))
     if unknown := [name for name in names if name not in RENDERERS]:
-        raise argparse.ArgumentTypeError(f"no renderer is named {', '.join(unknown)}: there are {', '.join(RENDERERS)}")
+        raise argparse.ArgumentTypeError(
+            f"no renderer is named {', '.join(unknown)}: there are {', '.join(RENDERERS)}"
+        )
     return names
 
 
@@ -109,6 +156,8 @@ def _samples(text: str) -> tuple[int, ...]:
 
 def _size(text: str) -> tuple[int, int]:
     sides = text.split("x")
-    if len(sides) != 2 or not all(side.isascii() and side.isdigit() and 1 <= int(side) <= 65536 for side in sides):
+    if len(sides) != 2 or not all(
+        side.isascii() and side.isdigit() and 1 <= int(side) <= 65536 for side in sides
+    ):
         raise argparse.ArgumentTypeError(f"`{text}` is no size: write for instance 960x540")
     return int(sides[0]), int(sides[1])

@@ -25,20 +25,47 @@ HELP = "says whether a sequence of frames can be trusted"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describes the command line."""
-    parser.add_argument("target", metavar="DIR|PATTERN", nargs="?", help="a folder, or frames such as out/x.####.exr")
-    parser.add_argument("--frames", metavar="LIST", type=frames, help="frames that must be there, as in `sunfleck render`")
-    parser.add_argument("--fps", type=frame_rate, help="the frame rate that every file must carry: 24 or 24000/1001")
-    parser.add_argument("--reference", metavar="DIR|PATTERN", type=Path, help="frames to compare with, by number")
-    parser.add_argument("--max-relmse", metavar="X", type=positive, default=0.01, help="against --reference (0.01)")
-    parser.add_argument("--max-flip", metavar="X", type=positive, help="the same by mean FLIP (pip install flip-evaluator)")
-    parser.add_argument("--skip-checks", metavar="IDS", type=_checks, default=frozenset(), help="not to run, by commas")
-    parser.add_argument("--fail-on", choices=[s.value for s in Severity], default="error", help="what exits with 1 (error)")
+    parser.add_argument(
+        "target", metavar="DIR|PATTERN", nargs="?", help="a folder, or frames such as out/x.####.exr"
+    )
+    parser.add_argument(
+        "--frames", metavar="LIST", type=frames, help="frames that must be there, as in `sunfleck render`"
+    )
+    parser.add_argument(
+        "--fps", type=frame_rate, help="the frame rate that every file must carry: 24 or 24000/1001"
+    )
+    parser.add_argument(
+        "--reference", metavar="DIR|PATTERN", type=Path, help="frames to compare with, by number"
+    )
+    parser.add_argument(
+        "--max-relmse", metavar="X", type=positive, default=0.01, help="against --reference (0.01)"
+    )
+    parser.add_argument(
+        "--max-flip", metavar="X", type=positive, help="the same by mean FLIP (pip install flip-evaluator)"
+    )
+    parser.add_argument(
+        "--skip-checks", metavar="IDS", type=_checks, default=frozenset(), help="not to run, by commas"
+    )
+    parser.add_argument(
+        "--fail-on", choices=[s.value for s in Severity], default="error", help="what exits with 1 (error)"
+    )
     parser.add_argument("--json", action="store_true", help="the report as JSON on the output stream")
     parser.add_argument("--html", metavar="FILE", type=Path, help="also writes the report as a page")
-    parser.add_argument("--stats", metavar="FILE", type=Path, help="what `sunfleck render --stats` wrote, for the page")
-    parser.add_argument("--static", action="store_true", help="nothing moves: frames may be equal to the ones before")
-    parser.add_argument("--list-missing", action="store_true", help="prints only the frames to render (again), or `none`")
-    parser.add_argument("--write-missing", metavar="FILE", type=Path, help="also writes them to FILE; findings are no failure then")
+    parser.add_argument(
+        "--stats", metavar="FILE", type=Path, help="what `sunfleck render --stats` wrote, for the page"
+    )
+    parser.add_argument(
+        "--static", action="store_true", help="nothing moves: frames may be equal to the ones before"
+    )
+    parser.add_argument(
+        "--list-missing", action="store_true", help="prints only the frames to render (again), or `none`"
+    )
+    parser.add_argument(
+        "--write-missing",
+        metavar="FILE",
+        type=Path,
+        help="also writes them to FILE; findings are no failure then",
+    )
     parser.add_argument("--list-checks", action="store_true", help="prints all checks and exits")
     parser.add_argument("--processes", metavar="N", type=count, help="that decode (all processors)")
 
@@ -91,5 +118,7 @@ def _flip_limit(arguments: argparse.Namespace) -> float | None:
 def _checks(text: str) -> frozenset[str]:
     ids = frozenset(part.strip() for part in text.split(","))
     if unknown := ids - CHECKS.keys():
-        raise argparse.ArgumentTypeError(f"no check is named {', '.join(sorted(unknown))}; --list-checks prints them all")
+        raise argparse.ArgumentTypeError(
+            f"no check is named {', '.join(sorted(unknown))}; --list-checks prints them all"
+        )
     return ids

@@ -1,6 +1,7 @@
 """Folders of files that nobody here wrote, through the program: what becomes of each, and counts of that.
 
-Invariant: whatever a file does to the program, it has one verdict, and verdicts come in the order of the files' names.
+Invariant: whatever a file does to the program, it has one verdict, and verdicts come in the order
+of the files' names.
 """
 
 from .files import find_files

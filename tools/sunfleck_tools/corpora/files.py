@@ -24,8 +24,11 @@ class CorpusFile:
     """Its format forbids it, so that a refusal is right."""
 
 
-def find_files(folder: Path, kinds: Collection[str] = KINDS, invalid: Collection[str] = ()) -> list[CorpusFile]:
-    """All files of these kinds below the folder, ordered by name; those named in `invalid` are marked. Follows no links."""
+def find_files(
+    folder: Path, kinds: Collection[str] = KINDS, invalid: Collection[str] = ()
+) -> list[CorpusFile]:
+    """All files of these kinds below the folder, ordered by name; those named in `invalid` are marked.
+    Follows no links."""
     found = []
     for path in folder.rglob("*"):
         kind = KIND_OF_SUFFIX.get(path.suffix.lower())

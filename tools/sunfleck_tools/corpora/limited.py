@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 ADDRESSES_PER_MEMORY = 3
-"""Addresses that are reserved (threads' stacks, files in memory) are no memory: so many times the limit may be asked for."""
+"""Addresses that are reserved (threads' stacks, files in memory) are no memory: so many times the limit
+may be asked for."""
 UNDER_LIMITS = 'ulimit -c 0; ulimit -S -t "$1"; ulimit -v "$2"; shift 2; exec "$@"'
 TEXT_BYTES = 1 << 20
 """Of what a program says are looked at."""
@@ -22,8 +23,8 @@ TEXT_BYTES = 1 << 20
 
 @dataclass(frozen=True)
 class Limits:
-    """Of one run: processor seconds of all threads, bytes resident at once, and seconds by the clock. The last are for programs that
-    wait: other work on the machine makes a second of the processor longer."""
+    """Of one run: processor seconds of all threads, bytes resident at once, and seconds by the clock. The
+    last are for programs that wait: other work on the machine makes a second of the processor longer."""
 
     cpu_s: int = 60
     memory_bytes: int = 2 << 30
@@ -42,7 +43,9 @@ class Ended:
     took_too_long: bool
 
 
-def run_limited(command: Sequence[object], limits: Limits, environment: dict[str, str] | None = None) -> Ended:
+def run_limited(
+    command: Sequence[object], limits: Limits, environment: dict[str, str] | None = None
+) -> Ended:
     """Runs the command to its end, or to the limits'. Raises `OSError` if there is no `sh`."""
     addresses_kb = limits.memory_bytes * ADDRESSES_PER_MEMORY // 1024
     line = ["sh", "-c", UNDER_LIMITS, "sh", str(limits.cpu_s), str(addresses_kb), *map(str, command)]

@@ -1,6 +1,7 @@
 """How a run ended to an outcome, and its first error to a sentence.
 
-Invariant: the outcome is told by what can be seen from outside: exit code, signal, output, memory, and the picture.
+Invariant: the outcome is told by what can be seen from outside: exit code, signal, output,
+memory, and the picture.
 """
 
 from __future__ import annotations
@@ -40,14 +41,17 @@ class Outcome(str, Enum):
 
 REFUSALS = (SCENE, IO)
 RUST_PANIC = 101
-OUT_OF_MEMORY = re.compile(r"memory allocation of \d+ bytes failed|MemoryError|bad_alloc|the memory is not enough")
+OUT_OF_MEMORY = re.compile(
+    r"memory allocation of \d+ bytes failed|MemoryError|bad_alloc|the memory is not enough"
+)
 ERROR_LINE = re.compile(r"^(?:.*?: )?error(?:\[[\w-]+\])?: (?P<sentence>.*(?:(?<=:)\n\s+.*)?)$", re.MULTILINE)
 """What ends with a colon goes on in the next line."""
 WARNING_LINE = re.compile(r"^(?:.*?: )?warning(?:\[(?P<id>[\w-]+)\])?: ", re.MULTILINE)
 
 
 def outcome_of(ended: Ended, limits: Limits, findings: int | None = None) -> Outcome:
-    """Without a look at the picture. A command that finds faults in files says so by the exit code `findings`."""
+    """Without a look at the picture. A command that finds faults in files says so by the
+    exit code `findings`."""
     said = ended.out + ended.err
     if ended.peak_bytes > limits.memory_bytes or (ended.code != 0 and OUT_OF_MEMORY.search(said)):
         return Outcome.MEMORY

@@ -1,7 +1,8 @@
 """What is tried on a file of each kind, step after step.
 
-Invariant: a file is judged by the first of its worst steps; where all go well, by losses and the picture. Steps that need one
-another end with the first that does not go well, and those of frames, which do not, are all tried.
+Invariant: a file is judged by the first of its worst steps; where all go well, by losses and the
+picture. Steps that need one another end with the first that does not go well, and those of frames,
+which do not, are all tried.
 """
 
 from __future__ import annotations
@@ -26,8 +27,18 @@ from .outcomes import Outcome, loss_ids, outcome_of, sentence_of
 PACKAGES = Path(__file__).parents[2]
 SMALL = ("--size", "160x90", "--samples", "1")
 BLACK_MEAN = 1e-4
-"""Mean radiance of a picture in which the exposure of common cameras shows nothing: a shade of 8 bits is 3e-4."""
-CAUSES_OF_BLACK = frozenset({"dark-frame", "no-light", "nothing-to-draw", "mesh-without-triangles", "primitive-without-positions", "points-and-lines"})
+"""Mean radiance of a picture in which the exposure of common cameras shows nothing: a shade
+of 8 bits is 3e-4."""
+CAUSES_OF_BLACK = frozenset(
+    {
+        "dark-frame",
+        "no-light",
+        "nothing-to-draw",
+        "mesh-without-triangles",
+        "primitive-without-positions",
+        "points-and-lines",
+    }
+)
 """Losses that say why there is nothing to be seen."""
 
 
@@ -48,7 +59,8 @@ class Programs:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a file; `step` is the command that was decisive, `refused_by` are all that refused it."""
+    """What became of a file; `step` is the command that was decisive, `refused_by` are
+    all that refused it."""
 
     file: CorpusFile
     outcome: Outcome
@@ -128,7 +140,17 @@ def _render(trial: _Trial, path: Path) -> float:
     inspected = trial.sunfleck("inspect", path, "--json")
     first = _first_frame(inspected.out)
     frame = trial.scratch / "frame.####.exr"
-    trial.sunfleck("render", path, *SMALL, "--frames", "all" if first is None else first, "--out", frame, "--progress", "none")
+    trial.sunfleck(
+        "render",
+        path,
+        *SMALL,
+        "--frames",
+        "all" if first is None else first,
+        "--out",
+        frame,
+        "--progress",
+        "none",
+    )
     return mean_radiance(next(trial.scratch.glob("frame.*.exr")))
 
 

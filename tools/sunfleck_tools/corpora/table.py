@@ -1,4 +1,4 @@
-"""Verdicts to a table of counts, to what is refused by its reason, and to a list of what must not be."""
+"""Verdicts in, texts out: a table of counts, what is refused by its reason, and what must not be."""
 
 from __future__ import annotations
 
@@ -64,7 +64,9 @@ def _refused(verdicts: Sequence[Verdict]) -> str:
         if verdict.outcome is Outcome.REFUSED:
             groups[_row_of(verdict), verdict.step, group_of(verdict.sentence)].append(verdict)
     lines = ["refused:"] if groups else []
-    for (kind, step, sentence), members in sorted(groups.items(), key=lambda group: (-len(group[1]), group[0])):
+    for (kind, step, sentence), members in sorted(
+        groups.items(), key=lambda group: (-len(group[1]), group[0])
+    ):
         lines += [f"{len(members):5}  {kind}, {step}: {sentence}", f"       such as {members[0].file.name}"]
     return "\n".join(lines)
 
@@ -76,7 +78,13 @@ def _faults(verdicts: Sequence[Verdict]) -> str:
     for verdict in sorted(faults, key=lambda verdict: verdict.outcome.value):
         mean = "" if verdict.mean is None else f"mean {verdict.mean:.3g}"
         step = verdict.step if verdict.mean is None else ""
-        lines.append("  ".join(part for part in (verdict.outcome.value, verdict.file.name, step, mean, verdict.sentence) if part))
+        lines.append(
+            "  ".join(
+                part
+                for part in (verdict.outcome.value, verdict.file.name, step, mean, verdict.sentence)
+                if part
+            )
+        )
     return "\n".join(lines)
 
 
@@ -86,6 +94,12 @@ def _most(verdicts: Sequence[Verdict]) -> str:
         return "no files of these kinds"
     slowest = sorted(verdicts, key=lambda verdict: -verdict.cpu_s)[:LARGEST_SHOWN]
     largest = sorted(verdicts, key=lambda verdict: -verdict.peak_bytes)[:LARGEST_SHOWN]
-    lines = ["most processor seconds:", *(f"{verdict.cpu_s:8.1f} s   {verdict.file.name}" for verdict in slowest)]
-    lines += ["most memory:", *(f"{verdict.peak_bytes >> 20:8} MB  {verdict.file.name}" for verdict in largest)]
+    lines = [
+        "most processor seconds:",
+        *(f"{verdict.cpu_s:8.1f} s   {verdict.file.name}" for verdict in slowest),
+    ]
+    lines += [
+        "most memory:",
+        *(f"{verdict.peak_bytes >> 20:8} MB  {verdict.file.name}" for verdict in largest),
+    ]
     return "\n".join(lines)

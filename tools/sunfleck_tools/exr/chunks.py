@@ -16,7 +16,8 @@ ROWS_OF_COMPRESSION = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16, 6: 32, 7: 32, 8: 3
 PIZ = 4
 ONE_LEVEL = 0
 LONGEST_ZEROS = 32
-"""Bytes of zeros in a row that entropy coding does not make: runs of a symbol are coded as a symbol and a count."""
+"""Bytes of zeros in a row that entropy coding does not make: runs of a symbol are coded as a
+symbol and a count."""
 
 
 def chunk_faults(header: Header, data: bytes | mmap, part: int = 0) -> Iterator[str]:
@@ -41,7 +42,8 @@ def chunk_faults(header: Header, data: bytes | mmap, part: int = 0) -> Iterator[
 
 
 Place = tuple[int, ...]
-"""What a chunk says of its own place: its first row; or column and row of the tile, and level in x and in y."""
+"""What a chunk says of its own place: its first row; or column and row of the tile, and
+level in x and in y."""
 
 
 def _places(header: Header) -> list[Place] | None:
@@ -80,7 +82,11 @@ def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, pla
     *begins, size = struct.unpack_from("<5i" if header.is_tiled else "<2i", data, offset)
     at = offset + (20 if header.is_tiled else 8)
     if tuple(begins) != place:
-        found = f"row {begins[0]}" if len(begins) == 1 else f"tile {begins[0]}, {begins[1]} of level {begins[2]}, {begins[3]}"
+        found = (
+            f"row {begins[0]}"
+            if len(begins) == 1
+            else f"tile {begins[0]}, {begins[1]} of level {begins[2]}, {begins[3]}"
+        )
         yield f"says that it begins at {found}"
     elif size <= 0 or at + size > len(data):
         yield f"has {size} bytes, of which the file holds {len(data) - at}"
@@ -91,18 +97,26 @@ def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, pla
 
 
 def _raw_bytes(header: Header, place: Place) -> int:
-    """What a chunk takes that is not compressed, as it is stored where compressing does not make it smaller."""
+    """What a chunk takes that is not compressed, as it is stored where compressing does
+    not make it smaller."""
     left, top, right, bottom = header.data_window
     if header.is_tiled:
         wide, high, _ = header.values["tiles"]
-        columns, rows = min(wide, right - left + 1 - place[0] * wide), min(high, bottom - top + 1 - place[1] * high)
+        columns, rows = (
+            min(wide, right - left + 1 - place[0] * wide),
+            min(high, bottom - top + 1 - place[1] * high),
+        )
     else:
         columns, rows = right - left + 1, min(ROWS_OF_COMPRESSION[PIZ], bottom + 1 - place[0])
-    return sum(BYTES_OF_TYPE[c.type] * -(-columns // c.sampling[0]) * -(-rows // c.sampling[1]) for c in header.channels)
+    return sum(
+        BYTES_OF_TYPE[c.type] * -(-columns // c.sampling[0]) * -(-rows // c.sampling[1])
+        for c in header.channels
+    )
 
 
 def _blotted_out(chunk: bytes) -> int | None:
-    """Where zeros lie in the coded part of a PIZ chunk: behind the bitmap of the values that occur (ImfPizCompressor.cpp)."""
+    """Where zeros lie in the coded part of a PIZ chunk: behind the bitmap of the values that occur
+    (ImfPizCompressor.cpp)."""
     if len(chunk) < 4:
         return None
     first, last = struct.unpack_from("<2H", chunk)

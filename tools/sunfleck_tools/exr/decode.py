@@ -1,7 +1,7 @@
 """Pixels of an EXR file by OpenEXR, and why there are none.
 
-Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, with nothing on the terminal. A decoder
-that crashes takes the process along: that is the caller's to survive.
+Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, with nothing on the terminal.
+A decoder that crashes takes the process along. That is the caller's to survive.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ def decode(path: Path) -> dict[str, np.ndarray]:
 
 
 def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]]:
-    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where that is what lacks."""
+    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where
+    that is what lacks."""
     with _captured() as said:
         parts, failure = [], ""
         try:
@@ -70,7 +71,9 @@ def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]
         if NOT_READ in words:
             failure = failure or words[words.index(NOT_READ) :].splitlines()[0]
     # A damaged file may ask for any memory: it lacks only if there is not enough for the pixels.
-    if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(COPIES * pixel_bytes + SPARE_BYTES):
+    if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(
+        COPIES * pixel_bytes + SPARE_BYTES
+    ):
         raise MemoryError(f"memory is not enough to decode {path}")
     if failure:
         raise DecodeError(_reason(words, str(path)) or failure)
@@ -87,13 +90,16 @@ def _could_hold(size: int) -> bool:
 
 
 def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
-    """A channel with a value for each pixel: samples that stand for several pixels are repeated. Raises `DecodeError`."""
+    """A channel with a value for each pixel: samples that stand for several pixels are repeated.
+    Raises `DecodeError`."""
     across, down = channel.sampling
     width, height = header.size
     if channel.sampling != (1, 1):
         stored = np.repeat(np.repeat(stored, down, axis=0), across, axis=1)[:height, :width]
     if stored.shape != (height, width):
-        raise DecodeError(f"{channel.name} has {stored.shape[1]} x {stored.shape[0]} values, not {width} x {height}")
+        raise DecodeError(
+            f"{channel.name} has {stored.shape[1]} x {stored.shape[0]} values, not {width} x {height}"
+        )
     return stored
 
 

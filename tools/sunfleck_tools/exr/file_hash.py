@@ -1,4 +1,5 @@
-"""The fingerprint of a whole file, which stands in the file itself, as the renderer computes it (its module `frame_file`).
+"""The fingerprint of a whole file, which stands in the file itself, as the renderer computes it (its
+module `frame_file`).
 
 Invariant: any byte changed, added or taken away changes it, in the header as in the pixels.
 """
@@ -15,7 +16,8 @@ HEAD = NAME.encode() + b"\0string\0" + DIGITS.to_bytes(4, "little")
 
 
 def file_hash(data: mmap | bytes) -> tuple[str, str] | None:
-    """The hash that a file carries and the one that it has, as hexadecimal digits; None if it carries none that is whole."""
+    """The hash that a file carries and the one that it has, as hexadecimal digits; None if it carries
+    none that is whole."""
     head = data.find(HEAD)
     start, end = head + len(HEAD), head + len(HEAD) + DIGITS
     if head < 0 or end > len(data):

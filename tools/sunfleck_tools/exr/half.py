@@ -1,4 +1,5 @@
-"""Half precision by its bits: integers compare, and move into wider floats, many at a time where halves go one by one.
+"""Half precision by its bits: integers compare, and move into wider floats, many at a time where
+halves go one by one.
 
 Invariant: `widened` gives the bits that `astype(float32)` gives, NaN's payload aside.
 """
@@ -15,8 +16,8 @@ EXPONENT_STEP = np.float32(2.0**112)
 
 
 def widened(stored: np.ndarray) -> np.ndarray:
-    """Halves as float32: fraction and exponent move over, and a product corrects the exponent, subnormal numbers included
-    (Giesen 2012, half_to_float_fast4)."""
+    """Halves as float32: fraction and exponent move over, and a product corrects the exponent, subnormal
+    numbers included (Giesen 2012, half_to_float_fast4)."""
     smallest, largest = extremes(stored)
     if not (isfinite(smallest) and isfinite(largest)):
         return stored.astype(np.float32)
@@ -40,8 +41,8 @@ def plain(smallest: float, largest: float) -> bool:
 
 
 def scaled_into(stored: np.ndarray, factor: np.float32, out: np.ndarray) -> None:
-    """`factor` times plain halves, as float32: both products of `widened(stored) * factor` in one, which changes no bit, since
-    the first of them is by a power of two."""
+    """`factor` times plain halves, as float32: both products of `widened(stored) * factor` in one, which
+    changes no bit, since the first of them is by a power of two."""
     bits = out.view(np.uint32)
     np.copyto(bits, stored.view(np.uint16))
     np.left_shift(bits, 13, out=bits)
@@ -49,7 +50,8 @@ def scaled_into(stored: np.ndarray, factor: np.float32, out: np.ndarray) -> None
 
 
 def extremes(stored: np.ndarray) -> tuple[float, float]:
-    """The smallest and the largest value; NaN twice if there is one. Without their sign, bits grow with the magnitude."""
+    """The smallest and the largest value; NaN twice if there is one. Without their sign, bits grow
+    with the magnitude."""
     bits = stored.view(np.uint16)
     top = int(bits.max())
     if top <= INFINITY:

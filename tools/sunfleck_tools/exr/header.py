@@ -1,8 +1,8 @@
 """The headers of an EXR file, one for each of its parts, from its bytes.
 
-OpenEXR says of a damaged file only that it has no part 0; this parser says what is wrong, and it is asked before a decoder
-allocates anything. Invariant: every length is checked against the bytes that are there. Layout:
-https://openexr.com/en/latest/OpenEXRFileLayout.html
+OpenEXR says of a damaged file only that it has no part 0; this parser says what is wrong, and it is asked
+before a decoder allocates anything. Invariant: every length is checked against the bytes that are there.
+Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class Channel:
 
 @dataclass(frozen=True)
 class Header:
-    """The parsed header of a part; `end` is the offset of its table of chunks, which in a file of one part follows at once."""
+    """The parsed header of a part; `end` is the offset of its table of chunks, which in a file of one
+    part follows at once."""
 
     flags: int
     values: dict[str, object]
@@ -61,7 +62,9 @@ class Header:
     @property
     def is_tiled(self) -> bool:
         """True if chunks are tiles."""
-        return self.text("type") in ("tiledimage", "deeptile") if self.is_multipart else bool(self.flags & TILED)
+        return (
+            self.text("type") in ("tiledimage", "deeptile") if self.is_multipart else bool(self.flags & TILED)
+        )
 
     @property
     def is_deep(self) -> bool:
@@ -75,7 +78,8 @@ class Header:
 
     @property
     def pixel_bytes(self) -> int:
-        """What all channels take once they are decoded, those of fewer samples too: each gets a value a pixel."""
+        """What all channels take once they are decoded, those of fewer samples too: each
+        gets a value a pixel."""
         width, height = self.size
         return width * height * sum(BYTES_OF_TYPE[channel.type] for channel in self.channels)
 
@@ -157,7 +161,11 @@ def _header(flags: int, values: dict[str, object], end: int) -> Header:
             raise HeaderError(f"the header has no {name}")
         return values[name]
 
-    channels, data, display = required("channels", tuple), required("dataWindow", tuple), required("displayWindow", tuple)
+    channels, data, display = (
+        required("channels", tuple),
+        required("dataWindow", tuple),
+        required("displayWindow", tuple),
+    )
     compression = required("compression", int)
     if data[2] < data[0] or data[3] < data[1]:
         raise HeaderError("the data window is empty or inside out")
@@ -179,7 +187,9 @@ def _take(data: bytes | mmap, at: int, size: int) -> bytes:
 def _name(data: bytes | mmap, at: int) -> tuple[str, int]:
     end = data.find(b"\0", at, at + LONGEST_NAME + 1)
     if end < 0:
-        raise HeaderError("the file ends within its header" if at + LONGEST_NAME >= len(data) else "a name has no end")
+        raise HeaderError(
+            "the file ends within its header" if at + LONGEST_NAME >= len(data) else "a name has no end"
+        )
     return data[at:end].decode("utf-8", "replace"), end + 1
 
 

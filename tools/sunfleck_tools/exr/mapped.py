@@ -1,7 +1,7 @@
 """The bytes of a file without reading those that nobody looks at.
 
-Invariant: no memory is taken by what is not looked at. A file that is cut off by somebody meanwhile takes the process along, as
-a decoder may: `parallel` survives it.
+Invariant: no memory is taken by what is not looked at. A file that is cut off by somebody meanwhile takes the
+process along, as a decoder may: `parallel` survives it.
 """
 
 from __future__ import annotations

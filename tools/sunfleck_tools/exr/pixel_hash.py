@@ -1,4 +1,5 @@
-"""The fingerprint of a file's pixels, as the renderer computes it (its module `frame_file` defines the order of bytes).
+"""The fingerprint of a file's pixels, as the renderer computes it (its module `frame_file` defines
+the order of bytes).
 
 Invariant: it depends on the channels' names, types and stored bits alone.
 """

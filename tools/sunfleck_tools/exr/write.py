@@ -14,7 +14,9 @@ def write_colors(path: Path, pixels: np.ndarray, comments: str = "") -> None:
     header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
     if comments:
         header["comments"] = comments
-    channels = {letter: np.ascontiguousarray(pixels[..., index], np.float32) for index, letter in enumerate("RGB")}
+    channels = {
+        letter: np.ascontiguousarray(pixels[..., index], np.float32) for index, letter in enumerate("RGB")
+    }
     part = path.with_name(f".{path.name}.{os.getpid()}.sunfleck-part")
     try:
         with OpenEXR.File(header, channels) as file:

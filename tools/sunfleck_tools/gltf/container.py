@@ -22,8 +22,8 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 class Container:
-    """An opened file: its document, and its buffers when they are asked for. Files that it refers to are read where they lie in
-    its own folder, or in one of those allowed."""
+    """An opened file: its document, and its buffers when they are asked for. Files that it refers to are read
+    where they lie in its own folder, or in one of those allowed."""
 
     def __init__(self, path: Path, allowed: Sequence[Path] = ()):
         self.path = path
@@ -76,7 +76,9 @@ class Container:
         except (OSError, RuntimeError):  # links in a circle
             uri.fail(f"leads to {path}, which cannot be found")
         if not any(real.is_relative_to(folder) for folder in self._folders):
-            uri.fail(f"leads out of the file's folder, to {path}: if that is meant, give --allow {path.parent}")
+            uri.fail(
+                f"leads out of the file's folder, to {path}: if that is meant, give --allow {path.parent}"
+            )
         return read_bytes(path)
 
     def view(self, index: Value) -> tuple[bytes, int, int, int]:

@@ -9,7 +9,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Curve:
-    """Keys of a value. Times ascend strictly, in single precision as files store them; of a cubic curve each key has three rows."""
+    """Keys of a value. Times ascend strictly, in single precision as files store them; of a cubic curve each
+    key has three rows."""
 
     times_s: np.ndarray
     values: np.ndarray

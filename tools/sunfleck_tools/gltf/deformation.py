@@ -1,4 +1,5 @@
-"""Vertices of a mesh that bends, at any time. Skinned ones are in the world: their node's own place does not count (3.7.3.3)."""
+"""Vertices of a mesh that bends, at any time. Skinned ones are in the world: their node's own place does
+not count (3.7.3.3)."""
 
 from __future__ import annotations
 
@@ -77,7 +78,10 @@ class Bending:
                 found += weights[:, number, None, None] * target
         if primitive.joints is not None and self.is_skinned:
             # time, joint
-            world_from_mesh = np.stack([joint.world_from_node(times_s) for joint in self.joints], axis=1) @ self.joint_from_mesh
+            world_from_mesh = (
+                np.stack([joint.world_from_node(times_s) for joint in self.joints], axis=1)
+                @ self.joint_from_mesh
+            )
             total = np.maximum(primitive.weights.sum(axis=1, keepdims=True), 1e-12)
             shares = primitive.weights / total
             for number in range(len(times_s)):

@@ -1,6 +1,7 @@
 """What stands at a node as a light: KHR_lights_punctual, and the renderer's `sunfleck_light`.
 
-Invariant: powers are W/m2 of suns, W/sr of points and spots, W of area lights, in the units that the scene says.
+Invariant: powers are W/m2 of suns, W/sr of points and spots, W of area lights, in the units
+that the scene says.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Anything that the renderer reads to a glTF scene.
 
-What is no glTF, and glTF that needs the renderer's own reader (compression, instancing, animated properties), goes through
-`sunfleck export`; so there is one reader of RON.
+What is no glTF, and glTF that needs the renderer's own reader (compression, instancing, animated properties),
+goes through `sunfleck export`; so there is one reader of RON.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ def load(
     fps: Fraction | None = None,
     allowed: Sequence[Path] = (),
 ) -> Gltf:
-    """Reads a sequence, a scene or a glTF file, its first and last frame and their rate as it says itself unless told. What a glTF
-    file refers to is read from its own folder and those `allowed`."""
+    """Reads a sequence, a scene or a glTF file, its first and last frame and their rate as it says itself
+    unless told. What a glTF file refers to is read from its own folder and those `allowed`."""
     why = ""
     if source.suffix.lower() in (".glb", ".gltf"):
         container = Container(source, allowed)
@@ -54,7 +54,8 @@ def load(
     found = find_program(program)
     if found is None:
         raise SceneError(
-            f"{source}: needs the program sunfleck{why}, and there is none: give --sunfleck, set SUNFLECK, or put it on the PATH"
+            f"{source}: needs the program sunfleck{why}, and there is none: give --sunfleck, set SUNFLECK, "
+            "or put it on the PATH"
         )
     with tempfile.TemporaryDirectory() as folder:
         exported = Path(folder) / "scene.glb"

@@ -16,7 +16,8 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 
 @dataclass
 class Primitive:
-    """Triangles of one material. A target moves every position; `joints` and `weights` tie vertices to a skin."""
+    """Triangles of one material. A target moves every position; `joints` and `weights` tie
+    vertices to a skin."""
 
     positions: np.ndarray
     triangles: np.ndarray
@@ -96,7 +97,14 @@ class Meshes:
         else:
             corners = accessors.integers(indices, count, "vertices")[:, 0]
         uvs = {layer: found for layer in range(8) if (found := rows(f"TEXCOORD_{layer}", 2)) is not None}
-        primitive = Primitive(positions, _triangles(corners, mode), None, rows("NORMAL", 3), uvs, self._colors(attributes, count))
+        primitive = Primitive(
+            positions,
+            _triangles(corners, mode),
+            None,
+            rows("NORMAL", 3),
+            uvs,
+            self._colors(attributes, count),
+        )
         if (material := source.member("material")) is not None:
             primitive.material = material.index(self.materials, "material")
         for target in source.items("targets"):

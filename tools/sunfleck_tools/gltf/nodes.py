@@ -1,4 +1,5 @@
-"""The nodes of the scene that is shown, with how they move. Invariant: parents come before children, and form trees."""
+"""The nodes of the scene that is shown, with how they move. Invariant: parents come before
+children, and form trees."""
 
 from __future__ import annotations
 
@@ -35,7 +36,11 @@ class Node:
     def extras(self) -> Value:
         """Custom properties; whatever else `extras` may hold is none."""
         found = self.source.member("extras")
-        return found if found is not None and isinstance(found.raw, dict) else Value({}, self.source.file, self.source.path)
+        return (
+            found
+            if found is not None and isinstance(found.raw, dict)
+            else Value({}, self.source.file, self.source.path)
+        )
 
     def parts_at(self, path: str, times_s: np.ndarray) -> np.ndarray:
         """Rows of a part of the place, a row a time."""
@@ -141,7 +146,9 @@ def read_animations(document: Value, nodes: list[Node], accessors: Accessors) ->
         for channel in animation.items("channels"):
             target = channel.need("target")
             if (of := target.member("node")) is None:
-                _read_visibility(target, samplers[channel.need("sampler").index(samplers, "sampler")], by_index, accessors)
+                _read_visibility(
+                    target, samplers[channel.need("sampler").index(samplers, "sampler")], by_index, accessors
+                )
                 continue
             node = by_index.get(of.index(sources, "node"))
             path = target.text_at("path")
@@ -159,7 +166,12 @@ def _read_visibility(target: Value, sampler: Value, by_index: dict[int, Node], a
     said = target.member("extensions")
     pointer = said.member("KHR_animation_pointer") if said is not None else None
     steps = pointer.text_at("pointer").split("/") if pointer is not None else []
-    if len(steps) == 6 and steps[1] == "nodes" and steps[3:] == ["extensions", "KHR_node_visibility", "visible"] and steps[2].isdigit():
+    if (
+        len(steps) == 6
+        and steps[1] == "nodes"
+        and steps[3:] == ["extensions", "KHR_node_visibility", "visible"]
+        and steps[2].isdigit()
+    ):
         if (node := by_index.get(int(steps[2]))) is not None:
             curve = _curve(sampler, accessors, 1, turns=False)
             node.shown = Curve(curve.times_s, curve.values, "STEP", turns=False)

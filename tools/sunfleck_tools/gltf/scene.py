@@ -45,7 +45,9 @@ class Settings:
 class Gltf:
     """A file that was read."""
 
-    def __init__(self, container: Container, fps: Fraction | None = None, frames: tuple[int, int] | None = None):
+    def __init__(
+        self, container: Container, fps: Fraction | None = None, frames: tuple[int, int] | None = None
+    ):
         self.container = container
         self.document = container.document
         self.accessors = Accessors(self.container)
@@ -56,7 +58,11 @@ class Gltf:
         else:
             self.scene = scenes[0] if scenes else Value({}, self.document.file, "scenes")
         extras = self.scene.member("extras")
-        self.extras = extras if extras is not None and isinstance(extras.raw, dict) else Value({}, self.document.file, "extras")
+        self.extras = (
+            extras
+            if extras is not None and isinstance(extras.raw, dict)
+            else Value({}, self.document.file, "extras")
+        )
         self.nodes = read_nodes(self.document, self.scene)
         read_animations(self.document, self.nodes, self.accessors)
         self._mend_times()
@@ -72,7 +78,9 @@ class Gltf:
             seconds = first * base / sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6)
             for node in self.nodes:
                 node.curves = {path: _later(curve, seconds) for path, curve in node.curves.items()}
-                node.weights, node.shown = (curve and _later(curve, seconds) for curve in (node.weights, node.shown))
+                node.weights, node.shown = (
+                    curve and _later(curve, seconds) for curve in (node.weights, node.shown)
+                )
         generator = self.document.need("asset").text_at("generator")
         if base == 1.0 or "Blender" not in generator or sunfleck.member("fps") is None:
             return
@@ -85,7 +93,9 @@ class Gltf:
 
     def _settings(self, fps: Fraction | None, frames: tuple[int, int] | None) -> Settings:
         sunfleck = self.extras.group("sunfleck")
-        rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6) / sunfleck.number_at("fps_base", 1.0, 1e-3, 1e6)
+        rate = sunfleck.number_at("fps", DEFAULT_FPS, 1e-3, 1e6) / sunfleck.number_at(
+            "fps_base", 1.0, 1e-3, 1e6
+        )
         fps = fps or Fraction(rate).limit_denominator(1001)
         first, last = self._keyed_frames(fps)
         first = int(sunfleck.number_at("frame_start", first, -1e7, 1e7))
@@ -129,7 +139,8 @@ class Gltf:
         return found
 
     def control(self, owner: str, field: str) -> Control | None:
-        """What carries a field of a property of a node (by its name) or of `scene`, such as `sunfleck_light.radius`."""
+        """What carries a field of a property of a node (by its name) or of `scene`, such as
+        `sunfleck_light.radius`."""
         target = f"{owner}.{field}"
         self._used.add(target)
         return self.controls.get(target)

@@ -1,4 +1,5 @@
-"""What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a gradient and an image."""
+"""What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a
+gradient and an image."""
 
 from __future__ import annotations
 
@@ -15,9 +16,11 @@ ROWS, COLUMNS = 1024, 4
 
 @dataclass(frozen=True)
 class Sky:
-    """`radiance` in W/(m2 sr), of what is 1 in the image or the gradient (rows from straight up to straight down), if any.
+    """`radiance` in W/(m2 sr), of what is 1 in the image or the gradient (rows from straight up to
+    straight down), if any.
 
-    An image has -z in its middle, and is turned about +y by `rotation_rad`. `lights` is `nothing`, `surfaces` or `surfaces_and_fog`.
+    An image has -z in its middle, and is turned about +y by `rotation_rad`. `lights` is `nothing`, `surfaces`
+    or `surfaces_and_fog`.
     """
 
     lights: str
@@ -39,9 +42,15 @@ def read_sky(gltf: Gltf) -> Sky | None:
         radiance = radiance * color.channels()
     elif image is None:
         ground = source.member("ground")
-        colors = [source.need("zenith").channels(), source.need("horizon").channels(), [0.0] * 3 if ground is None else ground.channels()]
+        colors = [
+            source.need("zenith").channels(),
+            source.need("horizon").channels(),
+            [0.0] * 3 if ground is None else ground.channels(),
+        ]
         gradient = _gradient(*map(np.array, colors))
-    return Sky(source.text_at("lights", "nothing"), radiance, image, gradient, source.number_at("rotation", 0.0))
+    return Sky(
+        source.text_at("lights", "nothing"), radiance, image, gradient, source.number_at("rotation", 0.0)
+    )
 
 
 def _gradient(zenith: np.ndarray, horizon: np.ndarray, ground: np.ndarray) -> np.ndarray:

@@ -56,7 +56,12 @@ class Value:
     def number(self, least: float = -math.inf, most: float = math.inf) -> float:
         """A finite number within bounds."""
         raw = self.raw
-        if isinstance(raw, bool) or not isinstance(raw, (int, float)) or not math.isfinite(raw) or not least <= raw <= most:
+        if (
+            isinstance(raw, bool)
+            or not isinstance(raw, (int, float))
+            or not math.isfinite(raw)
+            or not least <= raw <= most
+        ):
             within = "" if math.isinf(least) and math.isinf(most) else f" from {least:g} to {most:g}"
             self.fail(f"expected a number{within}")
         return float(raw)

@@ -1,4 +1,5 @@
-"""A glTF document under construction, and the .glb file of it. Invariant: everything starts at a multiple of four bytes."""
+"""A glTF document under construction, and the .glb file of it. Invariant: everything starts at a
+multiple of four bytes."""
 
 from __future__ import annotations
 
@@ -43,7 +44,12 @@ class GlbWriter:
         data = rows.tobytes()
         key = bytes([rows.shape[1], with_bounds]) + hashlib.blake2b(data).digest()
         if key not in self._known:
-            accessor = {"bufferView": self.view(data), "componentType": FLOAT, "count": len(rows), "type": KINDS[rows.shape[1]]}
+            accessor = {
+                "bufferView": self.view(data),
+                "componentType": FLOAT,
+                "count": len(rows),
+                "type": KINDS[rows.shape[1]],
+            }
             if with_bounds:
                 accessor["min"], accessor["max"] = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
             self._known[key] = self.add("accessors", accessor)
@@ -55,7 +61,12 @@ class GlbWriter:
         data = corners.tobytes()
         key = b"indices" + hashlib.blake2b(data).digest()
         if key not in self._known:
-            accessor = {"bufferView": self.view(data), "componentType": UNSIGNED_INT, "count": len(corners), "type": "SCALAR"}
+            accessor = {
+                "bufferView": self.view(data),
+                "componentType": UNSIGNED_INT,
+                "count": len(corners),
+                "type": "SCALAR",
+            }
             self._known[key] = self.add("accessors", accessor)
         return self._known[key]
 
@@ -64,24 +75,40 @@ class GlbWriter:
         data = np.ascontiguousarray(rows, "<u2").tobytes()
         key = b"joints" + hashlib.blake2b(data).digest()
         if key not in self._known:
-            accessor = {"bufferView": self.view(data), "componentType": UNSIGNED_SHORT, "count": len(rows), "type": "VEC4"}
+            accessor = {
+                "bufferView": self.view(data),
+                "componentType": UNSIGNED_SHORT,
+                "count": len(rows),
+                "type": "VEC4",
+            }
             self._known[key] = self.add("accessors", accessor)
         return self._known[key]
 
-    def animate(self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR") -> None:
+    def animate(
+        self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR"
+    ) -> None:
         """Moves a node's property; all animation of a file is one."""
         self._channel({"node": node, "path": path}, times_s, rows, interpolation)
 
     def animate_value(self, pointer: str, times_s: np.ndarray, rows: np.ndarray) -> None:
         """Changes what a JSON pointer points at (KHR_animation_pointer)."""
         self.extensions.add("KHR_animation_pointer")
-        self._channel({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}, times_s, rows, "LINEAR")
+        self._channel(
+            {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}},
+            times_s,
+            rows,
+            "LINEAR",
+        )
 
     def _channel(self, target: dict, times_s: np.ndarray, rows: np.ndarray, interpolation: str) -> None:
         if "animations" not in self.document:
             self.document["animations"] = [{"channels": [], "samplers": []}]
         animation = self.document["animations"][0]
-        sampler = {"input": self.floats(times_s[:, None], True), "output": self.floats(rows), "interpolation": interpolation}
+        sampler = {
+            "input": self.floats(times_s[:, None], True),
+            "output": self.floats(rows),
+            "interpolation": interpolation,
+        }
         animation["samplers"].append(sampler)
         animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
 

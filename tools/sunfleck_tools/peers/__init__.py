@@ -1,4 +1,5 @@
-"""Other renderers on the same scene, all bounces off: direct light and single scattering, which is what sunfleck computes."""
+"""Other renderers on the same scene, all bounces off: direct light and single scattering, which is what
+sunfleck computes."""
 
 from .measure import RENDERERS, Point, measure, write_table
 

@@ -25,15 +25,29 @@ class Wish:
 
 
 def pictures(scene, wish: Wish, folder: Path):
-    """Both, rows from the top, and what the export found. The order matters: it runs the simulations that Cycles then reads."""
+    """Both, rows from the top, and what the export found. The order matters: it runs the simulations that
+    Cycles then reads."""
     from sunfleck import export, render
 
     scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
     cycles.settings(scene, wish.size, wish.bounces)
     findings = export.exported(scene, folder / "scene.glb").findings
     scene.frame_set(wish.frame)
-    command = [wish.program, "render", folder / "scene.glb", *render.flags(scene, False), "--samples", wish.samples, "--bounces", wish.bounces]
-    subprocess.run([*map(str, command), "--passes", "none", "--out", str(folder / "ours.exr")], check=True, capture_output=True)
+    command = [
+        wish.program,
+        "render",
+        folder / "scene.glb",
+        *render.flags(scene, False),
+        "--samples",
+        wish.samples,
+        "--bounces",
+        wish.bounces,
+    ]
+    subprocess.run(
+        [*map(str, command), "--passes", "none", "--out", str(folder / "ours.exr")],
+        check=True,
+        capture_output=True,
+    )
     scene.cycles.samples, scene.render.filepath = wish.cycles_samples, str(folder / "cycles.exr")
     bpy.ops.render.render(write_still=True)
     return pixels_of(folder / "ours.exr"), pixels_of(folder / "cycles.exr"), findings

@@ -37,7 +37,11 @@ def build(scene: PeerScene, denoiser: str | None = None):
     folder = Path(tempfile.mkdtemp())
     for index, surface in enumerate(scene.surfaces):
         points = surface.positions @ BLENDER_FROM_GLTF[:3, :3].T
-        material = matte(surface.reflectance, surface.texture and image_of(surface.texture.picture, folder), surface.texture)
+        material = matte(
+            surface.reflectance,
+            surface.texture and image_of(surface.texture.picture, folder),
+            surface.texture,
+        )
         add_mesh(made, f"surface_{index}", points, surface.triangles, material, surface.uvs)
     if scene.sky is not None:
         add_sky(made, scene.sky, folder)
@@ -143,7 +147,10 @@ def matte(reflectance, image=None, texture=None):
     surface.inputs["Color"].default_value = (*reflectance, 1.0)
     if image is not None:
         read = nodes.new("ShaderNodeTexImage")
-        read.image, read.extension = image, {"repeat": "REPEAT", "clamp": "EXTEND", "mirror": "MIRROR"}[texture.wrap]
+        read.image, read.extension = (
+            image,
+            {"repeat": "REPEAT", "clamp": "EXTEND", "mirror": "MIRROR"}[texture.wrap],
+        )
         links.new(scaled(nodes, links, read.outputs["Color"], reflectance), surface.inputs["Color"])
     surface.inputs["Roughness"].default_value = 0.0
     links.new(surface.outputs[0], out.inputs["Surface"])
@@ -175,7 +182,10 @@ def add_sky(made, sky: PeerSky, folder: Path):
     shown, out = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
     shown.inputs["Color"].default_value = (*sky.radiance.tolist(), 1.0)
     if sky.picture is not None:
-        read, place, along = (nodes.new(kind) for kind in ("ShaderNodeTexEnvironment", "ShaderNodeMapping", "ShaderNodeTexCoord"))
+        read, place, along = (
+            nodes.new(kind)
+            for kind in ("ShaderNodeTexEnvironment", "ShaderNodeMapping", "ShaderNodeTexCoord")
+        )
         read.image = image_of(sky.picture, folder)
         # Blender has +x in the middle of its pictures, and turns directions, not pictures.
         place.inputs["Rotation"].default_value = (0.0, 0.0, -0.5 * numpy.pi - sky.rotation_rad)
@@ -197,7 +207,9 @@ def add_sun(made, described: Sun):
 
 
 def add_lamp(made, described: Lamp):
-    light = bpy.data.lights.new(described.kind, {"point": "POINT", "spot": "SPOT"}.get(described.kind, "AREA"))
+    light = bpy.data.lights.new(
+        described.kind, {"point": "POINT", "spot": "SPOT"}.get(described.kind, "AREA")
+    )
     if light.type == "AREA":
         light.shape = "RECTANGLE" if described.kind == "rectangle" else "ELLIPSE"
         light.size, light.size_y = described.size_m
@@ -209,7 +221,9 @@ def add_lamp(made, described: Lamp):
         colour(light, described.power * 4 * numpy.pi)
     if light.type == "SPOT":
         light.spot_size, light.spot_blend = 2 * described.outer_rad, described.blend
-    add_light(made, light).matrix_world = mathutils.Matrix((BLENDER_FROM_GLTF @ described.world_from_lamp).tolist())
+    add_light(made, light).matrix_world = mathutils.Matrix(
+        (BLENDER_FROM_GLTF @ described.world_from_lamp).tolist()
+    )
 
 
 def colour(light, power):

@@ -24,8 +24,8 @@ class Sun:
 
 @dataclass
 class Lamp:
-    """A `point` or `spot` of `power` in W/sr, with a radius or none, or a `rectangle` or `disc` of `power` in W; it shines
-    along its -z."""
+    """A `point` or `spot` of `power` in W/sr, with a radius or none, or a `rectangle` or `disc` of `power` in
+    W; it shines along its -z."""
 
     kind: str
     world_from_lamp: np.ndarray
@@ -66,7 +66,9 @@ def read_light(source: LightSource, world_from_node: np.ndarray, time_s: np.ndar
             irradiance = source.color() * said.number(0.0)
         return Sun(place[:3, 2], irradiance, number("angle", ours.number_at("angle", 0.0, 0.0, math.pi)))
     if kind in ("point", "spot"):
-        lamp = Lamp(kind, place, power("power_w", 4 * math.pi), number("radius", ours.number_at("radius", 0.0, 0.0)))
+        lamp = Lamp(
+            kind, place, power("power_w", 4 * math.pi), number("radius", ours.number_at("radius", 0.0, 0.0))
+        )
         if kind == "spot":
             outer, blend = source.cone()
             lamp.outer_rad, lamp.blend = number("outer_angle", outer), number("blend", blend)

@@ -1,4 +1,5 @@
-"""Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce beyond is one more."""
+"""Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce
+beyond is one more."""
 
 from __future__ import annotations
 
@@ -27,7 +28,8 @@ def select(variant: str) -> None:
 
 
 def prepare(scene: PeerScene, variant: str):
-    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
+    """Builds the scene; what comes back renders so many samples a pixel, and returns the
+    picture and CPU seconds."""
     select(variant)
     # Mitsuba's cameras look along +Z with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
@@ -40,7 +42,9 @@ def prepare(scene: PeerScene, variant: str):
     if scene.sky is not None and scene.sky.lights == "surfaces" and scene.fog is not None:
         raise SceneError("Mitsuba gets no sky that lights surfaces and leaves fog dark")
     middle, radius = bounds(scene)
-    emitters = [sun_emitter(sun, middle, radius) for sun in scene.suns] + [lamp_emitter(lamp) for lamp in scene.lamps]
+    emitters = [sun_emitter(sun, middle, radius) for sun in scene.suns] + [
+        lamp_emitter(lamp) for lamp in scene.lamps
+    ]
     described.update({f"light_{index}": emitter for index, emitter in enumerate(emitters)})
     if scene.fog is not None:
         fog = medium(scene.fog)
@@ -99,7 +103,9 @@ def bounds(scene: PeerScene) -> tuple[numpy.ndarray, float]:
     if scene.fog is not None:
         corners = numpy.array([[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
         points.append((corners @ scene.fog.world_from_cube.T)[:, :3])
-    low, high = (function([function(each, axis=0) for each in points], axis=0) for function in (numpy.min, numpy.max))
+    low, high = (
+        function([function(each, axis=0) for each in points], axis=0) for function in (numpy.min, numpy.max)
+    )
     return 0.5 * (low + high), 0.5 * float(numpy.linalg.norm(high - low))
 
 

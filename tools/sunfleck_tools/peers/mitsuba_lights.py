@@ -1,7 +1,7 @@
 """Lights as Mitsuba's emitters. What it has no emitter for is refused.
 
-A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a sphere
-I / (pi r^2), that of a flat lamp P / (pi area).
+A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a
+sphere I / (pi r^2), that of a flat lamp P / (pi area).
 """
 
 from __future__ import annotations
@@ -25,12 +25,18 @@ TURNED = numpy.diag([-1.0, 1.0, -1.0, 1.0])
 def sun_emitter(sun: Sun, middle: numpy.ndarray, radius: float) -> dict:
     """A sun on a scene within a sphere."""
     if sun.angle_rad == 0:
-        return {"type": "directional", "direction": (-sun.to_sun).tolist(), "irradiance": _rgb(sun.irradiance)}
+        return {
+            "type": "directional",
+            "direction": (-sun.to_sun).tolist(),
+            "irradiance": _rgb(sun.irradiance),
+        }
     distance, half = SUN_DISTANCE * radius, 0.5 * sun.angle_rad
     side = numpy.cross(sun.to_sun, numpy.eye(3)[numpy.abs(sun.to_sun).argmin()])
     side /= numpy.linalg.norm(side)
     place = numpy.eye(4)
-    place[:3, :3] = numpy.stack([side, numpy.cross(-sun.to_sun, side), -sun.to_sun], axis=1) * distance * numpy.tan(half)
+    place[:3, :3] = (
+        numpy.stack([side, numpy.cross(-sun.to_sun, side), -sun.to_sun], axis=1) * distance * numpy.tan(half)
+    )
     place[:3, 3] = middle + distance * sun.to_sun
     return _shape("disk", place, sun.irradiance / (numpy.pi * numpy.sin(half) ** 2))
 
@@ -45,10 +51,17 @@ def lamp_emitter(lamp: Lamp) -> dict:
         return _shape("sphere", sphere, lamp.power / (numpy.pi * lamp.radius_m**2))
     if lamp.kind == "spot":
         if lamp.radius_m > 0 or lamp.blend > HARDEST_BLEND:
-            raise SceneError("Mitsuba gets spots without a radius and without a blend: its own fade otherwise")
+            raise SceneError(
+                "Mitsuba gets spots without a radius and without a blend: its own fade otherwise"
+            )
         degrees = float(numpy.degrees(lamp.outer_rad))
         angles = {"cutoff_angle": degrees, "beam_width": degrees * (1 - HARDEST_BLEND)}
-        return {"type": "spot", "to_world": mi.ScalarTransform4f(place), "intensity": _rgb(lamp.power), **angles}
+        return {
+            "type": "spot",
+            "to_world": mi.ScalarTransform4f(place),
+            "intensity": _rgb(lamp.power),
+            **angles,
+        }
     width, height = lamp.size_m
     area = width * height * (1.0 if lamp.kind == "rectangle" else 0.25 * numpy.pi)
     scaled = place @ numpy.diag([0.5 * width, 0.5 * height, 1.0, 1.0])
@@ -56,7 +69,8 @@ def lamp_emitter(lamp: Lamp) -> dict:
 
 
 def sky_emitter(sky: PeerSky) -> dict:
-    """A sky. Mitsuba has +z in the middle of its pictures and -x to the right of that, half a turn from ours."""
+    """A sky. Mitsuba has +z in the middle of its pictures and -x to the right of that,
+    half a turn from ours."""
     if sky.picture is None:
         return {"type": "constant", "radiance": _rgb(sky.radiance)}
     bitmap = mi.Bitmap(colors(sky.picture) * numpy.float32(sky.radiance))

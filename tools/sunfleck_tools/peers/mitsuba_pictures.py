@@ -18,6 +18,8 @@ def colors(picture: Picture) -> numpy.ndarray:
         try:
             decoded = mi.Bitmap(str(picture.file(Path(folder), "picture")))
         except RuntimeError as error:
-            raise SceneError(f"Mitsuba cannot read a picture of the scene: {str(error).splitlines()[0]}") from None
+            raise SceneError(
+                f"Mitsuba cannot read a picture of the scene: {str(error).splitlines()[0]}"
+            ) from None
     linear = decoded.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False)
     return numpy.array(linear)

@@ -40,7 +40,8 @@ class Picture:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture in sRGB, what it does beyond its edges, and where it lies: `offset + turn * (scale * uv)` of a set of coordinates."""
+    """A picture in sRGB, what it does beyond its edges, and where it lies: `offset + turn * (scale * uv)` of
+    a set of coordinates."""
 
     picture: Picture
     wrap: str
@@ -90,7 +91,9 @@ def read_texture(gltf: Gltf, info: Value) -> Texture:
     else:
         data = gltf.container.linked(image.need("uri"))
     sampler = texture.member("sampler")
-    wrap = 10497 if sampler is None else samplers[sampler.index(samplers, "sampler")].number_at("wrapS", 10497)
+    wrap = (
+        10497 if sampler is None else samplers[sampler.index(samplers, "sampler")].number_at("wrapS", 10497)
+    )
     layer, offset, linear = info.number_at("texCoord", 0, 0, 7), np.zeros(2), np.eye(2)
     if (moved := info.extension("KHR_texture_transform")) is not None:
         layer = moved.number_at("texCoord", layer, 0, 7)

@@ -1,6 +1,7 @@
-"""A moment of a scene as the renderers beside us take it: triangles in the world, lights, a camera, a box of fog.
+"""A moment of a scene as the renderers beside us take it.
 
-Invariant: what a scene has beyond that is refused where it would change the light, and told where it changes surfaces.
+It has triangles in the world, lights, a camera and a box of fog. Invariant: what a scene has beyond that is
+refused where it would change the light, and told where it changes surfaces.
 """
 
 from __future__ import annotations
@@ -24,14 +25,16 @@ from .pictures import PeerSky, Texture, read_background, read_texture
 
 DEFAULT_SIZE = (960, 540)
 FOG_GROWTH = np.diag([1 + 3e-5] * 3 + [1.0])
-"""So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on below the ground."""
+"""So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on
+below the ground."""
 THINNING = ("height_falloff", "scale_height")
 SURFACE_BEYOND = ("normalTexture", "emissiveTexture")
 
 
 @dataclass
 class Surface:
-    """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it (`uvs` then are a vertex's)."""
+    """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it
+    (`uvs` then are a vertex's)."""
 
     positions: np.ndarray
     triangles: np.ndarray
@@ -97,14 +100,19 @@ class _Reader:
             if source.kind is not None:
                 lights.append(read_light(source, world_from_node, self.time_s))
             elif source.ours.raw:
-                source.ours.fail("other renderers get no light of its type: expected `area`, or a light of glTF beside it")
+                source.ours.fail(
+                    "other renderers get no light of its type: expected `area`, or a light of glTF beside it"
+                )
             if node.source.member("camera") is not None:
                 cameras.append((node, world_from_node))
             if (fog := node.extras.member("sunfleck_fog_volume")) is not None:
                 fogs.append(self._fog(node, fog, world_from_node))
         sky = read_background(self.gltf)
         if not (lights or sky) or len(fogs) > 1 or self.gltf.extras.member("sunfleck_fog") is not None:
-            raise SceneError(f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of fog")
+            raise SceneError(
+                f"{self.gltf.document.file}: other renderers get one or more lights and at most one box of "
+                "fog"
+            )
         world_from_camera, fov_y_rad = self._camera(cameras)
         return PeerScene(
             surfaces=[self._surface(material, pieces) for material, pieces in parts.items()],
@@ -148,12 +156,16 @@ class _Reader:
         named = self.gltf.settings.camera
         chosen = [entry for entry in cameras if not named or entry[0].name == named]
         if not chosen:
-            raise SceneError(f"{self.gltf.document.file}: there is no camera" + (f" `{named}`" if named else ""))
+            raise SceneError(
+                f"{self.gltf.document.file}: there is no camera" + (f" `{named}`" if named else "")
+            )
         node, world_from_camera = chosen[0]
         described = self.gltf.document.items("cameras")
         source = described[node.source.need("camera").index(described, "camera")]
         ours = source.group("extras").group("sunfleck_camera")
-        if source.text_at("type") != "perspective" or any(ours.member(name) is not None for name in ("shift", "fstop")):
+        if source.text_at("type") != "perspective" or any(
+            ours.member(name) is not None for name in ("shift", "fstop")
+        ):
             source.fail("other renderers get a pinhole camera: perspective, without a shift or an aperture")
         yfov = self.gltf.control(node.name, "sunfleck_camera.yfov")
         still = source.need("perspective").need("yfov").number(1e-6, 3.14)
@@ -179,15 +191,25 @@ class _Reader:
         emission = source.member("emissiveFactor")
         beyond += ["emissiveFactor"] if emission is not None and any(emission.numbers(3)) else []
         beyond += sorted(name for name in source.group("extensions").raw if not self._is_matte(name, source))
-        beyond += [name for name in ("sunfleck_leaf", "sunfleck_material") if source.group("extras").member(name) is not None]
+        beyond += [
+            name
+            for name in ("sunfleck_leaf", "sunfleck_material")
+            if source.group("extras").member(name) is not None
+        ]
         beyond += ["metallicFactor"] if shading.number_at("metallicFactor", 1.0) > 0 else []
         beyond += ["alphaMode"] if source.text_at("alphaMode", "OPAQUE") != "OPAQUE" else []
         if beyond:
-            self.notes.append(f"{source.path}: other renderers get a matte surface of its base colour, without {', '.join(beyond)}")
+            self.notes.append(
+                f"{source.path}: other renderers get a matte surface of its base colour, without "
+                f"{', '.join(beyond)}"
+            )
         color, info = shading.member("baseColorFactor"), shading.member("baseColorTexture")
         texture = None if info is None else read_texture(self.gltf, info)
         return [1.0] * 3 if color is None else color.numbers(4)[:3], texture
 
     def _is_matte(self, extension: str, source: Value) -> bool:
         """True for what says that there is no shine."""
-        return extension == "KHR_materials_specular" and source.extension(extension).number_at("specularFactor", 1.0) == 0.0
+        return (
+            extension == "KHR_materials_specular"
+            and source.extension(extension).number_at("specularFactor", 1.0) == 0.0
+        )

@@ -1,4 +1,5 @@
-"""The same scene under another sun. In goes a GLB with one camera and one sun, both of which stand still, out comes another file."""
+"""The same scene under another sun. In goes a GLB with one camera and one sun, both of which stand still, out
+comes another file."""
 
 from __future__ import annotations
 
@@ -14,7 +15,10 @@ def with_sun(glb: Path, sun: str, made: Path) -> Path:
     """Writes the file with its sun `ahead` of the camera, or with a disc of so many degrees."""
     data = glb.read_bytes()
     json_bytes = struct.unpack_from("<I", data, 12)[0]
-    document, rest = json.loads(data[HEADER_BYTES : HEADER_BYTES + json_bytes]), data[HEADER_BYTES + json_bytes :]
+    document, rest = (
+        json.loads(data[HEADER_BYTES : HEADER_BYTES + json_bytes]),
+        data[HEADER_BYTES + json_bytes :],
+    )
     nodes = document["nodes"]
     node = next(node for node in nodes if "KHR_lights_punctual" in node.get("extensions", {}))
     if sun == "ahead":

@@ -9,8 +9,11 @@ WIDTH, HEIGHT, LEFT, TOP = 1000, 130, 70, 20
 MOST_DOTS = 500
 
 
-def curve(title: str, points: list[tuple[int, float | None]], marked: dict[int, str], anchor: str = "frame") -> str:
-    """A titled polyline, broken where there is no value; dots on frames with findings. Nothing without values."""
+def curve(
+    title: str, points: list[tuple[int, float | None]], marked: dict[int, str], anchor: str = "frame"
+) -> str:
+    """A titled polyline, broken where there is no value; dots on frames with findings.
+    Nothing without values."""
     known = [(frame, value) for frame, value in points if value is not None and math.isfinite(value)]
     if not known:
         return ""

@@ -40,7 +40,8 @@ def html_report(report: Report) -> str:
     sections = "".join(_sequence(checked, number) for number, checked in enumerate(report.sequences, 1))
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{STYLE}</style></head>\n<body>{sections}</body></html>\n'
+        f'<meta name="viewport" '
+        f'content="width=device-width"><style>{STYLE}</style></head>\n<body>{sections}</body></html>\n'
     )
 
 
@@ -102,7 +103,8 @@ def _row(finding: Finding, anchor: str) -> str:
 
 
 def _gain(frames: list[FrameSummary]) -> float:
-    """One exposure for the whole sheet, so that flicker can be seen: the usual 99th percentile becomes white."""
+    """One exposure for the whole sheet, so that flicker can be seen: the usual 99th
+    percentile becomes white."""
     levels = [frame.p99 for frame in frames if frame.p99]
     return 1.0 / float(np.median(levels)) if levels else 1.0
 

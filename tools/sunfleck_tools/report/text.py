@@ -26,14 +26,22 @@ def _lines(checked: Checked) -> list[str]:
             lines.append(finding.line())
     for check, count in seen.items():
         if count > MOST_OF_A_KIND:
-            frames = {finding.frame for finding in checked.findings if finding.check == check and finding.frame is not None}
-            lines.append(f"... {count - MOST_OF_A_KIND} more [{check}], in all frames {format_frames(frames)}")
+            frames = {
+                finding.frame
+                for finding in checked.findings
+                if finding.check == check and finding.frame is not None
+            }
+            lines.append(
+                f"... {count - MOST_OF_A_KIND} more [{check}], in all frames {format_frames(frames)}"
+            )
     return [*lines, verdict(checked)]
 
 
 def verdict(checked: Checked) -> str:
     """One line: what was looked at, and how it is."""
-    numbers = "" if checked.listing.is_still else f", {format_frames(frame.number for frame in checked.frames)}"
+    numbers = (
+        "" if checked.listing.is_still else f", {format_frames(frame.number for frame in checked.frames)}"
+    )
     plural = "" if len(checked.frames) == 1 else "s"
     looked = f"{checked.listing.pattern}: {len(checked.frames)} frame{plural}{numbers}"
     errors, warnings = (checked.count(severity) for severity in (Severity.ERROR, Severity.WARNING))

@@ -17,7 +17,8 @@ DEFAULT_ASPECT = 16 / 9
 
 
 def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
-    """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units where USD has tenths."""
+    """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units
+    where USD has tenths."""
     cameras = gltf.document.items("cameras")
     source = cameras[node.source.need("camera").index(cameras, "camera")]
     extras = source.group("extras")
@@ -40,13 +41,21 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
         frame_width, frame_height = sensor, sensor / aspect
         prim.set("horizontalAperture", Types.Float, frame_width)
         prim.set("verticalAperture", Types.Float, frame_height)
-        codes, angles = _controlled(node, "sunfleck_camera.yfov", lens.need("yfov").number(1e-9, math.pi), gltf, sampler)
+        codes, angles = _controlled(
+            node, "sunfleck_camera.yfov", lens.need("yfov").number(1e-9, math.pi), gltf, sampler
+        )
         prim.animate("focalLength", Types.Float, codes, (0.5 * frame_height / np.tan(0.5 * angles)).tolist())
     _write_shift(prim, ours, frame_width, frame_height)
-    prim.set("clippingRange", Types.Float2, Gf.Vec2f(lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e7, 0)))
+    prim.set(
+        "clippingRange",
+        Types.Float2,
+        Gf.Vec2f(lens.number_at("znear", 0.1, 0), lens.number_at("zfar", 1e7, 0)),
+    )
     if ours.member("fstop") is not None and ours.member("focus_distance") is not None:
         for name, field in (("fStop", "fstop"), ("focusDistance", "focus_distance")):
-            codes, values = _controlled(node, f"sunfleck_camera.{field}", ours.need(field).number(0), gltf, sampler)
+            codes, values = _controlled(
+                node, f"sunfleck_camera.{field}", ours.need(field).number(0), gltf, sampler
+            )
             prim.animate(name, Types.Float, codes, values.tolist())
     opening, closing = gltf.settings.shutter
     if closing > opening:
@@ -67,7 +76,9 @@ def _write_shift(prim: Prim, ours, frame_width: float, frame_height: float) -> N
             prim.set(f"{name}ApertureOffset", Types.Float, value * longer)
 
 
-def _controlled(node: Node, field: str, rest: float, gltf: Gltf, sampler: Sampler) -> tuple[np.ndarray, np.ndarray]:
+def _controlled(
+    node: Node, field: str, rest: float, gltf: Gltf, sampler: Sampler
+) -> tuple[np.ndarray, np.ndarray]:
     """Codes and values of a number that may change."""
     control = gltf.control(node.name, field)
     if control is None:

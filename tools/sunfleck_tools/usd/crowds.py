@@ -1,7 +1,9 @@
-"""Many places of few meshes as one PointInstancer. Invariant: instances are those nodes' places, in the nodes' order.
+"""Many places of few meshes as one PointInstancer. Invariant: instances are those nodes' places,
+in the nodes' order.
 
-Turns are those of `orientationsf`; `orientations`, in halves, are there for programs that know no others, and are off by up to
-5e-4. Blender 5.0 is one of them: in a stage for it prototypes turn in their instances' stead.
+Turns are those of `orientationsf`; `orientations`, in halves, are there for programs that know no
+others, and are off by up to 5e-4. Blender 5.0 is one of them: in a stage for it prototypes turn in
+their instances' stead.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ ATTRIBUTES = {
 
 
 def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
-    """Nodes that become instances, by their parent's index (-1: none): those that place a mesh that others place too."""
+    """Nodes that become instances, by their parent's index (-1: none): those that place a mesh that
+    others place too."""
     placed: dict[tuple[int, int], list[Node]] = {}
     for node in nodes:
         if node.index in is_plain and node.matrix is None:
@@ -40,7 +43,9 @@ def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
     return {parent: sorted(each, key=lambda node: node.index) for parent, each in found.items()}
 
 
-def write_crowd(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names, for_blender: bool) -> None:
+def write_crowd(
+    prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names, for_blender: bool
+) -> None:
     """An instancer of nodes with one parent; `shapes` has one for each of them."""
     if for_blender:
         numbers = _turned_prototypes(prim, nodes, shapes, sampler, names)
@@ -53,7 +58,8 @@ def write_crowd(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: 
 
 
 def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list[int]:
-    """A prototype for each mesh, below the instancer, where nobody draws them but it; which of them each instance is."""
+    """A prototype for each mesh, below the instancer, where nobody draws them but it; which of them
+    each instance is."""
     paths = list(dict.fromkeys(shapes))
     targets = []
     for path in paths:
@@ -65,7 +71,9 @@ def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list
     return [number[path] for path in shapes]
 
 
-def _turned_prototypes(prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names) -> list[int]:
+def _turned_prototypes(
+    prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names
+) -> list[int]:
     """A prototype for each node, which turns and is scaled as it does: an instance of the mesh."""
     targets = []
     for node, path in zip(nodes, shapes):
@@ -84,7 +92,12 @@ def _say_names(prim: Prim, nodes: list[Node]) -> None:
     ids = [node.extras.member("leaf_id") for node in nodes]
     if all(each is not None for each in ids) and len({each.raw for each in ids}) == len(ids):
         prim.set("ids", Types.Int64Array, Vt.Int64Array([each.whole() for each in ids]))
-    prim.set("userProperties:sunfleck_names", Types.StringArray, Vt.StringArray([node.key for node in nodes]), custom=True)
+    prim.set(
+        "userProperties:sunfleck_names",
+        Types.StringArray,
+        Vt.StringArray([node.key for node in nodes]),
+        custom=True,
+    )
 
 
 def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler, paths: list[str]) -> None:

@@ -59,7 +59,8 @@ class Exported:
 
 
 def export_usd(source: str | Path, target: str | Path, options: ExportOptions = ExportOptions()) -> Exported:
-    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises `SceneError` or `OSError`."""
+    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises
+    `SceneError` or `OSError`."""
     source, target = Path(source), Path(target)
     if target.suffix.lower() not in ENDINGS:
         raise SceneError(f"{target}: is no stage: expected a name that ends in {', '.join(ENDINGS)}")
@@ -71,7 +72,9 @@ def export_usd(source: str | Path, target: str | Path, options: ExportOptions = 
         # Textures are named after the stage, so that two stages in one folder keep theirs apart.
         name = "textures" if is_package else f"{target.stem}_textures"
         stage = Path(scratch) / (f"{target.stem}.usdc" if is_package else target.name)
-        exported = _Export(gltf, options, Textures(gltf.container, Path(scratch) / name, name), source.name).write(stage)
+        exported = _Export(
+            gltf, options, Textures(gltf.container, Path(scratch) / name, name), source.name
+        ).write(stage)
         if is_package:
             package = Path(scratch) / target.name
             if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
@@ -99,7 +102,9 @@ class _Export:
         self.sampler = Sampler(gltf.settings, options.samples_per_frame)
         samples = len(self.sampler.frames) * sum(len(node.curves) for node in gltf.nodes)
         if samples > MOST_SAMPLES:
-            raise SceneError(f"{said}: would have {samples} time samples, of at most {MOST_SAMPLES}: export fewer --frames")
+            raise SceneError(
+                f"{said}: would have {samples} time samples, of at most {MOST_SAMPLES}: export fewer --frames"
+            )
         self.names, self.lost = Names(), []
         self.layer = Sdf.Layer.CreateAnonymous(".usda")
         self.textures = textures
@@ -115,7 +120,9 @@ class _Export:
             self.geometry = Geometry(self.gltf, self.names, materials, prototypes, self.lost)
             self.world = world
             write_metadata(self.layer, self.gltf, "World", f"{self.said}, by sunfleck-tools")
-            self.layer.customLayerData = {"sunfleck": {"for": "blender" if self.options.for_blender else "usd"}}
+            self.layer.customLayerData = {
+                "sunfleck": {"for": "blender" if self.options.for_blender else "usd"}
+            }
             sky = read_sky(self.gltf)
             picture = sky_picture(sky, self.textures)
             write_scene(world, self.gltf, self.sampler, picture)
@@ -134,19 +141,27 @@ class _Export:
         in_crowds = {node.index for each in grouped.values() for node in each}
         written: dict[int, Prim] = {-1: self.world}
         for node in self.gltf.nodes:
-            if node.index in in_crowds or (node.extras.member("sunfleck_ctl") is not None and not node.children):
+            if node.index in in_crowds or (
+                node.extras.member("sunfleck_ctl") is not None and not node.children
+            ):
                 continue
             parent = self.world if node.parent is None else written[node.parent.index]
             written[node.index] = self._write_node(node, parent, node.index in plain)
         for parent, nodes in grouped.items():
             holder = written[parent]
-            prim = self._child(holder, "leaves" if parent < 0 else f"{holder.path.name}_leaves", "PointInstancer")
+            prim = self._child(
+                holder, "leaves" if parent < 0 else f"{holder.path.name}_leaves", "PointInstancer"
+            )
             shapes = [self.geometry.prototype(node) for node in nodes]
             write_crowd(prim, nodes, shapes, self.sampler, self.names, self.options.for_blender)
 
     def _is_plain(self, node: Node) -> bool:
         """True if there is nothing at the node but a mesh that keeps its shape."""
-        things = [node.source.member("camera"), kind_of(node, self.gltf), node.extras.member("sunfleck_fog_volume")]
+        things = [
+            node.source.member("camera"),
+            kind_of(node, self.gltf),
+            node.extras.member("sunfleck_fog_volume"),
+        ]
         controlled = self.gltf.control(node.name, "sunfleck_node.visible") is not None
         controlled |= node.source.extension("KHR_node_visibility") is not None
         alone = not node.children and all(thing is None for thing in things) and not controlled
@@ -168,7 +183,9 @@ class _Export:
             target = prim if alone else self._child(prim, f"{node.name}_light", light)
             write_light(target, light, node, self.gltf, self.sampler, self.options.for_blender)
             if shows_picture(node):
-                self.lost.append("pictures on suns are kept as custom data alone: UsdLux has no word for them")
+                self.lost.append(
+                    "pictures on suns are kept as custom data alone: UsdLux has no word for them"
+                )
         if has_camera:
             target = prim if alone else self._child(prim, f"{node.name}_camera", "Camera")
             write_camera(target, node, self.gltf, self.sampler, self.options.for_blender)

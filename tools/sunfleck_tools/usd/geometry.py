@@ -34,7 +34,9 @@ class Geometry:
             return None
         mesh = found[1]
         bending = Bending(self.gltf, node, mesh)
-        return bending if bending.is_skinned or any(primitive.targets for primitive in mesh.primitives) else None
+        return (
+            bending if bending.is_skinned or any(primitive.targets for primitive in mesh.primitives) else None
+        )
 
     def prototype(self, node: Node) -> Sdf.Path:
         """What an instance of the node's mesh refers to."""
@@ -45,7 +47,9 @@ class Geometry:
             self._written[number] = holder.path
         return self._written[number]
 
-    def fill(self, holder: Prim, mesh: Mesh, bending: Bending | None = None, sampler: Sampler | None = None) -> None:
+    def fill(
+        self, holder: Prim, mesh: Mesh, bending: Bending | None = None, sampler: Sampler | None = None
+    ) -> None:
         """Puts a mesh below a prim, with its materials beside it."""
         bound = {}
         for primitive in mesh.primitives:
@@ -56,7 +60,10 @@ class Geometry:
             else:
                 codes = sampler.codes(*bending.curves)
                 if len(codes) * primitive.positions.nbytes > MOST_BYTES:
-                    raise SceneError(f"mesh `{mesh.name}` bends for {len(codes)} frames: that is too much; export fewer frames")
+                    raise SceneError(
+                        f"mesh `{mesh.name}` bends for {len(codes)} frames: that is too much; export fewer "
+                        "frames"
+                    )
                 _write_points(prim, *thinned(codes, bending.positions(primitive, sampler.seconds(codes))))
             if primitive.normals is not None and bending is None:
                 prim.set("normals", Types.Normal3fArray, Vt.Vec3fArray.FromNumpy(primitive.normals))
@@ -82,7 +89,11 @@ def _write_faces(prim: Prim, primitive: Primitive) -> None:
         prim.set(f"primvars:{name}", Types.TexCoord2fArray, Vt.Vec2fArray.FromNumpy(flipped))
         prim.annotate(f"primvars:{name}", "interpolation", "vertex")
     if primitive.colors is not None:
-        prim.set("primvars:displayColor", Types.Color3fArray, Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(primitive.colors)))
+        prim.set(
+            "primvars:displayColor",
+            Types.Color3fArray,
+            Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(primitive.colors)),
+        )
         prim.annotate("primvars:displayColor", "interpolation", "vertex")
 
 

@@ -1,9 +1,10 @@
 """Lights to UsdLux, all normalised: what a light emits does not depend on its size.
 
-UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a light of P watts that is
-Lambert's has the intensity P / pi, a sphere of I W/sr, which emits 4 pi I, 4 I, and a sun its irradiance
-(https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html). Blender 5.0 agrees but for suns: it takes four times
-the intensity for W/m2 and twice the angle for the disc's; `for_blender` writes what it takes.
+UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a light of
+P watts that is Lambert's has the intensity P / pi. A sphere of I W/sr, which emits 4 pi I, has 4 I, and a sun
+its irradiance. See https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html. Blender 5.0 agrees
+but for suns: it takes four times the intensity for W/m2 and twice the angle for the disc's. `for_blender`
+writes what it takes.
 """
 
 from __future__ import annotations
@@ -45,7 +46,13 @@ def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler,
 
 class _Light:
     def __init__(self, prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool):
-        self.prim, self.node, self.gltf, self.sampler, self.for_blender = prim, node, gltf, sampler, for_blender
+        self.prim, self.node, self.gltf, self.sampler, self.for_blender = (
+            prim,
+            node,
+            gltf,
+            sampler,
+            for_blender,
+        )
         self.source = LightSource(node, gltf)
         self.ours = self.source.ours
 
@@ -94,18 +101,29 @@ class _Light:
         else:
             self._number("inputs:radius", "width", width, lambda values: 0.5 * values)
             if width != height and width > 0:
-                order = list(self.prim.spec.attributes["xformOpOrder"].default or []) if self._has_place() else []
+                order = (
+                    list(self.prim.spec.attributes["xformOpOrder"].default or []) if self._has_place() else []
+                )
                 self.prim.set("xformOp:scale:ellipse", Types.Float3, Gf.Vec3f(1.0, height / width, 1.0))
                 if order:
-                    self.prim.spec.attributes["xformOpOrder"].default = Vt.TokenArray([*order, "xformOp:scale:ellipse"])
+                    self.prim.spec.attributes["xformOpOrder"].default = Vt.TokenArray(
+                        [*order, "xformOp:scale:ellipse"]
+                    )
                 else:
-                    self.prim.set("xformOpOrder", Types.TokenArray, Vt.TokenArray(["xformOp:scale:ellipse"]), uniform=True)
+                    self.prim.set(
+                        "xformOpOrder",
+                        Types.TokenArray,
+                        Vt.TokenArray(["xformOp:scale:ellipse"]),
+                        uniform=True,
+                    )
         self.prim.remember({"power_w": first.tolist()})
 
     def _has_place(self) -> bool:
         return "xformOpOrder" in self.prim.spec.attributes
 
-    def _power(self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float) -> np.ndarray:
+    def _power(
+        self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float
+    ) -> np.ndarray:
         """Writes intensity and colour; what it is at first."""
         control = self.gltf.control(self.node.name, f"sunfleck_light.{field}")
         codes, rows = self.sampler.frames[:1], still[None]
@@ -116,7 +134,9 @@ class _Light:
             rows = carried * self.source.color() if carried.shape[1] == 1 else carried
             codes, rows = thinned(codes, rows)
         brightest = rows.max(axis=1)
-        colors = np.where(brightest[:, None] > 0, rows / np.where(brightest > 0, brightest, 1.0)[:, None], 1.0)
+        colors = np.where(
+            brightest[:, None] > 0, rows / np.where(brightest > 0, brightest, 1.0)[:, None], 1.0
+        )
         self.prim.animate("inputs:intensity", Types.Float, codes, (brightest * intensity_per_unit).tolist())
         self.prim.animate("inputs:color", Types.Color3f, *_made(codes, colors))
         return rows[0]

@@ -1,4 +1,5 @@
-"""Materials to UsdPreviewSurface, with their textures (https://openusd.org/release/spec_usdpreviewsurface.html)."""
+"""Materials to UsdPreviewSurface, with their textures
+(https://openusd.org/release/spec_usdpreviewsurface.html)."""
 
 from __future__ import annotations
 
@@ -48,17 +49,24 @@ class Materials:
         for name in NOT_CARRIED:
             if (extension := source.extension(name)) is not None:
                 ours[name] = extension.raw
-                self.lost.append(f"what {name} says is kept as custom data alone: UsdPreviewSurface has no word for it")
+                self.lost.append(
+                    f"what {name} says is kept as custom data alone: UsdPreviewSurface has no word for it"
+                )
         if source.text_at("alphaMode", "OPAQUE") == "BLEND":
             # An opacity of 1, as of filters, does not tell.
             ours["alpha_mode"] = "BLEND"
         normal = source.member("normalTexture")
         if normal is not None and normal.number_at("scale", 1.0) != 1.0:
             ours["normal_scale"] = normal.number_at("scale", 1.0)
-            self.lost.append("strengths of normal maps are kept as custom data alone: UsdPreviewSurface has only one")
+            self.lost.append(
+                "strengths of normal maps are kept as custom data alone: UsdPreviewSurface has only one"
+            )
         prim.remember(ours)
         if any(name in ours for name in OURS):
-            self.lost.append("light through leaves, filters and mirrors are kept as custom data alone: UsdPreviewSurface has no word for it")
+            self.lost.append(
+                "light through leaves, filters and mirrors are kept as custom data alone: UsdPreviewSurface "
+                "has no word for it"
+            )
         return prim
 
 
@@ -95,7 +103,9 @@ class Surface:
             else:
                 self._feed("inputs:opacity", Types.Float, texture, "a", Types.Float)
             if mode == "MASK":
-                shader.set("inputs:opacityThreshold", Types.Float, source.number_at("alphaCutoff", 0.5, 0.0, 1.0))
+                shader.set(
+                    "inputs:opacityThreshold", Types.Float, source.number_at("alphaCutoff", 0.5, 0.0, 1.0)
+                )
         self._write_coat(pbr, is_unlit)
         if not is_unlit:
             self._write_emission()
@@ -109,7 +119,10 @@ class Surface:
 
     def _write_coat(self, pbr: Value, is_unlit: bool) -> None:
         shader = self.shader
-        roughness, metallic = pbr.number_at("roughnessFactor", 1.0, 0, 1), pbr.number_at("metallicFactor", 1.0, 0, 1)
+        roughness, metallic = (
+            pbr.number_at("roughnessFactor", 1.0, 0, 1),
+            pbr.number_at("metallicFactor", 1.0, 0, 1),
+        )
         both = pbr.member("metallicRoughnessTexture")
         if both is None:
             shader.set("inputs:roughness", Types.Float, roughness)
@@ -123,11 +136,19 @@ class Surface:
         coat = self.source.extension("KHR_materials_clearcoat")
         if coat is not None:
             shader.set("inputs:clearcoat", Types.Float, coat.number_at("clearcoatFactor", 0.0, 0, 1))
-            shader.set("inputs:clearcoatRoughness", Types.Float, coat.number_at("clearcoatRoughnessFactor", 0.0, 0, 1))
+            shader.set(
+                "inputs:clearcoatRoughness",
+                Types.Float,
+                coat.number_at("clearcoatRoughnessFactor", 0.0, 0, 1),
+            )
 
     def _ior(self) -> float:
-        """The index that reflects as much along the normal as index, factor and colour of glTF do together."""
-        described, specular = self.source.extension("KHR_materials_ior"), self.source.extension("KHR_materials_specular")
+        """The index that reflects as much along the normal as index, factor and colour of
+        glTF do together."""
+        described, specular = (
+            self.source.extension("KHR_materials_ior"),
+            self.source.extension("KHR_materials_specular"),
+        )
         index = 1.5 if described is None else described.number_at("ior", 1.5, 1.0, 100.0)
         factor = 1.0
         if specular is not None:
@@ -150,7 +171,9 @@ class Surface:
         elif max(red, green, blue) > 0:
             self.shader.set("inputs:emissiveColor", Types.Color3f, Gf.Vec3f(red, green, blue))
 
-    def _feed(self, name: str, kind: Sdf.ValueTypeName, texture: Prim, output: str, output_kind: Sdf.ValueTypeName) -> None:
+    def _feed(
+        self, name: str, kind: Sdf.ValueTypeName, texture: Prim, output: str, output_kind: Sdf.ValueTypeName
+    ) -> None:
         if f"outputs:{output}" not in texture.spec.attributes:
             texture.set(f"outputs:{output}", output_kind, None)
         self.shader.connect(name, kind, texture.path.AppendProperty(f"outputs:{output}"))
@@ -166,9 +189,17 @@ class Surface:
         if any(bias):
             prim.set("inputs:bias", Types.Float4, Gf.Vec4f(*bias))
         sampler = texture.member("sampler")
-        wraps = Value({}, texture.file) if sampler is None else owner.samplers[sampler.index(owner.samplers, "sampler")]
+        wraps = (
+            Value({}, texture.file)
+            if sampler is None
+            else owner.samplers[sampler.index(owner.samplers, "sampler")]
+        )
         for axis in "ST":
-            prim.set(f"inputs:wrap{axis}", Types.Token, WRAPS.get(int(wraps.number_at(f"wrap{axis}", 10497)), "repeat"))
+            prim.set(
+                f"inputs:wrap{axis}",
+                Types.Token,
+                WRAPS.get(int(wraps.number_at(f"wrap{axis}", 10497)), "repeat"),
+            )
         transform = info.extension("KHR_texture_transform")
         layer = int(info.number_at("texCoord", 0, 0, 7))
         if transform is not None:
@@ -193,7 +224,10 @@ class Surface:
     def _transform(self, name: str, transform: Value, source: Sdf.Path) -> Sdf.Path:
         """glTF turns clockwise about the upper left corner, USD anticlockwise about the lower left one."""
         offset, scale = transform.member("offset"), transform.member("scale")
-        (u, v), (wide, high) = [0, 0] if offset is None else offset.numbers(2), [1, 1] if scale is None else scale.numbers(2)
+        (u, v), (wide, high) = (
+            [0, 0] if offset is None else offset.numbers(2),
+            [1, 1] if scale is None else scale.numbers(2),
+        )
         angle = transform.number_at("rotation", 0.0)
         prim = self.prim.child(f"{name}_place", "Shader")
         prim.set("info:id", Types.Token, "UsdTransform2d", uniform=True)

@@ -12,7 +12,8 @@ from .samples import JUMP, Sampler, thinned
 from .turns import steadied
 
 HIDDEN_SCALE = 1e-4
-"""To which hidden things shrink for Blender, which reads no animated visibility: a matrix of zeros has no inverse."""
+"""To which hidden things shrink for Blender, which reads no animated visibility: a matrix of
+zeros has no inverse."""
 OPERATIONS = {
     "translation": ("xformOp:translate", Types.Double3, lambda rows: vectors(Vt.Vec3dArray, rows)),
     "rotation": ("xformOp:orient", Types.Quatd, quaternions),
@@ -77,5 +78,7 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     # Scales are interpolated: each is written again right before the next.
     scales = [1.0 if each else HIDDEN_SCALE for each in shown]
     samples = dict(zip((codes[1:] - JUMP).tolist(), scales[:-1])) | dict(zip(codes.tolist(), scales))
-    prim.animate("xformOp:scale:shown", Types.Float3, samples.keys(), [Gf.Vec3f(each) for each in samples.values()])
+    prim.animate(
+        "xformOp:scale:shown", Types.Float3, samples.keys(), [Gf.Vec3f(each) for each in samples.values()]
+    )
     return True

@@ -1,7 +1,7 @@
 """Prims of a layer, written attribute by attribute.
 
-Written as specs in one block of changes: composing after each of a hundred thousand would take minutes. Invariant: a name is
-used once in the whole stage, since Blender's objects have no paths.
+Written as specs in one block of changes: composing after each of a hundred thousand would take minutes.
+Invariant: a name is used once in the whole stage, since Blender's objects have no paths.
 """
 
 from __future__ import annotations
@@ -39,7 +39,9 @@ class Prim:
         self.path = spec.path
 
     @classmethod
-    def root(cls, layer: Sdf.Layer, name: str, kind: str = "", specifier: Sdf.Specifier = Sdf.SpecifierDef) -> Prim:
+    def root(
+        cls, layer: Sdf.Layer, name: str, kind: str = "", specifier: Sdf.Specifier = Sdf.SpecifierDef
+    ) -> Prim:
         """A prim at the top of a layer."""
         return cls(Sdf.PrimSpec(layer, name, specifier, kind))
 
@@ -47,11 +49,20 @@ class Prim:
         """A prim below this one."""
         return Prim(Sdf.PrimSpec(self.spec, name, Sdf.SpecifierDef, kind))
 
-    def set(self, name: str, kind: Sdf.ValueTypeName, value: object, uniform: bool = False, custom: bool = False) -> None:
+    def set(
+        self, name: str, kind: Sdf.ValueTypeName, value: object, uniform: bool = False, custom: bool = False
+    ) -> None:
         """An attribute that does not change."""
         self._attribute(name, kind, uniform, custom).default = value
 
-    def animate(self, name: str, kind: Sdf.ValueTypeName, codes: Iterable[float], values: Iterable, custom: bool = False) -> None:
+    def animate(
+        self,
+        name: str,
+        kind: Sdf.ValueTypeName,
+        codes: Iterable[float],
+        values: Iterable,
+        custom: bool = False,
+    ) -> None:
         """An attribute with a value at each time code; a single one does not change."""
         codes, values = list(codes), list(values)
         if len(codes) == 1:
@@ -60,7 +71,9 @@ class Prim:
         for code, value in zip(codes, values):
             layer.SetTimeSample(path, code, value)
 
-    def _attribute(self, name: str, kind: Sdf.ValueTypeName, uniform: bool, custom: bool) -> Sdf.AttributeSpec:
+    def _attribute(
+        self, name: str, kind: Sdf.ValueTypeName, uniform: bool, custom: bool
+    ) -> Sdf.AttributeSpec:
         variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
         return Sdf.AttributeSpec(self.spec, name, kind, variability, custom)
 
@@ -111,5 +124,6 @@ def vectors(kind: type, rows: np.ndarray) -> Iterable:
 
 
 def quaternions(rows: np.ndarray) -> Vt.QuatdArray:
-    """Rows of x, y, z, w. USD takes the arc cosine of w, which in single precision loses turns by less than 0.04 degrees."""
+    """Rows of x, y, z, w. USD takes the arc cosine of w, which in single precision loses turns by less
+    than 0.04 degrees."""
     return Vt.QuatdArray.FromNumpy(np.ascontiguousarray(rows, np.float64))

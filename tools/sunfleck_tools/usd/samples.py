@@ -1,4 +1,5 @@
-"""Curves to time samples. Invariant: at whole frames a sample is what the renderer has there, and straight lines stay straight.
+"""Curves to time samples. Invariant: at whole frames a sample is what the renderer has there, and straight
+lines stay straight.
 
 Time codes are frames. Besides whole frames there is a sample at each key between two of them.
 """

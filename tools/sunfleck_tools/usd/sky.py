@@ -1,7 +1,8 @@
 """The sky as a DomeLight: of one colour, or with a picture, its own or one of its gradient.
 
-USD has the picture of a dome as OpenEXR has it, +z in its middle and -x to the right of that; the renderer has -z in the middle, so a
-dome stands half a turn from it. Invariant: what lights nothing in the renderer is no light here.
+USD has the picture of a dome as OpenEXR has it, +z in its middle and -x to the right of that. The
+renderer has -z in the middle, so a dome stands half a turn from it. Invariant: what lights nothing in the
+renderer is no light here.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ def sky_picture(sky: Sky | None, textures: Textures) -> Sdf.AssetPath | None:
     return None if sky is None or sky.image is None else Sdf.AssetPath(textures.sky_file(sky.image))
 
 
-def write_sky(world: Prim, sky: Sky | None, picture: Sdf.AssetPath | None, textures: Textures, names: Names) -> bool:
+def write_sky(
+    world: Prim, sky: Sky | None, picture: Sdf.AssetPath | None, textures: Textures, names: Names
+) -> bool:
     """True if there is a sky that lights the scene."""
     if sky is None or sky.lights == "nothing":
         return False
@@ -32,7 +35,11 @@ def write_sky(world: Prim, sky: Sky | None, picture: Sdf.AssetPath | None, textu
         picture = Sdf.AssetPath(textures.picture_file("sky", sky.gradient))
     brightest = float(sky.radiance.max())
     prim.set("inputs:intensity", Types.Float, brightest)
-    prim.set("inputs:color", Types.Color3f, Gf.Vec3f(*(sky.radiance / brightest if brightest > 0 else sky.radiance).tolist()))
+    prim.set(
+        "inputs:color",
+        Types.Color3f,
+        Gf.Vec3f(*(sky.radiance / brightest if brightest > 0 else sky.radiance).tolist()),
+    )
     if picture is not None:
         prim.set("inputs:texture:file", Types.Asset, picture)
         prim.set("inputs:texture:format", Types.Token, "latlong")

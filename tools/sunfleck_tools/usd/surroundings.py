@@ -1,4 +1,5 @@
-"""Fog, and what the scene says of how it is rendered, as custom properties; fog in a box also has a box to look at."""
+"""Fog, and what the scene says of how it is rendered, as custom properties. Fog in a box also has
+a box to look at."""
 
 from __future__ import annotations
 
@@ -19,7 +20,10 @@ def write_scene(prim: Prim, gltf: Gltf, sampler: Sampler, sky_picture: Sdf.Asset
     for name in OF_SCENE:
         fields = gltf.extras.group(name).raw
         if isinstance(fields, dict):
-            fields = {field: sky_picture if field == "image" and name == ENVIRONMENT else value for field, value in fields.items()}
+            fields = {
+                field: sky_picture if field == "image" and name == ENVIRONMENT else value
+                for field, value in fields.items()
+            }
             write_properties(prim, name, fields, "scene", gltf, sampler)
 
 

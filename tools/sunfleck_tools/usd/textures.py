@@ -1,4 +1,5 @@
-"""Images of a glTF file as files beside a stage. Invariant: each image has one file, and only images that are used have one."""
+"""Images of a glTF file as files beside a stage. Invariant: each image has one file, and only images that
+are used have one."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
 """Turns as orientations that USD interpolates well.
 
-Between two quaternions whose cosine is above 1 - 1e-5 (half a degree of turn) `GfSlerp` goes along the chord, and
-`GfRotation` takes twice the arc cosine of w without bringing the quaternion to unit length. Near no turn at all, where the arc
-cosine is steep, that is off by up to 1e-3. So an animation that passes there is written as another one, half a turn away, and a
-half turn that does not change. Invariant: both together are the turns that went in.
+Two quaternions are near where their cosine is above 1 - 1e-5, which is half a degree of turn. Between such
+`GfSlerp` goes along the chord. `GfRotation` takes twice the arc cosine of w without bringing the quaternion
+to unit length. Near no turn at all, where the arc cosine is steep, that is off by up to 1e-3. So an animation
+that passes there is written as two turns: another one, half a turn away, and a half turn that does not
+change. Invariant: both together are the turns that went in.
 """
 
 from __future__ import annotations

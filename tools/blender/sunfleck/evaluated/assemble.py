@@ -1,7 +1,7 @@
 """The record of a scene as a glTF document.
 
-In go a record, materials and values that change, out comes the document. Invariant: every thing that was seen at a frame is a node
-that shows at that frame, where it was, and at no other frame.
+In go a record, materials and values that change, out comes the document. Invariant: every thing that was seen
+at a frame is a node that shows at that frame, where it was, and at no other frame.
 """
 
 from dataclasses import dataclass, field
@@ -24,7 +24,8 @@ class United:
 
 
 class Assembly:
-    """Turns things into nodes, one after the other; `tracks.write` makes channels of what moves at the end."""
+    """Turns things into nodes, one after the other; `tracks.write` makes channels of what
+    moves at the end."""
 
     def __init__(self, record, frames, shutter, clock):
         self.record, self.frames, self.shutter, self.clock = record, frames, shutter, clock
@@ -38,17 +39,28 @@ class Assembly:
 
     def name(self, thing):
         """Of an object its own; of an instance a number more."""
-        wanted = thing.name if thing.instancer in (None, thing.object) else f"{thing.name} of {thing.instancer.name}"
+        wanted = (
+            thing.name
+            if thing.instancer in (None, thing.object)
+            else f"{thing.name} of {thing.instancer.name}"
+        )
         self.names[wanted] = count = self.names.get(wanted, 0) + 1
         if thing.instancer in (None, thing.object) and count == 1:
             return wanted
         return f"{wanted} {count}"
 
     def add(self, materials, values, custom):
-        """All things, in the order in which they were first seen; objects before instances, whose names give way."""
+        """All things, in the order in which they were first seen; objects before instances,
+        whose names give way."""
         self.meshes, self.materials = Meshes(self.document, materials), materials
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
-        slots = {(material, thing.facts) for _, thing in things for shown in set(thing.shown) if shown for material in shown[1]}
+        slots = {
+            (material, thing.facts)
+            for _, thing in things
+            for shown in set(thing.shown)
+            if shown
+            for material in shown[1]
+        }
         materials.prepare(slots)
         for _, thing in things:
             self.unite_shapes(thing)
@@ -75,7 +87,9 @@ class Assembly:
             self.tracks.place(number, times, inner, self.reach(thing))
         self.tracks.place(holder, times, parts, self.reach(thing))
         seen = set(self.frame_of[thing.moments][there].tolist())
-        self.tracks.visible(holder, self.frames, [frame in seen for frame in self.frames], self.shutter.switch)
+        self.tracks.visible(
+            holder, self.frames, [frame in seen for frame in self.frames], self.shutter.switch
+        )
         if thing.kind == "SURFACE":
             self.show(number, thing)
         elif thing.kind == "LIGHT":
@@ -95,21 +109,27 @@ class Assembly:
     # Surfaces.
 
     def groups(self, thing):
-        """What a thing shows by topology and materials: moments and geometries; only what it shows at a frame itself."""
+        """What a thing shows by topology and materials: moments and geometries; only what it
+        shows at a frame itself."""
         groups = {}
         for moment, (geometry, materials) in zip(thing.moments, thing.shown):
             groups.setdefault((self.record.geometries[geometry].topology, materials), {})[moment] = geometry
         return {key: group for key, group in groups.items() if any(self.is_frame[moment] for moment in group)}
 
     def unite_shapes(self, thing):
-        """Things that show the same object's shapes at the same moments bend alike, whenever each of them is there."""
+        """Things that show the same object's shapes at the same moments bend alike, whenever each
+        of them is there."""
         if thing.kind != "SURFACE":
             return
         for key, group in self.groups(thing).items():
             if len(set(group.values())) == 1:
                 continue
             united = self.bends.setdefault((thing.object, key), [])
-            fitting = (one for one in united if all(one.shapes.get(moment, shape) == shape for moment, shape in group.items()))
+            fitting = (
+                one
+                for one in united
+                if all(one.shapes.get(moment, shape) == shape for moment, shape in group.items())
+            )
             found = next(fitting, None)
             if found is None:
                 united.append(found := United())
@@ -125,7 +145,9 @@ class Assembly:
                 child = self.document.add("nodes", {"name": f"{name} ({index + 1})"})
                 self.document.lists["nodes"][number].setdefault("children", []).append(child)
                 there = {self.frame_of[moment] for moment in group if self.is_frame[moment]}
-                self.tracks.visible(child, self.frames, [frame in there for frame in self.frames], self.shutter.switch)
+                self.tracks.visible(
+                    child, self.frames, [frame in there for frame in self.frames], self.shutter.switch
+                )
             materials = tuple(self.materials.on_instance(material, thing.facts) for material in key[1])
             self.show_group(child, materials, group, self.bend(thing, key, group))
 
@@ -151,7 +173,9 @@ class Assembly:
         united = next(filter(fits, self.bends[thing.object, key]))
         if united.bend is None:
             moments = sorted(united.shapes, key=lambda moment: self.times[moment])
-            united.bend = Bend(self.times[moments], [united.shapes[moment] for moment in moments], self.record.geometries)
+            united.bend = Bend(
+                self.times[moments], [united.shapes[moment] for moment in moments], self.record.geometries
+            )
         return united.bend
 
     # What lights, and what looks.
@@ -170,7 +194,11 @@ class Assembly:
         eyes = {view.eye for view in views}
         if not eyes or views[0].said.camera is None:
             return
-        names = {thing.object: self.node_name(key) for key, thing in self.record.things.items() if thing.instancer is None}
+        names = {
+            thing.object: self.node_name(key)
+            for key, thing in self.record.things.items()
+            if thing.instancer is None
+        }
         if len(eyes) == 1 and names.get(views[0].eye):
             return
         node = {"name": "camera of markers" if len(eyes) > 1 else views[0].eye.name}

@@ -1,7 +1,7 @@
 """Cameras of glTF from Blender's.
 
-In goes an evaluated camera and the picture's shape, out comes glTF's. Invariant: angles are of the picture's height, whatever side
-Blender fits them to.
+In goes an evaluated camera and the picture's shape, out comes glTF's. Invariant: angles are of the picture's
+height, whatever side Blender fits them to.
 """
 
 import math

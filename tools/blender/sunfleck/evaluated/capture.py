@@ -1,7 +1,7 @@
 """Geometries of what the graph holds, each there once.
 
-In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant: what cannot change is looked at
-once; what has no surface to see is None, and its name is kept.
+In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant: what
+cannot change is looked at once; what has no surface to see is None, and its name is kept.
 """
 
 import bpy
@@ -29,10 +29,13 @@ class Capture:
         self.here = {}
         if self.eye is None:
             camera = graph.scene.camera
-            self.eye = numpy.array(camera.evaluated_get(graph).matrix_world.translation if camera else (0.0, 0.0, 1e3), float)
+            self.eye = numpy.array(
+                camera.evaluated_get(graph).matrix_world.translation if camera else (0.0, 0.0, 1e3), float
+            )
 
     def shown(self, thing, source, instance):
-        """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair that of its system."""
+        """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair
+        that of its system."""
         if instance.show_self:
             found = self.surface(thing, source)
             if found is not None:
@@ -84,10 +87,14 @@ class Capture:
         if is_still and kept in self.still:
             found = self.still[kept]
         else:
-            materials = [material.original if material else None for material in materials_of(thing, thing.data)]
+            materials = [
+                material.original if material else None for material in materials_of(thing, thing.data)
+            ]
             slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
             made = strands.of_particles(thing, system, self.eye_in(thing, source))
-            found = self.still[kept] = self.kept(made, materials[slot : slot + 1] if materials else [], source)
+            found = self.still[kept] = self.kept(
+                made, materials[slot : slot + 1] if materials else [], source
+            )
         self.here[key] = found
         return found
 
@@ -101,7 +108,11 @@ class Capture:
         """The number of a geometry; None if there is nothing to see."""
         if made is None:
             return None
-        slots = {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)} if materials else set()
+        slots = (
+            {min(max(int(slot), 0), len(materials) - 1) for slot in numpy.unique(made.slots)}
+            if materials
+            else set()
+        )
         if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
             self.unseen.add(source.original.name)
             return None
@@ -121,7 +132,8 @@ class Capture:
 
 
 def cannot_change(original, data):
-    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made for instances may be any."""
+    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made
+    for instances may be any."""
     handlers = bpy.app.handlers
     return (
         original.type == "MESH"
@@ -135,7 +147,11 @@ def cannot_change(original, data):
 
 def own_materials(thing):
     """Of the slots that are the object's and not the mesh's."""
-    return tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots if slot.link == "OBJECT")
+    return tuple(
+        slot.material.name_full if slot.material else ""
+        for slot in thing.material_slots
+        if slot.link == "OBJECT"
+    )
 
 
 def materials_of(thing, data):

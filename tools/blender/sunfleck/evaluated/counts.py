@@ -1,7 +1,8 @@
-"""What is visible at every frame, counted twice: as Blender's dependency graph has it, and as the written file says.
+"""What is visible at every frame, counted twice: as Blender's dependency graph has it, and as
+the written file says.
 
-In go a record and a file, out come counts by frame and every difference between the two. Invariant: the file's side knows the file
-alone (`readback`).
+In go a record and a file, out come counts by frame and every difference between the two. Invariant: the
+file's side knows the file alone (`readback`).
 """
 
 from dataclasses import dataclass
@@ -41,7 +42,9 @@ class Extent:
         self.vectors = 0.5 * numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         self.area = float(numpy.linalg.norm(self.vectors, axis=1).sum())
         low, high = flat.min(axis=0), flat.max(axis=0)
-        self.box = numpy.array([[(low, high)[(at >> axis) & 1][axis] for axis in range(3)] for at in range(8)])
+        self.box = numpy.array(
+            [[(low, high)[(at >> axis) & 1][axis] for axis in range(3)] for at in range(8)]
+        )
 
     def areas(self, linear):
         """Under each of many maps, (maps, 3, 3)."""
@@ -67,7 +70,10 @@ class Counts:
     def __init__(self, frames):
         self.numbers = {frame: number for number, frame in enumerate(frames)}
         self.instances, self.area_m2 = numpy.zeros(len(frames), int), numpy.zeros(len(frames))
-        self.lows, self.highs = numpy.full((len(frames), 3), numpy.inf), numpy.full((len(frames), 3), -numpy.inf)
+        self.lows, self.highs = (
+            numpy.full((len(frames), 3), numpy.inf),
+            numpy.full((len(frames), 3), -numpy.inf),
+        )
         self.lights = numpy.zeros(len(frames), int)
 
     def add(self, at, extent, matrices):
@@ -83,7 +89,10 @@ class Counts:
         """By frame."""
         for frame, at in self.numbers.items():
             bounds = (self.lows[at], self.highs[at]) if self.instances[at] else (None, None)
-            yield frame, Counted(int(self.instances[at]), float(self.area_m2[at]), *bounds, int(self.lights[at]))
+            yield (
+                frame,
+                Counted(int(self.instances[at]), float(self.area_m2[at]), *bounds, int(self.lights[at])),
+            )
 
 
 def of_record(record, frames):
@@ -92,7 +101,9 @@ def of_record(record, frames):
     from .places import in_gltf
 
     counts, extents = Counts(frames), {}
-    for (frame, offset), first, (rows, numbers), lamps in zip(record.moments, record.first_rows, record.placed, record.lamps):
+    for (frame, offset), first, (rows, numbers), lamps in zip(
+        record.moments, record.first_rows, record.placed, record.lamps
+    ):
         if offset != 0.0:
             continue
         at = counts.numbers[frame]
@@ -101,7 +112,9 @@ def of_record(record, frames):
         for number in numpy.unique(numbers):
             if number not in extents:
                 geometry = record.geometries[number]
-                extents[number] = Extent(turned(geometry.positions.astype(float)[geometry.corner_vertices[geometry.triangles]]))
+                extents[number] = Extent(
+                    turned(geometry.positions.astype(float)[geometry.corner_vertices[geometry.triangles]])
+                )
             here = matrices[numbers == number]
             counts.add(numpy.full(len(here), at), extents[number], here)
     return counts
@@ -113,7 +126,10 @@ def of_file(file, frames):
     seconds = file.seconds(frames)
     worlds, visible = file.worlds(seconds), file.visible(seconds)
     for index, node in enumerate(file.nodes):
-        is_lamp = "KHR_lights_punctual" in node.get("extensions", {}) or node.get("extras", {}).get("sunfleck_light", {}).get("type") == "area"
+        is_lamp = (
+            "KHR_lights_punctual" in node.get("extensions", {})
+            or node.get("extras", {}).get("sunfleck_light", {}).get("type") == "area"
+        )
         counts.lights += visible[index] & is_lamp
         if "mesh" not in node or not visible[index].any():
             continue
@@ -141,14 +157,18 @@ def differences(expected, found):
         if should.low is None or there.low is None:
             continue
         bar = BOUNDS_M + BOUNDS * float(numpy.abs([should.low, should.high]).max())
-        off = max(float(numpy.abs(should.low - there.low).max()), float(numpy.abs(should.high - there.high).max()))
+        off = max(
+            float(numpy.abs(should.low - there.low).max()), float(numpy.abs(should.high - there.high).max())
+        )
         if off > bar:
             yield "count-bounds", frame, f"bounds differ by {off:.2e} m"
 
 
 def different_materials(seen, file):
     """Names of materials that things show, and that meshes of the file do."""
-    used = {primitive.get("material") for mesh in file.said.get("meshes", ()) for primitive in mesh["primitives"]}
+    used = {
+        primitive.get("material") for mesh in file.said.get("meshes", ()) for primitive in mesh["primitives"]
+    }
     found = {file.said["materials"][number]["name"] for number in used if number is not None}
     if found != seen:
         yield "count-materials", None, f"{', '.join(sorted(found ^ seen))}"

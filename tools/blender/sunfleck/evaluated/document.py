@@ -1,6 +1,7 @@
 """A glTF file in the making: lists of things, and one buffer that they point into.
 
-Invariant: what an accessor says of its numbers (count, bounds) is what the buffer holds; equal arrays are there once.
+Invariant: what an accessor says of its numbers (count, bounds) is what the buffer holds; equal
+arrays are there once.
 """
 
 import json
@@ -9,7 +10,12 @@ import struct
 import numpy
 
 GENERATOR = "sunfleck add-on"
-COMPONENTS = {numpy.dtype("f4"): 5126, numpy.dtype("u4"): 5125, numpy.dtype("u2"): 5123, numpy.dtype("u1"): 5121}
+COMPONENTS = {
+    numpy.dtype("f4"): 5126,
+    numpy.dtype("u4"): 5125,
+    numpy.dtype("u2"): 5123,
+    numpy.dtype("u1"): 5121,
+}
 SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 VERTICES, INDICES = 34962, 34963
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942

@@ -1,7 +1,8 @@
 """An evaluated mesh as arrays, told apart from others by what it holds.
 
-In go Blender's meshes, out comes a `Geometry`. Invariant: two with the same `topology` have the same triangles, corners, texture
-coordinates, colours and material slots, and may differ in where their vertices are; two with the same `shape` too do not differ.
+In go Blender's meshes, out comes a `Geometry`. Invariant: two with the same `topology` have the same
+triangles, corners, texture coordinates, colours and material slots, and may differ in where their vertices
+are; two with the same `shape` too do not differ.
 """
 
 import hashlib
@@ -43,7 +44,8 @@ class Geometry:
         return self
 
     def unwrapped(self):
-        """The same with corners of their own for each triangle, and texture coordinates in which none covers another."""
+        """The same with corners of their own for each triangle, and texture coordinates in which
+        none covers another."""
         corners = self.triangles.ravel()
         # Two triangles to a square of a grid, a little apart.
         count = len(self.triangles)
@@ -67,7 +69,13 @@ def digest(*pieces):
     """Of bytes and arrays."""
     made = hashlib.blake2b(digest_size=16)
     for piece in pieces:
-        made.update(piece if isinstance(piece, bytes) else numpy.ascontiguousarray(piece).data.cast("B") if piece.size else b"")
+        made.update(
+            piece
+            if isinstance(piece, bytes)
+            else numpy.ascontiguousarray(piece).data.cast("B")
+            if piece.size
+            else b""
+        )
     return made.digest()
 
 
@@ -115,7 +123,8 @@ def ordered_uvs(mesh):
 
 
 def corner_colors(mesh, name):
-    """Linear colours by corner; the empty name is the one that renders. None if the mesh has none of that name."""
+    """Linear colours by corner; the empty name is the one that renders. None if the mesh has
+    none of that name."""
     attributes = mesh.attributes
     name = name or attributes.default_color_name
     attribute = attributes.get(name) if name else None

@@ -1,6 +1,7 @@
 """Lights in glTF's units: KHR_lights_punctual, an area light as a node with `sunfleck_light`.
 
-In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as Blender's exporter has it.
+In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as
+Blender's exporter has it.
 """
 
 import math
@@ -17,7 +18,8 @@ def power_w(light, scale=(1.0, 1.0, 1.0)):
 
 
 def extent(light, scale):
-    """What the power of a light that is not normalised counts for: its area, m2, or of a sun's disc at distance 1."""
+    """What the power of a light that is not normalised counts for: its area, m2, or of a sun's
+    disc at distance 1."""
     if light.type == "SUN":
         return math.pi * math.tan(0.5 * light.angle) ** 2 or 1.0
     if light.type == "AREA":
@@ -45,8 +47,16 @@ def punctual(light):
     channels = [max(0.0, channel) for channel in color(light)]
     # glTF's colours end at 1.
     largest = max(1.0, *channels)
-    said = {"name": light.name, "color": [channel / largest for channel in channels], "intensity": max(0.0, power_w(light)) * largest * unit}
+    said = {
+        "name": light.name,
+        "color": [channel / largest for channel in channels],
+        "intensity": max(0.0, power_w(light)) * largest * unit,
+    }
     if light.type == "SPOT":
         outer = min(0.5 * light.spot_size, math.pi / 2.0)
-        return {**said, "type": "spot", "spot": {"innerConeAngle": outer * (1.0 - light.spot_blend), "outerConeAngle": outer}}
+        return {
+            **said,
+            "type": "spot",
+            "spot": {"innerConeAngle": outer * (1.0 - light.spot_blend), "outerConeAngle": outer},
+        }
     return {**said, "type": "directional" if light.type == "SUN" else "point"}

@@ -1,6 +1,8 @@
-"""Geometries as meshes of the file: corners that are alike become one vertex, and each material slot a primitive.
+"""Geometries as meshes of the file: corners that are alike become one vertex, and each
+material slot a primitive.
 
-In go a geometry and how it bends, out comes the number of a glTF mesh. Invariant: vertices stand in the file's axes, y up.
+In go a geometry and how it bends, out comes the number of a glTF mesh. Invariant: vertices stand in
+the file's axes, y up.
 """
 
 import numpy
@@ -24,7 +26,9 @@ class Layout:
             # Of what bends, normals that are alike now may not be so later.
             corners = numpy.arange(len(vertices), dtype="i4").reshape(-1, 1)
             keys.append(corners if is_bent else geometry.normals)
-        rows = numpy.concatenate([numpy.ascontiguousarray(key).view("i4").reshape(len(vertices), -1) for key in keys], axis=1)
+        rows = numpy.concatenate(
+            [numpy.ascontiguousarray(key).view("i4").reshape(len(vertices), -1) for key in keys], axis=1
+        )
         self.corners, self.vertex_of_corner = unique_rows(rows)
 
     def positions(self, geometry):
@@ -33,7 +37,11 @@ class Layout:
     def normals(self, geometry):
         if geometry.normals_of == "FACE":
             return None
-        of_corners = geometry.normals if geometry.normals_of == "CORNER" else geometry.normals[geometry.corner_vertices]
+        of_corners = (
+            geometry.normals
+            if geometry.normals_of == "CORNER"
+            else geometry.normals[geometry.corner_vertices]
+        )
         normals = turned(of_corners[self.corners]).astype(float)
         lengths = numpy.linalg.norm(normals, axis=1, keepdims=True)
         up = numpy.array([0.0, 1.0, 0.0])
@@ -45,7 +53,11 @@ def unique_rows(rows):
     if rows.shape[1] == 1:
         keys = rows[:, 0]
     else:
-        keys = numpy.ascontiguousarray(rows).view(numpy.dtype((numpy.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
+        keys = (
+            numpy.ascontiguousarray(rows)
+            .view(numpy.dtype((numpy.void, rows.dtype.itemsize * rows.shape[1])))
+            .ravel()
+        )
     _, first, kind = numpy.unique(keys, return_index=True, return_inverse=True)
     order = numpy.argsort(first, kind="stable")
     rank = numpy.empty(len(order), int)
@@ -60,7 +72,8 @@ class Meshes:
         self.document, self.materials, self.known = document, materials, {}
 
     def number(self, geometry, materials, bend=None):
-        """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of positions and normals."""
+        """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of
+        positions and normals."""
         key = (geometry.known_by(), materials, None if bend is None else id(bend))
         if key not in self.known:
             self.known[key] = self.made(geometry, materials, bend), bend
@@ -85,7 +98,11 @@ class Meshes:
                 "material": self.materials.number(material, geometry),
             }
             primitives.append({**primitive, "targets": targets} if targets else primitive)
-        return self.document.add("meshes", {"name": geometry.name, "primitives": primitives}) if primitives else None
+        return (
+            self.document.add("meshes", {"name": geometry.name, "primitives": primitives})
+            if primitives
+            else None
+        )
 
     def attributes(self, geometry, layout):
         add = self.document.accessor
@@ -107,6 +124,8 @@ class Meshes:
             name, part = wanted
             values = geometry.colors[name][layout.corners]
             rgb = rec709(values[:, :3]) if part != "a" else numpy.ones_like(values[:, :3])
-            rows = numpy.clip(rgb if part == "rgb" else numpy.concatenate([rgb, values[:, 3:]], axis=1), 0.0, 1.0)
+            rows = numpy.clip(
+                rgb if part == "rgb" else numpy.concatenate([rgb, values[:, 3:]], axis=1), 0.0, 1.0
+            )
             known[wanted] = self.document.accessor(rows.astype("f4"), VERTICES)
         return {"COLOR_0": known[wanted]}

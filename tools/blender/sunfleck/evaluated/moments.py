@@ -1,6 +1,7 @@
 """The moments that a render looks at: every frame, and while the shutter is open as many as motion asks for.
 
-In go Blender's settings, out come times in frames. Invariant: switches of visibility lie halfway between two frames' shutters.
+In go Blender's settings, out come times in frames. Invariant: switches of visibility lie halfway between
+two frames' shutters.
 """
 
 import math
@@ -28,13 +29,18 @@ class Shutter:
         return cls(length, OFFSETS[render.motion_blur_position] * length)
 
     def rounds(self):
-        """From the frame: the frame itself, the ends and the middle, then what lies halfway between those before."""
+        """From the frame: the frame itself, the ends and the middle, then what lies halfway
+        between those before."""
         yield [0.0]
         if self.length == 0.0:
             return
         known, share = {0.0}, [0.0, 0.5, 1.0]
         for halvings in range(MOST_HALVINGS + 1):
-            found = [moment for moment in (round(self.opening + self.length * at, 9) for at in share) if moment not in known]
+            found = [
+                moment
+                for moment in (round(self.opening + self.length * at, 9) for at in share)
+                if moment not in known
+            ]
             known.update(found)
             yield found
             pieces = 4 << halvings
@@ -48,7 +54,8 @@ class Shutter:
 
 @dataclass(frozen=True)
 class Clock:
-    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some moments are negative."""
+    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some
+    moments are negative."""
 
     seconds_a_frame: float
     first: int

@@ -1,7 +1,8 @@
 """Where things are, as glTF says it: translation, rotation and scale.
 
-In go matrices of Blender, (rows, 4, 4), out come those of glTF and their parts. Invariant: the parts together give the matrix, to
-single precision; where a matrix shears, an inner rotation before the scale makes up for it.
+In go matrices of Blender, (rows, 4, 4), out come those of glTF and their parts. Invariant: the parts
+together give the matrix, to single precision; where a matrix shears, an inner rotation before the
+scale makes up for it.
 """
 
 from dataclasses import dataclass
@@ -25,7 +26,8 @@ class Places:
 
 
 def in_gltf(matrices, looks):
-    """The same places in glTF's axes. What looks along its -z (cameras, lights) does so in both; what has a shape is turned with it."""
+    """The same places in glTF's axes. What looks along its -z (cameras, lights) does so in both; what has a
+    shape is turned with it."""
     return TURN @ matrices if looks else TURN @ matrices @ TURN.T
 
 
@@ -67,7 +69,8 @@ def filled(axes, lengths):
 
 
 def sheared(linear, translation):
-    """Left rotation, scales and right rotation (the singular values), each as near as can be to those of the row before."""
+    """Left rotation, scales and right rotation (the singular values), each as near as can be to those
+    of the row before."""
     left, scale, right = numpy.linalg.svd(linear)
     mirrored = numpy.linalg.det(left @ right) < 0.0
     for row in range(len(linear)):
@@ -80,7 +83,8 @@ def sheared(linear, translation):
 
 
 def nearest_to(before, left, scale, right):
-    """The same matrix with its singular vectors named and signed so that the right ones are nearest to those before."""
+    """The same matrix with its singular vectors named and signed so that the right ones are
+    nearest to those before."""
     best = None
     for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
         rows = right[list(order)]
@@ -109,7 +113,11 @@ def quaternions(rotations):
         found[at, k] = m[at, i, k] + m[at, k, i]
         found[at, 3] = m[at, k, j] - m[at, j, k]
     at = largest == 3
-    found[at, 0], found[at, 1], found[at, 2] = m[at, 2, 1] - m[at, 1, 2], m[at, 0, 2] - m[at, 2, 0], m[at, 1, 0] - m[at, 0, 1]
+    found[at, 0], found[at, 1], found[at, 2] = (
+        m[at, 2, 1] - m[at, 1, 2],
+        m[at, 0, 2] - m[at, 2, 0],
+        m[at, 1, 0] - m[at, 0, 1],
+    )
     found[at, 3] = 1.0 + trace[at]
     return found / numpy.linalg.norm(found, axis=1, keepdims=True)
 

@@ -1,7 +1,8 @@
-"""A .glb file read back, by whoever wants to know what it really says: this knows nothing of how it was written.
+"""A .glb file read back, to know what it really says. This knows nothing of how it was written.
 
-In goes a path, out come for times all at once the worlds of nodes, what is visible, and vertices of meshes as they are bent then.
-Invariant: interpolation is glTF's (steps, straight lines, shortest arcs), times are compared in single precision as files hold them.
+In goes a path. Out come worlds of nodes, what is visible, and vertices of meshes as they are bent, for times
+all at once. Invariant: interpolation is glTF's: steps, straight lines, shortest arcs. Times are compared in
+single precision, as files hold them.
 """
 
 import json
@@ -22,7 +23,9 @@ class File:
         self.said = json.loads(data[20 : 20 + length])
         self.bytes = data[28 + length :]
         self.nodes, self.read = self.said.get("nodes", []), {}
-        self.parents = {child: index for index, node in enumerate(self.nodes) for child in node.get("children", ())}
+        self.parents = {
+            child: index for index, node in enumerate(self.nodes) for child in node.get("children", ())
+        }
         self.channels = {}
         for animation in self.said.get("animations", ()):
             for channel in animation["channels"]:
@@ -62,7 +65,9 @@ class File:
             return numpy.broadcast_to(numpy.asarray(still, float), (len(seconds), len(still)))
         times = self.accessor(sampler["input"]).astype("f4")
         values = self.accessor(sampler["output"]).astype(float).reshape(len(times), -1)
-        return interpolated(times, values, numpy.asarray(seconds, "f4"), sampler.get("interpolation", "LINEAR"), path)
+        return interpolated(
+            times, values, numpy.asarray(seconds, "f4"), sampler.get("interpolation", "LINEAR"), path
+        )
 
     def worlds(self, seconds):
         """(nodes, times, 4, 4)."""
@@ -95,7 +100,12 @@ class File:
 
         def shown(index):
             if index not in found:
-                still = self.nodes[index].get("extensions", {}).get("KHR_node_visibility", {}).get("visible", True)
+                still = (
+                    self.nodes[index]
+                    .get("extensions", {})
+                    .get("KHR_node_visibility", {})
+                    .get("visible", True)
+                )
                 own = self.sampled(index, "visible", seconds, (float(still),))[:, 0] != 0.0
                 found[index] = shown(self.parents[index]) & own if index in self.parents else own
             return found[index]
@@ -127,7 +137,9 @@ def interpolated(times, values, seconds, interpolation, path):
     if interpolation == "STEP":
         return values[low]
     span = times[high].astype(float) - times[low].astype(float)
-    share = numpy.divide(seconds.astype(float) - times[low], span, out=numpy.zeros(len(seconds)), where=span > 0.0)[:, None]
+    share = numpy.divide(
+        seconds.astype(float) - times[low], span, out=numpy.zeros(len(seconds)), where=span > 0.0
+    )[:, None]
     share = numpy.clip(share, 0.0, 1.0)
     if path != "rotation":
         return (1.0 - share) * values[low] + share * values[high]

@@ -1,7 +1,8 @@
 """What was seen at every moment: where each thing was and which geometry it showed.
 
-In go graphs, out comes a `Record` of things by key. Invariant: a thing is the same from moment to moment if Blender says so: its
-object, what instances it, and its persistent id among the instances; a geometry that several things show is there once.
+In go graphs, out comes a `Record` of things by key. Invariants: a thing is the same from moment to moment if
+Blender says so, by its object, what instances it, and its persistent id among the instances. A geometry that
+several things show is there once.
 """
 
 from dataclasses import dataclass, field
@@ -13,7 +14,14 @@ from ..materials import instances
 from .capture import Capture
 
 # Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
-KINDS = {"MESH": "SURFACE", "CURVES": "SURFACE", "POINTCLOUD": "SURFACE", "LIGHT": "LIGHT", "CAMERA": "CAMERA", "EMPTY": "EMPTY"}
+KINDS = {
+    "MESH": "SURFACE",
+    "CURVES": "SURFACE",
+    "POINTCLOUD": "SURFACE",
+    "LIGHT": "LIGHT",
+    "CAMERA": "CAMERA",
+    "EMPTY": "EMPTY",
+}
 
 
 @dataclass
@@ -51,7 +59,8 @@ class Here:
     def __init__(self, ids, names):
         self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
         self.sources, self.shown = {}, {}
-        # Attributes of instances that materials ask for; of each instancer how many instances came, and theirs.
+        # Attributes of instances that materials ask for; of each instancer how many
+        # instances came, and theirs.
         self.names, self.orders, self.tables = names, {}, {}
         # How many have the same key, as realised groups may.
         self.seen, self.lamps = {}, 0
@@ -98,7 +107,11 @@ class Seen(NamedTuple):
 
 def kind_of(thing):
     """What becomes of an object: portals only tell Cycles where light comes from."""
-    is_portal = thing.type == "LIGHT" and thing.data.type == "AREA" and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
+    is_portal = (
+        thing.type == "LIGHT"
+        and thing.data.type == "AREA"
+        and getattr(getattr(thing.data, "cycles", None), "is_portal", False)
+    )
     return "EMPTY" if is_portal or holds_fog(thing) else KINDS.get(thing.type)
 
 
@@ -109,7 +122,8 @@ class Record:
         """`library` knows what materials look at; `watch` is told what is no surface."""
         self.capture, self.watch, self.attributes = Capture(library), watch, library.attributes_of_instances()
         self.things = {}
-        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show which geometry, and lights.
+        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
+        # which geometry, and lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
 
     @property
@@ -150,7 +164,9 @@ class Record:
         found = self.things.get(key)
         if found is None:
             name, source = seen.thing.name, seen.source
-            found = self.things[key] = Thing(f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent)
+            found = self.things[key] = Thing(
+                f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent
+            )
             if source.kind == "SURFACE":
                 found.facts = instances.facts(seen.instance, seen.thing, seen.here.attributes(seen.instance))
         found.moments.append(len(self.moments) - 1)
@@ -162,16 +178,21 @@ class Record:
         return self.all_matrices[thing.rows].astype(float)
 
     def finish(self):
-        """Puts the places of all moments together, and moments into the order of time: a frame itself is seen first."""
+        """Puts the places of all moments together, and moments into the order of time: a frame
+        itself is seen first."""
         for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
             order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
             for name in ("moments", "rows", "shown"):
                 values = getattr(thing, name)
                 setattr(thing, name, [values[at] for at in order])
-        self.all_matrices = numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
+        self.all_matrices = (
+            numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
+        )
         self.matrices = []
 
 
 def holds_fog(thing):
     """Its mesh, if it has one, only shows its author where the fog is."""
-    return thing.type in {"EMPTY", "MESH"} and (thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing)
+    return thing.type in {"EMPTY", "MESH"} and (
+        thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing
+    )

@@ -1,6 +1,7 @@
 """A scene to a .glb file: walked, recorded, put together, written.
 
-In go a scene and a path, out come the file and what was found on the way. Invariant: the scene is left as it was.
+In go a scene and a path, out come the file and what was found on the way. Invariant: the
+scene is left as it was.
 """
 
 import bpy
@@ -30,7 +31,10 @@ class Exported:
         expected = counts.of_record(self.record, self.frames)
         differences = list(counts.differences(expected, counts.of_file(file, self.frames)))
         differences += counts.different_materials(self.library.seen, file)
-        return expected, [Finding(id, f"frame {frame}" if frame is not None else "", more) for id, frame, more in differences]
+        return expected, [
+            Finding(id, f"frame {frame}" if frame is not None else "", more)
+            for id, frame, more in differences
+        ]
 
 
 def export(scene, path, only=None):
@@ -82,8 +86,8 @@ def settle_frames(assembly, only):
 
 
 def properties(thing, path):
-    """The custom properties of a thing's node: its own, and ours also where they could not be stored (linked libraries, objects that
-    only instances show). A portal is no light."""
+    """The custom properties of a thing's node: its own, and ours also where they could not be stored (linked
+    libraries, objects that only instances show). A portal is no light."""
     found = {**custom(thing.object), **extras.of_object(thing.object, path)}
     if thing.kind == "EMPTY" and thing.object.type == "LIGHT":
         found.pop("sunfleck_light", None)

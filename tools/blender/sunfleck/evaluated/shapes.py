@@ -1,7 +1,8 @@
 """Meshes that bend: shapes over time as morph targets and their weights.
 
-In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within the tolerance of where
-it was. Shapes that are mixtures of a few (shape keys, a hinge's small turn) need only those few; others are targets each.
+In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within the
+tolerance of where it was. Shapes that are mixtures of a few (shape keys, a hinge's small turn) need only
+those few; others are targets each.
 """
 
 import numpy
@@ -15,7 +16,8 @@ MOST_MIXED = 24
 
 
 class Bend:
-    """Of one topology: `times` are frames with offset, `shapes` the number of the shape at each, among `geometries`."""
+    """Of one topology: `times` are frames with offset, `shapes` the number of the shape at each,
+    among `geometries`."""
 
     def __init__(self, times, shapes, geometries):
         self.times = numpy.asarray(times, float)
@@ -23,7 +25,9 @@ class Bend:
         self.geometries = [geometries[shape] for shape in distinct]
         self.base = geometries[shapes[0]]
         self.layout = Layout(self.base, True)
-        moved = numpy.stack([shape.positions - self.base.positions for shape in self.geometries]).reshape(len(distinct), -1)
+        moved = numpy.stack([shape.positions - self.base.positions for shape in self.geometries]).reshape(
+            len(distinct), -1
+        )
         self.chosen = mixed_from(moved)
         self.weights = weights(moved, self.chosen)
         if self.weights is None:
@@ -33,13 +37,17 @@ class Bend:
     def targets(self, document):
         positions = [self.geometries[index].positions - self.base.positions for index in self.chosen]
         vertices = self.base.corner_vertices[self.layout.corners]
-        found = [{"POSITION": document.accessor(turned(moved[vertices]).astype("f4"), bounds=True)} for moved in positions]
+        found = [
+            {"POSITION": document.accessor(turned(moved[vertices]).astype("f4"), bounds=True)}
+            for moved in positions
+        ]
         for target, normals in zip(found, self.normals()):
             target["NORMAL"] = document.accessor(normals.astype("f4"))
         return found
 
     def normals(self):
-        """Differences of normals, of each target, so that mixtures are as near as can be to what they were at all times."""
+        """Differences of normals, of each target, so that mixtures are as near as can be to what they
+        were at all times."""
         at_rest = self.layout.normals(self.base)
         if at_rest is None:
             return []
@@ -50,13 +58,22 @@ class Bend:
     def keys(self):
         """Times and weights of the targets there, those that straight lines give left out."""
         values = self.weights[self.of_time]
-        largest = max(1e-9, max(float(numpy.abs(self.geometries[index].positions - self.base.positions).max()) for index in self.chosen))
-        stays = thinning.straight(self.times[None], values[None], numpy.array([len(self.times)]), 0.2 * TOLERANCE_M / largest)[0]
+        largest = max(
+            1e-9,
+            max(
+                float(numpy.abs(self.geometries[index].positions - self.base.positions).max())
+                for index in self.chosen
+            ),
+        )
+        stays = thinning.straight(
+            self.times[None], values[None], numpy.array([len(self.times)]), 0.2 * TOLERANCE_M / largest
+        )[0]
         return self.times[stays], values[stays]
 
 
 def mixed_from(moved):
-    """Rows that all others are mixtures of: again and again the one that is farthest from any mixture of those before."""
+    """Rows that all others are mixtures of: again and again the one that is farthest from any
+    mixture of those before."""
     left, chosen = moved.astype(float), []
     while len(chosen) < min(MOST_MIXED, len(moved)):
         farthest = numpy.abs(left).max(axis=1)

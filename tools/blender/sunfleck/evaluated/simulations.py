@@ -1,7 +1,8 @@
 """Simulations: which scenes have any, and how their caches are filled.
 
-A graph of what renders reads the caches of simulations and never steps them; the viewport's graph steps them, frame by frame. So
-all frames are shown to it first, with what simulates made visible to it. Invariant: what was hidden is hidden again afterwards.
+A graph of what renders reads the caches of simulations and never steps them; the viewport's graph steps them,
+frame by frame. So all frames are shown to it first, with what simulates made visible to it. Invariant: what
+was hidden is hidden again afterwards.
 """
 
 from contextlib import contextmanager
@@ -34,7 +35,9 @@ def simulates(thing):
 
 
 def is_stepped(modifier):
-    return modifier.type == "NODES" and modifier.node_group is not None and has_zone(modifier.node_group, set())
+    return (
+        modifier.type == "NODES" and modifier.node_group is not None and has_zone(modifier.node_group, set())
+    )
 
 
 def has_zone(tree, seen):

@@ -1,7 +1,8 @@
 """Whether straight lines between a frame's moments are near enough to what moves, or more moments are wanted.
 
-In goes a record that grows, out comes yes or no. Invariant: what halves its distance quarters its error, so a round of moments
-that lie within four times the tolerance of the lines before it leaves errors within the tolerance.
+In goes a record that grows, out comes yes or no. Invariant: what halves its distance quarters its
+error, so a round of moments that lie within four times the tolerance of the lines before it leaves
+errors within the tolerance.
 """
 
 import numpy
@@ -49,7 +50,10 @@ class Smoothness:
             before, here, after = (self.record.geometries[rows[1][at]] for rows in placed)
             if before.topology == here.topology == after.topology:
                 off = here.positions - (1.0 - share) * before.positions - share * after.positions
-                worst = max(worst, float(numpy.abs(off).max()) * float(numpy.abs(matrices[placed[1][0][at], :3, :3]).max()))
+                worst = max(
+                    worst,
+                    float(numpy.abs(off).max()) * float(numpy.abs(matrices[placed[1][0][at], :3, :3]).max()),
+                )
         return worst
 
 

@@ -1,7 +1,9 @@
-"""Hair as ribbons that face the camera, and points as spheres: surfaces for what Cycles has shapes of its own for.
+"""Hair as ribbons that face the camera, and points as spheres: surfaces for what Cycles has
+shapes of its own for.
 
-In go strands (points with radii), out come geometries. Invariant: a ribbon is as wide as its strand everywhere, and stays where the
-strand is; its flat side is towards `eye`, a place in the strand's own space. Its texture coordinates are those of its root.
+In go strands (points with radii), out come geometries. Invariant: a ribbon is as wide as its strand
+everywhere, and stays where the strand is; its flat side is towards `eye`, a place in the strand's own space.
+Its texture coordinates are those of its root.
 """
 
 from dataclasses import dataclass, field
@@ -71,7 +73,10 @@ def smooth(points, radii):
 
 def of_particles(thing, system, eye):
     """Of a particle system's hair, in the object's space; None without any."""
-    settings, modifier = system.settings, next(one for one in thing.modifiers if getattr(one, "particle_system", None) == system)
+    settings, modifier = (
+        system.settings,
+        next(one for one in thing.modifiers if getattr(one, "particle_system", None) == system),
+    )
     layers = sorted(enumerate(thing.data.uv_layers), key=lambda layer: not layer[1].active_render)
     steps = 1 << settings.render_step
     parents, children = len(system.particles), len(system.child_particles)
@@ -80,13 +85,18 @@ def of_particles(thing, system, eye):
     radii = tapered(settings, steps + 1)
     strands = []
     for number in shown:
-        points = numpy.array([system.co_hair(thing, particle_no=number, step=step) for step in range(steps + 1)], float)
+        points = numpy.array(
+            [system.co_hair(thing, particle_no=number, step=step) for step in range(steps + 1)], float
+        )
         kept = numpy.linalg.norm(numpy.diff(points, axis=0), axis=1) > 1e-9
         if kept.any():
             kept = numpy.concatenate([[True], kept])
             # Of children Blender looks at the number alone.
             parent = system.particles[min(number, parents - 1)]
-            uvs = {layer.name: system.uv_on_emitter(modifier, particle=parent, particle_no=number, uv_no=at) for at, layer in layers}
+            uvs = {
+                layer.name: system.uv_on_emitter(modifier, particle=parent, particle_no=number, uv_no=at)
+                for at, layer in layers
+            }
             strands.append(Strand((points @ local[:3, :3].T + local[:3, 3])[kept], radii[kept], uvs))
     return ribbons(system.name, strands, eye)
 
@@ -96,7 +106,9 @@ def tapered(settings, count):
     left = 1.0 - numpy.linspace(0.0, 1.0, count)
     shape = settings.shape
     left = left ** (1.0 + shape) if shape < 0.0 else left ** (1.0 / max(1e-6, 1.0 - shape))
-    root, tip = (0.5 * settings.radius_scale * radius for radius in (settings.root_radius, settings.tip_radius))
+    root, tip = (
+        0.5 * settings.radius_scale * radius for radius in (settings.root_radius, settings.tip_radius)
+    )
     radii = left * (root - tip) + tip
     if settings.use_close_tip:
         radii[-1] = 0.0
@@ -113,13 +125,19 @@ def ribbons(name, strands, eye):
         along = numpy.gradient(points, axis=0)
         aside = numpy.cross(along, eye - points)
         lengths = numpy.linalg.norm(aside, axis=1, keepdims=True)
-        aside = numpy.where(lengths > 1e-12, aside / numpy.maximum(lengths, 1e-12), [1.0, 0.0, 0.0]) * strand.radii[:, None]
+        aside = (
+            numpy.where(lengths > 1e-12, aside / numpy.maximum(lengths, 1e-12), [1.0, 0.0, 0.0])
+            * strand.radii[:, None]
+        )
         vertices.append(numpy.stack([points - aside, points + aside], axis=1).reshape(-1, 3))
         at = first + 2 * numpy.arange(len(points) - 1)[:, None]
         triangles.append(numpy.concatenate([at + [0, 1, 3], at + [0, 3, 2]], axis=0))
         first += 2 * len(points)
     corners = [6 * (len(strand.points) - 1) for strand in strands]
-    uvs = {layer: numpy.repeat(numpy.array([strand.uvs[layer] for strand in strands], "f4"), corners, axis=0) for layer in strands[0].uvs}
+    uvs = {
+        layer: numpy.repeat(numpy.array([strand.uvs[layer] for strand in strands], "f4"), corners, axis=0)
+        for layer in strands[0].uvs
+    }
     return made(name, numpy.concatenate(vertices), numpy.concatenate(triangles), uvs)
 
 
@@ -134,17 +152,28 @@ def of_points(cloud):
         cloud.attributes["radius"].data.foreach_get("value", radii)
     corners, faces = icosahedron()
     vertices = points[:, None, :] + corners * radii[:, None, None]
-    return made(cloud.name, vertices.reshape(-1, 3), (faces + len(corners) * numpy.arange(count)[:, None, None]).reshape(-1, 3))
+    return made(
+        cloud.name,
+        vertices.reshape(-1, 3),
+        (faces + len(corners) * numpy.arange(count)[:, None, None]).reshape(-1, 3),
+    )
 
 
 def icosahedron():
-    """Corners so far out that the mean of its shadows, a quarter of its surface, is that of a sphere of radius 1."""
+    """Corners so far out that the mean of its shadows, a quarter of its surface, is that of a
+    sphere of radius 1."""
     golden = 0.5 * (1.0 + 5.0**0.5)
     corners = numpy.array([(0, a, b * golden) for a in (-1, 1) for b in (-1, 1)], float)
     corners = numpy.concatenate([corners, corners[:, [2, 0, 1]], corners[:, [1, 2, 0]]])
     apart = numpy.linalg.norm(corners[:, None] - corners[None], axis=2)
     near = numpy.abs(apart - 2.0) < 1e-6
-    faces = [(a, b, c) for a in range(12) for b in range(a + 1, 12) for c in range(b + 1, 12) if near[a, b] and near[b, c] and near[a, c]]
+    faces = [
+        (a, b, c)
+        for a in range(12)
+        for b in range(a + 1, 12)
+        for c in range(b + 1, 12)
+        if near[a, b] and near[b, c] and near[a, c]
+    ]
     outwards = [(a, b, c) if numpy.linalg.det(corners[[a, b, c]]) > 0 else (a, c, b) for a, b, c in faces]
     surface = 20.0 * 3.0**0.5 / 4.0 * 2.0**2
     return corners * (4.0 * numpy.pi / surface) ** 0.5, numpy.array(outwards)

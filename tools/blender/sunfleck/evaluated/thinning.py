@@ -1,8 +1,9 @@
 """Keys that straight lines between others give are left out.
 
-In go values at times, out come masks of those that stay. Invariant: at every time that went in, the line (or the arc of constant
-speed) through the keys that stay is within the tolerance. All tracks go along together, a key at a time: from the last key that
-stayed, the slopes that pass near enough to every key since are an interval, and a key that lies beyond it ends the run before it.
+In go values at times, out come masks of those that stay. Invariant: at every time that went in, the line (or
+the arc of constant speed) through the keys that stay is within the tolerance. All tracks go along together, a
+key at a time. From the last key that stayed, the slopes that pass near enough to every key since are an
+interval. A key that lies beyond it ends the run before it.
 """
 
 import numpy
@@ -22,7 +23,8 @@ def arcs(times, quaternions, lengths, tolerance):
 
 
 def turn(start, end):
-    """The rotation from one to the other as a vector in the start's space; half turns are too long to be sure of."""
+    """The rotation from one to the other as a vector in the start's space; half turns are too
+    long to be sure of."""
     x, y, z, w = (start * numpy.array([-1.0, -1.0, -1.0, 1.0])).T
     a, b, c, d = end.T
     relative = numpy.stack(

@@ -1,7 +1,7 @@
 """Keys of nodes: places, visibility and weights as channels of the file's animation.
 
-In go nodes with their places at moments, out come node properties and channels. Invariant: at every moment a node is within 1e-5 m
-of where it was; what keeps still has no key.
+In go nodes with their places at moments, out come node properties and channels. Invariant: at every moment a
+node is within 1e-5 m of where it was; what keeps still has no key.
 """
 
 from dataclasses import dataclass
@@ -72,7 +72,11 @@ class Tracks:
 
     def write(self):
         """Channels of everything that moves."""
-        for path, thin in (("translation", thinning.straight), ("rotation", thinning.arcs), ("scale", thinning.straight)):
+        for path, thin in (
+            ("translation", thinning.straight),
+            ("rotation", thinning.arcs),
+            ("scale", thinning.straight),
+        ):
             moving = sorted((one for one in self.moving if one.path == path), key=lambda one: len(one.times))
             for first in range(0, len(moving), TOGETHER):
                 self.write_some(moving[first : first + TOGETHER], thin)
@@ -86,4 +90,6 @@ class Tracks:
         stays = thin(times, values, lengths, numpy.array([one.tolerance for one in moving]))
         for row, one in enumerate(moving):
             kept = stays[row, : lengths[row]]
-            self.document.node_channel(one.node, one.path, self.clock.seconds(one.times[kept]), one.values[kept])
+            self.document.node_channel(
+                one.node, one.path, self.clock.seconds(one.times[kept]), one.values[kept]
+            )

@@ -1,7 +1,8 @@
 """Numbers that change: of lights, lenses, fog and the scene, frame by frame.
 
-In go evaluated objects, out come values by what they belong to. Invariant: what is written once is the value at the first frame;
-what changes is carried by nodes `ctl_...` whose translation it is (docs/scene-format.md, "Values that change").
+In go evaluated objects, out come values by what they belong to. Invariant: what is written once is the value
+at the first frame; what changes is carried by nodes `ctl_...` whose translation it is (docs/scene-format.md,
+"Values that change").
 """
 
 from types import SimpleNamespace
@@ -17,7 +18,8 @@ TOLERANCE = 1e-6
 
 
 class View:
-    """The camera that renders at a moment: markers switch between cameras, and what is hidden renders all the same."""
+    """The camera that renders at a moment: markers switch between cameras, and what is hidden
+    renders all the same."""
 
     def __init__(self, time, eye, evaluated, scene):
         self.time, self.eye = time, eye
@@ -43,14 +45,20 @@ class Values:
             self.views.append(View(frame + offset, eye, eye.evaluated_get(graph), self.scene))
         own = graph.scene_eval.sunfleck_settings
         if own.use_fog and offset == 0.0:
-            self.see("scene", frame, {**fog("sunfleck_fog", own), "sunfleck_fog.scale_height": own.scale_height})
+            self.see(
+                "scene", frame, {**fog("sunfleck_fog", own), "sunfleck_fog.scale_height": own.scale_height}
+            )
 
     def watch(self, key, thing, frame):
         """An evaluated object that is no surface."""
         own = thing.sunfleck_settings
         if own.is_fog:
             found = fog("sunfleck_fog_volume", own)
-            self.see(key, frame, {**found, "sunfleck_fog_volume.scale_height": own.scale_height} if own.thins_out else found)
+            self.see(
+                key,
+                frame,
+                {**found, "sunfleck_fog_volume.scale_height": own.scale_height} if own.thins_out else found,
+            )
         if thing.type == "LIGHT":
             self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data)))
             self.see(key, frame, light(thing, own))
@@ -67,7 +75,12 @@ class Values:
         for (owner, field), track in self.tracks.items():
             if any(value != track[0][1] for _, value in track):
                 frames = numpy.array([frame for frame, _ in track], float)
-                yield owner, field, frames, numpy.array([value for _, value in track], float).reshape(len(track), -1)
+                yield (
+                    owner,
+                    field,
+                    frames,
+                    numpy.array([value for _, value in track], float).reshape(len(track), -1),
+                )
 
     def write(self, assembly):
         """Nodes that carry what changes."""
@@ -92,7 +105,11 @@ def lens(thing, scene):
 
 
 def fog(owner, own):
-    return {f"{owner}.density": own.density, f"{owner}.albedo": tuple(own.albedo), f"{owner}.anisotropy": own.anisotropy}
+    return {
+        f"{owner}.density": own.density,
+        f"{owner}.albedo": tuple(own.albedo),
+        f"{owner}.anisotropy": own.anisotropy,
+    }
 
 
 def light(thing, own):
@@ -105,7 +122,10 @@ def light(thing, own):
     for part in ("real", "imaginary") if "fractal" in said else ():
         found[f"sunfleck_light.fractal_{part}"] = said["fractal"][part]
     if data.type == "SPOT":
-        found["sunfleck_light.outer_angle"], found["sunfleck_light.blend"] = 0.5 * data.spot_size, data.spot_blend
+        found["sunfleck_light.outer_angle"], found["sunfleck_light.blend"] = (
+            0.5 * data.spot_size,
+            data.spot_blend,
+        )
     if data.type == "AREA":
         found["sunfleck_light.width"], found["sunfleck_light.height"] = lights.area_size(data)
     return found

@@ -1,7 +1,8 @@
 """The dependency graph as a render sees it, at every moment of every frame.
 
-Only a render engine is given a graph of what renders (not of what the viewport shows), so there is one here that renders nothing:
-it looks. In go a scene and a visitor, which is called with the graph at each moment. Invariant: afterwards the scene is as before.
+Only a render engine is given a graph of what renders (not of what the viewport shows), so there is one here
+that renders nothing: it looks. In go a scene and a visitor, which is called with the graph at each moment.
+Invariant: afterwards the scene is as before.
 """
 
 import math
@@ -20,8 +21,8 @@ class Stopped(Exception):
 
 
 def walk(scene, frames, shutter, visit, is_smooth):
-    """Calls `visit(graph, frame, moment)`, of every frame first the frame itself, in order: simulations know no other. Further
-    moments of an open shutter are looked at until `is_smooth()`."""
+    """Calls `visit(graph, frame, moment)`, of every frame first the frame itself, in order: simulations know
+    no other. Further moments of an open shutter are looked at until `is_smooth()`."""
     layer = view_layer(scene)
     is_simulated = simulations.any_in(scene)
     failed, seen = [], set()

@@ -1,7 +1,8 @@
 """Materials that are no simple mixture, baked by Cycles to pictures of what they show.
 
-In go a material and a mesh to bake it on, out comes a `Surface` of baked pictures. Invariant: nothing of the scene changes: all that
-is made for baking is removed; what was baked of the same material, on the same geometry, at the same size, is taken from the folder.
+In go a material and a mesh to bake it on, out comes a `Surface` of baked pictures. Invariant: nothing of the
+scene changes: all that is made for baking is removed. What was baked of the same material, on the same
+geometry, at the same size, is taken from the folder.
 """
 
 import os
@@ -84,7 +85,13 @@ class Baker:
             keep(kept, made)
         if "numbers" in made:
             packed = made.pop("numbers")
-            found.update({name: packed[..., at : at + 1].repeat(3, axis=-1) for at, name in enumerate(NUMBERS) if name not in found})
+            found.update(
+                {
+                    name: packed[..., at : at + 1].repeat(3, axis=-1)
+                    for at, name in enumerate(NUMBERS)
+                    if name not in found
+                }
+            )
         return {**found, **made}
 
     def baked(self, stage, copy, name, parts):
@@ -120,7 +127,9 @@ class Baker:
             "emission_strength": Source((strength,) * 3),
         })
         if pictures["through"].max() > 1e-4:
-            surface.sources["through"] = self.source("through", numpy.minimum(pictures["through"] / there, 1.0))
+            surface.sources["through"] = self.source(
+                "through", numpy.minimum(pictures["through"] / there, 1.0)
+            )
         surface.alpha = self.source("alpha", cover)
         if not surface.alpha.is_constant() and float(((cover > 0.02) & (cover < 0.98)).mean()) < SOFT_SHARE:
             surface.cutoff = 0.5
@@ -150,14 +159,20 @@ class Baker:
     def source(self, name, values):
         """A constant where all texels are alike."""
         if values.ndim == 1 or float(numpy.ptp(values, axis=(0, 1)).max()) < 1.0 / 512.0:
-            return Source(tuple(float(value) for value in (values if values.ndim == 1 else values.mean(axis=(0, 1)))))
+            return Source(
+                tuple(float(value) for value in (values if values.ndim == 1 else values.mean(axis=(0, 1))))
+            )
         values = rec709(values) if name not in {"roughness", "metallic", "alpha"} else values
         largest = float(values.max())
         return Source((largest,) * 3, self.picture(name, values / largest))
 
     def picture(self, name, values):
         pixels = numpy.concatenate([values, numpy.ones((*values.shape[:2], 1))], axis=-1).astype("f4")
-        return Picture(Pixels(f"{self.material.name} {name}", pixels), self.uv, extension="EXTEND" if self.geometry else "REPEAT")
+        return Picture(
+            Pixels(f"{self.material.name} {name}", pixels),
+            self.uv,
+            extension="EXTEND" if self.geometry else "REPEAT",
+        )
 
 
 def size_of(image):
@@ -206,7 +221,9 @@ class Stage:
         self.layer = self.scene.view_layers[0]
         self.layer.objects.active = self.thing
         self.thing.select_set(True, view_layer=self.layer)
-        self.image = bpy.data.images.new("sunfleck bake", self.size, self.size, float_buffer=True, alpha=False)
+        self.image = bpy.data.images.new(
+            "sunfleck bake", self.size, self.size, float_buffer=True, alpha=False
+        )
         self.image.colorspace_settings.name = "Non-Color"
         nodes = self.material.node_tree.nodes
         node = nodes.new("ShaderNodeTexImage")
@@ -217,7 +234,11 @@ class Stage:
     def bake(self, kind):
         """(rows from the bottom, columns, 3); normals from -1 to 1."""
         with bpy.context.temp_override(
-            scene=self.scene, view_layer=self.layer, active_object=self.thing, object=self.thing, selected_objects=[self.thing]
+            scene=self.scene,
+            view_layer=self.layer,
+            active_object=self.thing,
+            object=self.thing,
+            selected_objects=[self.thing],
         ):
             bpy.ops.object.bake(type=kind)
         pixels = numpy.empty(self.size * self.size * 4, "f4")
@@ -236,7 +257,9 @@ def square(uv):
     """From 0 to 1, as texture coordinates are."""
     mesh = bpy.data.meshes.new("sunfleck bake")
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
-    mesh.uv_layers.new(name=uv or "UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+    mesh.uv_layers.new(name=uv or "UVMap").uv.foreach_set(
+        "vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4")
+    )
     return mesh
 
 
@@ -247,7 +270,9 @@ def mesh_of(geometry, uv):
     vertices = geometry.corner_vertices[corners]
     mesh.from_pydata(geometry.positions.tolist(), [], vertices.reshape(-1, 3).tolist())
     for name, values in geometry.uvs.items():
-        mesh.uv_layers.new(name=name).uv.foreach_set("vector", numpy.ascontiguousarray(values[corners], "f4").ravel())
+        mesh.uv_layers.new(name=name).uv.foreach_set(
+            "vector", numpy.ascontiguousarray(values[corners], "f4").ravel()
+        )
     first = next((name for name in geometry.uvs if name != uv), uv)
     mesh.uv_layers[first].active_render = True
     mesh.uv_layers.active = mesh.uv_layers[uv]
@@ -273,7 +298,11 @@ def inner_trees(tree):
 def folder():
     """Where what was baked is kept."""
     named = os.environ.get("SUNFLECK_BAKES")
-    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sunfleck" / "bakes"
+    base = (
+        Path(named)
+        if named
+        else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sunfleck" / "bakes"
+    )
     base.mkdir(parents=True, exist_ok=True)
     return base
 

@@ -1,7 +1,8 @@
 """What a tree of shaders shows, as colours that a node tree can compute: for baking.
 
-In go a copy of a node tree and a shader's output in it, out come parts, each a constant or a socket. Invariant: parts are weighted
-by how much of the surface is there ("cover"), so that mixtures of shaders are mixtures of parts.
+In go a copy of a node tree and a shader's output in it. Out come parts, each a constant or a socket.
+Invariant: parts are weighted by how much of the surface is there ("cover"). So mixtures of shaders
+are mixtures of parts.
 """
 
 from .sockets import NotSimple, link_to
@@ -24,7 +25,15 @@ PLAIN = {
     "BSDF_GLASS": ("reflected", None, 0.0),
 }
 # Of these less is kept than their name says.
-NEARLY = {"SUBSURFACE_SCATTERING", "BSDF_SHEEN", "BSDF_VELVET", "BSDF_TOON", "BSDF_HAIR", "BSDF_METALLIC", "BSDF_GLASS"}
+NEARLY = {
+    "SUBSURFACE_SCATTERING",
+    "BSDF_SHEEN",
+    "BSDF_VELVET",
+    "BSDF_TOON",
+    "BSDF_HAIR",
+    "BSDF_METALLIC",
+    "BSDF_GLASS",
+}
 
 
 class Channels:
@@ -41,7 +50,9 @@ class Channels:
         if node.type == "GROUP":
             return self.of_group(node, output)
         if node.type == "MIX_SHADER":
-            return self.mixed(self.value(node.inputs[0]), self.of_input(node.inputs[1]), self.of_input(node.inputs[2]))
+            return self.mixed(
+                self.value(node.inputs[0]), self.of_input(node.inputs[1]), self.of_input(node.inputs[2])
+            )
         if node.type == "ADD_SHADER":
             a, b = self.of_input(node.inputs[0]), self.of_input(node.inputs[1])
             found = {name: self.sum(a[name], b[name]) for name in NOTHING}
@@ -49,7 +60,13 @@ class Channels:
         if node.type == "BSDF_TRANSPARENT":
             return dict(NOTHING)
         if node.type == "EMISSION":
-            return {**NOTHING, "emission": self.product(self.value(node.inputs["Color"]), self.value(node.inputs["Strength"])), "cover": 1.0}
+            return {
+                **NOTHING,
+                "emission": self.product(
+                    self.value(node.inputs["Color"]), self.value(node.inputs["Strength"])
+                ),
+                "cover": 1.0,
+            }
         if node.type == "BSDF_PRINCIPLED":
             return self.of_principled(node)
         return self.of_plain(node)
@@ -67,13 +84,18 @@ class Channels:
         color = next(socket for socket in node.inputs if socket.name in {"Color", "Base Color"})
         self.note_normal(node)
         found = {**NOTHING, part: self.value(color), "cover": 1.0, "metallic": metallic}
-        return {**found, "roughness": self.value(node.inputs["Roughness"]) if roughness is None else roughness}
+        return {
+            **found,
+            "roughness": self.value(node.inputs["Roughness"]) if roughness is None else roughness,
+        }
 
     def of_principled(self, node):
         self.principled.append(node)
         self.note_normal(node)
         cover = self.value(node.inputs["Alpha"])
-        emission = self.product(self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"]))
+        emission = self.product(
+            self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"])
+        )
         return {
             "reflected": self.product(self.value(node.inputs["Base Color"]), cover), "through": (0.0, 0.0, 0.0),
             "emission": self.product(emission, cover), "cover": cover,
@@ -82,7 +104,9 @@ class Channels:
         }
 
     def note_normal(self, node):
-        self.bends |= any(socket.name in {"Normal", "Coat Normal"} and link_to(socket) is not None for socket in node.inputs)
+        self.bends |= any(
+            socket.name in {"Normal", "Coat Normal"} and link_to(socket) is not None for socket in node.inputs
+        )
 
     def of_group(self, node, output):
         """A group computes its parts within and gives them out."""

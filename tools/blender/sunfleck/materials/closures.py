@@ -1,6 +1,8 @@
-"""Shaders that are mixed, where glTF can say the mixture exactly: with what is transparent, with what shines through, with light.
+"""Shaders that are mixed, where glTF can say the mixture exactly: with what is transparent, with what shines
+through, with light.
 
-In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exactly raises `NotSimple`, and is baked.
+In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exactly raises
+`NotSimple`, and is baked.
 """
 
 from dataclasses import replace
@@ -44,7 +46,9 @@ def transparent(node):
 
 def translucent(node):
     """Lambert's surface from behind."""
-    surface = Surface({"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])})
+    surface = Surface(
+        {"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])}
+    )
     surface.normal = principled.normal(node.inputs["Normal"])
     return surface
 
@@ -61,7 +65,13 @@ def glows(surface):
 def is_matte(surface):
     """Neither a shine nor a light, and opaque."""
     specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
-    has_shine = specular is None or not specular.is_constant() or specular.number() > 0.0 or not metallic.is_constant() or metallic.number() > 0.0
+    has_shine = (
+        specular is None
+        or not specular.is_constant()
+        or specular.number() > 0.0
+        or not metallic.is_constant()
+        or metallic.number() > 0.0
+    )
     return not has_shine and not glows(surface) and surface.alpha == WHITE
 
 
@@ -126,4 +136,9 @@ def added(node):
 
 
 def is_light(surface):
-    return surface.sources.get("base") == BLACK and "through" not in surface.sources and glows(surface) and surface.alpha == WHITE
+    return (
+        surface.sources.get("base") == BLACK
+        and "through" not in surface.sources
+        and glows(surface)
+        and surface.alpha == WHITE
+    )

@@ -12,11 +12,16 @@ REC709_FROM = {
 
 def working_space():
     """Its name in Blender."""
-    return getattr(bpy.data.colorspace, "working_space", "Linear Rec.709") if hasattr(bpy.data, "colorspace") else "Linear Rec.709"
+    return (
+        getattr(bpy.data.colorspace, "working_space", "Linear Rec.709")
+        if hasattr(bpy.data, "colorspace")
+        else "Linear Rec.709"
+    )
 
 
 def rec709(color):
-    """Of a colour, or of rows of colours, in the working space; what Rec. 709 lacks is negative here and black there."""
+    """Of a colour, or of rows of colours, in the working space; what Rec. 709 lacks is negative
+    here and black there."""
     matrix = REC709_FROM.get(working_space())
     if matrix is None:
         return color

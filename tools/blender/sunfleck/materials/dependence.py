@@ -10,7 +10,17 @@ PROCEDURAL = {
     "TEX_NOISE", "TEX_VORONOI", "TEX_WAVE", "TEX_MAGIC", "TEX_CHECKER", "TEX_BRICK", "TEX_GRADIENT", "TEX_WHITE_NOISE", "TEX_GABOR",
     "TEX_MUSGRAVE", "TEX_ENVIRONMENT", "TEX_SKY", "TEX_IES",
 }
-OF_SURFACES = {"NEW_GEOMETRY", "VERTEX_COLOR", "BEVEL", "AMBIENT_OCCLUSION", "WIREFRAME", "CURVE_INFO", "HAIR_INFO", "POINT_INFO", "TEX_ENVIRONMENT"}
+OF_SURFACES = {
+    "NEW_GEOMETRY",
+    "VERTEX_COLOR",
+    "BEVEL",
+    "AMBIENT_OCCLUSION",
+    "WIREFRAME",
+    "CURVE_INFO",
+    "HAIR_INFO",
+    "POINT_INFO",
+    "TEX_ENVIRONMENT",
+}
 OF_INSTANCES = {"OBJECT_INFO", "PARTICLE_INFO"}
 OF_VIEWS = {"FRESNEL", "LAYER_WEIGHT", "CAMERA", "LIGHT_PATH"}
 
@@ -45,11 +55,15 @@ def is_of_surface(material):
             return True
         if node.type in PROCEDURAL and "Vector" in node.inputs and not node.inputs["Vector"].is_linked:
             return True
-        if node.type == "TEX_COORD" and any(output.is_linked and output.name != "UV" for output in node.outputs):
+        if node.type == "TEX_COORD" and any(
+            output.is_linked and output.name != "UV" for output in node.outputs
+        ):
             return True
         if node.type == "UVMAP":
             uvs.add(node.uv_map)
-        if (node.type == "TEX_COORD" and node.outputs["UV"].is_linked) or (node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked):
+        if (node.type == "TEX_COORD" and node.outputs["UV"].is_linked) or (
+            node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked
+        ):
             uvs.add("")
         if node.type == "TEX_IMAGE" and node.projection != "FLAT":
             return True
@@ -88,14 +102,19 @@ def is_transparent(material):
     for node in nodes_of(material):
         if node.type == "BSDF_TRANSPARENT":
             return True
-        if node.type == "BSDF_PRINCIPLED" and (node.inputs["Alpha"].is_linked or node.inputs["Alpha"].default_value < 1.0):
+        if node.type == "BSDF_PRINCIPLED" and (
+            node.inputs["Alpha"].is_linked or node.inputs["Alpha"].default_value < 1.0
+        ):
             return True
     return False
 
 
 def is_of_film(material):
     """Whether an image of it changes from frame to frame."""
-    return any(getattr(node, "image", None) and node.image.source in {"SEQUENCE", "MOVIE"} for node in nodes_of(material))
+    return any(
+        getattr(node, "image", None) and node.image.source in {"SEQUENCE", "MOVIE"}
+        for node in nodes_of(material)
+    )
 
 
 def largest_image(material):

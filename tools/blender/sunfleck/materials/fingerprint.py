@@ -1,6 +1,7 @@
 """A node tree as bytes that change whenever what it shows may.
 
-In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ramps, curves, links, groups and images is among them.
+In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ramps, curves, links, groups and
+images is among them.
 """
 
 import bpy
@@ -41,7 +42,12 @@ def told(value, seen):
     if isinstance(value, bpy.types.NodeTree):
         return "again" if value in seen else of_tree(value, seen)
     if isinstance(value, bpy.types.ColorRamp):
-        return [(stop.position, *stop.color) for stop in value.elements], value.interpolation, value.color_mode, value.hue_interpolation
+        return (
+            [(stop.position, *stop.color) for stop in value.elements],
+            value.interpolation,
+            value.color_mode,
+            value.hue_interpolation,
+        )
     if isinstance(value, bpy.types.CurveMapping):
         return [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
     if isinstance(value, bpy.types.ID):
@@ -52,7 +58,10 @@ def told(value, seen):
 def values(node):
     for socket in node.inputs:
         value = getattr(socket, "default_value", None)
-        yield socket.identifier, tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else told(value, ())
+        yield (
+            socket.identifier,
+            tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else told(value, ()),
+        )
     if node.type in {"RGB", "VALUE"}:
         value = node.outputs[0].default_value
         yield "value", tuple(value) if hasattr(value, "__len__") else value

@@ -1,7 +1,7 @@
 """Pictures of the file: Blender's images as they are where PNG, JPEG or WebP can say it, else written anew.
 
-In go images and channels of images, out come numbers of glTF images. Invariant: colours are in sRGB, numbers as they are; what is
-written anew has 16 bits a channel unless its source has 8.
+In go images and channels of images, out come numbers of glTF images. Invariant: colours are in sRGB, numbers
+as they are; what is written anew has 16 bits a channel unless its source has 8.
 """
 
 import struct
@@ -35,7 +35,11 @@ class Images:
             data = None if is_baked else self.own_bytes(image, is_color)
             if data is None:
                 pixels = self.pixels(image)
-                data = None if pixels is None else self.encoded(pixels, is_color, not is_baked and is_deep(image, is_color))
+                data = (
+                    None
+                    if pixels is None
+                    else self.encoded(pixels, is_color, not is_baked and is_deep(image, is_color))
+                )
             self.known[key] = None if data is None else self.add(image.name, data)
         return self.known[key]
 
@@ -56,7 +60,11 @@ class Images:
     def own_bytes(self, image, is_color):
         """The image's own file, if it holds what is wanted in the way that glTF reads it."""
         space = image.colorspace_settings.name
-        if image.is_dirty or image.source != "FILE" or space not in (IN_SRGB if is_color else PLAIN | IN_SRGB):
+        if (
+            image.is_dirty
+            or image.source != "FILE"
+            or space not in (IN_SRGB if is_color else PLAIN | IN_SRGB)
+        ):
             return None
         if not is_color and space not in PLAIN:
             return None
@@ -108,7 +116,9 @@ def packed(image):
 
 def srgb(values):
     values = numpy.clip(values, 0.0, 1.0)
-    return numpy.where(values <= 0.0031308, 12.92 * values, 1.055 * numpy.maximum(values, 1e-12) ** (1.0 / 2.4) - 0.055)
+    return numpy.where(
+        values <= 0.0031308, 12.92 * values, 1.055 * numpy.maximum(values, 1e-12) ** (1.0 / 2.4) - 0.055
+    )
 
 
 def linear(values):
@@ -127,7 +137,8 @@ def png(pixels, is_deep):
     header = struct.pack(">IIBBBBB", width, height, 16 if is_deep else 8, 6 if channels == 4 else 2, 0, 0, 0)
     chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(data, 6)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body)) for name, body in chunks
+        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+        for name, body in chunks
     )
 
 
@@ -136,10 +147,16 @@ WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071, "MIRROR": 33648}
 
 
 def texture(document, image, picture: sockets.Picture):
-    """The number of a texture that shows a picture's image as its node does; `image` is a number and a kind."""
+    """The number of a texture that shows a picture's image as its node does; `image` is a
+    number and a kind."""
     number, kind = image
     wrap = WRAPS[picture.extension]
-    sampler = {"magFilter": FILTERS.get(picture.interpolation, 9729), "minFilter": 9987, "wrapS": wrap, "wrapT": wrap}
+    sampler = {
+        "magFilter": FILTERS.get(picture.interpolation, 9729),
+        "minFilter": 9987,
+        "wrapS": wrap,
+        "wrapT": wrap,
+    }
     said = {"sampler": document.once("samplers", sampler)}
     if kind == "image/webp":
         return document.once("textures", {**said, "extensions": {"EXT_texture_webp": {"source": number}}})

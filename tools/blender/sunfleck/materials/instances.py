@@ -1,7 +1,9 @@
-"""Materials that differ from instance to instance: by Cycles' random number, the object's colour and index, or attributes.
+"""Materials that differ from instance to instance: by Cycles' random number, the object's colour and
+index, or attributes.
 
-In go a material and facts of an instance, out comes a copy of the material in which those are constants. Invariant: the random
-number is Cycles'; so many copies are made at most as there are levels, and then facts are rounded.
+In go a material and facts of an instance, out comes a copy of the material in which those are
+constants. Invariants: the random number is Cycles'. No more copies are made than there are levels;
+beyond that facts are rounded.
 """
 
 from dataclasses import dataclass, field
@@ -35,7 +37,12 @@ def facts(instance, thing, attributes):
     # Cycles' own are those of the instancer where there is one.
     owner = instance.parent if instance.is_instance and instance.parent else thing
     return Facts(
-        number / WORD, tuple(owner.color[:3]), owner.color[3], owner.pass_index, tuple(instance.matrix_world.translation), tuple(attributes)
+        number / WORD,
+        tuple(owner.color[:3]),
+        owner.color[3],
+        owner.pass_index,
+        tuple(instance.matrix_world.translation),
+        tuple(attributes),
     )
 
 
@@ -59,7 +66,8 @@ def hashed(name):
 
 
 def attributes_of(parent, names):
-    """By instance of a parent, in the graph's order: names and values of its instances' attributes; None if there are none."""
+    """By instance of a parent, in the graph's order: names and values of its instances' attributes; None
+    if there are none."""
     geometry = parent.evaluated_geometry() if hasattr(parent, "evaluated_geometry") else None
     cloud = geometry.instances_pointcloud() if geometry else None
     if cloud is None:

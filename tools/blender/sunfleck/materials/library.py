@@ -1,7 +1,8 @@
-"""Materials of the file by number, one for each of Blender's and each set of names that meshes have for its texture coordinates.
+"""Materials of the file by number, one for each of Blender's and each set of names that meshes have for its
+texture coordinates.
 
-In go materials and the geometries that show them, out come numbers. Invariant: of every material that was asked for there is a
-word: exact, or what of it is lost.
+In go materials and the geometries that show them, out come numbers. Invariant: of every material that was
+asked for there is a word: exact, or what of it is lost.
 """
 
 import json
@@ -19,7 +20,8 @@ from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
 from .written import Writer, of_surface, shines
 
-# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces change in every frame.
+# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces
+# change in every frame.
 MOST_MESHES = 64
 # Of animated numbers: pointers behind the material's, or none.
 POINTERS = {
@@ -27,7 +29,8 @@ POINTERS = {
     "roughness": "pbrMetallicRoughness/roughnessFactor", "emission": "emissiveFactor",
     "emission_strength": "extensions/KHR_materials_emissive_strength/emissiveStrength", "normal_scale": "normalTexture/scale",
 }
-# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material without a shader does.
+# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material
+# without a shader does.
 DEFAULT = Surface({"base": Source((0.8,) * 3)})
 NOTHING = Surface({"base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
 
@@ -52,7 +55,8 @@ class Library:
 
     def __init__(self):
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
-        # Of materials that differ from instance to instance: copies by facts, and how many levels facts are rounded to.
+        # Of materials that differ from instance to instance: copies by facts, and how many levels
+        # facts are rounded to.
         self.of_instances, self.copies, self.levels = {}, {}, {}
 
     def start(self, document, clock):
@@ -63,7 +67,9 @@ class Library:
         if material not in self.looks:
             if self.differs(material):
                 # As good as any instance's.
-                one = self.copies[material, instances.Facts()] = instances.copy(material, instances.Facts(), f"{material.name} 0")
+                one = self.copies[material, instances.Facts()] = instances.copy(
+                    material, instances.Facts(), f"{material.name} 0"
+                )
                 self.looks[one] = self.looks[material] = looked_at(one)
             else:
                 self.looks[material] = looked_at(material)
@@ -79,11 +85,17 @@ class Library:
     @staticmethod
     def attributes_of_instances():
         """Names of the attributes that any material asks instances for."""
-        nodes = (node for material in bpy.data.materials for node in dependence.nodes_of(material) if node.type == "ATTRIBUTE")
+        nodes = (
+            node
+            for material in bpy.data.materials
+            for node in dependence.nodes_of(material)
+            if node.type == "ATTRIBUTE"
+        )
         return {node.attribute_name for node in nodes if node.attribute_type == "INSTANCER"}
 
     def prepare(self, shown):
-        """Finds out into how many levels facts have to be rounded, of materials and the facts of each instance."""
+        """Finds out into how many levels facts have to be rounded, of materials and the facts
+        of each instance."""
         found = {}
         for material, facts in shown:
             if self.differs(material):
@@ -102,7 +114,9 @@ class Library:
             own = instances.rounded(own, self.levels[material])
         key = (material, own)
         if key not in self.copies:
-            self.copies[key] = instances.copy(material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}")
+            self.copies[key] = instances.copy(
+                material, own, f"{material.name} {sum(one == material for one, _ in self.copies)}"
+            )
         return self.copies[key]
 
     def close(self):
@@ -114,7 +128,8 @@ class Library:
         return self.look(material).surface is not None
 
     def attribute(self, material):
-        """The colour attribute that a material looks at and its part ("rgb", "rgba" or "a"); None for none."""
+        """The colour attribute that a material looks at and its part ("rgb", "rgba" or
+        "a"); None for none."""
         surface = self.look(material).surface
         if surface is None:
             return None
@@ -140,8 +155,14 @@ class Library:
         look = self.look(material)
         if not look.baked:
             return False
-        uv = geometry.uvs.get(dependence.uv_of(material)) if dependence.uv_of(material) else next(iter(geometry.uvs.values()), None)
-        return uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
+        uv = (
+            geometry.uvs.get(dependence.uv_of(material))
+            if dependence.uv_of(material)
+            else next(iter(geometry.uvs.values()), None)
+        )
+        return (
+            uv is None or bool(uv.min() < -1e-5 or uv.max() > 1.00001) or dependence.is_of_surface(material)
+        )
 
     def number(self, material, geometry):
         """Of the file's material."""
@@ -193,15 +214,24 @@ class Library:
                 continue
             texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
             word = "not honoured" if look.failed else f"baked at {texels} texels" if look.baked else "exact"
-            found[material.name] = f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
+            found[material.name] = (
+                f"{word}, but for {', '.join(look.losses)}" if look.losses and not look.failed else word
+            )
         return found
 
     def findings(self):
         """A word on every material that is not exact. Remembers the names of all."""
         self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
-        yield from (Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels") for material, levels in self.levels.items())
+        yield from (
+            Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels")
+            for material, levels in self.levels.items()
+        )
         for material, look in self.looks.items():
-            if material is None or (look.surface is None and not look.baked) or not any(key[0] == material for key in self.numbers):
+            if (
+                material is None
+                or (look.surface is None and not look.baked)
+                or not any(key[0] == material for key in self.numbers)
+            ):
                 continue
             name = f"the material `{material.name}`"
             if look.failed:
@@ -236,7 +266,9 @@ class Library:
 
     def animate(self, number, said, track):
         """Pointers to every number that changes."""
-        changed = {name for name in POINTERS if any(numbers[name] != track[0][1][name] for _, numbers in track)}
+        changed = {
+            name for name in POINTERS if any(numbers[name] != track[0][1][name] for _, numbers in track)
+        }
         if changed & {"emission", "emission_strength"}:
             changed |= {"emission", "emission_strength"}
             # A pointer needs something to point at.
@@ -247,7 +279,9 @@ class Library:
         frames = numpy.array([frame for frame, _ in track], float)
         for name in sorted(changed):
             values = numpy.array([numbers[name] for _, numbers in track], float).reshape(len(track), -1)
-            self.document.pointer_channel(f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values)
+            self.document.pointer_channel(
+                f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values
+            )
 
 
 def looked_at(material):
@@ -262,9 +296,14 @@ def looked_at(material):
         return Look(surface)
     except NotSimple as more:
         node = more.args[0] if more.args else None
-        losses = [loss for loss, is_so in {
-            "depends-on-view": dependence.is_of_view(material), "image-sequence": dependence.is_of_film(material)
-        }.items() if is_so]
+        losses = [
+            loss
+            for loss, is_so in {
+                "depends-on-view": dependence.is_of_view(material),
+                "image-sequence": dependence.is_of_film(material),
+            }.items()
+            if is_so
+        ]
         return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
 
 
@@ -273,7 +312,9 @@ def check_attributes(surface):
     base, alpha = surface.sources.get("base", WHITE), surface.alpha
     others = [source for name, source in surface.sources.items() if name != "base"]
     two = None not in (base.attribute, alpha.attribute) and base.attribute != alpha.attribute
-    swapped = (base.attribute is not None and base.attribute_channel == 3) or (alpha.attribute is not None and alpha.attribute_channel != 3)
+    swapped = (base.attribute is not None and base.attribute_channel == 3) or (
+        alpha.attribute is not None and alpha.attribute_channel != 3
+    )
     if two or swapped or any(source.attribute is not None for source in others):
         raise NotSimple(None)
 
@@ -287,7 +328,13 @@ def custom(owner):
     """Its custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
-        value = value.to_dict() if hasattr(value, "to_dict") else value.to_list() if hasattr(value, "to_list") else value
+        value = (
+            value.to_dict()
+            if hasattr(value, "to_dict")
+            else value.to_list()
+            if hasattr(value, "to_list")
+            else value
+        )
         try:
             found[name] = json.loads(json.dumps(value, allow_nan=False))
         except (TypeError, ValueError):

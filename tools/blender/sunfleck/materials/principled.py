@@ -1,7 +1,7 @@
 """A Principled BSDF as a glTF material says it.
 
-In goes a node tree, out comes a `Surface`: sources by what they are for. Invariant: what glTF has no word for is among `losses`, by
-an id; what a socket has that is no source raises `NotSimple`.
+In goes a node tree, out comes a `Surface`: sources by what they are for. Invariant: what glTF has no word for
+is among `losses`, by an id; what a socket has that is no source raises `NotSimple`.
 """
 
 from dataclasses import dataclass, field
@@ -67,7 +67,10 @@ def read(shader):
         raise NotSimple(shader)
     surface = Surface({name: sockets.of(shader.inputs[socket]) for name, socket in SOCKETS.items()})
     surface.alpha, surface.cutoff = alpha(shader.inputs["Alpha"])
-    surface.normal, surface.coat_normal = normal(shader.inputs["Normal"]), normal(shader.inputs["Coat Normal"])
+    surface.normal, surface.coat_normal = (
+        normal(shader.inputs["Normal"]),
+        normal(shader.inputs["Coat Normal"]),
+    )
     if shader.inputs["Coat Normal"].is_linked is False:
         surface.coat_normal = None
     for name, lost in LOST.items():
@@ -75,7 +78,9 @@ def read(shader):
             surface.losses.append(lost)
     coat = surface.sources["coat"]
     is_coated = not (coat.is_constant() and coat.number() == 0.0)
-    if is_coated and (abs(shader.inputs["Coat IOR"].default_value - 1.5) > 1e-6 or not is_white(shader.inputs["Coat Tint"])):
+    if is_coated and (
+        abs(shader.inputs["Coat IOR"].default_value - 1.5) > 1e-6 or not is_white(shader.inputs["Coat Tint"])
+    ):
         surface.losses.append("coat-tint")
     return surface
 
@@ -90,7 +95,9 @@ def is_white(socket):
 
 def diffuse(shader):
     """Lambert's surface: a Principled BSDF without a reflection."""
-    surface = Surface({"base": sockets.of(shader.inputs["Color"]), "specular": Source((0.0,) * 3), "roughness": WHITE})
+    surface = Surface(
+        {"base": sockets.of(shader.inputs["Color"]), "specular": Source((0.0,) * 3), "roughness": WHITE}
+    )
     surface.normal = normal(shader.inputs["Normal"])
     if not is_zero(shader.inputs["Roughness"]):
         surface.losses.append("diffuse-roughness")
@@ -99,8 +106,13 @@ def diffuse(shader):
 
 def emission(shader):
     """Light alone, of a surface that reflects none."""
-    sources = {"emission": sockets.of(shader.inputs["Color"]), "emission_strength": sockets.of(shader.inputs["Strength"])}
-    return Surface({**sources, "base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
+    sources = {
+        "emission": sockets.of(shader.inputs["Color"]),
+        "emission_strength": sockets.of(shader.inputs["Strength"]),
+    }
+    return Surface(
+        {**sources, "base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE}
+    )
 
 
 def alpha(socket):
@@ -115,7 +127,11 @@ def alpha(socket):
         return sockets.of(node.inputs[0]), still(node, node.inputs[1])
     if node.operation == "LESS_THAN" and not sockets.link_to(node.inputs[0]):
         return sockets.of(node.inputs[1]), still(node, node.inputs[0])
-    if node.operation == "SUBTRACT" and not sockets.link_to(node.inputs[0]) and node.inputs[0].default_value == 1.0:
+    if (
+        node.operation == "SUBTRACT"
+        and not sockets.link_to(node.inputs[0])
+        and node.inputs[0].default_value == 1.0
+    ):
         inner = sockets.link_to(node.inputs[1])
         if inner and inner.from_node.type == "MATH" and inner.from_node.operation == "LESS_THAN":
             return sockets.of(inner.from_node.inputs[0]), still(node, inner.from_node.inputs[1])
@@ -138,7 +154,12 @@ def normal(socket):
     if node.type != "NORMAL_MAP" or node.space != "TANGENT" or node.mute:
         raise NotSimple(node)
     source = sockets.of(node.inputs["Color"])
-    if source.picture is None or source.channel != "rgb" or source.factor != (1.0, 1.0, 1.0) or source.attribute is not None:
+    if (
+        source.picture is None
+        or source.channel != "rgb"
+        or source.factor != (1.0, 1.0, 1.0)
+        or source.attribute is not None
+    ):
         raise NotSimple(node)
     if node.uv_map and source.picture.uv not in {"", node.uv_map}:
         raise NotSimple(node)

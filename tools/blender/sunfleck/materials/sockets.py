@@ -1,6 +1,8 @@
-"""What gives a socket's value, where that is simple: a constant, a picture, a colour attribute, or a product of those.
+"""What gives a socket's value, where that is simple: a constant, a picture, a colour attribute,
+or a product of those.
 
-In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is `NotSimple`, by the node's name.
+In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is
+`NotSimple`, by the node's name.
 """
 
 import colorsys
@@ -19,7 +21,8 @@ class Picture:
     """An image as a node shows it."""
 
     image: object
-    # Where it is looked up: the name of texture coordinates ("" for those that render), and glTF's transform of them.
+    # Where it is looked up: the name of texture coordinates ("" for those that render), and
+    # glTF's transform of them.
     uv: str
     offset: tuple = (0.0, 0.0)
     rotation: float = 0.0
@@ -33,7 +36,8 @@ class Picture:
 
 @dataclass(frozen=True)
 class Source:
-    """`factor` (three numbers) times a picture's channel ("rgb", 0, 1, 2 or 3 for alpha) times a colour attribute's."""
+    """`factor` (three numbers) times a picture's channel ("rgb", 0, 1, 2 or 3 for alpha) times a
+    colour attribute's."""
 
     factor: tuple
     picture: Picture | None = None
@@ -95,7 +99,12 @@ def product(node, a, b):
 def read_image(node, output):
     if node.image is None or node.projection != "FLAT" or node.image.source not in {"FILE", "GENERATED"}:
         raise NotSimple(node)
-    picture = Picture(node.image, extension=node.extension, interpolation=node.interpolation, **coordinates(node.inputs["Vector"]))
+    picture = Picture(
+        node.image,
+        extension=node.extension,
+        interpolation=node.interpolation,
+        **coordinates(node.inputs["Vector"]),
+    )
     return Source((1.0, 1.0, 1.0), picture, 3 if output.name == "Alpha" else "rgb")
 
 
@@ -123,11 +132,14 @@ def mapped(node):
         raise NotSimple(node)
     if any(link_to(node.inputs[name]) for name in ("Location", "Rotation", "Scale")):
         raise NotSimple(node)
-    location, rotation, scale = (node.inputs[name].default_value for name in ("Location", "Rotation", "Scale"))
+    location, rotation, scale = (
+        node.inputs[name].default_value for name in ("Location", "Rotation", "Scale")
+    )
     if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
         raise NotSimple(node)
     angle = rotation[2]
-    # Blender: p = R(angle) S uv + location, v upwards. With v' = 1 - v the same is R(-angle) S uv' + offset in v downwards.
+    # Blender: p = R(angle) S uv + location, v upwards. With v' = 1 - v the same is R(-angle) S uv' +
+    # offset in v downwards.
     offset = (
         location[0] - scale[1] * math.sin(angle),
         1.0 - location[1] - scale[1] * math.cos(angle),
@@ -138,7 +150,10 @@ def mapped(node):
 def read_mix(node, output):
     if node.data_type != "RGBA" or node.blend_type not in {"MULTIPLY", "MIX"}:
         raise NotSimple(node)
-    factor, a, b = (next(socket for socket in node.inputs if socket.enabled and socket.name == name) for name in ("Factor", "A", "B"))
+    factor, a, b = (
+        next(socket for socket in node.inputs if socket.enabled and socket.name == name)
+        for name in ("Factor", "A", "B")
+    )
     return mixed(node, of(factor), of(a), of(b))
 
 
@@ -196,21 +211,30 @@ def read_ramp(node, output):
 
 def read_hue(node, output):
     """Of constants alone."""
-    hue, saturation, value, share = (of(node.inputs[name]) for name in ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor"))
+    hue, saturation, value, share = (
+        of(node.inputs[name])
+        for name in ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor")
+    )
     color = of(node.inputs["Color"])
     if not all(source.is_constant() for source in (hue, saturation, value, share, color)):
         raise NotSimple(node)
     h, s, v = colorsys.rgb_to_hsv(*color.factor)
-    turned = colorsys.hsv_to_rgb((h + hue.number() + 0.5) % 1.0, min(1.0, max(0.0, s * saturation.number())), v * value.number())
+    turned = colorsys.hsv_to_rgb(
+        (h + hue.number() + 0.5) % 1.0, min(1.0, max(0.0, s * saturation.number())), v * value.number()
+    )
     weight = share.number()
-    return Source(tuple(max(0.0, (1.0 - weight) * old + weight * new) for old, new in zip(color.factor, turned)))
+    return Source(
+        tuple(max(0.0, (1.0 - weight) * old + weight * new) for old, new in zip(color.factor, turned))
+    )
 
 
 def read_range(node, output):
     if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
         raise NotSimple(node)
     names = ("Value", "From Min", "From Max", "To Min", "To Max")
-    sources = [of(next(socket for socket in node.inputs if socket.enabled and socket.name == name)) for name in names]
+    sources = [
+        of(next(socket for socket in node.inputs if socket.enabled and socket.name == name)) for name in names
+    ]
     if not all(source.is_constant() for source in sources):
         raise NotSimple(node)
     value, from_low, from_high, low, high = (source.number() for source in sources)

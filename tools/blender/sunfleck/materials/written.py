@@ -1,7 +1,7 @@
 """A `Surface` in glTF's words.
 
-In go sources, out comes a material of the file. Invariant: factors lie in glTF's ranges; sources of one texture that stand in
-different pictures are put together in a new one, texel by texel.
+In go sources, out comes a material of the file. Invariant: factors lie in glTF's ranges; sources of one
+texture that stand in different pictures are put together in a new one, texel by texel.
 """
 
 import numpy
@@ -31,7 +31,11 @@ class Writer:
         self.surface = surface
         self.losses = list(surface.losses)
         numbers = of_surface(surface)
-        pbr = {"baseColorFactor": numbers["base"], "metallicFactor": numbers["metallic"], "roughnessFactor": numbers["roughness"]}
+        pbr = {
+            "baseColorFactor": numbers["base"],
+            "metallicFactor": numbers["metallic"],
+            "roughnessFactor": numbers["roughness"],
+        }
         said = {"name": name, "pbrMetallicRoughness": pbr, "doubleSided": True}
         self.put(pbr, "baseColorTexture", self.base_texture())
         self.put(pbr, "metallicRoughnessTexture", self.metallic_roughness())
@@ -76,7 +80,11 @@ class Writer:
             return None
         if picture.extension == "CLIP":
             self.losses.append("texture-clip")
-        said = {"index": files.texture(self.document, image, picture), "texCoord": self.uv_number(picture.uv), **more}
+        said = {
+            "index": files.texture(self.document, image, picture),
+            "texCoord": self.uv_number(picture.uv),
+            **more,
+        }
         moved = {"offset": list(picture.offset), "rotation": picture.rotation, "scale": list(picture.scale)}
         rest = {"offset": [0.0, 0.0], "rotation": 0.0, "scale": [1.0, 1.0]}
         if moved != rest:
@@ -88,7 +96,9 @@ class Writer:
         base, alpha = self.source("base"), self.surface.alpha
         if base.picture is None and alpha.picture is None:
             return None
-        fits = base.channel == "rgb" and (alpha.picture is None or (alpha.picture == base.picture and alpha.channel == 3))
+        fits = base.channel == "rgb" and (
+            alpha.picture is None or (alpha.picture == base.picture and alpha.channel == 3)
+        )
         if base.picture and fits:
             return self.info(base.picture, self.images.whole(base.picture.image, is_color=True))
         width, height = self.common_size(base, alpha)
@@ -105,7 +115,9 @@ class Writer:
         if metallic.picture is None and roughness.picture is None:
             return None
         picture = roughness.picture or metallic.picture
-        usual = (roughness.picture is None or roughness.channel == 1) and (metallic.picture is None or metallic.channel == 2)
+        usual = (roughness.picture is None or roughness.channel == 1) and (
+            metallic.picture is None or metallic.channel == 2
+        )
         same = metallic.picture is None or roughness.picture is None or metallic.picture == roughness.picture
         if usual and same and metallic.picture and roughness.picture and files.is_plain(picture.image):
             return self.info(picture, self.images.whole(picture.image, is_color=False))
@@ -121,7 +133,9 @@ class Writer:
         pictures = [source.picture for source in sources if source.picture]
         if any(picture.place() != pictures[0].place() for picture in pictures):
             raise NotSimple(None)
-        return max(picture.image.size[0] for picture in pictures), max(picture.image.size[1] for picture in pictures)
+        return max(picture.image.size[0] for picture in pictures), max(
+            picture.image.size[1] for picture in pictures
+        )
 
     def texels(self, source, width, height, is_number=False):
         """A source's picture at a size: each texel the nearest one."""
@@ -154,7 +168,9 @@ class Writer:
             picture = source.picture
             if source.channel != "rgb":
                 raise NotSimple(None)
-            self.put(said, "emissiveTexture", self.info(picture, self.images.whole(picture.image, is_color=True)))
+            self.put(
+                said, "emissiveTexture", self.info(picture, self.images.whole(picture.image, is_color=True))
+            )
         said["emissiveFactor"] = emission
 
     def put_alpha(self, said, surface):
@@ -183,20 +199,29 @@ class Writer:
             yield "KHR_materials_emissive_strength", {"emissiveStrength": numbers["emission_strength"]}
 
     def specular(self):
-        """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing angles all is
-        reflected; with the level 0 nothing is."""
+        """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing
+        angles all is reflected; with the level 0 nothing is."""
         level, tint = self.number("specular"), rec709(self.flat("specular_tint").factor)
         if level == 0.0:
             yield "KHR_materials_specular", {"specularFactor": 0.0}
         elif level != 0.5 or tuple(tint) != (1.0, 1.0, 1.0):
-            yield "KHR_materials_specular", {"specularColorFactor": [2.0 * level * channel for channel in tint]}
+            yield (
+                "KHR_materials_specular",
+                {"specularColorFactor": [2.0 * level * channel for channel in tint]},
+            )
 
     def coat(self):
         coat, roughness = self.source("coat"), self.source("coat_roughness")
         if coat.is_constant() and coat.number() == 0.0:
             return
-        said = {"clearcoatFactor": min(1.0, max(0.0, self.number("coat"))), "clearcoatRoughnessFactor": min(1.0, self.number("coat_roughness"))}
-        for name, source, channel in (("clearcoatTexture", coat, 0), ("clearcoatRoughnessTexture", roughness, 1)):
+        said = {
+            "clearcoatFactor": min(1.0, max(0.0, self.number("coat"))),
+            "clearcoatRoughnessFactor": min(1.0, self.number("coat_roughness")),
+        }
+        for name, source, channel in (
+            ("clearcoatTexture", coat, 0),
+            ("clearcoatRoughnessTexture", roughness, 1),
+        ):
             if source.picture and source.attribute is None:
                 self.losses.remove("texture-of-coat" if channel == 0 else "texture-of-coat-roughness")
                 width, height = source.picture.image.size
@@ -213,15 +238,22 @@ class Writer:
         if weight > 0.0:
             tint = rec709(self.flat("sheen_tint").factor)
             color = [min(1.0, weight * channel) for channel in tint]
-            yield "KHR_materials_sheen", {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))}
+            yield (
+                "KHR_materials_sheen",
+                {"sheenColorFactor": color, "sheenRoughnessFactor": min(1.0, self.number("sheen_roughness"))},
+            )
 
     def through(self):
-        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what is not that share."""
+        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what
+        is not that share."""
         through = self.surface.sources.get("through")
         if through is None:
             return
         share = self.surface.share_through()
-        said = {"diffuseTransmissionFactor": share, "diffuseTransmissionColorFactor": [unit(c / share) for c in rec709(through.factor)]}
+        said = {
+            "diffuseTransmissionFactor": share,
+            "diffuseTransmissionColorFactor": [unit(c / share) for c in rec709(through.factor)],
+        }
         if through.attribute is not None or through.channel != "rgb":
             raise NotSimple(None)
         if through.picture:

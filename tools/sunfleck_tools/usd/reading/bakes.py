@@ -1,8 +1,8 @@
 """Textures of a stage to those of glTF: as they are where glTF can say it, else baked into new ones.
 
-In go what feeds inputs (`Fed`), out come factors and the texture that they multiply. Invariant: factor times texel is what the stage
-has at that texel, to half of a 255th; what is clipped, made smaller or averaged is said. glTF's base colour and emission are sRGB, all
-else is linear.
+In go what feeds inputs (`Fed`), out come factors and the texture that they multiply. Invariant: factor times
+texel is what the stage has at that texel, to half of a 255th; what is clipped, made smaller or averaged is
+said. glTF's base colour and emission are sRGB, all else is linear.
 """
 
 from __future__ import annotations
@@ -48,9 +48,15 @@ class Bakery:
                 return [*factors, alpha.numbers[0] * scale], self._info(rgb.texture)
         parts = [(rgb, True)] if rgb.texture is not None else []
         parts += [(alpha, False)] if alpha.texture is not None else []
-        key, planes, placement = self.planes.read([part for part, _ in parts], [is_color for _, is_color in parts])
+        key, planes, placement = self.planes.read(
+            [part for part, _ in parts], [is_color for _, is_color in parts]
+        )
         factors = [1.0] * 3 if rgb.texture is not None else [*_shares(rgb.numbers)]
-        colors = planes.pop(0)[..., :3] if rgb.texture is not None else np.ones((*planes[0].shape[:2], 3), np.float32)
+        colors = (
+            planes.pop(0)[..., :3]
+            if rgb.texture is not None
+            else np.ones((*planes[0].shape[:2], 3), np.float32)
+        )
         baked = [srgb_from_linear(self._clipped(colors, rgb.texture or alpha.texture))]
         if alpha.texture is not None:
             baked.append(self._clipped(planes.pop(0)[..., :1], alpha.texture))
@@ -68,18 +74,29 @@ class Bakery:
         colors = np.maximum(colors[..., :3], 0)
         brightest = max(float(colors.max()), 1.0)
         if brightest > 1:
-            self.lost.add("usd-texture-range", rgb.texture.place, f"emission up to {brightest:.4g} has 256 steps a channel")
-        return [brightest] * 3, self._baked(("emission", key), srgb_from_linear(colors / brightest), placement)
+            self.lost.add(
+                "usd-texture-range",
+                rgb.texture.place,
+                f"emission up to {brightest:.4g} has 256 steps a channel",
+            )
+        return [brightest] * 3, self._baked(
+            ("emission", key), srgb_from_linear(colors / brightest), placement
+        )
 
     def flat(self, fed: Fed) -> tuple[float, ...]:
         """Numbers where glTF has no texture that is honoured: a texture's mean."""
         if fed.texture is None:
             return fed.numbers
-        self.lost.add("usd-texture-packing", fed.texture.place, "its mean stands for a texture: glTF has no place for it")
+        self.lost.add(
+            "usd-texture-packing",
+            fed.texture.place,
+            "its mean stands for a texture: glTF has no place for it",
+        )
         return self.planes.mean(fed)
 
     def shares(self, slots: dict[int, Fed]) -> tuple[dict[int, float], dict | None]:
-        """Numbers from 0 to 1 in channels (0 red, 1 green, 2 blue) of one linear texture: a factor each, and the texture."""
+        """Numbers from 0 to 1 in channels (0 red, 1 green, 2 blue) of one linear texture: a factor
+        each, and the texture."""
         slots = dict(zip(slots, self._readable(list(slots.values()))))
         textured = {slot: fed for slot, fed in slots.items() if fed.texture is not None}
         factors = {slot: _shares(fed.numbers)[0] for slot, fed in slots.items()}
@@ -103,7 +120,11 @@ class Bakery:
         texture = fed.texture
         is_bare = texture.bias is None and texture.scale == (1.0,) * 4
         if is_bare and self._picture(texture).bits < 32:
-            self.lost.add("usd-normal-map", texture.place, "a normal map without scale and bias is taken as one from -1 to 1")
+            self.lost.add(
+                "usd-normal-map",
+                texture.place,
+                "a normal map without scale and bias is taken as one from -1 to 1",
+            )
             texture = replace(texture, scale=NORMALS[0], bias=NORMALS[1])
         is_usual = texture.scale[:3] == NORMALS[0][:3] and (texture.bias or ())[:3] == NORMALS[1][:3]
         if is_usual and texture.space != "sRGB" and self._is_carried(texture) and fed.output == "rgb":
@@ -112,13 +133,28 @@ class Bakery:
         return self._baked(("normal", key), 0.5 * normals[..., :3] + 0.5, placement)
 
     def _readable(self, inputs: list[Fed]) -> list[Fed]:
-        """Inputs whose textures one picture can hold: those that lie elsewhere, or on a mesh without coordinates, as their mean."""
-        first = next((fed.texture.placement for fed in inputs if fed.texture is not None and fed.texture.placement.layer >= 0), None)
-        return [fed if fed.texture is None or fed.texture.placement == first else self._mean(fed) for fed in inputs]
+        """Inputs whose textures one picture can hold: those that lie elsewhere, or on a mesh without
+        coordinates, as their mean."""
+        first = next(
+            (
+                fed.texture.placement
+                for fed in inputs
+                if fed.texture is not None and fed.texture.placement.layer >= 0
+            ),
+            None,
+        )
+        return [
+            fed if fed.texture is None or fed.texture.placement == first else self._mean(fed)
+            for fed in inputs
+        ]
 
     def _mean(self, fed: Fed) -> Fed:
         is_bare = fed.texture.placement.layer < 0
-        why = "the mesh has no coordinates for it" if is_bare else "it lies elsewhere than another that it has to be packed with"
+        why = (
+            "the mesh has no coordinates for it"
+            if is_bare
+            else "it lies elsewhere than another that it has to be packed with"
+        )
         self.lost.add("usd-texture-packing", fed.texture.place, f"its mean stands for a texture: {why}")
         return Fed(self.planes.mean(fed))
 
@@ -133,23 +169,40 @@ class Bakery:
         texture = fed.texture
         is_scaled = texture.bias is None or not any(texture.bias[:3])
         in_range = all(0 <= each <= most for each in texture.scale[:3])
-        return self._is_carried(texture) and fed.output == "rgb" and self.planes.is_srgb(texture, True) and is_scaled and in_range
+        return (
+            self._is_carried(texture)
+            and fed.output == "rgb"
+            and self.planes.is_srgb(texture, True)
+            and is_scaled
+            and in_range
+        )
 
     def _is_alpha_of(self, alpha: Fed, other: Texture) -> bool:
         texture = alpha.texture
         is_plain = (texture.bias is None or not texture.bias[3]) and 0 <= texture.scale[3] <= 1
-        return alpha.output == "a" and is_plain and (texture.files, texture.placement) == (other.files, other.placement)
+        return (
+            alpha.output == "a"
+            and is_plain
+            and (texture.files, texture.placement) == (other.files, other.placement)
+        )
 
     def _is_packed(self, slots: dict[int, Fed], textured: dict[int, Fed]) -> bool:
-        """Whether a file holds numbers just where glTF wants them, and those without a texture are 0, whatever multiplies them."""
+        """Whether a file holds numbers just where glTF wants them, and those without a texture are 0,
+        whatever multiplies them."""
         textures = [fed.texture for fed in textured.values()]
-        if len({(texture.files, texture.placement) for texture in textures}) > 1 or not self._is_carried(textures[0]):
+        if len({(texture.files, texture.placement) for texture in textures}) > 1 or not self._is_carried(
+            textures[0]
+        ):
             return False
         if any(fed.numbers[0] != 0 for slot, fed in slots.items() if slot not in textured):
             return False
         for slot, fed in textured.items():
             texture, bias = fed.texture, fed.texture.bias
-            is_plain = (bias is None or not bias[slot]) and 0 <= texture.scale[slot] <= 1 and not self.planes.is_srgb(texture, False)
+            is_plain = (
+                (bias is None or not bias[slot])
+                and 0 <= texture.scale[slot] <= 1
+                and not self.planes.is_srgb(texture, False)
+            )
             if not is_plain or fed.output != "rgb"[slot]:
                 return False
         return True
@@ -165,7 +218,11 @@ class Bakery:
         picture = self._picture(texture)
         if picture.path not in self._images:
             name = picture.path.replace("[", "/").rstrip("]").rpartition("/")[2].rpartition(".")[0]
-            image = {"name": name, "mimeType": MIME[picture.form], "bufferView": self.writer.view(picture.data)}
+            image = {
+                "name": name,
+                "mimeType": MIME[picture.form],
+                "bufferView": self.writer.view(picture.data),
+            }
             self._images[picture.path] = self.writer.add("images", image)
         return self._placed_image(self._images[picture.path], texture.placement)
 

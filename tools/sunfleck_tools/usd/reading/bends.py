@@ -1,7 +1,7 @@
 """Points that move over time as morph targets and their weights.
 
-In: where points are at each code. Out: as few targets as put every point within a bar of where it should be; one target a code
-where few do not do. Invariant: no point is further off than the bar, at any code.
+In: where points are at each code. Out: as few targets as put every point within a bar of where it should be;
+one target a code where few do not do. Invariant: no point is further off than the bar, at any code.
 """
 
 from __future__ import annotations
@@ -38,15 +38,20 @@ class Bend:
     weights: np.ndarray
 
 
-def read_bend(place: object, points_at: Callable[[float], np.ndarray], codes: np.ndarray, rest: np.ndarray) -> Bend | None:
-    """The movement of points; None if they stay. Raises `SceneError`, with the `place`, if they are too many."""
+def read_bend(
+    place: object, points_at: Callable[[float], np.ndarray], codes: np.ndarray, rest: np.ndarray
+) -> Bend | None:
+    """The movement of points; None if they stay. Raises `SceneError`, with the `place`, if
+    they are too many."""
     if len(codes) * rest.size > MOST_VALUES:
         raise SceneError(f"{place}: {len(rest)} points that change over {len(codes)} frames are too many")
     moved = np.empty((len(codes), rest.size), np.float32)
     for row, code in enumerate(codes.tolist()):
         points = points_at(code)
         if len(points) != len(rest):
-            raise SceneError(f"{place}: has {len(rest)} points at first and {len(points)} at time code {code:g}")
+            raise SceneError(
+                f"{place}: has {len(rest)} points at first and {len(points)} at time code {code:g}"
+            )
         moved[row] = (points - rest).ravel()
     bar = SMALLEST * max(float(np.ptp(rest, axis=0).max(initial=0.0)), 1e-9)
     if not len(rest) or np.abs(moved).max() <= bar:
@@ -57,7 +62,8 @@ def read_bend(place: object, points_at: Callable[[float], np.ndarray], codes: np
 
 
 def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows that differ, and which of those each one is: codes at which points are where they are at another add nothing."""
+    """Rows that differ, and which of those each one is: codes at which points are where they are at
+    another add nothing."""
     known: dict[bytes, int] = {}
     first, number = [], np.empty(len(rows), np.int64)
     for index, row in enumerate(rows):
@@ -68,11 +74,12 @@ def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _components(moved: np.ndarray, bar: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """Targets and weights: principal components of movement (Alexa and Mueller 2000), if those are at most half as many as its rows.
+    """Targets and weights: principal components of movement (Alexa and Mueller 2000), if those are at most
+    half as many as its rows.
 
-    How rows are mixed is found from a sample of the columns alone, as if those were all (Frieze, Kannan and Vempala 2004), and then
-    held against every one. So the cost of the decomposition does not grow with the points, and where many components are needed that
-    is known before all the columns are read.
+    How rows are mixed is found from a sample of the columns alone, as if those were all (Frieze, Kannan and
+    Vempala 2004), and then held against every one. So the cost of the decomposition does not grow with the
+    points, and where many components are needed that is known before all the columns are read.
     """
     chosen = np.random.default_rng(0).permutation(moved.shape[1])[:SAMPLED]
     sample = moved[:, np.sort(chosen)].astype(float)
@@ -122,10 +129,14 @@ def _one_each(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return moved[moves], weights
 
 
-def normal_targets(normals_at: Callable[[float], np.ndarray | None], bend: Bend, rest: np.ndarray) -> np.ndarray | None:
-    """What the weights of points have to be multiplied by to move normals (rows at rest) along, as near as least squares come.
+def normal_targets(
+    normals_at: Callable[[float], np.ndarray | None], bend: Bend, rest: np.ndarray
+) -> np.ndarray | None:
+    """What the weights of points have to be multiplied by to move normals (rows at rest) along, as near
+    as least squares come.
 
-    None if normals stay. Normals do not follow points in straight lines; a renderer makes them as long as 1 again.
+    None if normals stay. Normals do not follow points in straight lines; a renderer makes
+    them as long as 1 again.
     """
     count = max(2 * len(bend.targets), LEAST_NORMALS)
     count = min(len(bend.codes), count, max(MOST_VALUES // max(rest.size, 1), 2))

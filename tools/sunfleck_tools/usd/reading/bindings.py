@@ -1,4 +1,5 @@
-"""Which material a prim has, by UsdShade's rules (UsdShadeMaterialBindingAPI): inherited, by collections, by strength, by purpose."""
+"""Which material a prim has, by UsdShade's rules (UsdShadeMaterialBindingAPI): inherited, by collections, by
+strength, by purpose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Meshes as subdivision surfaces. In: a mesh's faces and what it says of subdivision. Out: finer faces, and values refined.
+"""Meshes as subdivision surfaces. In: a mesh's faces and what it says of subdivision. Out: finer
+faces, and values refined.
 
 Invariant: cages that are the same are refined once.
 """
@@ -58,7 +59,9 @@ class Subdivided:
         """Finer faces as `triangulate` gives them: they are small enough to be cut anywhere."""
         sides = int(self.faces.counts[0])
         places = np.arange(len(self.faces.corners)).reshape(-1, sides)
-        fans = np.stack([places[:, [0, step, step + 1]] for step in range(1, sides - 1)], axis=1).reshape(-1, 3)
+        fans = np.stack([places[:, [0, step, step + 1]] for step in range(1, sides - 1)], axis=1).reshape(
+            -1, 3
+        )
         return np.column_stack([fans, np.repeat(np.arange(len(places)), sides - 2)])
 
     def points(self, values: np.ndarray) -> np.ndarray:
@@ -83,7 +86,8 @@ class Subdivided:
         return Stream(stream.name, values, interpolation)
 
     def _face_varying(self, values: np.ndarray) -> np.ndarray:
-        """Corners that agree are vertices of a surface of their own; where its seams are sharp is a choice of the mesh."""
+        """Corners that agree are vertices of a surface of their own; where its seams are sharp is a
+        choice of the mesh."""
         cage = self.cage
         first, ids = different_rows(np.column_stack([cage.corners, values]))
         sharpness = cage.edges.sharpness[cage.edges.of_corner]
@@ -155,24 +159,37 @@ class Refiner:
 
 
 def depth_of(faces: int, largest: int) -> int:
-    """To how many levels the cages of a stage can be refined that have so many faces together, and the largest so many."""
+    """To how many levels the cages of a stage can be refined that have so many faces together, and
+    the largest so many."""
     return max(
-        (each for each in range(LEVELS + 1) if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE), default=0
+        (
+            each
+            for each in range(LEVELS + 1)
+            if faces * 4**each <= MOST_REFINED and largest * 4**each <= MOST_OF_ONE
+        ),
+        default=0,
     )
 
 
-def _cage(prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.ndarray, points: int, code: float) -> Cage:
+def _cage(
+    prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.ndarray, points: int, code: float
+) -> Cage:
     """A mesh's faces with its creases and corners. Raises `SceneError`."""
     scheme = value_of(mesh.GetSubdivisionSchemeAttr(), code)
     if scheme == UsdGeom.Tokens.loop and (counts != 3).any():
-        raise SceneError(f"{prim.GetPath()}: the scheme `loop` is one of triangles, and it has faces of other counts")
+        raise SceneError(
+            f"{prim.GetPath()}: the scheme `loop` is one of triangles, and it has faces of other counts"
+        )
     lengths = rows_of(mesh.GetCreaseLengthsAttr(), code, 1, np.int64).ravel()
     chain = rows_of(mesh.GetCreaseIndicesAttr(), code, 1, np.int64).ravel()
     sharpness = rows_of(mesh.GetCreaseSharpnessesAttr(), code, 1).ravel()
     ends, crease = np.zeros((0, 2), np.int64), np.zeros(0)
     if len(lengths):
         if (lengths < 2).any() or lengths.sum() != len(chain):
-            raise SceneError(f"{prim.GetPath()}: creaseLengths ask for {lengths.sum()} points, creaseIndices have {len(chain)}")
+            raise SceneError(
+                f"{prim.GetPath()}: creaseLengths ask for {lengths.sum()} points, creaseIndices have "
+                f"{len(chain)}"
+            )
         last = np.zeros(len(chain), bool)
         last[np.cumsum(lengths) - 1] = True
         ends = np.stack([chain[:-1], chain[1:]], axis=1)[~last[:-1]]
@@ -181,16 +198,30 @@ def _cage(prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.nd
         elif len(sharpness) == len(ends):
             crease = sharpness
         else:
-            raise SceneError(f"{prim.GetPath()}: has {len(lengths)} creases and {len(sharpness)} creaseSharpnesses")
+            raise SceneError(
+                f"{prim.GetPath()}: has {len(lengths)} creases and {len(sharpness)} creaseSharpnesses"
+            )
     tips = rows_of(mesh.GetCornerIndicesAttr(), code, 1, np.int64).ravel()
     tip_sharpness = rows_of(mesh.GetCornerSharpnessesAttr(), code, 1).ravel()
     if len(tips) != len(tip_sharpness):
-        raise SceneError(f"{prim.GetPath()}: has {len(tips)} cornerIndices and {len(tip_sharpness)} cornerSharpnesses")
+        raise SceneError(
+            f"{prim.GetPath()}: has {len(tips)} cornerIndices and {len(tip_sharpness)} cornerSharpnesses"
+        )
     for name, indices in (("creaseIndices", ends), ("cornerIndices", tips)):
         if indices.size and (indices.min() < 0 or indices.max() >= points):
-            raise SceneError(f"{prim.GetPath()}: {name} go from {indices.min()} to {indices.max()}, of {points} points")
+            raise SceneError(
+                f"{prim.GetPath()}: {name} go from {indices.min()} to {indices.max()}, of {points} points"
+            )
     at_vertex = np.zeros(points)
     at_vertex[tips] = np.where(np.isnan(tip_sharpness), 0.0, tip_sharpness)
     rule = value_of(mesh.GetTriangleSubdivisionRuleAttr(), code)
     is_loop = scheme == UsdGeom.Tokens.loop
-    return Cage(counts, corners, ends, np.where(np.isnan(crease), 0.0, crease), at_vertex, is_loop, rule == UsdGeom.Tokens.smooth)
+    return Cage(
+        counts,
+        corners,
+        ends,
+        np.where(np.isnan(crease), 0.0, crease),
+        at_vertex,
+        is_loop,
+        rule == UsdGeom.Tokens.smooth,
+    )

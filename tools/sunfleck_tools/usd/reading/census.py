@@ -1,6 +1,8 @@
-"""How many instances a stage asks for, before any is made. In: instancers. Out: counts, those of instancers within them multiplied.
+"""How many instances a stage asks for, before any is made. In: instancers. Out: counts, those of instancers
+within them multiplied.
 
-Invariant: what an instancer within others asks for is counted once for each of its own instances, however deep.
+Invariant: what an instancer within others asks for is counted once for each of its own
+instances, however deep.
 """
 
 from __future__ import annotations
@@ -30,21 +32,30 @@ class Census:
         self._found += self._instances(prim, 0)
         if self._found > MOST_INSTANCES:
             raise TooMuch(
-                f"{prim.GetPath()}: with it there are {self._found} instances, those within others multiplied; "
-                f"a file holds {MOST_INSTANCES}: make it smaller or inactive, or read parts of the stage by --mask"
+                f"{prim.GetPath()}: with it there are {self._found} instances, those within others "
+                "multiplied; "
+                f"a file holds {MOST_INSTANCES}: make it smaller or inactive, or read parts of the stage by "
+                "--mask"
             )
 
     def _instances(self, prim: Usd.Prim, depth: int) -> int:
         """Of an instancer: each counts one, and what its prototype asks for."""
         if depth >= DEEPEST:
-            raise TooMuch(f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?")
+            raise TooMuch(
+                f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?"
+            )
         path = prim.GetPath()
         if path not in self._known:
             counts = self._counts(prim)
             targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()[: len(counts)]
             # One that is an instance of itself is left out when it is read.
-            prototypes = [None if path.HasPrefix(target) else prim.GetStage().GetPrimAtPath(target) for target in targets]
-            self._known[path] = sum(count * (1 + self._below(each, depth)) for count, each in zip(counts, prototypes))
+            prototypes = [
+                None if path.HasPrefix(target) else prim.GetStage().GetPrimAtPath(target)
+                for target in targets
+            ]
+            self._known[path] = sum(
+                count * (1 + self._below(each, depth)) for count, each in zip(counts, prototypes)
+            )
         return self._known[path]
 
     def _counts(self, prim: Usd.Prim) -> list[int]:
@@ -63,7 +74,10 @@ class Census:
         """What the instancers ask for that are in a prototype."""
         if not prototype:
             return 0
-        found, prims = 0, iter(Usd.PrimRange(prototype, Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)))
+        found, prims = (
+            0,
+            iter(Usd.PrimRange(prototype, Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded))),
+        )
         for prim in prims:
             if prim.IsA(UsdGeom.PointInstancer):
                 found += self._instances(prim, depth + 1)

@@ -1,4 +1,5 @@
-"""Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is exactly that one."""
+"""Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is
+exactly that one."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ NEAR_TELEVISION = 0.005
 
 
 def exact_rate(rate: float) -> Fraction:
-    """The fraction that a rate in decimals stands for: n, n * 1000/1001, or the nearest of small denominator."""
+    """The fraction that a rate in decimals stands for: n, n * 1000/1001, or the nearest of
+    small denominator."""
     whole = math.ceil(rate - 1e-9)
     television = Fraction(whole * 1000, 1001)
     if rate != whole and abs(rate - television) < NEAR_TELEVISION:
@@ -26,10 +28,14 @@ def exact_rate(rate: float) -> Fraction:
     return Fraction(rate).limit_denominator(1001)
 
 
-def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses) -> tuple[Fraction, Fraction, np.ndarray]:
-    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before the stage's own range.
+def read_clock(
+    path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses
+) -> tuple[Fraction, Fraction, np.ndarray]:
+    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before
+    the stage's own range.
 
-    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was asked for, cannot be.
+    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was
+    asked for, cannot be.
     """
     per_second = stage.GetTimeCodesPerSecond()
     rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
@@ -37,7 +43,9 @@ def read_clock(path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost
         raise SceneError(f"{path}: {rate} frames and {per_second} time codes a second are no rates")
     fps, codes_per_second = exact_rate(rate), exact_rate(per_second)
     codes_per_frame = float(codes_per_second / fps)
-    start, end = _range(stage, codes_per_frame, lost) if asked is None else (each * codes_per_frame for each in asked)
+    start, end = (
+        _range(stage, codes_per_frame, lost) if asked is None else (each * codes_per_frame for each in asked)
+    )
     if not _is_range(start, end, codes_per_frame):
         raise SceneError(f"{path}: time codes {start} to {end} are no range of 1 to {MOST_FRAMES} frames")
     first, last = _frames(start, end, codes_per_frame)
@@ -59,7 +67,8 @@ def _is_range(start: float, end: float, codes_per_frame: float) -> bool:
 
 
 def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[float, float]:
-    """The stage's own first and last time code; where those cannot be, they are said, and those of its samples are taken."""
+    """The stage's own first and last time code; where those cannot be, they are said, and those of its
+    samples are taken."""
     has_own = stage.HasAuthoredTimeCodeRange()
     start, end = (stage.GetStartTimeCode(), stage.GetEndTimeCode()) if has_own else _of_samples(stage)
     if _is_range(start, end, codes_per_frame):
@@ -67,9 +76,15 @@ def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[floa
     said = f"time codes {start:g} to {end:g} are no range of 1 to {MOST_FRAMES} frames"
     sampled = _of_samples(stage)
     if _is_range(*sampled, codes_per_frame):
-        lost.add("usd-clock", "/", f"{said}; {sampled[0]:g} to {sampled[1]:g}, which its samples have, are taken")
+        lost.add(
+            "usd-clock", "/", f"{said}; {sampled[0]:g} to {sampled[1]:g}, which its samples have, are taken"
+        )
         return sampled
-    first = max(math.ceil(sampled[0] / codes_per_frame - 1e-6), 0) * codes_per_frame if math.isfinite(sampled[0]) else 0.0
+    first = (
+        max(math.ceil(sampled[0] / codes_per_frame - 1e-6), 0) * codes_per_frame
+        if math.isfinite(sampled[0])
+        else 0.0
+    )
     lost.add("usd-clock", "/", f"{said}; {first:g} alone is taken")
     return first, first
 

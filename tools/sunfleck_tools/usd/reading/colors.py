@@ -1,4 +1,5 @@
-"""Colours that a mesh has itself: primvars displayColor and displayOpacity (https://openusd.org/release/api/class_usd_geom_gprim.html)."""
+"""Colours that a mesh has itself: primvars displayColor and displayOpacity
+(https://openusd.org/release/api/class_usd_geom_gprim.html)."""
 
 from __future__ import annotations
 
@@ -23,7 +24,9 @@ def shows_colors(material: Usd.Prim | None, source: Source) -> bool:
     return source.by_us or material is None or reads_colors(material)
 
 
-def vertex_colors(prim: Usd.Prim, material: Usd.Prim | None, code: float, lost: Losses, spread: Spread) -> np.ndarray | None:
+def vertex_colors(
+    prim: Usd.Prim, material: Usd.Prim | None, code: float, lost: Losses, spread: Spread
+) -> np.ndarray | None:
     """COLOR_0 of a mesh, RGB or RGBA, at a time code; None if it has none."""
     api = UsdGeom.PrimvarsAPI(prim)
     rows = []
@@ -33,10 +36,16 @@ def vertex_colors(prim: Usd.Prim, material: Usd.Prim | None, code: float, lost: 
             rows.append(None)
             continue
         if primvar.ValueMightBeTimeVarying():
-            lost.add("usd-material-animated", prim.GetPath(), f"its {name} changes over time; that of the first frame is taken")
+            lost.add(
+                "usd-material-animated",
+                prim.GetPath(),
+                f"its {name} changes over time; that of the first frame is taken",
+            )
         found = spread(primvar.ComputeFlattened(code), primvar.GetInterpolation(), width)
         if found is None:
-            lost.add("usd-material-value", prim.GetPath(), f"its {name} does not fit the mesh, and is left out")
+            lost.add(
+                "usd-material-value", prim.GetPath(), f"its {name} does not fit the mesh, and is left out"
+            )
         rows.append(found)
     colors, opacity = rows
     if opacity is None or (opacity >= 1).all():

@@ -61,12 +61,15 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
         raise SceneError(f"{source}: is not carried as it is, and --strict asks for that:\n{said}")
     write_whole(target, data)
     document = conversion.writer.document
-    counts = {kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")}
+    counts = {
+        kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")
+    }
     return Imported(counts, conversion.source.frames, conversion.source.fps, lost.list())
 
 
 def _children(prim: Usd.Prim) -> list[Usd.Prim]:
-    """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is not there by itself."""
+    """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is
+    not there by itself."""
     kinds = Usd.PrimIsActive & Usd.PrimIsLoaded
     kinds = kinds if prim.IsAbstract() else kinds & ~Usd.PrimIsAbstract
     kinds = kinds & Usd.PrimIsDefined if prim.IsDefined() else kinds
@@ -147,7 +150,9 @@ class _Import:
                 self.lost.add("usd-purpose", prim.GetPath(), f"is of purpose `{purpose}`, which is not drawn")
             return False
         if not (is_shape(prim) or prim.IsA(UsdGeom.PointInstancer)):
-            self.lost.add("usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only faces are")
+            self.lost.add(
+                "usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only faces are"
+            )
             return False
         return True
 
@@ -165,7 +170,9 @@ class _Import:
                         self.nodes.carry(None, field_name, codes, rows)
         return found, carried
 
-    def _node(self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int) -> tuple:
+    def _node(
+        self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int
+    ) -> tuple:
         """The node of a prim, and those children that are not in it."""
         children = _children(prim)
         is_drawn = self._is_drawn(prim)
@@ -180,7 +187,8 @@ class _Import:
         self.skins.stands(prim, below)
         things = [prim] if is_drawn else []
         if prim.GetTypeName() in ("Xform", "SkelRoot", ""):
-            # What stands in its parent's place, like leaves and Blender's cameras and lights, is one node with it.
+            # What stands in its parent's place, like leaves and Blender's cameras and lights,
+            # is one node with it.
             own = [child for child in children if self._joins(child)]
             shapes = [child for child in own if is_shape(child)]
             things = shapes if shapes else own[:1] if len(own) == 1 else []
@@ -200,7 +208,11 @@ class _Import:
         """True if a prim has nothing that its parent's node could not hold."""
         if not (is_shape(prim) or prim.IsA(UsdGeom.Camera) or prim.HasAPI(UsdLux.LightAPI)):
             return False
-        if says_visibility(prim) or any(child.IsA(UsdGeom.Xformable) for child in _children(prim)) or not self._is_drawn(prim):
+        if (
+            says_visibility(prim)
+            or any(child.IsA(UsdGeom.Xformable) for child in _children(prim))
+            or not self._is_drawn(prim)
+        ):
             return False
         if UsdGeom.Xformable(prim).GetXformOpOrderAttr().HasAuthoredValue():
             if UsdGeom.Xformable(prim).GetResetXformStack():
@@ -240,7 +252,9 @@ class _Import:
         if thing.IsA(UsdGeom.Camera):
             seen = read_camera(thing, self.source)
             self.shutter = self.shutter or seen.shutter
-            self.nodes.of(node)["camera"] = self.writer.add("cameras", {"name": self.nodes.of(node)["name"], **seen.camera})
+            self.nodes.of(node)["camera"] = self.writer.add(
+                "cameras", {"name": self.nodes.of(node)["name"], **seen.camera}
+            )
             for name, (codes, rows) in seen.carried.items():
                 self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
         elif thing.HasAPI(UsdLux.LightAPI) and not thing.IsA(UsdGeom.Mesh):
@@ -249,7 +263,9 @@ class _Import:
             if depth == 0:
                 self.census.add(thing)
             members = self._members(thing)
-            place_crowd(members, self.nodes, node, lambda prototype, place: self._instance(prototype, place, depth))
+            place_crowd(
+                members, self.nodes, node, lambda prototype, place: self._instance(prototype, place, depth)
+            )
 
     def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
         if is_dome(prim):
@@ -273,11 +289,17 @@ class _Import:
         if ENVIRONMENT in self.scene:
             # The renderer's own words say more than any dome.
             if self.has_dome:
-                self.lost.add("usd-dome-second", light.GetPath(), "a second DomeLight is not carried: there is one sky")
+                self.lost.add(
+                    "usd-dome-second", light.GetPath(), "a second DomeLight is not carried: there is one sky"
+                )
             return
         hidden = seen(up_to(light, light.GetStage().GetPseudoRoot()), self.source)
         if hidden is not None and hidden[1].any():
-            self.lost.add("usd-dome-animated", light.GetPath(), "a sky that is seen for a while is seen as it is at first")
+            self.lost.add(
+                "usd-dome-animated",
+                light.GetPath(),
+                "a sky that is seen for a while is seen as it is at first",
+            )
         if hidden is not None and not hidden[1][0]:
             return
         self.has_dome = True
@@ -303,14 +325,17 @@ class _Import:
         return self._crowds[path]
 
     def _only_shapes(self, prototype: Usd.Prim) -> list[Usd.Prim] | None:
-        """The shapes that a prototype consists of, those that are drawn; None if it is more than shapes in its own place."""
+        """The shapes that a prototype consists of, those that are drawn; None if it is more than shapes
+        in its own place."""
         children = [child for child in _children(prototype) if child.IsA(UsdGeom.Imageable)]
         stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
         if not stands or says_visibility(prototype) or prototype.IsA(UsdGeom.PointInstancer):
             return None
         if is_shape(prototype):
             return None if children else [prototype] if self._is_drawn(prototype) else []
-        return children if children and all(is_shape(each) and self._joins(each) for each in children) else None
+        return (
+            children if children and all(is_shape(each) and self._joins(each) for each in children) else None
+        )
 
     def _finish(self) -> None:
         source, document = self.source, self.writer.document
@@ -329,7 +354,9 @@ class _Import:
             self.writer.extensions.add("KHR_lights_punctual")
             document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}
         scene = {"name": source.path.stem, "nodes": self.nodes.roots, "extras": self.scene}
-        document["scenes"] = [scene if self.nodes.roots else {key: value for key, value in scene.items() if key != "nodes"}]
+        document["scenes"] = [
+            scene if self.nodes.roots else {key: value for key, value in scene.items() if key != "nodes"}
+        ]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
         shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene)

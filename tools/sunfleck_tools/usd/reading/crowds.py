@@ -1,7 +1,8 @@
 """PointInstancers: a node for each instance. Invariant: nothing is an instance of itself.
 
-Instances are told apart by their ids, or else by their places in the arrays; each has a prototype. One that comes or goes, or is
-masked for a while, is a node that is seen for a while; one that takes another prototype is another node.
+Instances are told apart by their ids, or else by their places in the arrays; each has a prototype. One
+that comes or goes, or is masked for a while, is a node that is seen for a while; one that takes another
+prototype is another node.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ MOST_MOMENTS = 10_000_000
 
 @dataclass(frozen=True)
 class Member:
-    """An instance: its prototype, for each code its translation, turn and scale (ten numbers), and since when it is seen or not."""
+    """An instance: its prototype, for each code its translation, turn and scale (ten numbers), and since when
+    it is seen or not."""
 
     name: str
     leaf_id: int | None
@@ -48,9 +50,13 @@ class _Reader:
         self.prototypes = self._prototypes()
         names = ("protoIndices", "ids", "invisibleIds", "positions", "orientations", "orientationsf", "scales",
                  "velocities", "accelerations", "angularVelocities")  # fmt: skip
-        self.codes = codes_of([prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes)
+        self.codes = codes_of(
+            [prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes
+        )
         ids = self.instancer.GetIdsAttr()
-        self.mixes = not self.instancer.GetVelocitiesAttr().HasAuthoredValue() and ids.ValueMightBeTimeVarying()
+        self.mixes = (
+            not self.instancer.GetVelocitiesAttr().HasAuthoredValue() and ids.ValueMightBeTimeVarying()
+        )
 
     def _prototypes(self) -> list[Usd.Prim]:
         path, stage = self.prim.GetPath(), self.prim.GetStage()
@@ -70,17 +76,27 @@ class _Reader:
         here = len(self.instancer.GetProtoIndicesAttr().Get(self.source.first) or ())
         if here * len(self.codes) > MOST_MOMENTS:
             raise TooMuch(
-                f"{self.prim.GetPath()}: {here} instances that change at {len(self.codes)} times are more than "
+                f"{self.prim.GetPath()}: {here} instances that change at {len(self.codes)} times are more "
+                "than "
                 f"{MOST_MOMENTS} places: read fewer frames by --frames"
             )
         moments = [self._moment(code) for code in self.codes.tolist()]
-        if not any(len(each) for each, *_ in moments) and (problems := [what for *_, what in moments if what]):
+        if not any(len(each) for each, *_ in moments) and (
+            problems := [what for *_, what in moments if what]
+        ):
             raise SceneError(f"{self.prim.GetPath()}: {problems[0]}")
         for code, (*_, what) in zip(self.codes.tolist(), moments):
             if what:
-                self.lost.add("usd-instances", self.prim.GetPath(), f"{what} at time code {code:g}; nothing is seen then")
+                self.lost.add(
+                    "usd-instances",
+                    self.prim.GetPath(),
+                    f"{what} at time code {code:g}; nothing is seen then",
+                )
         # A row for each instance at each code: id, prototype, number of the code, place in the arrays.
-        each = [(keys, numbers, np.full(len(keys), at), np.arange(len(keys))) for at, (keys, numbers, *_) in enumerate(moments)]
+        each = [
+            (keys, numbers, np.full(len(keys), at), np.arange(len(keys)))
+            for at, (keys, numbers, *_) in enumerate(moments)
+        ]
         rows = np.concatenate([np.column_stack(columns) for columns in each])
         placed = np.concatenate([placed for _, _, placed, _, _ in moments])
         shown = np.concatenate([shown for _, _, _, shown, _ in moments])
@@ -88,11 +104,17 @@ class _Reader:
         rows, placed, shown = rows[order], placed[order], shown[order]
         starts = np.nonzero(np.diff(rows[:, :2], axis=0, prepend=rows[:1, :2] - 1).any(axis=1))[0]
         slices = [slice(first, last) for first, last in zip(starts, [*starts[1:], len(rows)])]
-        found = [self._member(rows[part], placed[part], shown[part]) for part in slices if shown[part].any() and self.prototypes[rows[part][0, 1]]]
+        found = [
+            self._member(rows[part], placed[part], shown[part])
+            for part in slices
+            if shown[part].any() and self.prototypes[rows[part][0, 1]]
+        ]
         # In the order in which they come, and in that of the arrays.
         return [member for _, member in sorted(found, key=lambda each: each[0])]
 
-    def _member(self, rows: np.ndarray, placed: np.ndarray, shown: np.ndarray) -> tuple[tuple[int, int], Member]:
+    def _member(
+        self, rows: np.ndarray, placed: np.ndarray, shown: np.ndarray
+    ) -> tuple[tuple[int, int], Member]:
         key, number, at, place = rows[0].tolist()
         is_seen = np.zeros(len(self.codes), bool)
         is_seen[rows[:, 2]] = shown
@@ -101,11 +123,22 @@ class _Reader:
         names = self._names()
         name = names[place] if place < len(names) and not self._changes() else f"{self.prim.GetName()}.{key}"
         leaf_id = key if self._has_ids() and 0 <= key < 2**31 else None
-        member = Member(name, leaf_id, self.prototypes[number], self.codes[rows[:, 2]], placed, self.codes[turns], is_seen[turns])
+        member = Member(
+            name,
+            leaf_id,
+            self.prototypes[number],
+            self.codes[rows[:, 2]],
+            placed,
+            self.codes[turns],
+            is_seen[turns],
+        )
         return (at, place), member
 
     def _changes(self) -> bool:
-        return any(each.ValueMightBeTimeVarying() for each in (self.instancer.GetProtoIndicesAttr(), self.instancer.GetIdsAttr()))
+        return any(
+            each.ValueMightBeTimeVarying()
+            for each in (self.instancer.GetProtoIndicesAttr(), self.instancer.GetIdsAttr())
+        )
 
     def _has_ids(self) -> bool:
         return self.instancer.GetIdsAttr().HasAuthoredValue()
@@ -114,32 +147,45 @@ class _Reader:
         return list(self.prim.GetAttribute(f"{SPACE}sunfleck_names").Get() or [])
 
     def _moment(self, code: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, str]:
-        """Of each instance at a code its key, prototype, place, and whether it is seen; what is wrong if there are none for it."""
+        """Of each instance at a code its key, prototype, place, and whether it is seen; what is wrong if
+        there are none for it."""
         time = Usd.TimeCode(code)
         numbers = np.array(self.instancer.GetProtoIndicesAttr().Get(time) or [], np.int64)
         if len(numbers) and (numbers.min() < 0 or numbers.max() >= len(self.prototypes)):
-            return *_nobody(), f"protoIndices go from {numbers.min()} to {numbers.max()}, of {len(self.prototypes)} prototypes"
+            return (
+                *_nobody(),
+                f"protoIndices go from {numbers.min()} to {numbers.max()}, of {len(self.prototypes)} "
+                "prototypes",
+            )
         placed = self._places(code)
         if len(placed) != len(numbers):
-            return *_nobody(), f"has {len(numbers)} protoIndices, which its positions, orientations or scales do not fit"
+            return (
+                *_nobody(),
+                f"has {len(numbers)} protoIndices, which its positions, orientations or scales do not fit",
+            )
         if not np.isfinite(placed).all():
             return *_nobody(), "its places are not all finite"
         ids = np.array(self.instancer.GetIdsAttr().Get(time) or [], np.int64)
-        keys = ids if len(ids) == len(numbers) and len(np.unique(ids)) == len(ids) else np.arange(len(numbers))
+        keys = (
+            ids if len(ids) == len(numbers) and len(np.unique(ids)) == len(ids) else np.arange(len(numbers))
+        )
         mask = np.array(list(self.instancer.ComputeMaskAtTime(time)), bool)
         return keys, numbers, placed, mask if len(mask) == len(numbers) else np.ones(len(numbers), bool), ""
 
     def _places(self, code: float) -> np.ndarray:
         """Ten numbers for each instance."""
         time, kind = Usd.TimeCode(self._unmixed(code)), UsdGeom.PointInstancer
-        found = self.instancer.ComputeInstanceTransformsAtTime(time, time, kind.ExcludeProtoXform, kind.IgnoreMask)
+        found = self.instancer.ComputeInstanceTransformsAtTime(
+            time, time, kind.ExcludeProtoXform, kind.IgnoreMask
+        )
         matrices = np.array(found, float).reshape(-1, 4, 4).transpose(0, 2, 1)
         if not len(matrices):
             return np.zeros((0, 10), np.float32)
         return np.concatenate(parts(matrices)[:3], axis=1).astype(np.float32)
 
     def _unmixed(self, code: float) -> float:
-        """A code, or the sample before it if other instances are in the arrays by the next: between them USD would mix the two."""
+        """A code, or the sample before it if other instances are in the arrays by the next: between them USD
+        would mix the two."""
         attribute = self.instancer.GetIdsAttr()
         if not self.mixes:
             return code
@@ -153,11 +199,15 @@ def _nobody() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 10), np.float32), np.zeros(0, bool)
 
 
-def place_crowd(members: list[Member], nodes: Nodes, node: int, fill: Callable[[Usd.Prim, int], None]) -> None:
+def place_crowd(
+    members: list[Member], nodes: Nodes, node: int, fill: Callable[[Usd.Prim, int], None]
+) -> None:
     """Adds a node for each instance below a node; `fill` puts a prototype there."""
     for member in members:
         instance = nodes.add(member.name.partition("#")[0], node)
-        nodes.move(instance, member.codes, member.placed[:, :3], steady(member.placed[:, 3:7]), member.placed[:, 7:])
+        nodes.move(
+            instance, member.codes, member.placed[:, :3], steady(member.placed[:, 3:7]), member.placed[:, 7:]
+        )
         nodes.show(instance, member.shown_codes, member.shown)
         if member.leaf_id is not None:
             nodes.extra(instance, "leaf_id", member.leaf_id)

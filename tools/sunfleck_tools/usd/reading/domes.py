@@ -45,7 +45,9 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
         try:
             data = _exr_of(asset.resolvedPath)
         except PictureError as error:
-            raise SceneError(f"{place}: the picture `{asset.path}` is neither OpenEXR nor Radiance HDR, and {error}") from None
+            raise SceneError(
+                f"{place}: the picture `{asset.path}` is neither OpenEXR nor Radiance HDR, and {error}"
+            ) from None
     return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
 
 
@@ -88,10 +90,14 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
 
 def _axes(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray) -> np.ndarray:
     """Unit axes of the dome, y its pole, in the space of glTF."""
-    stage_from_dome = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(source.first), float).T[:3, :3]
+    stage_from_dome = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(source.first), float).T[
+        :3, :3
+    ]
     if prim.IsA(UsdLux.DomeLight_1):
         pole = UsdLux.DomeLight_1(prim).GetPoleAxisAttr().Get()
-        is_z = pole == UsdLux.Tokens.Z or (pole == UsdLux.Tokens.scene and UsdGeom.GetStageUpAxis(source.stage) == UsdGeom.Tokens.z)
+        is_z = pole == UsdLux.Tokens.Z or (
+            pole == UsdLux.Tokens.scene and UsdGeom.GetStageUpAxis(source.stage) == UsdGeom.Tokens.z
+        )
         stage_from_dome = stage_from_dome @ Y_FROM_Z if is_z else stage_from_dome
     axes = ours_from_stage[:3, :3] @ stage_from_dome
     return axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-300)

@@ -12,7 +12,8 @@ from ...errors import SceneError
 
 @dataclass(frozen=True)
 class Faces:
-    """Corners a face, the point of each corner, and the faces that are holes; `flips` if its front is clockwise."""
+    """Corners a face, the point of each corner, and the faces that are holes; `flips` if its
+    front is clockwise."""
 
     counts: np.ndarray
     corners: np.ndarray
@@ -52,9 +53,15 @@ def read_faces(prim: Usd.Prim, code: float, points: int) -> Faces:
     corners = rows_of(mesh.GetFaceVertexIndicesAttr(), code, 1, np.int64).ravel()
     if (counts < 0).any() or counts.sum() != len(corners):
         raise SceneError(
-            f"{prim.GetPath()}: faceVertexCounts ask for {counts.sum()} corners, faceVertexIndices have {len(corners)}"
+            f"{prim.GetPath()}: faceVertexCounts ask for {counts.sum()} corners, faceVertexIndices have "
+            f"{len(corners)}"
         )
     if len(corners) and (corners.min() < 0 or corners.max() >= points):
-        raise SceneError(f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} points")
+        raise SceneError(
+            f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} "
+            "points"
+        )
     holes = rows_of(mesh.GetHoleIndicesAttr(), code, 1, np.int64).ravel()
-    return Faces(counts, corners, holes, value_of(mesh.GetOrientationAttr(), code) == UsdGeom.Tokens.leftHanded)
+    return Faces(
+        counts, corners, holes, value_of(mesh.GetOrientationAttr(), code) == UsdGeom.Tokens.leftHanded
+    )

@@ -1,4 +1,5 @@
-"""Meshes that are lights: what they are seen to shine with. The renderer's surfaces light nothing, which is said."""
+"""Meshes that are lights: what they are seen to shine with. The renderer's surfaces light
+nothing, which is said."""
 
 from __future__ import annotations
 
@@ -22,12 +23,17 @@ def read_glow(prim: Usd.Prim, source: Source, lost: Losses) -> tuple[float, floa
     if any(attribute.ValueMightBeTimeVarying() for attribute in inputs.attributes()):
         lost.add("usd-light-input", prim.GetPath(), "how it changes over time is not carried")
     inputs.say_the_rest("MeshLight")
-    lost.add("usd-mesh-light", prim.GetPath(), "a mesh that is a light is seen to shine, and lights other things by indirect light alone")
+    lost.add(
+        "usd-mesh-light",
+        prim.GetPath(),
+        "a mesh that is a light is seen to shine, and lights other things by indirect light alone",
+    )
     return tuple(radiance.tolist())
 
 
 def _area(prim: Usd.Prim, codes: np.ndarray) -> float:
-    """Of a mesh in the world, in units of the stage squared: fans of triangles about each face's first corner."""
+    """Of a mesh in the world, in units of the stage squared: fans of triangles about each
+    face's first corner."""
     mesh = UsdGeom.Mesh(prim)
     points = np.array(mesh.GetPointsAttr().Get(codes[0]), float).reshape(-1, 3) @ linears(prim, codes)[0].T
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(codes[0]), int)

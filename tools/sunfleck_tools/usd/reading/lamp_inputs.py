@@ -1,4 +1,5 @@
-"""Inputs that all lights of UsdLux have. Invariant: what comes out is finite and not negative; what was not, or is not carried, is said."""
+"""Inputs that all lights of UsdLux have. Invariant: what comes out is finite and not negative; what was not,
+or is not carried, is said."""
 
 from __future__ import annotations
 
@@ -16,7 +17,18 @@ RESTS = {
     "diffuse": 1.0, "specular": 1.0, "shaping:focus": 0.0, "shadow:enable": 1.0, "shadow:color": 0.0, "shadow:distance": -1.0,
 }  # fmt: skip
 """Inputs that are not carried, and the values at which nobody misses them."""
-NAMES = ("intensity", "exposure", "color", "radius", "length", "width", "height", "angle", "enableColorTemperature", "colorTemperature")
+NAMES = (
+    "intensity",
+    "exposure",
+    "color",
+    "radius",
+    "length",
+    "width",
+    "height",
+    "angle",
+    "enableColorTemperature",
+    "colorTemperature",
+)
 CONE = ("shaping:cone:angle", "shaping:cone:softness")
 MEAN_SIZE = 256
 
@@ -49,7 +61,9 @@ class LampInputs:
     def radiance(self, codes: np.ndarray) -> np.ndarray:
         """Intensity, exposure, colour, temperature, and the mean of a picture: three numbers a code."""
         colors = self._rows("color", (1.0, 1.0, 1.0), codes)
-        scale = self.numbers("intensity", 1.0, codes) * np.exp2(np.clip(self.numbers("exposure", 0.0, codes), -60, 60))
+        scale = self.numbers("intensity", 1.0, codes) * np.exp2(
+            np.clip(self.numbers("exposure", 0.0, codes), -60, 60)
+        )
         tints = np.array([self._temperature(code) for code in codes.tolist()])
         return np.clip(colors * tints * self._picture() * scale[:, None], 0, BRIGHTEST)
 
@@ -62,7 +76,9 @@ class LampInputs:
             numbers = default if value is None else numbers_in(value, len(default))
             if numbers is None:
                 self.lost.add(
-                    "usd-light-value", self.prim.GetPath(), f"its {name} is not finite, or no number, and {default[0]:g} is taken"
+                    "usd-light-value",
+                    self.prim.GetPath(),
+                    f"its {name} is not finite, or no number, and {default[0]:g} is taken",
                 )
             rows.append(numbers or default)
         return np.array(rows)
@@ -70,11 +86,18 @@ class LampInputs:
     def _temperature(self, code: float) -> np.ndarray:
         light = UsdLux.LightAPI(self.prim)
         # Blender enables it and gives none: 6500 K, the fallback, stands for white.
-        if not light.GetEnableColorTemperatureAttr().Get(code) or not light.GetColorTemperatureAttr().HasAuthoredValue():
+        if (
+            not light.GetEnableColorTemperatureAttr().Get(code)
+            or not light.GetColorTemperatureAttr().HasAuthoredValue()
+        ):
             return np.ones(3)
         found = numbers_in(light.GetColorTemperatureAttr().Get(code), 1)
         if found is None:
-            self.lost.add("usd-light-value", self.prim.GetPath(), "its colorTemperature is not finite, and is passed over")
+            self.lost.add(
+                "usd-light-value",
+                self.prim.GetPath(),
+                "its colorTemperature is not finite, and is passed over",
+            )
             return np.ones(3)
         kelvin = found[0]
         if not COLDEST <= kelvin <= HOTTEST:
@@ -93,9 +116,13 @@ class LampInputs:
             size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
             texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
         except PictureError as error:
-            self.lost.add("usd-texture", self.prim.GetPath(), f"the picture `{asset.path}` is left out: {error}")
+            self.lost.add(
+                "usd-texture", self.prim.GetPath(), f"the picture `{asset.path}` is left out: {error}"
+            )
             return np.ones(3)
-        self.lost.add("usd-light-input", self.prim.GetPath(), "its picture is carried as its mean colour alone")
+        self.lost.add(
+            "usd-light-input", self.prim.GetPath(), "its picture is carried as its mean colour alone"
+        )
         return texels.mean(axis=(0, 1))
 
     def say_the_rest(self, kind: str) -> None:
@@ -111,11 +138,16 @@ class LampInputs:
             self._say("its IES profile")
         if kind not in ("SphereLight", "CylinderLight") and self.has_cone():
             self._say(f"the cone of a {kind}, which shines to all of its side,")
-        if self.prim.GetRelationship("light:filters") and self.prim.GetRelationship("light:filters").GetTargets():
+        if (
+            self.prim.GetRelationship("light:filters")
+            and self.prim.GetRelationship("light:filters").GetTargets()
+        ):
             self._say("what filters it")
         for name in ("lightLink", "shadowLink"):
             api = Usd.CollectionAPI(self.prim, name)
-            if api.GetIncludeRootAttr().Get() is False or (api.GetExcludesRel() and api.GetExcludesRel().GetTargets()):
+            if api.GetIncludeRootAttr().Get() is False or (
+                api.GetExcludesRel() and api.GetExcludesRel().GetTargets()
+            ):
                 self._say(f"its {name}, which leaves some things out,")
 
     def _say(self, what: str) -> None:

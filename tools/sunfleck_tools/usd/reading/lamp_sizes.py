@@ -16,7 +16,9 @@ def moving_scales(prim: Usd.Prim) -> list[Usd.Attribute]:
     while prim and not prim.IsPseudoRoot():
         xformable = UsdGeom.Xformable(prim)
         if xformable:
-            found += [operation.GetAttr() for operation in xformable.GetOrderedXformOps() if _scales(operation)]
+            found += [
+                operation.GetAttr() for operation in xformable.GetOrderedXformOps() if _scales(operation)
+            ]
             if xformable.GetResetXformStack():
                 break
         prim = prim.GetParent()
@@ -37,9 +39,14 @@ def linears(prim: Usd.Prim, codes: np.ndarray) -> np.ndarray:
 
 
 def instance_linears(prim: Usd.Prim, codes: np.ndarray, still: np.ndarray) -> np.ndarray:
-    """The same of an instance, which stands elsewhere than the prim: `still` is where it does at the first code."""
+    """The same of an instance, which stands elsewhere than the prim: `still` is where it does
+    at the first code."""
     found = linears(prim, codes)
-    return still @ np.linalg.inv(found[0]) @ found if abs(np.linalg.det(found[0])) > 0 else np.broadcast_to(still, found.shape)
+    return (
+        still @ np.linalg.inv(found[0]) @ found
+        if abs(np.linalg.det(found[0])) > 0
+        else np.broadcast_to(still, found.shape)
+    )
 
 
 def ball_area(halves: np.ndarray) -> np.ndarray:

@@ -1,8 +1,9 @@
 """UsdLux to the lights of glTF and `sunfleck_light`; `usd/lights.py` has the units, and Blender's.
 
-A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where `normalize` is on
-(https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of the stage, and what the light emits is the radiance
-times the area in m2. So both the prim's whole transform and the stage's unit count.
+A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where
+`normalize` is on (https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of
+the stage, and what the light emits is the radiance times the area in m2. So both the prim's whole
+transform and the stage's unit count.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class Lamp:
 def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -> Lamp | None:
     """The light that a prim is; None if it is none that there is here.
 
-    `still` is world from light at the first frame, in metres, without translation: instances of one prim differ in it.
+    `still` is world from light at the first frame, in metres, without translation: instances of
+    one prim differ in it.
     """
     kind = str(prim.GetTypeName())
     reader = _Reader(prim, source, still, lost)
@@ -53,7 +55,9 @@ def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -
     elif kind in ("RectLight", "DiskLight"):
         lamp = reader.area(is_disk=kind == "DiskLight")
     else:
-        lost.add("usd-camera-or-light-type", prim.GetPath(), f"a {kind or 'light without a type'} is not carried")
+        lost.add(
+            "usd-camera-or-light-type", prim.GetPath(), f"a {kind or 'light without a type'} is not carried"
+        )
         return None
     reader.inputs.say_the_rest(kind)
     return lamp
@@ -76,7 +80,8 @@ class _Reader:
         return instance_linears(self.prim, self.codes, self.still / self.source.metres)
 
     def radiance(self, stage_area: np.ndarray) -> np.ndarray:
-        """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of the stage squared."""
+        """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of
+        the stage squared."""
         radiance = self.inputs.radiance(self.codes)
         if self.prim.GetAttribute("inputs:normalize").Get(self.source.first):
             radiance = radiance / stage_area[:, None]
@@ -84,13 +89,23 @@ class _Reader:
 
     def sun(self) -> Lamp:
         """Irradiance on a plane that faces it: radiance times pi sin2(half its angle)."""
-        angles = np.radians(np.clip(self.number("angle", 0.53), 0, 360)) / (BLENDER_ANGLE if self.blenders else 1.0)
+        angles = np.radians(np.clip(self.number("angle", 0.53), 0, 360)) / (
+            BLENDER_ANGLE if self.blenders else 1.0
+        )
         squares = np.sin(0.5 * np.minimum(angles, 2 * math.pi)) ** 2
         size = math.pi * np.where(angles > math.pi, 2 - squares, squares)
         size = np.where(angles > 0, size, 1.0)
-        irradiance = self.radiance(size) * np.where(angles > math.pi, math.pi, size)[:, None] / (BLENDER_SUN if self.blenders else 1.0)
+        irradiance = (
+            self.radiance(size)
+            * np.where(angles > math.pi, math.pi, size)[:, None]
+            / (BLENDER_SUN if self.blenders else 1.0)
+        )
         if angles.max() > WIDEST_SUN:
-            self.lost.add("usd-light-shape", self.prim.GetPath(), "a DistantLight wider than 179 degrees is one of 179 degrees")
+            self.lost.add(
+                "usd-light-shape",
+                self.prim.GetPath(),
+                "a DistantLight wider than 179 degrees is one of 179 degrees",
+            )
             angles = np.minimum(angles, WIDEST_SUN)
         lamp = Lamp(self._light("directional", irradiance), {"angle": angles[0]} if angles.max() > 0 else {})
         self._carry(lamp, "strength_w_m2", irradiance)
@@ -99,7 +114,8 @@ class _Reader:
         return lamp
 
     def ball(self, is_cylinder: bool) -> Lamp:
-        """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which sends out as much."""
+        """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which
+        sends out as much."""
         stage_area = np.maximum(self._cylinder_area() if is_cylinder else self._sphere_area(), SMALLEST_AREA)
         area = stage_area * self.source.metres**2
         # A quarter of a convex body's surface is what it shows on average (Cauchy).
@@ -119,14 +135,21 @@ class _Reader:
         axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
         halves = np.linalg.svd(axes, compute_uv=False)
         if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
-            self.lost.add("usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area")
+            self.lost.add(
+                "usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area"
+            )
         return ball_area(halves)
 
     def _cylinder_area(self) -> np.ndarray:
-        """The same of a cylinder along x, which has no caps; its ends count as circles of their mean radius."""
+        """The same of a cylinder along x, which has no caps; its ends count as circles of
+        their mean radius."""
         world = self.linears()
         along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
-        around = 0.5 * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1) * np.maximum(self.number("radius", 0.5), 0)
+        around = (
+            0.5
+            * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1)
+            * np.maximum(self.number("radius", 0.5), 0)
+        )
         self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
         return 2 * math.pi * around * along
 
@@ -136,7 +159,11 @@ class _Reader:
         softness = np.clip(self.number("shaping:cone:softness", 0.0), 0.0, 1.0)
         if outer[0] > math.pi / 2:
             if outer[0] < math.pi - 1e-6:
-                self.lost.add("usd-light-cone", self.prim.GetPath(), "a cone wider than a half space shines to all sides")
+                self.lost.add(
+                    "usd-light-cone",
+                    self.prim.GetPath(),
+                    "a cone wider than a half space shines to all sides",
+                )
             return
         outer = np.clip(outer, 1e-4, math.pi / 2)
         blend = softness if self.source.by_us or self.source.by_blender else _blend(outer, softness)
@@ -146,7 +173,8 @@ class _Reader:
         self._carry(lamp, "blend", blend[:, None])
 
     def area(self, is_disk: bool) -> Lamp:
-        """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as the node is scaled."""
+        """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as
+        the node is scaled."""
         width = np.maximum(2 * self.number("radius", 0.5) if is_disk else self.number("width", 1.0), 1e-9)
         height = width if is_disk else np.maximum(self.number("height", 1.0), 1e-9)
         world = self.linears()
@@ -178,5 +206,6 @@ class _Reader:
 
 
 def _blend(outer: np.ndarray, softness: np.ndarray) -> np.ndarray:
-    """The renderer's share of 1 - cos(outer) over which a spot fades, such that it begins to where UsdLux has it: at (1 - softness) outer."""
+    """The renderer's share of 1 - cos(outer) over which a spot fades, such that it begins to where UsdLux has
+    it: at (1 - softness) outer."""
     return (np.cos((1 - softness) * outer) - np.cos(outer)) / (1 - np.cos(outer))

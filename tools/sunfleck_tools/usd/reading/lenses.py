@@ -1,4 +1,5 @@
-"""Cameras of a stage to those of glTF and `sunfleck_camera`; `usd/cameras.py` has the units, and Blender's."""
+"""Cameras of a stage to those of glTF and `sunfleck_camera`; `usd/cameras.py` has the
+units, and Blender's."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ NEAREST, FARTHEST = 1e-4, 1e9
 
 @dataclass
 class Seen:
-    """A camera of glTF with its extras, what of it changes (by field, codes and rows), and when its shutter opens and closes."""
+    """A camera of glTF with its extras, what of it changes (by field, codes and rows), and when its shutter
+    opens and closes."""
 
     camera: dict
     shutter: tuple[float, float] | None = None
@@ -57,7 +59,10 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
             _carry(seen, "fstop", codes, f_stop)
             _carry(seen, "focus_distance", codes, focus)
     offsets = [camera.GetHorizontalApertureOffsetAttr(), camera.GetVerticalApertureOffsetAttr()]
-    shift = [float(each.Get(source.first) or 0.0) * TENTHS * source.metres / max(wide[0], high[0]) for each in offsets]
+    shift = [
+        float(each.Get(source.first) or 0.0) * TENTHS * source.metres / max(wide[0], high[0])
+        for each in offsets
+    ]
     if any(shift):
         extras["shift"] = shift
     kept = custom_data(prim).get("sunfleck_camera")
@@ -75,7 +80,8 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
 
 
 def _clipping_range(camera: UsdGeom.Camera, source: Source) -> tuple[float, float]:
-    """Start and end, metres. USD's fallback of 1 to 1,000,000 units is nobody's wish: it would hide what is near."""
+    """Start and end, metres. USD's fallback of 1 to 1,000,000 units is nobody's wish: it would
+    hide what is near."""
     attribute = camera.GetClippingRangeAttr()
     if not attribute.HasAuthoredValue():
         return 0.0, FARTHEST

@@ -32,7 +32,8 @@ KINDS = {
     "usd-material-approximated": "a surface of which only the most important inputs are taken",
     "usd-material-input": "an input of a material that is not carried",
     "usd-material-value": "an input of a material, or a colour of a mesh, that is none that can be",
-    "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights other things by indirect light alone",
+    "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights other things by indirect "
+                      "light alone",
     "usd-missing": "a layer or a prim that the stage refers to and that is not there",
     "usd-normal-map": "a normal map that does not say how it is to be read",
     "usd-prim": "a prim that cannot be read, and is left out",
@@ -52,7 +53,8 @@ KINDS = {
 
 
 UNREADABLE = (SceneError, Tf.ErrorException, TypeError, ValueError, OverflowError)
-"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make of those is one fault."""
+"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make
+of those is one fault."""
 
 
 class TooMuch(SceneError):
@@ -82,7 +84,8 @@ class Losses:
         self._counts: Counter[str] = Counter()
 
     def add(self, kind: str, place: object, what: str) -> None:
-        """Something of a kind of `KINDS` at a prim or in a node; the same thing at the same place counts once."""
+        """Something of a kind of `KINDS` at a prim or in a node; the same thing at the same
+        place counts once."""
         if kind not in KINDS:
             raise KeyError(kind)
         key = (kind, str(place), what)

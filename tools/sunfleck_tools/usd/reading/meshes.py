@@ -22,7 +22,8 @@ from .surfaces import Surfaces
 
 @dataclass(frozen=True)
 class Piece:
-    """A mesh of the file, what it is called, how it bends, when it is there, and the joints that it hangs on."""
+    """A mesh of the file, what it is called, how it bends, when it is there, and the joints
+    that it hangs on."""
 
     name: str
     number: int
@@ -42,7 +43,8 @@ class Meshes:
         self._known: dict[bytes, int] = {}
 
     def pieces(self, prims: list[Usd.Prim]) -> list[Piece]:
-        """The meshes of prims that stand in one place; written once, be there ever so many instances of the prims."""
+        """The meshes of prims that stand in one place; written once, be there ever so many
+        instances of the prims."""
         bound = [read_bound(prim) for prim in prims]
         key = tuple((path_of(prim), each.key(), _color_key(prim)) for prim, each in zip(prims, bound))
         if key not in self._read:
@@ -71,7 +73,8 @@ class Meshes:
             with self.lost.leaving_out(prim):
                 glow = read_glow(prim, self.source, self.lost)
                 for span in read_spans(prim, self.source):
-                    # Of a mesh that changes a time at which it cannot be read is no reason to lose the others.
+                    # Of a mesh that changes a time at which it cannot be read is no
+                    # reason to lose the others.
                     with self.lost.leaving_out(prim):
                         shapes = self._reader.read(prim, each, span)
                         shapes.parts = [replace(part, glow=glow) for part in shapes.parts]
@@ -81,13 +84,19 @@ class Meshes:
                         elif shapes.parts:
                             moving.append((prim.GetName(), shapes, None if span.is_always else span, skin))
         pieces = [Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
-        return pieces + [Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving]
+        return pieces + [
+            Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving
+        ]
 
     def _take_turns(self, node: int, span: Span) -> None:
         """Shows a node for as long as a span lasts."""
         edges = {self.source.first: span.start <= self.source.first < span.end}
         edges.update(
-            {code: is_start for code, is_start in ((span.start, True), (span.end, False)) if self.source.first < code < np.inf}
+            {
+                code: is_start
+                for code, is_start in ((span.start, True), (span.end, False))
+                if self.source.first < code < np.inf
+            }
         )
         codes = np.array(sorted(edges))
         self.nodes.show(node, codes, np.array([edges[code] for code in codes.tolist()]))
@@ -110,14 +119,20 @@ class Meshes:
             primitive["material"] = material
         if bend is not None:
             targets = [target[part.point_of_row] for target in bend.targets]
-            primitive["targets"] = [{"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets]
+            primitive["targets"] = [
+                {"POSITION": self.writer.floats(target, with_bounds=True)} for target in targets
+            ]
             if part.normal_targets is not None:
                 for target, normals in zip(primitive["targets"], part.normal_targets):
                     target["NORMAL"] = self.writer.floats(normals)
         return primitive
 
     def _accessor(self, name: str, values: np.ndarray) -> int:
-        return self.writer.joints(values) if name.startswith("JOINTS_") else self.writer.floats(values, name == "POSITION")
+        return (
+            self.writer.joints(values)
+            if name.startswith("JOINTS_")
+            else self.writer.floats(values, name == "POSITION")
+        )
 
     def _material(self, part: Shape) -> int | None:
         try:

@@ -1,4 +1,5 @@
-"""What feeds an input of a surface: numbers, a texture, or the mesh's own colours, through interfaces and node graphs.
+"""What feeds an input of a surface: numbers, a texture, or the mesh's own colours, through
+interfaces and node graphs.
 
 Invariant: whatever cannot feed it is said, and the input has its default.
 """
@@ -52,7 +53,9 @@ class Network:
         """A number that no texture may feed here, and that may not change."""
         found = self.fed(name)
         if found.texture is not None or found.changing is not None:
-            self.say(f"{name} from a texture" if found.texture is not None else f"{name} that changes over time")
+            self.say(
+                f"{name} from a texture" if found.texture is not None else f"{name} that changes over time"
+            )
         return found.numbers[0]
 
     def say(self, what: str) -> None:

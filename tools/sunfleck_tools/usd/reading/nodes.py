@@ -1,4 +1,5 @@
-"""Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has a name of its own."""
+"""Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has
+a name of its own."""
 
 from __future__ import annotations
 
@@ -45,7 +46,11 @@ class Nodes:
         found, at = np.eye(3), number
         while at is not None:
             node = self.of(at)
-            found = turn_of(node.get("rotation", [0.0, 0.0, 0.0, 1.0])) @ np.diag(node.get("scale", [1.0] * 3)) @ found
+            found = (
+                turn_of(node.get("rotation", [0.0, 0.0, 0.0, 1.0]))
+                @ np.diag(node.get("scale", [1.0] * 3))
+                @ found
+            )
             at = self._parents.get(at)
         return found
 
@@ -68,14 +73,20 @@ class Nodes:
             self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
             return node
         if len(codes) > 1:
-            self.lost.add("usd-shear", self.of(node)["name"], "shears as it moves: it is right at samples, less so between them")
+            self.lost.add(
+                "usd-shear",
+                self.of(node)["name"],
+                "shears as it moves: it is right at samples, less so between them",
+            )
         outer, scales, inner = sheared(matrices)
         self._move(node, codes, {"translation": translations, "rotation": outer, "scale": scales})
         last = self.add(f"{self.of(node)['name']} (sheared)", node)
         self._move(last, codes, {"rotation": inner})
         return last
 
-    def move(self, node: int, codes: np.ndarray, translations: np.ndarray, turns: np.ndarray, scales: np.ndarray) -> None:
+    def move(
+        self, node: int, codes: np.ndarray, translations: np.ndarray, turns: np.ndarray, scales: np.ndarray
+    ) -> None:
         """Puts a node where parts say."""
         self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
 
@@ -110,7 +121,9 @@ class Nodes:
         """A custom property."""
         self.of(node).setdefault("extras", {})[name] = value
 
-    def carry(self, owner: int | None, field: str, codes: np.ndarray, rows: np.ndarray, steps: bool = False) -> None:
+    def carry(
+        self, owner: int | None, field: str, codes: np.ndarray, rows: np.ndarray, steps: bool = False
+    ) -> None:
         """Lets a node of its own carry a value of a node, or of the scene, that changes."""
         target = f"{'scene' if owner is None else self.of(owner)['name']}.{field}"
         node = self.add(f"ctl_{target}", None)
@@ -120,5 +133,7 @@ class Nodes:
         self.of(node)["translation"] = wide[0].tolist()
         codes, wide = thinned(codes, wide)
         if len(wide) > 1:
-            self.writer.animate(node, "translation", self.source.seconds(codes), wide, "STEP" if steps else "LINEAR")
+            self.writer.animate(
+                node, "translation", self.source.seconds(codes), wide, "STEP" if steps else "LINEAR"
+            )
         self.extra(node, "sunfleck_ctl", {"target": target, "channel": channel})

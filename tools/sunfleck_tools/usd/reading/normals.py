@@ -1,4 +1,5 @@
-"""Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a sharp edge parts them."""
+"""Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a
+sharp edge parts them."""
 
 from __future__ import annotations
 
@@ -37,7 +38,10 @@ def _fans(cage: Cage) -> np.ndarray:
     twin, other = twin[open_], other[open_]
     same_way = cage.corners[twin] == cage.corners[other]
     left = np.concatenate([twin, cage.next_corner[twin]])
-    near, far = np.where(same_way, other, cage.next_corner[other]), np.where(same_way, cage.next_corner[other], other)
+    near, far = (
+        np.where(same_way, other, cage.next_corner[other]),
+        np.where(same_way, cage.next_corner[other], other),
+    )
     right = np.concatenate([near, far])
     inside = own[left]
     left, right = left[inside], right[inside]

@@ -14,7 +14,8 @@ def shortest(numbers) -> tuple[float, ...]:
 
 
 def numbers_in(value: object, width: int) -> tuple[float, ...] | None:
-    """So many finite numbers; one for three, and the mean of three for one, as shaders convert them. None for all else."""
+    """So many finite numbers; one for three, and the mean of three for one, as shaders convert them.
+    None for all else."""
     if value is None or isinstance(value, str):
         return None
     try:

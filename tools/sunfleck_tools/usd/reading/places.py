@@ -14,13 +14,15 @@ SHEAR = 1e-5
 
 
 def reach(codes: np.ndarray) -> tuple[float, float]:
-    """A frame more than the range of whole frames on either side, as far as the shutter of a frame may be open; glTF has no times before 0."""
+    """A frame more than the range of whole frames on either side, as far as the shutter of a frame may be
+    open; glTF has no times before 0."""
     frame = codes[1] - codes[0] if len(codes) > 1 else 1.0
     return max(float(codes[0] - frame), 0.0), float(codes[-1] + frame)
 
 
 def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
-    """Whole frames, samples between them, and beyond them as far as a shutter reaches, if any attribute moves; else the first frame."""
+    """Whole frames, samples between them, and beyond them as far as a shutter reaches, if any attribute
+    moves; else the first frame."""
     moving = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
     if not moving:
         return codes[:1]
@@ -74,7 +76,10 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
     """Of rotation matrices, by the largest of the four numbers (Shepperd 1978)."""
     m = turns
     trace = np.trace(m, axis1=1, axis2=2)
-    squares = np.stack([1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace], axis=1)
+    squares = np.stack(
+        [1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace],
+        axis=1,
+    )
     a, b, c = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]
     xy, xz, yz = m[:, 0, 1] + m[:, 1, 0], m[:, 0, 2] + m[:, 2, 0], m[:, 1, 2] + m[:, 2, 1]
     columns = [

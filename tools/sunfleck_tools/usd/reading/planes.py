@@ -28,9 +28,12 @@ class Planes:
         self.textures, self.lost = textures, lost
 
     def is_srgb(self, texture: Texture, is_color: bool) -> bool:
-        """By the specification for `auto`: eight bits of three or four channels are sRGB, where they are colours."""
+        """By the specification for `auto`: eight bits of three or four channels are sRGB, where
+        they are colours."""
         picture = self.textures.picture(texture.files[0][1])
-        return texture.space == "sRGB" or (texture.space == "auto" and is_color and picture.bits == 8 and picture.channels >= 3)
+        return texture.space == "sRGB" or (
+            texture.space == "auto" and is_color and picture.bits == 8 and picture.channels >= 3
+        )
 
     def mean(self, fed: Fed) -> tuple[float, ...]:
         """What an input has on the average of its texture."""
@@ -44,17 +47,24 @@ class Planes:
         columns, rows = _grid(inputs)
         shrink = min(1.0, (MOST_BAKED / (wide * high * columns * rows)) ** 0.5)
         if shrink < 1:
-            self.lost.add("usd-texture-size", inputs[0].texture.place, f"{columns * wide} x {rows * high} texels are made fewer")
+            self.lost.add(
+                "usd-texture-size",
+                inputs[0].texture.place,
+                f"{columns * wide} x {rows * high} texels are made fewer",
+            )
         return max(int(wide * shrink), 1), max(int(high * shrink), 1)
 
-    def read(self, inputs: Sequence[Fed], are_colors: Sequence[bool]) -> tuple[object, list[np.ndarray], Placement]:
+    def read(
+        self, inputs: Sequence[Fed], are_colors: Sequence[bool]
+    ) -> tuple[object, list[np.ndarray], Placement]:
         """Rows of numbers of each input, all of one size, what they depend on, and where they lie."""
         size, grid = self._size(inputs), _grid(inputs)
         planes = [self._texels(fed, is_color, size, grid) for fed, is_color in zip(inputs, are_colors)]
         return (tuple(inputs), size), planes, _placed(inputs[0].texture.placement, grid)
 
     def _texels(self, fed: Fed, is_color: bool, size: tuple[int, int], grid: tuple[int, int]) -> np.ndarray:
-        """What an input has at each texel: tiles of UDIM one beside the other, the first row at the bottom."""
+        """What an input has at each texel: tiles of UDIM one beside the other, the first
+        row at the bottom."""
         texture, (wide, high), (columns, rows) = fed.texture, size, grid
         whole = np.zeros((rows * high, columns * wide, 3 if fed.output == "rgb" else 1), np.float32)
         for (column, row), path in texture.files:
@@ -63,12 +73,20 @@ class Planes:
             except PictureError as error:
                 self.lost.add("usd-texture", texture.place, f"a texture is black: {error}")
                 continue
-            texels = texels * np.clip(np.float32(texture.scale), -LARGEST, LARGEST) + np.float32(texture.bias or (0.0,) * 4)
+            texels = texels * np.clip(np.float32(texture.scale), -LARGEST, LARGEST) + np.float32(
+                texture.bias or (0.0,) * 4
+            )
             first = 0 if fed.output == "rgb" else "rgba".index(fed.output)
             top = (rows - 1 - row) * high
-            whole[top : top + high, column * wide : (column + 1) * wide] = texels[..., first : first + whole.shape[2]]
+            whole[top : top + high, column * wide : (column + 1) * wide] = texels[
+                ..., first : first + whole.shape[2]
+            ]
         # One channel feeds all three of a colour.
-        return whole * np.float32(fed.numbers) if fed.output == "rgb" or len(fed.numbers) == 3 else whole * fed.numbers[0]
+        return (
+            whole * np.float32(fed.numbers)
+            if fed.output == "rgb" or len(fed.numbers) == 3
+            else whole * fed.numbers[0]
+        )
 
 
 def _grid(inputs: Sequence[Fed]) -> tuple[int, int]:

@@ -1,7 +1,7 @@
 """A surface in the words of UsdPreviewSurface to a material of glTF.
 
-Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a network, out come the material's fields and which of them
-change over time. Invariant: no input that is authored is passed over unsaid.
+Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a network, out come the material's
+fields and which of them change over time. Invariant: no input that is authored is passed over unsaid.
 """
 
 from __future__ import annotations
@@ -61,7 +61,12 @@ class Preview:
         threshold = self.network.number("opacityThreshold")
         if threshold > 0:
             looks.material.update(alphaMode="MASK", alphaCutoff=threshold)
-        elif opacity.texture is not None or opacity.is_of_mesh or factor[3] < 1 or extras.get("alpha_mode") == "BLEND":
+        elif (
+            opacity.texture is not None
+            or opacity.is_of_mesh
+            or factor[3] < 1
+            or extras.get("alpha_mode") == "BLEND"
+        ):
             looks.material["alphaMode"] = "BLEND"
         self._read_changing_base(looks, color, opacity)
 
@@ -118,7 +123,11 @@ class Preview:
                 self.network.say("specularColor that changes over time")
             # KHR_materials_ior's 0 is the index at which the specular colour is all that counts.
             _extend(looks, "KHR_materials_ior", {"ior": 0.0})
-            _extend(looks, "KHR_materials_specular", {"specularColorFactor": [min(max(each, 0.0), 1.0) for each in color]})
+            _extend(
+                looks,
+                "KHR_materials_specular",
+                {"specularColorFactor": [min(max(each, 0.0), 1.0) for each in color]},
+            )
             return
         index = max(self.network.number("ior"), 1.0)
         if index == 1:
@@ -133,7 +142,8 @@ class Preview:
             self.network.say("a clearcoat that changes over time")
         if coat.texture is None and coat.numbers[0] <= 0:
             return
-        # The extension has red for the one and green for the other, in textures of their own that may be the same.
+        # The extension has red for the one and green for the other, in textures of their own
+        # that may be the same.
         factors, texture = self.bakery.shares({0: coat, 1: rough})
         values: dict = {"clearcoatFactor": factors[0], "clearcoatRoughnessFactor": factors[1]}
         if texture is not None:

@@ -1,4 +1,5 @@
-"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite and fits the mesh."""
+"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite
+and fits the mesh."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ UPWARD, FROM_TOP = np.array([1, -1]), np.array([0, 1])
 
 @dataclass(frozen=True)
 class Stream:
-    """Values by their glTF name: a row for each point (`vertex`, `varying`), corner, face (`uniform`), or one."""
+    """Values by their glTF name: a row for each point (`vertex`, `varying`), corner, face
+    (`uniform`), or one."""
 
     name: str
     values: np.ndarray
@@ -60,7 +62,9 @@ class Primvars:
             found = self.fit("NORMAL", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), 3)
         else:
             gprim = UsdGeom.PointBased(self.prim)
-            found = self.fit("NORMAL", value_of(gprim.GetNormalsAttr(), self.code), gprim.GetNormalsInterpolation(), 3)
+            found = self.fit(
+                "NORMAL", value_of(gprim.GetNormalsAttr(), self.code), gprim.GetNormalsInterpolation(), 3
+            )
         if found is None:
             return None
         lengths = np.linalg.norm(found.values, axis=1)
@@ -70,14 +74,25 @@ class Primvars:
 
     def coordinates(self) -> tuple[list[Stream], list[str]]:
         """Texture coordinates, and what they are called here."""
-        chosen = [primvar for primvar in self.api.GetPrimvarsWithValues() if primvar.GetTypeName() in COORDINATES]
-        chosen.sort(key=lambda primvar: (primvar.GetPrimvarName() not in FIRST_LAYERS, primvar.GetPrimvarName()))
+        chosen = [
+            primvar for primvar in self.api.GetPrimvarsWithValues() if primvar.GetTypeName() in COORDINATES
+        ]
+        chosen.sort(
+            key=lambda primvar: (primvar.GetPrimvarName() not in FIRST_LAYERS, primvar.GetPrimvarName())
+        )
         streams, names = [], []
         for primvar in chosen[:MOST_LAYERS]:
             width = 3 if "3" in str(primvar.GetTypeName()) else 2
-            found = self.fit(f"TEXCOORD_{len(names)}", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), width)
+            found = self.fit(
+                f"TEXCOORD_{len(names)}",
+                primvar.ComputeFlattened(self.code),
+                primvar.GetInterpolation(),
+                width,
+            )
             if found is not None:
-                streams.append(Stream(found.name, found.values[:, :2] * UPWARD + FROM_TOP, found.interpolation))
+                streams.append(
+                    Stream(found.name, found.values[:, :2] * UPWARD + FROM_TOP, found.interpolation)
+                )
                 names.append(primvar.GetPrimvarName())
         return streams, names
 

@@ -12,13 +12,20 @@ from .places import codes_of
 from .source import Source
 
 
-def read_properties(prim: Usd.Prim, source: Source) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
-    """Properties `sunfleck...` by name and field, and of those that change, by `name.field`, codes and rows."""
+def read_properties(
+    prim: Usd.Prim, source: Source
+) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
+    """Properties `sunfleck...` by name and field, and of those that change, by
+    `name.field`, codes and rows."""
     found: dict[str, dict] = {}
     carried = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace(SPACE.rstrip(":")):
         name, _, field = attribute.GetName().removeprefix(SPACE).partition(":")
-        if not attribute.GetName().startswith(f"{SPACE}sunfleck") or not field or not isinstance(attribute, Usd.Attribute):
+        if (
+            not attribute.GetName().startswith(f"{SPACE}sunfleck")
+            or not field
+            or not isinstance(attribute, Usd.Attribute)
+        ):
             continue
         value = _plain(attribute.Get(source.first))
         if value is None:

@@ -10,7 +10,8 @@ def different_rows(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)
     mixed = np.zeros(len(rows), np.uint64)
     for column in bits.T:
-        # Multiplied by the fraction of the golden ratio; to fold the high bits down makes them count (Knuth 6.4).
+        # Multiplied by the fraction of the golden ratio; to fold the high bits down makes
+        # them count (Knuth 6.4).
         mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
         mixed ^= mixed >> np.uint64(29)
     _, first, number = np.unique(mixed, return_index=True, return_inverse=True)

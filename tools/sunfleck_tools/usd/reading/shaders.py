@@ -1,8 +1,8 @@
 """Surface shaders whose inputs are known by name, in the words of UsdPreviewSurface.
 
-UsdPreviewSurface is read as it is. Of the others colour, roughness, metal, emission, opacity and coat are taken, which is an
-approximation that is said. Sources: the specifications of UsdPreviewSurface 2.6, Autodesk's Standard Surface 1.0, OpenPBR 1.1, and
-MaterialX 1.39 for what its nodes are called.
+UsdPreviewSurface is read as it is. Of the others colour, roughness, metal, emission, opacity and coat are
+taken, which is an approximation that is said. Sources: the specifications of UsdPreviewSurface 2.6,
+Autodesk's Standard Surface 1.0, OpenPBR 1.1, and MaterialX 1.39 for what its nodes are called.
 """
 
 from __future__ import annotations

@@ -51,7 +51,8 @@ class Shapes:
 
 @dataclass
 class _Outline:
-    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and attributes of corners."""
+    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and
+    attributes of corners."""
 
     points: np.ndarray
     faces: Faces
@@ -122,7 +123,9 @@ class ShapeReader:
         if finer := outline.finer:
             outline.is_by_point = False
             finest, refined = finer.cage_of_faces, outline.finer_points
-            outline.normals_at = lambda at: smooth_normals(finest, refined if at == code else finer.points(points_at(at)))
+            outline.normals_at = lambda at: smooth_normals(
+                finest, refined if at == code else finer.points(points_at(at))
+            )
         else:
             outline.normals_at = lambda at: outline.spread(Primvars(prim, at, faces, self.lost).normals())
         return outline
@@ -148,7 +151,9 @@ class ShapeReader:
         if self._refiner.depth < LEVELS:
             what = "is refined once" if self._refiner.depth else "is not refined"
             self.lost.add(
-                "usd-subdivision", prim.GetPath(), f"{what}: the stage's subdivision surfaces have too many faces for two levels"
+                "usd-subdivision",
+                prim.GetPath(),
+                f"{what}: the stage's subdivision surfaces have too many faces for two levels",
             )
         return self._refiner.depth > 0
 
@@ -181,7 +186,12 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
 
 def _solid(prim: Usd.Prim, code: float) -> _Outline:
     solid = read_solid(prim, code)
-    outline = _Outline(solid.points, solid.faces, lambda at: read_solid(prim, at).points, lambda at: read_solid(prim, at).normals)
+    outline = _Outline(
+        solid.points,
+        solid.faces,
+        lambda at: read_solid(prim, at).points,
+        lambda at: read_solid(prim, at).normals,
+    )
     outline.is_by_point = False
     return outline
 
@@ -206,7 +216,9 @@ def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None,
     for subset, material in bound.subsets:
         chosen = rows_of(UsdGeom.Subset(subset).GetIndicesAttr(), code, 1, np.int64).ravel()
         if len(chosen) and (chosen.min() < 0 or chosen.max() >= faces):
-            raise SceneError(f"{subset.GetPath()}: indices go from {chosen.min()} to {chosen.max()}, of {faces} faces")
+            raise SceneError(
+                f"{subset.GetPath()}: indices go from {chosen.min()} to {chosen.max()}, of {faces} faces"
+            )
         mask = np.zeros(faces, bool)
         mask[chosen] = True
         left &= ~mask
@@ -214,7 +226,13 @@ def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None,
     return [*found, (bound.material, left)]
 
 
-def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outline: _Outline, material: Usd.Prim | None) -> Shape:
+def _part(
+    points: np.ndarray,
+    corners: np.ndarray,
+    triangles: np.ndarray,
+    outline: _Outline,
+    material: Usd.Prim | None,
+) -> Shape:
     """One material's triangles, with a row for each different corner."""
     is_used = np.zeros(len(corners), bool)
     is_used[triangles[:, :3]] = True
@@ -227,5 +245,15 @@ def _part(points: np.ndarray, corners: np.ndarray, triangles: np.ndarray, outlin
     row_of_corner = np.zeros(len(corners), np.int64)
     row_of_corner[used] = number
     kept = used[first]
-    attributes = {"POSITION": points[corners[kept]], **{name: values[kept] for name, values in outline.rows.items()}}
-    return Shape(attributes, row_of_corner[triangles[:, :3]], corners[kept], material, outline.layers, corner_of_row=kept)
+    attributes = {
+        "POSITION": points[corners[kept]],
+        **{name: values[kept] for name, values in outline.rows.items()},
+    }
+    return Shape(
+        attributes,
+        row_of_corner[triangles[:, :3]],
+        corners[kept],
+        material,
+        outline.layers,
+        corner_of_row=kept,
+    )

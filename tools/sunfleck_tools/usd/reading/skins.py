@@ -1,7 +1,8 @@
 """Skeletons of UsdSkel as skins of glTF; where glTF would not say the same, points that are baked over time.
 
-In: the roots of a stage, and later the meshes below them. Out: joints as nodes below their skeleton, and what ties vertices to them.
-Invariant: a root is carried as skins as a whole or baked as a whole; a skin's vertices are where UsdSkel has them at every sample.
+In: the roots of a stage, and later the meshes below them. Out: joints as nodes below their skeleton, and what
+ties vertices to them. Invariant: a root is carried as skins as a whole or baked as a whole; a skin's vertices
+are where UsdSkel has them at every sample.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 @dataclass
 class _Tied:
-    """A mesh on a skeleton: joints (a row of the skeleton's numbers a point), their weights, and what moves points before joints do."""
+    """A mesh on a skeleton: joints (a row of the skeleton's numbers a point), their weights, and what moves
+    points before joints do."""
 
     skeleton: UsdSkel.SkeletonQuery
     joints: np.ndarray
@@ -53,14 +55,17 @@ class Skins:
         self._bones: dict[str, _Bones] = {}
 
     def prepare(self) -> None:
-        """Finds what can be skins; the other skeletons and blend shapes become points over time, in the session's layer."""
+        """Finds what can be skins; the other skeletons and blend shapes become points over time, in
+        the session's layer."""
         stage = self.source.stage
         session = stage.GetSessionLayer()
         # Else time codes would be scaled from one layer to the other.
         session.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
         stage.SetEditTarget(session)
         for prim in list(stage.Traverse()):
-            if prim.IsInstance() and any(each.IsA(UsdSkel.Root) for each in Usd.PrimRange(prim.GetPrototype())):
+            if prim.IsInstance() and any(
+                each.IsA(UsdSkel.Root) for each in Usd.PrimRange(prim.GetPrototype())
+            ):
                 prim.SetInstanceable(False)
         prims = list(stage.Traverse())
         # A prototype stands in many places, and its joints would have to stand with it.
@@ -90,7 +95,10 @@ class Skins:
         key = tuple(map(tuple, tied.skeleton_from_mesh))
         if key not in bones.skins:
             # A matrix of USD, for rows, has its numbers in the order of glTF's, for columns.
-            matrices = [tied.skeleton_from_mesh * bind.GetInverse() for bind in tied.skeleton.GetJointWorldBindTransforms()]
+            matrices = [
+                tied.skeleton_from_mesh * bind.GetInverse()
+                for bind in tied.skeleton.GetJointWorldBindTransforms()
+            ]
             inverse = self.nodes.writer.floats(np.array(matrices, float).reshape(-1, 16))
             bones.skins[key] = self.nodes.writer.add("skins", {"inverseBindMatrices": inverse})
         return bones.skins[key]
@@ -108,13 +116,21 @@ class Skins:
     def _joints(self, bones: _Bones) -> list[int]:
         query = bones.query
         animation = UsdSkel.Animation(query.GetAnimQuery().GetPrim()) if query.GetAnimQuery() else None
-        moving = [animation.GetTranslationsAttr(), animation.GetRotationsAttr(), animation.GetScalesAttr()] if animation else []
+        moving = (
+            [animation.GetTranslationsAttr(), animation.GetRotationsAttr(), animation.GetScalesAttr()]
+            if animation
+            else []
+        )
         codes = codes_of(moving, self.source.codes)
         # code, joint: parents from joints
-        locals_ = np.array([query.ComputeJointLocalTransforms(Usd.TimeCode(code)) for code in codes.tolist()], float)
+        locals_ = np.array(
+            [query.ComputeJointLocalTransforms(Usd.TimeCode(code)) for code in codes.tolist()], float
+        )
         locals_ = locals_.reshape(len(codes), -1, 4, 4).transpose(1, 0, 3, 2)
         found: list[int] = []
-        for name, parent, matrices in zip(query.GetJointOrder(), query.GetTopology().GetParentIndices(), locals_):
+        for name, parent, matrices in zip(
+            query.GetJointOrder(), query.GetTopology().GetParentIndices(), locals_
+        ):
             node = self.nodes.add(name.rpartition("/")[2], bones.node if parent < 0 else found[parent])
             found.append(self.nodes.place(node, codes, matrices))
         return found
@@ -146,7 +162,9 @@ def _tied(root: UsdSkel.Root, query: UsdSkel.SkeletonQuery, target: UsdSkel.Skin
         return None
     try:
         influences = target.ComputeVaryingJointInfluences(len(UsdGeom.Mesh(prim).GetPointsAttr().Get()))
-        joints, weights = (np.array(each).reshape(-1, target.GetNumInfluencesPerComponent()) for each in influences)
+        joints, weights = (
+            np.array(each).reshape(-1, target.GetNumInfluencesPerComponent()) for each in influences
+        )
     except UNREADABLE:
         return None
     names = list(query.GetJointOrder())
@@ -166,13 +184,23 @@ def _is_still_mesh(prim: Usd.Prim) -> bool:
     if not prim.IsA(UsdGeom.Mesh) or prim.IsInstanceProxy():
         return False
     mesh = UsdGeom.Mesh(prim)
-    attributes = (mesh.GetPointsAttr(), mesh.GetNormalsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+    attributes = (
+        mesh.GetPointsAttr(),
+        mesh.GetNormalsAttr(),
+        mesh.GetFaceVertexCountsAttr(),
+        mesh.GetFaceVertexIndicesAttr(),
+    )
     is_flat = mesh.GetSubdivisionSchemeAttr().Get() == UsdGeom.Tokens.none
     return is_flat and not any(attribute.ValueMightBeTimeVarying() for attribute in attributes)
 
 
 def _is_whole(joints: np.ndarray, weights: np.ndarray, count: int) -> bool:
-    if not joints.size or joints.shape != weights.shape or joints.min() < 0 or joints.max() >= min(count, 1 << 16):
+    if (
+        not joints.size
+        or joints.shape != weights.shape
+        or joints.min() < 0
+        or joints.max() >= min(count, 1 << 16)
+    ):
         return False
     return bool((weights >= 0).all() and (np.abs(weights.sum(axis=1) - 1) <= SUM_TOLERANCE).all())
 

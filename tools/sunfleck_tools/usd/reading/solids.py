@@ -1,6 +1,7 @@
 """Spheres, cubes, cylinders, cones, capsules and planes as faces.
 
-In: a prim of one of `SOLIDS`. Out: points, faces and normals. Invariant: a solid has the same faces at every time.
+In: a prim of one of `SOLIDS`. Out: points, faces and normals. Invariant: a solid has the same
+faces at every time.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ AROUND = 48
 ALONG = 24
 """Faces from pole to pole."""
 TURNS = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}
-"""Where x, y and z come from if that axis takes the place of z; their order goes round, so fronts stay fronts."""
+"""Where x, y and z come from if that axis takes the place of z; their order goes round, so
+fronts stay fronts."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,8 @@ class Solid:
 
 @dataclass(frozen=True)
 class _Profile:
-    """What is turned about z: radius and height of its points from below, their normals, which of its ends are on the axis."""
+    """What is turned about z: radius and height of its points from below, their normals, which of its
+    ends are on the axis."""
 
     places: np.ndarray
     normals: np.ndarray
@@ -98,14 +101,17 @@ def _cap(radius: float, height: float) -> _Profile:
 def _turned(profile: _Profile) -> Solid:
     angles = 2 * np.pi * np.arange(AROUND) / AROUND
     rings = len(profile.places)
-    # The points of a pole are those of the faces that meet there, and have the normals of the middles of those.
+    # The points of a pole are those of the faces that meet there, and have the normals of
+    # the middles of those.
     turns = np.tile(angles, (rings, 1))
     turns[0] += np.pi / AROUND * profile.starts_at_pole
     turns[-1] += np.pi / AROUND * profile.ends_at_pole
 
     def spun(values: np.ndarray) -> np.ndarray:
         outward, up = values[:, :1], values[:, 1:]
-        return np.stack([outward * np.cos(turns), outward * np.sin(turns), up + 0 * turns], axis=2).reshape(-1, 3)
+        return np.stack([outward * np.cos(turns), outward * np.sin(turns), up + 0 * turns], axis=2).reshape(
+            -1, 3
+        )
 
     at = np.arange(rings * AROUND).reshape(rings, AROUND)
     beside = np.roll(at, -1, axis=1)
@@ -127,7 +133,11 @@ def _joined(solids: list[Solid]) -> Solid:
     starts = np.cumsum([0] + [len(each.points) for each in solids])
     corners = np.concatenate([each.faces.corners + start for each, start in zip(solids, starts)])
     faces = Faces(np.concatenate([each.faces.counts for each in solids]), corners, np.zeros(0, np.int64))
-    return Solid(np.concatenate([each.points for each in solids]), faces, np.concatenate([each.normals for each in solids]))
+    return Solid(
+        np.concatenate([each.points for each in solids]),
+        faces,
+        np.concatenate([each.normals for each in solids]),
+    )
 
 
 def _cube(size: float) -> Solid:
@@ -148,4 +158,6 @@ def _plane(width: float, length: float, axis: str) -> Solid:
     points[:, along] = 0.5 * length * np.array([-1, -1, 1, 1])
     order = [0, 1, 2, 3] if axis == "Z" else [3, 2, 1, 0]
     normal = np.eye(3)["XYZ".index(axis)]
-    return Solid(points, Faces(np.array([4]), np.array(order), np.zeros(0, np.int64)), np.tile(normal, (4, 1)))
+    return Solid(
+        points, Faces(np.array([4]), np.array(order), np.zeros(0, np.int64)), np.tile(normal, (4, 1))
+    )

@@ -23,7 +23,12 @@ from .options import ImportOptions
 MOST_NAMED = 10
 """Of errors of one kind."""
 ENDLESS = (Pcp.ErrorArcCycle, Pcp.ErrorSublayerCycle, Pcp.ErrorCapacityExceeded)
-MISSING = (Pcp.ErrorInvalidAssetPath, Pcp.ErrorInvalidSublayerPath, Pcp.ErrorUnresolvedPrimPath, Pcp.ErrorMutedAssetPath)
+MISSING = (
+    Pcp.ErrorInvalidAssetPath,
+    Pcp.ErrorInvalidSublayerPath,
+    Pcp.ErrorUnresolvedPrimPath,
+    Pcp.ErrorMutedAssetPath,
+)
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,8 @@ class Source:
 
 @contextmanager
 def usd_said(path: Path) -> Iterator[None]:
-    """Has USD's errors about a file raised as `SceneError`, and nothing printed: what matters is said once, by us."""
+    """Has USD's errors about a file raised as `SceneError`, and nothing printed: what matters is
+    said once, by us."""
     silenced = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield
@@ -94,11 +100,21 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     said = stage.GetRootLayer().documentation
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
     is_for = ours.get("for") if isinstance(ours, dict) else None
-    return Source(path, stage, fps, codes_per_second, codes, said.startswith("Blender v"), bool(ours), is_for == "blender")
+    return Source(
+        path,
+        stage,
+        fps,
+        codes_per_second,
+        codes,
+        said.startswith("Blender v"),
+        bool(ours),
+        is_for == "blender",
+    )
 
 
 def _metres(stage: Usd.Stage) -> float:
-    """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit` takes for an error."""
+    """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit`
+    takes for an error."""
     return float(stage.GetMetadata(UsdGeom.Tokens.metersPerUnit))
 
 
@@ -111,13 +127,17 @@ def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice:
         raise SceneError(f"{path}: {prim_path} has no variant set `{set_name}`; it has {there}")
     choices = sets.GetVariantSet(set_name).GetVariantNames()
     if choice not in choices:
-        raise SceneError(f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has {', '.join(choices)}")
+        raise SceneError(
+            f"{path}: the variant set `{set_name}` of {prim_path} has no `{choice}`; it has "
+            f"{', '.join(choices)}"
+        )
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         sets.GetVariantSet(set_name).SetVariantSelection(choice)
 
 
 def _masked(path: Path, stage: Usd.Stage, masks: tuple[str, ...]) -> Usd.Stage:
-    """The same stage with nothing but what is at some paths, and what that refers to: materials, skeletons, prototypes."""
+    """The same stage with nothing but what is at some paths, and what that refers to: materials,
+    skeletons, prototypes."""
     mask = Usd.StagePopulationMask([_prim(path, stage, each).GetPath() for each in masks])
     masked = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), mask)
     masked.ExpandPopulationMask()

@@ -22,7 +22,8 @@ BEFORE_THE_NEXT = 1e-3
 
 @dataclass(frozen=True)
 class Span:
-    """Codes at which points are written (one if they stay), the code of what does not move, and from when until when it is.
+    """Codes at which points are written (one if they stay), the code of what does not move, and from
+    when until when it is.
 
     `points_at` is for points that move by velocities; None for those that move by their samples.
     """
@@ -62,7 +63,10 @@ def _changes(attributes: list[Usd.Attribute], source: Source) -> list[float]:
     varying = [attribute for attribute in faces if attribute.ValueMightBeTimeVarying()]
     starts, before = [], None
     for code in sorted({first, *(code for code in samples if first < code <= last)}):
-        here = (len(points.Get(code) or ()), *(np.array(attribute.Get(code)).tobytes() for attribute in varying))
+        here = (
+            len(points.Get(code) or ()),
+            *(np.array(attribute.Get(code)).tobytes() for attribute in varying),
+        )
         if here != before:
             starts.append(code if starts else -math.inf)
         before = here
@@ -79,6 +83,8 @@ def _span(mesh: UsdGeom.Mesh, codes: np.ndarray, start: float, end: float, sourc
     last = min(end, codes[-1] + frame) - BEFORE_THE_NEXT * frame
 
     def points_at(code: float) -> np.ndarray:
-        return np.array(mesh.ComputePointsAtTime(Usd.TimeCode(code), Usd.TimeCode(code)), float).reshape(-1, 3)
+        return np.array(mesh.ComputePointsAtTime(Usd.TimeCode(code), Usd.TimeCode(code)), float).reshape(
+            -1, 3
+        )
 
     return Span(np.union1d(inside, [rests_at, last]), rests_at, start, end, points_at)

@@ -1,8 +1,9 @@
 """Subdivision surfaces, refined level by level.
 
-Catmull and Clark 1978, Loop 1987; creases that are sharp for some levels by DeRose, Kass and Truong 1998 ("Subdivision surfaces in
-character animation"). Where those leave a choice, it is made as OpenSubdiv makes it, which renderers of USD have: creases decay
-uniformly, edges of more than two faces are sharp. Invariant: what is refined is a mean of what was there; weights add up to 1.
+Catmull and Clark 1978, Loop 1987; creases that are sharp for some levels by DeRose, Kass and Truong 1998
+("Subdivision surfaces in character animation"). Where those leave a choice, it is made as OpenSubdiv makes
+it, which renderers of USD have: creases decay uniformly, edges of more than two faces are sharp. Invariant:
+what is refined is a mean of what was there; weights add up to 1.
 """
 
 from __future__ import annotations
@@ -15,14 +16,16 @@ import numpy as np
 SHARPEST = 10.0
 """What is as sharp stays sharp at every level (OpenSubdiv's SHARPNESS_INFINITE)."""
 SMOOTH_TRIANGLE = 0.470
-"""Weight of a triangle's centre by the rule `smooth` (Stam and Loop 2003, as in OpenSubdiv); a quad's is 1/4."""
+"""Weight of a triangle's centre by the rule `smooth` (Stam and Loop 2003, as in
+OpenSubdiv); a quad's is 1/4."""
 
 
 @dataclass(frozen=True)
 class Cage:
     """Faces that are to be refined: corners a face, vertices of the corners, and what is sharp.
 
-    `crease_ends` are pairs of vertices, `crease_sharpness` a number for each; `vertex_sharpness` is a number for each vertex.
+    `crease_ends` are pairs of vertices, `crease_sharpness` a number for each; `vertex_sharpness` is a
+    number for each vertex.
     """
 
     counts: np.ndarray
@@ -67,7 +70,9 @@ class Cage:
         """Edges, each once."""
         starts, ends = self.corners, self.corners[self.next_corner]
         keys, of_corner, faces = np.unique(
-            np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends), return_inverse=True, return_counts=True
+            np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends),
+            return_inverse=True,
+            return_counts=True,
         )
         sharpness = np.zeros(len(keys))
         if len(self.crease_ends):
@@ -87,13 +92,20 @@ class Cage:
         """The same, where chosen vertices stay where they are."""
         sharp = np.where(chosen, np.inf, self.vertex_sharpness)
         return Cage(
-            self.counts, self.corners, self.crease_ends, self.crease_sharpness, sharp, self.is_loop, self.smooth_triangles
+            self.counts,
+            self.corners,
+            self.crease_ends,
+            self.crease_sharpness,
+            sharp,
+            self.is_loop,
+            self.smooth_triangles,
         )
 
 
 @dataclass(frozen=True)
 class Edges:
-    """For each edge: its two vertices, how many faces have it, its sharpness; for each corner the edge to the next one."""
+    """For each edge: its two vertices, how many faces have it, its sharpness; for each corner the
+    edge to the next one."""
 
     ends: np.ndarray
     of_corner: np.ndarray
@@ -125,7 +137,8 @@ class Refinement:
         self.edge_by_middle = 1 - 2 * self.edge_by_face
 
     def _weigh_vertices(self) -> None:
-        """What of itself, of the other ends of its edges and of the centres about it makes a vertex's new place."""
+        """What of itself, of the other ends of its edges and of the centres about it makes a
+        vertex's new place."""
         edges, sharpness = self.cage.edges, self.cage.vertex_sharpness
         before = self._rule(edges.sharpness, sharpness)
         after = self._rule(edges.sharpness - 1, sharpness - 1)
@@ -146,7 +159,8 @@ class Refinement:
         return np.bincount(self.cage.edges.ends.ravel(), values.ravel(), self.cage.vertices)
 
     def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> _Rule:
-        """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong 1998, section 3)."""
+        """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong
+        1998, section 3)."""
         is_sharp = np.repeat((edge_sharpness > 0)[:, None], 2, axis=1)
         sharp = self._at_ends(is_sharp)
         valence = self._at_ends(np.ones_like(is_sharp))
@@ -159,11 +173,16 @@ class Refinement:
             smooth = 1 / n**2
             own, by_face = 1 - 2 / n, smooth
         kind_at_end = kind[self.cage.edges.ends]
-        by_end = np.where(kind_at_end == 0, smooth[self.cage.edges.ends], np.where((kind_at_end == 1) & is_sharp, 0.125, 0.0))
+        by_end = np.where(
+            kind_at_end == 0,
+            smooth[self.cage.edges.ends],
+            np.where((kind_at_end == 1) & is_sharp, 0.125, 0.0),
+        )
         return _Rule(kind, np.choose(kind, [own, 0.75, 1.0]), by_end, np.where(kind == 0, by_face, 0.0))
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
-        """Values of vertices, refined by the scheme's rules: positions, and primvars of interpolation `vertex`."""
+        """Values of vertices, refined by the scheme's rules: positions, and primvars of
+        interpolation `vertex`."""
         cage, edges = self.cage, self.cage.edges
         centers = self._centers(values)
         about = centers[cage.face_of_corner]
@@ -188,7 +207,9 @@ class Refinement:
     @property
     def parents(self) -> np.ndarray:
         """The face of the cage that each finer face is of."""
-        return np.repeat(np.arange(len(self.cage.counts)), 4) if self.cage.is_loop else self.cage.face_of_corner
+        return (
+            np.repeat(np.arange(len(self.cage.counts)), 4) if self.cage.is_loop else self.cage.face_of_corner
+        )
 
     @cached_property
     def finer(self) -> Cage:
@@ -205,11 +226,21 @@ class Refinement:
             corners = np.stack([cage.corners, at_edge, centers, before], axis=1)
         left = edges.sharpness - 1
         kept = np.nonzero(left > 0)[0]
-        halves = np.stack([edges.ends[kept], np.repeat(cage.vertices + kept[:, None], 2, axis=1)], axis=2).reshape(-1, 2)
+        halves = np.stack(
+            [edges.ends[kept], np.repeat(cage.vertices + kept[:, None], 2, axis=1)], axis=2
+        ).reshape(-1, 2)
         added = len(edges.ends) + (0 if cage.is_loop else len(cage.counts))
         sharp = np.concatenate([np.maximum(cage.vertex_sharpness - 1, 0), np.zeros(added)])
         counts = np.full(len(corners), corners.shape[1])
-        return Cage(counts, corners.ravel(), halves, np.repeat(left[kept], 2), sharp, cage.is_loop, cage.smooth_triangles)
+        return Cage(
+            counts,
+            corners.ravel(),
+            halves,
+            np.repeat(left[kept], 2),
+            sharp,
+            cage.is_loop,
+            cage.smooth_triangles,
+        )
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,5 @@
-"""Materials of a stage to those of glTF. Invariant: each is written once for each order of texture coordinates."""
+"""Materials of a stage to those of glTF. Invariant: each is written once for each order of
+texture coordinates."""
 
 from __future__ import annotations
 
@@ -37,9 +38,14 @@ class Surfaces:
         self._known: dict[str, int] = {}
 
     def number(
-        self, prim: Usd.Prim | None, layers: list[str], colors: np.ndarray | None = None, glow: tuple[float, ...] | None = None
+        self,
+        prim: Usd.Prim | None,
+        layers: list[str],
+        colors: np.ndarray | None = None,
+        glow: tuple[float, ...] | None = None,
     ) -> int | None:
-        """The glTF material of a material of the stage; without one, of a mesh's own `colors` (rows of RGB or RGBA).
+        """The glTF material of a material of the stage; without one, of a mesh's own `colors`
+        (rows of RGB or RGBA).
 
         `glow` is the radiance of a mesh that is a light.
         """
@@ -77,12 +83,17 @@ class Surfaces:
             what = "is approximated by colour, roughness, metal, emission, opacity and coat"
             self.lost.add("usd-material-approximated", prim.GetPath(), f"its surface `{kind}` {what}")
         material = UsdShade.Material(prim)
-        for what, source in (("volume", material.ComputeVolumeSource()), ("displacement", material.ComputeDisplacementSource())):
+        for what, source in (
+            ("volume", material.ComputeVolumeSource()),
+            ("displacement", material.ComputeDisplacementSource()),
+        ):
             if source[0]:
                 self.lost.add("usd-material-input", prim.GetPath(), f"its {what} is not carried")
         network = Network(shader, dialect, self.textures, layers)
         Preview(network, self.bakery, self.source.codes).read(looks, extras if dialect is PREVIEW else {})
-        _keep_shares(looks.material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material"))
+        _keep_shares(
+            looks.material["pbrMetallicRoughness"]["baseColorFactor"], extras.get("sunfleck_material")
+        )
         return looks
 
 
@@ -97,7 +108,8 @@ def _unbound(colors: np.ndarray | None) -> Looks:
 
 
 def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
-    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light (`materialSyncMode`)."""
+    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light
+    (`materialSyncMode`)."""
     material = looks.material
     shines = "emissiveFactor" in material or "emissiveTexture" in material
     if glow is None or shines or max(glow) <= 0:
@@ -105,7 +117,9 @@ def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
     strength = max(*glow, 1.0)
     material["emissiveFactor"] = [each / strength for each in glow]
     if strength > 1:
-        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": strength}
+        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {
+            "emissiveStrength": strength
+        }
     return looks
 
 
@@ -117,15 +131,21 @@ def _keep(material: dict, extras: dict) -> None:
     for name in NOT_CARRIED:
         # Textures of them have numbers of another file.
         said = extras.get(name)
-        numbers = {key: value for key, value in said.items() if not isinstance(value, dict)} if isinstance(said, dict) else {}
+        numbers = (
+            {key: value for key, value in said.items() if not isinstance(value, dict)}
+            if isinstance(said, dict)
+            else {}
+        )
         if numbers:
             material.setdefault("extensions", {})[name] = numbers
 
 
 def _keep_shares(base: list[float], ours: object) -> None:
-    """Rounds a base colour down so far that it does not add up to more than 1 with the other shares of the light.
+    """Rounds a base colour down so far that it does not add up to more than 1 with the other
+    shares of the light.
 
-    A stage has colours in single precision, and custom data in double: what added up to 1 may have come to lie above it.
+    A stage has colours in single precision, and custom data in double: what added up to 1 may have
+    come to lie above it.
     """
     others = [ours[name] for name in OTHER_SHARES if name in ours] if isinstance(ours, dict) else []
     for channel in range(3):

@@ -1,7 +1,8 @@
 """Files of textures to texels, and back to PNG.
 
-In go bytes of PNG, JPEG, TGA, WebP, TIFF, BMP or OpenEXR, out come rows of red, green, blue and alpha. Invariant: nothing is decoded
-whose head claims more than it may; whatever else is wrong with a file is a `PictureError` in words.
+In go bytes of PNG, JPEG, TGA, WebP, TIFF, BMP or OpenEXR, out come rows of red, green, blue and alpha.
+Invariant: nothing is decoded whose head claims more than it may; whatever else is wrong with a file is a
+`PictureError` in words.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ class PictureError(Exception):
 
 @dataclass(frozen=True)
 class Picture:
-    """A file, and what its head says: format as Pillow names it (or `EXR`), width and height, channels, bits of each."""
+    """A file, and what its head says: format as Pillow names it (or `EXR`), width and height,
+    channels, bits of each."""
 
     path: str
     data: bytes
@@ -51,7 +53,8 @@ class Picture:
     is_carried: bool
 
     def texels(self, size: tuple[int, int], is_srgb: bool) -> np.ndarray:
-        """Rows of linear RGBA at a width and height: 0 to 1 of whole numbers, anything of floats. Raises `PictureError`."""
+        """Rows of linear RGBA at a width and height: 0 to 1 of whole numbers, anything of floats.
+        Raises `PictureError`."""
         found = _exr_texels(self.data) if self.form == "EXR" else _pillow_texels(self.data, size)
         if found.dtype == np.uint8:
             # There are but 256 of them: a look into a table for each texel.
@@ -76,7 +79,9 @@ def open_picture(resolved: str) -> Picture:
 
 def _checked(size: tuple[int, int], most: int) -> tuple[int, int]:
     if min(size) < 1 or size[0] * size[1] > most:
-        raise PictureError(f"claims {size[0]} x {size[1]} texels, and {most} are read at most: make it smaller")
+        raise PictureError(
+            f"claims {size[0]} x {size[1]} texels, and {most} are read at most: make it smaller"
+        )
     return size
 
 
@@ -88,7 +93,9 @@ def _exr_head(resolved: str, data: bytes) -> Picture:
     if fault := claims_too_much(headers, len(data)):
         raise PictureError(fault)
     header = headers[0]
-    return Picture(resolved, data, "EXR", _checked(header.size, MOST_FLOATS), min(len(header.channels), 4), 32, False)
+    return Picture(
+        resolved, data, "EXR", _checked(header.size, MOST_FLOATS), min(len(header.channels), 4), 32, False
+    )
 
 
 def _exr_texels(data: bytes) -> np.ndarray:
@@ -108,10 +115,24 @@ def _exr_texels(data: bytes) -> np.ndarray:
 
 def _pillow_head(resolved: str, data: bytes) -> Picture:
     with _opened(data) as image:
-        channels = 4 if image.has_transparency_data and image.mode == "P" else 3 if image.mode == "P" else len(image.getbands())
-        bits = 16 if image.mode.startswith("I") or (image.format == "PNG" and data[24] == 16) else 32 if image.mode == "F" else 8
+        channels = (
+            4
+            if image.has_transparency_data and image.mode == "P"
+            else 3
+            if image.mode == "P"
+            else len(image.getbands())
+        )
+        bits = (
+            16
+            if image.mode.startswith("I") or (image.format == "PNG" and data[24] == 16)
+            else 32
+            if image.mode == "F"
+            else 8
+        )
         is_carried = image.format in CARRIED and image.mode in CARRIED_MODES
-        picture = Picture(resolved, data, image.format, _checked(image.size, MOST_TEXELS), channels, bits, is_carried)
+        picture = Picture(
+            resolved, data, image.format, _checked(image.size, MOST_TEXELS), channels, bits, is_carried
+        )
     if is_carried:
         _verify(data)
     return picture
@@ -155,7 +176,9 @@ class _opened:
                 warnings.simplefilter("ignore")
                 self.image = Image.open(io.BytesIO(self.data), formats=TAKEN)
         except Image.DecompressionBombError:
-            raise PictureError(f"claims more texels than the {MOST_TEXELS} that are read at most: make it smaller") from None
+            raise PictureError(
+                f"claims more texels than the {MOST_TEXELS} that are read at most: make it smaller"
+            ) from None
         except Image.UnidentifiedImageError:
             raise PictureError(f"is none of OpenEXR, {', '.join(TAKEN)}: convert it") from None
         except (OSError, SyntaxError, ValueError) as error:
@@ -170,19 +193,27 @@ class _opened:
 
 def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
     """IEC 61966-2-1."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4)
+    return np.where(
+        encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4
+    )
 
 
 def resized(texels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Texels at another width and height: averages where there are fewer, straight lines where there are more."""
+    """Texels at another width and height: averages where there are fewer, straight lines
+    where there are more."""
     if (texels.shape[1], texels.shape[0]) == size:
         return texels
-    planes = [Image.fromarray(np.ascontiguousarray(texels[..., channel], np.float32)) for channel in range(texels.shape[2])]
+    planes = [
+        Image.fromarray(np.ascontiguousarray(texels[..., channel], np.float32))
+        for channel in range(texels.shape[2])
+    ]
     return np.stack([np.asarray(plane.resize(size, Image.Resampling.BILINEAR)) for plane in planes], axis=-1)
 
 
 def png(texels: np.ndarray) -> bytes:
     """RGB or RGBA from 0 to 1, to the nearest of 256 steps."""
     file = io.BytesIO()
-    Image.fromarray(np.round(np.clip(texels, 0, 1) * 255).astype(np.uint8)).save(file, "PNG", compress_level=QUICKLY)
+    Image.fromarray(np.round(np.clip(texels, 0, 1) * 255).astype(np.uint8)).save(
+        file, "PNG", compress_level=QUICKLY
+    )
     return file.getvalue()

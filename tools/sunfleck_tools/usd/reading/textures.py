@@ -1,4 +1,5 @@
-"""Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a `Texture` has a file that opens."""
+"""Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a
+`Texture` has a file that opens."""
 
 from __future__ import annotations
 
@@ -20,13 +21,20 @@ FIRST_TILE = 1001
 MOVES = {"rotation": 0.0, "scale": (1.0, 1.0), "translation": (0.0, 0.0)}
 """Inputs of UsdTransform2d, and what they are by themselves."""
 UDIM_COLUMNS = 10
-READERS = {"UsdUVTexture": "file", "ND_UsdUVTexture": "file", "ND_UsdUVTexture_23": "file", "arnold:image": "filename"}
-"""Nodes that read a file, and the input that names it; those of MaterialX begin with `ND_image` or `ND_tiledimage`."""
+READERS = {
+    "UsdUVTexture": "file",
+    "ND_UsdUVTexture": "file",
+    "ND_UsdUVTexture_23": "file",
+    "arnold:image": "filename",
+}
+"""Nodes that read a file, and the input that names it; those of MaterialX begin with `ND_image`
+or `ND_tiledimage`."""
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a texture lies: which set of coordinates, KHR_texture_transform's (offset, rotation, scale), wrapping along each axis."""
+    """Where a texture lies: which set of coordinates, KHR_texture_transform's (offset, rotation, scale),
+    wrapping along each axis."""
 
     layer: int
     moved: tuple[tuple[float, float], float, tuple[float, float]] | None
@@ -35,7 +43,8 @@ class Placement:
 
 @dataclass(frozen=True)
 class Texture:
-    """A node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and what multiplies and is added."""
+    """A node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and what
+    multiplies and is added."""
 
     place: str
     files: tuple[tuple[tuple[int, int], str], ...]
@@ -74,7 +83,14 @@ class Textures:
         space = self._space(shader, producers[0])
         bias = self._numbers(shader, "bias", None)
         scale = self._numbers(shader, "scale", (1.0,) * 4)
-        return Texture(str(shader.GetPath()), tuple(sorted(files.items())), space, scale, bias, self._placement(shader, layers))
+        return Texture(
+            str(shader.GetPath()),
+            tuple(sorted(files.items())),
+            space,
+            scale,
+            bias,
+            self._placement(shader, layers),
+        )
 
     def fallback(self, shader: UsdShade.Shader) -> tuple[float, ...] | None:
         """What stands for a file that cannot be read, if the node says."""
@@ -94,15 +110,23 @@ class Textures:
         """Files that open, by column and row of their tiles; without tiles all is column 0, row 0."""
         value = attribute.Get(self.code)
         if attribute.ValueMightBeTimeVarying():
-            self.lost.add("usd-material-animated", place, "its file changes over time; that of the first frame is taken")
-        named, resolved = (value.path, value.resolvedPath) if isinstance(value, Sdf.AssetPath) else (str(value or ""), "")
+            self.lost.add(
+                "usd-material-animated", place, "its file changes over time; that of the first frame is taken"
+            )
+        named, resolved = (
+            (value.path, value.resolvedPath) if isinstance(value, Sdf.AssetPath) else (str(value or ""), "")
+        )
         layer = attribute.GetPropertyStack(self.code)[0].layer
         if UsdShade.UdimUtils.IsUdimIdentifier(named):
             tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(named, layer)
             listed = {divmod(int(tile) - FIRST_TILE, UDIM_COLUMNS)[::-1]: path for path, tile in tiles}
         else:
             # A text, as some exporters write instead of an asset, counts from its layer too.
-            resolved = resolved or Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(named)).GetPathString() if named else ""
+            resolved = (
+                resolved or Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(named)).GetPathString()
+                if named
+                else ""
+            )
             listed = {(0, 0): resolved}
         found = {tile: path for tile, path in listed.items() if self._opens(path, named, place)}
         if not listed:
@@ -120,14 +144,20 @@ class Textures:
         return self._pictures[resolved] is not None
 
     def _space(self, shader: UsdShade.Shader, attribute: Usd.Attribute) -> str:
-        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than Rec. 709's are said."""
-        names = (str(self._value(shader, "sourceColorSpace", "auto")), str(attribute.GetColorSpace() or "auto"))
+        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than
+        Rec. 709's are said."""
+        names = (
+            str(self._value(shader, "sourceColorSpace", "auto")),
+            str(attribute.GetColorSpace() or "auto"),
+        )
         name = next((name for name in names if name != "auto"), "auto")
         if name.lower().startswith(SRGB):
             return "sRGB"
         if name != "auto" and not name.lower().startswith(LINEAR):
             self.lost.add(
-                "usd-material-input", shader.GetPath(), f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709"
+                "usd-material-input",
+                shader.GetPath(),
+                f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709",
             )
         return "raw" if name != "auto" else "auto"
 
@@ -135,7 +165,9 @@ class Textures:
         """Which coordinates, moved how; layer -1 of a mesh that has none."""
         wraps = [str(self._value(shader, f"wrap{axis}", "repeat")) for axis in "ST"]
         if "black" in wraps:
-            self.lost.add("usd-texture-wrap", shader.GetPath(), "black around a texture is not carried: its edges go on")
+            self.lost.add(
+                "usd-texture-wrap", shader.GetPath(), "black around a texture is not carried: its edges go on"
+            )
         node, moved = _before(shader, "st") or _before(shader, "texcoord"), None
         if node and node.GetIdAttr().Get() == "UsdTransform2d":
             moved, node = self._moved(node), _before(node, "in")
@@ -150,11 +182,16 @@ class Textures:
         return Placement(layer, moved, tuple(WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps))
 
     def _moved(self, shader: UsdShade.Shader) -> tuple | None:
-        """The reverse of what export writes: glTF turns about the upper left corner, USD about the lower left one."""
+        """The reverse of what export writes: glTF turns about the upper left corner, USD about
+        the lower left one."""
         given = {name: self._value(shader, name, rest) for name, rest in MOVES.items()}
         numbers = {name: numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()}
         if None in numbers.values():
-            self.lost.add("usd-material-input", shader.GetPath(), "moves a texture by what are no numbers, and is left out")
+            self.lost.add(
+                "usd-material-input",
+                shader.GetPath(),
+                "moves a texture by what are no numbers, and is left out",
+            )
             return None
         (degrees,), (wide, high), (x, y) = numbers.values()
         angle = math.radians(degrees)

@@ -1,4 +1,5 @@
-"""Polygons to triangles. Invariant: the area of a flat polygon is that of its triangles, also where it is not convex."""
+"""Polygons to triangles. Invariant: the area of a flat polygon is that of its triangles, also where
+it is not convex."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ MOST_KNOWN = 4096
 
 
 def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Triangles as places in `corners`, and in a fourth column their face. `points` are those of the vertices.
+    """Triangles as places in `corners`, and in a fourth column their face. `points` are
+    those of the vertices.
 
     Raises `ValueError` if a face has too many corners.
     """
@@ -49,7 +51,8 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
 
 @lru_cache(maxsize=16)
 def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Faces, places of corners, and fans of so many faces of as many corners each: stages have many meshes of few such sizes."""
+    """Faces, places of corners, and fans of so many faces of as many corners each: stages have many
+    meshes of few such sizes."""
     numbers = np.arange(faces)
     places = numbers[:, None] * count + np.arange(count)
     known = numbers, places, _fans(numbers, places)
@@ -61,7 +64,12 @@ def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 def _fans(faces: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Triangles about the first corner of each face; rows as those of `triangulate`."""
     fans = np.empty((len(places), places.shape[1] - 2, 4), np.int64)
-    fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = places[:, :1], places[:, 1:-1], places[:, 2:], faces[:, None]
+    fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = (
+        places[:, :1],
+        places[:, 1:-1],
+        places[:, 2:],
+        faces[:, None],
+    )
     return fans.reshape(-1, 4)
 
 
@@ -71,7 +79,8 @@ def _following(rows: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The cross products of rows of vectors; numpy's own takes several times as long for a few vectors, of which a stage has many."""
+    """The cross products of rows of vectors; numpy's own takes several times as long for a few vectors, of
+    which a stage has many."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

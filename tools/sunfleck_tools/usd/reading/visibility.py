@@ -1,7 +1,7 @@
 """When a prim is seen: `UsdGeom.Imageable.ComputeVisibility`, over time.
 
-Whatever is invisible hides all below it, so a node says for its children what its prim says for its own. Prims that stand elsewhere
-in glTF than in the stage bring along what their ancestors say.
+Whatever is invisible hides all below it, so a node says for its children what its prim says for its own.
+Prims that stand elsewhere in glTF than in the stage bring along what their ancestors say.
 """
 
 from __future__ import annotations
@@ -35,5 +35,7 @@ def seen(prims: list[Usd.Prim], source: Source) -> tuple[np.ndarray, np.ndarray]
     samples = [code for attribute in attributes for code in attribute.GetTimeSamples()]
     _, last = reach(source.codes)
     codes = np.unique([source.first, *(code for code in samples if source.first < code <= last)])
-    shown = np.array([all(each.Get(code) != UsdGeom.Tokens.invisible for each in attributes) for code in codes.tolist()])
+    shown = np.array(
+        [all(each.Get(code) != UsdGeom.Tokens.invisible for each in attributes) for code in codes.tolist()]
+    )
     return None if shown.all() else (codes, shown)
