@@ -166,10 +166,11 @@ pub struct Statistics {
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
-    /// By how much the grid of indirect light may make the picture wrong, if blocks were judged: root mean square over the picture of twice the
-    /// difference to cells twice as wide, as a share of its mean.
+    /// By how much the grid of indirect light may make the picture wrong, if blocks were judged: root mean
+    /// square over the picture of twice the difference to cells twice as wide, as a share of its mean.
     pub grid_error: Option<f64>,
-    /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated standard error, as a share of its mean.
+    /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated
+    /// standard error, as a share of its mean.
     pub noise: Option<f64>,
 }
 

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// A shape.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Shape {
-    /// A Wavefront OBJ file with its materials; like all files it lies relative to the folder that the program runs in.
+    /// A Wavefront OBJ file with its materials; like all files it lies relative to the folder that
+    /// the program runs in.
     Obj(PathBuf),
     /// A square in the x-z plane, centred, facing +y.
     Quad {

@@ -105,8 +105,8 @@ impl<'scene> Plan<'scene> {
         scanline::draw(&Snapshot::new(scene, self.scene.trees(), self.camera, aspect, shutter), size)
     }
 
-    /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a frame asks for,
-    /// of `size` pixels and `samples` a pixel.
+    /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a
+    /// frame asks for, of `size` pixels and `samples` a pixel.
     pub(crate) fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));

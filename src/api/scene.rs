@@ -101,8 +101,8 @@ impl Scene {
         self.trees.get_or_init(|| MeshTrees::new(&self.resolved))
     }
 
-    /// Writes it as a binary glTF file, whole or not at all: meshes shared, motion as keys over `frames`. Read back, it gives the
-    /// same pictures but for what is returned.
+    /// Writes it as a binary glTF file, whole or not at all: meshes shared, motion as keys over `frames`.
+    /// Read back, it gives the same pictures but for what is returned.
     ///
     /// # Errors
     /// If it does not fit into a glTF file or the disk says no.

@@ -84,7 +84,8 @@ impl Medium {
             .sum()
     }
 
-    /// The same for light that the peaks of phase functions have scattered so many times before, see [`scattered_before`].
+    /// The same for light that the peaks of phase functions have scattered so many times before, see
+    /// [`scattered_before`].
     pub fn scattering_again_at(&self, point: DVec3, cos_deflection: f64, times: f64) -> Rgb {
         self.banks
             .iter()

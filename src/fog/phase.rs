@@ -17,8 +17,9 @@ pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
 
 /// The same of light that was scattered `times` before in the peak that delta-M cuts off, 1/sr.
 ///
-/// Each such scattering leaves harmonics up to l = 3 as they were and takes `g^(l - 3)` of the others, so of the phase function's `g^l` there is
-/// `g^(l + times (l - 3))`: a wider lobe, but for the first three harmonics.
+/// Each such scattering leaves harmonics up to l = 3 as they were and takes `g^(l - 3)` of the
+/// others, so of the phase function's `g^l` there is `g^(l + times (l - 3))`: a wider lobe, but for
+/// the first three harmonics.
 pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
     if g <= EVEN {
         return henyey_greenstein(cos_deflection, g);
@@ -33,8 +34,8 @@ pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
     factor * henyey_greenstein(cos_deflection, wide) + kept.sum::<f64>()
 }
 
-/// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt 1977,
-/// "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
+/// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt
+/// 1977, "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
 pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
     let cos = if g.abs() < EVEN {
         1.0 - 2.0 * u

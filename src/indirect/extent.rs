@@ -1,5 +1,6 @@
-//! Where grids lie and how fine they are. In go a snapshot and what surrounds the camera in it, out come nested grids. Invariant: sides of cells are powers of the
-//! root of two, so they change rarely where bounds move.
+//! Where grids lie and how fine they are. In go a snapshot and what surrounds the camera in it,
+//! out come nested grids. Invariant: sides of cells are powers of the root of two, so they change
+//! rarely where bounds move.
 
 use super::grid::Grid;
 use super::surroundings::Surroundings;
@@ -28,8 +29,9 @@ const FARTHEST: f64 = 1e3;
 /// A box of world space.
 type Bounds = (DVec3, DVec3);
 
-/// About all fog that has bounds and all leaves, without either about everything; then about that, as far as there are things or fog. Cells are `scale` times as wide
-/// as they would be, but no finer than leaves allow. The innermost comes first.
+/// About all fog that has bounds and all leaves, without either about everything; then about that, as far as
+/// there are things or fog. Cells are `scale` times as wide as they would be, but no finer than leaves allow.
+/// The innermost comes first.
 pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f64) -> Vec<Grid> {
     let all = surroundings.bounds(0.0..f64::INFINITY);
     let fog = bounded_fog(snapshot);

@@ -164,7 +164,8 @@ impl Field {
         irradiance
     }
 
-    /// What of suns goes on nearly straight at a place of world space: with its irradiance on a plane that faces it, and how often it was scattered.
+    /// What of suns goes on nearly straight at a place of world space: with its irradiance on a plane that
+    /// faces it, and how often it was scattered.
     pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (&Glow, Rgb, f64)> {
         let field = self.level_at(world);
         let corners = field.walls.occluders.corners(&field.grid, world, world);

@@ -219,7 +219,8 @@ impl FirstLight<'_> {
     }
 }
 
-/// How often light was scattered that was scattered at all, of which there is so much of `all`: a Poisson process (van de Hulst 1980, "Multiple Light Scattering").
+/// How often light was scattered that was scattered at all, of which there is so much of `all`: a Poisson
+/// process (van de Hulst 1980, "Multiple Light Scattering").
 fn mean_times(glow: f32, all: f32) -> f32 {
     let share = if all > 0.0 { (glow / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let depth = -(1.0 - share).ln();

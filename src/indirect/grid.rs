@@ -91,14 +91,16 @@ impl Grid {
         world.cmpge(low).all() && world.cmple(high).all()
     }
 
-    /// How far a place counts as one of this grid, where there is a larger one: 0 from the outermost nodes on, 1 from two cells inside.
+    /// How far a place counts as one of this grid, where there is a larger one: 0 from the outermost nodes
+    /// on, 1 from two cells inside.
     pub(super) fn share(&self, world: DVec3) -> f64 {
         const CELLS: f64 = 2.0;
         let (low, high) = self.bounds();
         ((world - low).min(high - world).min_element() / (CELLS * self.cell_m)).clamp(0.0, 1.0)
     }
 
-    /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies; outside, of the nearest place inside.
+    /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies;
+    /// outside, of the nearest place inside.
     pub(super) fn place(&self, world: DVec3) -> ([usize; 3], DVec3) {
         let along = world / self.cell_m - 0.5 - self.first.as_dvec3();
         let mut lowest = [0; 3];

@@ -1,5 +1,6 @@
-//! What comes into a grid from the one about it. In goes the field of that one, out comes radiance in the cells next to the grid's. Invariant: it is all light of the
-//! larger field, the sky's own among it where fog sees that.
+//! What comes into a grid from the one about it. In goes the field of that one, out comes radiance in
+//! the cells next to the grid's. Invariant: it is all light of the larger field, the sky's own among
+//! it where fog sees that.
 
 use super::grid::Grid;
 use super::harmonics::COUNT;
@@ -31,7 +32,8 @@ impl Halo {
         Self { size, moments: moments.collect() }
     }
 
-    /// Radiance of a channel along a direction of travel, with that one's basis. The grid's first cell is at 0.
+    /// Radiance of a channel along a direction of travel, with that one's basis. The
+    /// grid's first cell is at 0.
     pub(super) fn radiance(&self, place: [i32; 3], channel: usize, basis: &[f32; COUNT]) -> f32 {
         let [x, y, z] = place.map(|index| (index + 1) as usize);
         let moments = &self.moments[x + self.size[0] * (y + self.size[1] * z)][channel];

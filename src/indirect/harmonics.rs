@@ -64,8 +64,10 @@ impl Lobe {
         Self { axis: normal, shares: COSINE_LOBE }
     }
 
-    /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`,
-    /// of which degree l keeps `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq. 27); never less than of a cosine.
+    /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
+    /// are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps
+    /// `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq.
+    /// 27); never less than of a cosine.
     pub(super) fn glossy(mirrored: DVec3, alpha: f64) -> Self {
         let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
         let kept = |degree: f64| (-0.5 * degree * degree / power).exp();

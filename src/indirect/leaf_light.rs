@@ -17,7 +17,8 @@ const NO_LEAF: u32 = u32::MAX;
 
 /// What both sides of leaves get.
 pub(super) struct LeafLight {
-    /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the last they end with it.
+    /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the
+    /// last they end with it.
     starts: Vec<u32>,
     leaf_of: Vec<u32>,
     /// By leaf: its normal, and what comes to its side and to the other.

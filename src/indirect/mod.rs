@@ -62,7 +62,8 @@ impl Indirect {
         Self::on_cells(1.0, snapshot, bounces, aspect, cancelled)
     }
 
-    /// The same on cells of another size, in those that it would have: 2 for coarser, 0.5 for finer ones, though never finer than leaves allow.
+    /// The same on cells of another size, in those that it would have: 2 for coarser, 0.5 for finer ones,
+    /// though never finer than leaves allow.
     pub fn on_cells(
         scale: f64,
         snapshot: &Snapshot,
@@ -84,7 +85,8 @@ impl Indirect {
         self.field.cell_m()
     }
 
-    /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the sky is as bright as a sun, whose shadows have borders.
+    /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the
+    /// sky is as bright as a sun, whose shadows have borders.
     pub fn has_sky(&self) -> bool {
         self.field.has_sky
     }

@@ -1,5 +1,6 @@
-//! By how much the grid of indirect light errs. In go a snapshot and a job, out come its indirect light and, where errors are
-//! estimated, a picture of the difference to cells twice as wide. Invariant: it depends on the whole picture, whatever part is wanted.
+//! By how much the grid of indirect light errs. In go a snapshot and a job, out come its indirect light and,
+//! where errors are estimated, a picture of the difference to cells twice as wide. Invariant: it depends on
+//! the whole picture, whatever part is wanted.
 
 use super::Job;
 use crate::color::{Rgb, luminance};
@@ -29,8 +30,9 @@ pub(super) struct GridError {
     pub(super) relative: f64,
 }
 
-/// An error that falls with the first to the second power of the cells' side is 1 to 1/3 of the difference to cells twice as wide; of
-/// only two grids three times that counts (Roache 1994, "Perspective: a method for uniform reporting of grid refinement studies").
+/// An error that falls with the first to the second power of the cells' side is 1 to 1/3 of the difference to
+/// cells twice as wide; of only two grids three times that counts (Roache 1994, "Perspective: a method for
+/// uniform reporting of grid refinement studies").
 const SAFETY: f64 = 2.0;
 
 impl Solved {

@@ -1,5 +1,6 @@
-//! What of a scene changes in time. In goes a scene, out come its tracks, whatever their values are. Invariant: a value that can
-//! be keyed is in this list, so whether a scene is still and how long it moves are told alike.
+//! What of a scene changes in time. In goes a scene, out come its tracks, whatever their values are.
+//! Invariant: a value that can be keyed is in this list, so whether a scene is still and how long it
+//! moves are told alike.
 
 use super::{Animate, Extend, FogShape, Motion, Node, Rotation, Scene, Track};
 

@@ -1,5 +1,6 @@
-//! What surfaces let through. In go a ray and a distance, out comes a transmittance or the blended surfaces that it is the product
-//! of. Invariant: scenes without blended surfaces ask one question of one tree, as if there were no such thing.
+//! What surfaces let through. In go a ray and a distance, out comes a transmittance or the blended surfaces
+//! that it is the product of. Invariant: scenes without blended surfaces ask one question of one tree, as if
+//! there were no such thing.
 
 use super::{Snapshot, SurfacePoint};
 use crate::accel::PrimitiveId;
@@ -7,8 +8,8 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use std::ops::Range;
 
-/// A transmittance below which nothing is followed any further. All that lies behind counts for this share of its
-/// radiance at most: a hundred thousandth of what single precision tells.
+/// A transmittance below which nothing is followed any further. All that lies behind counts for this share of
+/// its radiance at most: a hundred thousandth of what single precision tells.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// A blended surface on a ray.
@@ -21,7 +22,8 @@ pub struct BlendedHit {
 }
 
 impl Snapshot<'_> {
-    /// The share of light that surfaces let through within `0 < t < distance`; `skip` is where the ray starts.
+    /// The share of light that surfaces let through within `0 < t < distance`; `skip` is
+    /// where the ray starts.
     pub fn visibility(&self, ray: &Ray, distance: f64, skip: Option<PrimitiveId>) -> Rgb {
         if self.tree.any_hit(ray, distance, skip) {
             return Rgb::ZERO;

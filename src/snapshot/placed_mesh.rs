@@ -28,7 +28,8 @@ impl Snapshot<'_> {
         self.placed.len()
     }
 
-    /// The number of a mesh that it has at all moments of a shutter, whatever else appears or is hidden in it; below [`Self::lasting_count`].
+    /// The number of a mesh that it has at all moments of a shutter, whatever else appears or is hidden in
+    /// it; below [`Self::lasting_count`].
     pub fn lasting_number(&self, number: usize) -> usize {
         2 * self.placed[number].instance + usize::from(number >= self.first_blended)
     }

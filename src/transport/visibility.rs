@@ -1,5 +1,5 @@
-//! What a ray of the camera meets. In go a ray and the part of it that shows, out comes where it ends. Invariant: what clipping
-//! planes hide ends no ray, and is told.
+//! What a ray of the camera meets. In go a ray and the part of it that shows, out comes where it ends.
+//! Invariant: what clipping planes hide ends no ray, and is told.
 
 use crate::accel::{Hit, PrimitiveId};
 use crate::math::Ray;

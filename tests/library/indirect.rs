@@ -123,7 +123,8 @@ fn white_leaves_in_a_furnace_are_not_seen() {
     }
 }
 
-/// The same where fog has no bounds: nested grids reach as far as it matters, and what is beyond looks like the farthest.
+/// The same where fog has no bounds: nested grids reach as far as it matters, and what is beyond
+/// looks like the farthest.
 #[test]
 fn white_fog_without_bounds_in_a_furnace_is_not_seen() {
     for (density, scale_height_m) in [(0.05, 8.0), (0.3, 3.0)] {
