@@ -70,15 +70,18 @@ pub enum Method {
         /// Points a ray and light, at least 1.
         points: u32,
     },
+    /// As by segments, and light of more than one scattering by random walks, not from a grid: unbiased, and noisy.
+    Paths,
 }
 
 impl Method {
     /// How light in fog is found along one ray.
-    fn volume(self) -> VolumeMethod {
+    fn volume(self, bounces: Bounces) -> VolumeMethod {
         match self {
             Self::Auto | Self::Slices | Self::Segments => VolumeMethod::Segments,
             Self::March(steps) => VolumeMethod::March(steps),
             Self::Equiangular { points } => VolumeMethod::Equiangular { points },
+            Self::Paths => VolumeMethod::Paths(bounces),
         }
     }
 
@@ -98,6 +101,7 @@ impl Method {
             Self::Segments => "segments",
             Self::March(_) => "march",
             Self::Equiangular { .. } => "equiangular",
+            Self::Paths => "paths",
         }
     }
 
@@ -106,7 +110,7 @@ impl Method {
         match self {
             Self::Auto => choose(exposure).method == Self::Slices,
             Self::Slices => choice::obstacle(exposure).is_none(),
-            Self::Segments | Self::March(_) | Self::Equiangular { .. } => false,
+            Self::Segments | Self::March(_) | Self::Equiangular { .. } | Self::Paths => false,
         }
     }
 }
@@ -181,7 +185,7 @@ impl Job {
     /// How rays are followed.
     fn transport<'a>(&self, indirect: Option<&'a Indirect>) -> Transport<'a> {
         Transport {
-            volume: self.method.volume(),
+            volume: self.method.volume(self.bounces),
             mirror_depth: self.mirror_depth,
             indirect,
             features: any_needs(&self.passes, |needs| needs != Needs::Light),
@@ -196,7 +200,7 @@ impl Job {
         let placement = match method {
             Method::Auto => "Auto",
             Method::Slices => "Slices",
-            Method::Segments | Method::March(_) | Method::Equiangular { .. } => "Pixels",
+            Method::Segments | Method::March(_) | Method::Equiangular { .. } | Method::Paths => "Pixels",
         };
         format!(
             "Job {{ size: {size:?}, window: {window:?}, passes: {passes:?}, sampling: {sampling:?}, filter: {filter:?}, \
@@ -215,7 +219,7 @@ impl Job {
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
     let aspect = job.size.width as f64 / job.size.height as f64;
-    let indirect = (job.bounces != Bounces::NONE)
+    let indirect = (job.bounces != Bounces::NONE && job.method != Method::Paths)
         .then(|| Indirect::new(middle, job.bounces, aspect, watch.cancelled))
         .flatten();
     let indirect = indirect.as_ref();
