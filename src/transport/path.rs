@@ -39,7 +39,7 @@ pub enum VolumeMethod {
         /// Points a ray and light, at least 1.
         points: u32,
     },
-    /// As by segments, and light that was scattered before by random walks of so many vertices.
+    /// As by segments, and light that was scattered before by random walks, scattered so many times more.
     Paths(Bounces),
 }
 

@@ -36,6 +36,7 @@ struct Leg {
 }
 
 /// Where light is scattered.
+#[allow(clippy::large_enum_variant, reason = "a walk has one at a time, on the stack")]
 enum Vertex {
     Surface(SurfacePoint),
     /// On its way along a ray from the eye.

@@ -165,13 +165,37 @@ fn facing_planes_have_the_light_of_the_closed_form() {
     assert_is("second plane, once", &scene, Bounces::UpTo(1), 1, 0.5, 1e-5);
 }
 
-fn sunny_leaves() -> Scene {
+/// Leaves in fog, as yet in the dark.
+fn dark_leaves() -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
     add_leaves(&mut scene, 300, matte(0.4, 0.3));
     let middle = -5.0 * DVec3::Z;
     add_fog(&mut scene, middle - 2.5, middle + 2.5, Rgb::new(0.1, 0.15, 0.3), Rgb::splat(0.9), 0.5);
-    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.4), Rgb::new(3.0, 2.0, 1.0));
     scene
+}
+
+const SUNBEAM: DVec3 = DVec3::new(0.3, -1.0, -0.4);
+const SUNLIGHT: Rgb = Rgb::new(3.0, 2.0, 1.0);
+
+fn sunny_leaves() -> Scene {
+    let mut scene = dark_leaves();
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, SUNBEAM, SUNLIGHT);
+    scene
+}
+
+/// Suns are looked for where fog scatters, lamps all along a walk's legs: of a lamp so far away both find the same.
+#[test]
+fn a_lamp_far_away_is_a_sun() {
+    const FAR_M: f64 = 1e4;
+    let mut scene = dark_leaves();
+    let position = -FAR_M * SUNBEAM.normalize() - 5.0 * DVec3::Z;
+    add_light(&mut scene, LightKind::Point, position, SUNBEAM, FAR_M * FAR_M * SUNLIGHT);
+    let [(sun, error_of_sun), (lamp, error_of_lamp)] =
+        [sunny_leaves(), scene].map(|scene| estimate(&scene, &by_paths(Bounces::All), 32));
+    let error = (error_of_sun * error_of_sun + error_of_lamp * error_of_lamp).map(f64::sqrt);
+    println!("lamp - sun: {:.4} +- {:.4} of the light", (lamp - sun) / sun, error / sun);
+    assert!((error / sun).max_element() < 0.015, "{error} tells little");
+    assert!(((lamp - sun).abs() - SIGMAS * error).max_element() < 0.0, "{lamp} {sun} +- {error}");
 }
 
 /// Two ways to one answer.
