@@ -72,15 +72,19 @@ pub enum Method {
         /// Points a ray and light, at least 1.
         points: u32,
     },
+    /// As by segments, and light of more than one scattering by random walks, not from a grid:
+    /// unbiased, and noisy.
+    Paths,
 }
 
 impl Method {
     /// How light in fog is found along one ray.
-    fn volume(self) -> VolumeMethod {
+    fn volume(self, bounces: Bounces) -> VolumeMethod {
         match self {
             Self::Auto | Self::Slices | Self::Segments => VolumeMethod::Segments,
             Self::March(steps) => VolumeMethod::March(steps),
             Self::Equiangular { points } => VolumeMethod::Equiangular { points },
+            Self::Paths => VolumeMethod::Paths(bounces),
         }
     }
 
@@ -100,6 +104,7 @@ impl Method {
             Self::Segments => "segments",
             Self::March(_) => "march",
             Self::Equiangular { .. } => "equiangular",
+            Self::Paths => "paths",
         }
     }
 
@@ -108,7 +113,7 @@ impl Method {
         match self {
             Self::Auto => choose(exposure).method == Self::Slices,
             Self::Slices => choice::obstacle(exposure).is_none(),
-            Self::Segments | Self::March(_) | Self::Equiangular { .. } => false,
+            Self::Segments | Self::March(_) | Self::Equiangular { .. } | Self::Paths => false,
         }
     }
 }
@@ -187,7 +192,7 @@ impl Job {
     /// How rays are followed.
     fn transport<'a>(&self, indirect: Option<&'a Indirect>) -> Transport<'a> {
         Transport {
-            volume: self.method.volume(),
+            volume: self.method.volume(self.bounces),
             mirror_depth: self.mirror_depth,
             indirect,
             features: any_needs(&self.passes, |needs| needs != Needs::Light),
@@ -203,7 +208,7 @@ impl Job {
         let placement = match method {
             Method::Auto => "Auto",
             Method::Slices => "Slices",
-            Method::Segments | Method::March(_) | Method::Equiangular { .. } => "Pixels",
+            Method::Segments | Method::March(_) | Method::Equiangular { .. } | Method::Paths => "Pixels",
         };
         format!(
             "Job {{ size: {size:?}, window: {window:?}, passes: {passes:?}, sampling: {sampling:?}, filter: {filter:?}, \

@@ -283,7 +283,7 @@ fn check_shutter(settings: &RenderSettings) -> Result<(), RenderError> {
 
 fn check_method(method: Method) -> Result<(), RenderError> {
     let is_good = match method {
-        Method::Auto | Method::Slices | Method::Segments => true,
+        Method::Auto | Method::Slices | Method::Segments | Method::Paths => true,
         Method::March(MarchSteps::Planes { depth_m, step_m }) => {
             depth_m.is_finite() && step_m.is_finite() && depth_m >= 0.0 && step_m > 0.0
         }

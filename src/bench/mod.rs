@@ -2,6 +2,7 @@
 //! and how far it is from a converged picture. Invariant: nothing here prints or writes; methods
 //! that are compared take turns in one run.
 
+mod all_light;
 pub mod brute_force;
 mod cost;
 mod error;
@@ -15,6 +16,9 @@ mod scaling;
 mod skips;
 mod study;
 
+pub use all_light::{
+    AllLight, AllLightPlan, AllLightRow, measure as measure_all_light, table as all_light_table,
+};
 pub use cost::{Cost, PowerLaw, cost_of, front};
 pub use error::{RelativeErrors, percentile};
 pub use growth_report::{growth_csv, growth_plot, growth_table};

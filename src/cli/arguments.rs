@@ -296,6 +296,9 @@ pub(super) struct BenchArguments {
     /// Instead: what the renderer leaves out where the scene does not need it, with and without.
     #[arg(long, conflicts_with_all = ["peers", "reference", "reference_samples", "longest", "csv", "svg"])]
     pub(super) skips: bool,
+    /// Instead: light of all orders on a grid and by random walks, error against time.
+    #[arg(long, conflicts_with_all = ["skips", "scaling", "peers", "reference", "longest", "csv", "svg"])]
+    pub(super) all_light: bool,
     /// Less of everything: a first look.
     #[arg(long)]
     pub(super) quick: bool,

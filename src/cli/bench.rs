@@ -1,6 +1,7 @@
 //! `sunfleck bench`: error against run time. In go a file and an effort, out come a table, CSV and
 //! a plot. Invariant: loading and building are told, but count for no method.
 
+mod all_light;
 mod scaling;
 mod skips;
 
@@ -84,6 +85,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     }
     if arguments.skips {
         skips::run(arguments, &subject)
+    } else if arguments.all_light {
+        all_light::run(arguments, &subject)
     } else if let Some(quantities) = &arguments.scaling {
         scaling::run(arguments, &subject, quantities)
     } else {

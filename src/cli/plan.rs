@@ -167,6 +167,7 @@ fn method(arguments: &RenderArguments, settings: &RenderSettings) -> Result<Meth
             depth_m: settings.march_depth_m,
             step_m: settings.march_step_m,
         }),
+        (Volume::Paths, _) => Method::Paths,
         (Volume::Equiangular, points) => Method::Equiangular { points: points.unwrap_or(1) },
     })
 }

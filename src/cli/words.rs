@@ -20,6 +20,8 @@ pub(super) enum Volume {
     March,
     /// Shadow rays at points spread over the angle seen from the light.
     Equiangular,
+    /// As segments, with light of all orders by random walks: unbiased and noisy, for comparison.
+    Paths,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

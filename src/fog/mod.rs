@@ -8,6 +8,7 @@
 
 mod bank;
 mod beer_lambert;
+mod events;
 mod falloff;
 mod lit_segments;
 mod medium;
@@ -20,6 +21,7 @@ mod sun_stretch;
 
 pub use bank::FogBank;
 pub use beer_lambert::exp_minus;
+pub use events::{Loss, Losses};
 pub use falloff::Falloff;
 pub use lit_segments::LitSegments;
 pub use medium::Medium;

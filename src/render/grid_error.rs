@@ -2,7 +2,7 @@
 //! where errors are estimated, a picture of the difference to cells twice as wide. Invariant: it depends on
 //! the whole picture, whatever part is wanted.
 
-use super::Job;
+use super::{Job, Method};
 use crate::color::{Rgb, luminance};
 use crate::film::Blocks;
 use crate::indirect::Indirect;
@@ -40,7 +40,8 @@ impl Solved {
     pub(super) fn new(snapshot: &Snapshot, job: &Job, cancelled: &(dyn Fn() -> bool + Sync)) -> Self {
         let aspect = job.size.width as f64 / job.size.height as f64;
         let solve = |scale: f64| Indirect::on_cells(scale, snapshot, job.bounces, aspect, cancelled);
-        let indirect = if job.bounces == Bounces::NONE { None } else { solve(1.0) };
+        let no_grid = job.bounces == Bounces::NONE || job.method == Method::Paths;
+        let indirect = if no_grid { None } else { solve(1.0) };
         let Some(mut indirect) = indirect else { return Self { indirect: None, error: None } };
         let coarse = if job.is_judged() { solve(2.0) } else { None };
         let mut error = coarse.map(|coarse| GridError::between(&coarse, &indirect, snapshot, job));

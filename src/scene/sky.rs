@@ -19,6 +19,8 @@ pub struct Sky {
     table: Option<SquareDistribution>,
     /// Mean radiances, once they are asked for.
     means: OnceLock<Vec<Rgb>>,
+    /// Whether there is a sun in it, once that is asked for.
+    has_sun: OnceLock<bool>,
     /// Multiplies the picture.
     pub strength: Track<Rgb>,
     /// How far it is turned about +Y, anticlockwise as seen from above, radians.
@@ -89,8 +91,8 @@ impl Sky {
             SkyPicture::Image(image) => Some(table_of(image)?),
         };
         let (strength, rotation) = (Track::from(Rgb::ONE), Track::from(0.0));
-        let (means, lights) = (OnceLock::new(), SkyLight::default());
-        Some(Self { picture, table, means, strength, rotation, lights })
+        let (means, has_sun, lights) = (OnceLock::new(), OnceLock::new(), SkyLight::default());
+        Some(Self { picture, table, means, has_sun, strength, rotation, lights })
     }
 
     /// The same with other strength, rotation and light.
@@ -119,9 +121,11 @@ impl Sky {
         /// So many times as bright as the mean.
         const BRIGHT: f64 = 16.0;
         const MUCH: f64 = 0.05;
-        let Some(table) = &self.table else { return false };
-        let densities = (0..CELLS * CELLS).map(|cell| table.density(cell));
-        densities.filter(|density| *density > BRIGHT).sum::<f64>() > MUCH * (CELLS * CELLS) as f64
+        *self.has_sun.get_or_init(|| {
+            let Some(table) = &self.table else { return false };
+            let densities = (0..CELLS * CELLS).map(|cell| table.density(cell));
+            densities.filter(|density| *density > BRIGHT).sum::<f64>() > MUCH * (CELLS * CELLS) as f64
+        })
     }
 
     /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles, before

@@ -1,19 +1,29 @@
-//! Indirect light of a ray and of a point: what the field of light that was scattered before adds. In go rays
-//! and points, out come radiances. Invariant: nothing is added unless the path's light has it.
+//! Indirect light of a ray and of a point: what light that was scattered before adds, from a grid or
+//! by random walks. In go rays and points, out come radiances. Invariant: nothing is added unless the
+//! path's light has it.
 
 use super::path::{Path, Start};
 use super::visibility::Way;
+use super::{paths, sky_light};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 
 /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
-pub(super) fn scattered(path: &Path, point: &SurfacePoint) -> Rgb {
+pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
+    if let Some(bounces) = path.walks() {
+        let of_sky = if path.walks_have_sky() { sky_light::by_surface(path, point) } else { Rgb::ZERO };
+        return of_sky + paths::scattered(path, bounces, point);
+    }
     path.indirect().map_or(Rgb::ZERO, |indirect| indirect.scattered(path.snapshot, point))
 }
 
 /// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.
-pub(super) fn in_scattered(path: &Path, ray: &Ray, way: &Way, from: Start) -> Rgb {
+pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way, from: Start) -> Rgb {
+    if let Some(bounces) = path.walks() {
+        let of_sky = if path.walks_have_sky() { sky_light::on_the_way(path, ray, way) } else { Rgb::ZERO };
+        return of_sky + paths::in_scattered(path, bounces, ray, way);
+    }
     let Some(indirect) = path.indirect() else { return Rgb::ZERO };
     let before = |distance: f64| match from {
         Start::Camera => {

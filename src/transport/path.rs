@@ -7,6 +7,7 @@ use crate::color::Rgb;
 use crate::fog::LitSegments;
 use crate::indirect::Indirect;
 use crate::math::Sampler;
+use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 
@@ -39,6 +40,8 @@ pub enum VolumeMethod {
         /// Points a ray and light, at least 1.
         points: u32,
     },
+    /// As by segments, and light that was scattered before by random walks, scattered so many times more.
+    Paths(Bounces),
 }
 
 /// How rays are to be followed.
@@ -102,13 +105,28 @@ pub(super) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// Indirect light, if it is wanted here.
+    /// Light that was scattered before, if it is wanted here from a grid.
     pub(super) fn indirect(&self) -> Option<&'a Indirect> {
         self.transport.indirect.filter(|_| self.light.self_luminous)
     }
 
-    /// Whether light of the sky is found by a ray in a random direction: not if indirect light has it.
+    /// How often it is to be scattered, if it is wanted from random walks.
+    pub(super) fn walks(&self) -> Option<Bounces> {
+        match self.transport.volume {
+            VolumeMethod::Paths(bounces) if bounces != Bounces::NONE => Some(bounces),
+            _ => None,
+        }
+    }
+
+    /// Whether light of the sky is found by a ray in a random direction and counts as direct light: not if it
+    /// counts as indirect light, as on a grid. A grid has no sky with a sun in it, so that there direct light
+    /// is all that it would be without.
     pub(super) fn samples_sky(&self) -> bool {
-        self.light.sky && !self.transport.indirect.is_some_and(Indirect::has_sky)
+        self.light.sky && !self.transport.indirect.is_some_and(Indirect::has_sky) && !self.walks_have_sky()
+    }
+
+    /// Whether random walks begin with it.
+    pub(super) fn walks_have_sky(&self) -> bool {
+        self.walks().is_some() && self.snapshot.sky.is_some_and(|sky| !sky.has_sun())
     }
 }

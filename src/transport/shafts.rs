@@ -16,7 +16,7 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
     lights
         .iter()
         .map(|light| match path.transport.volume {
-            VolumeMethod::Segments => {
+            VolumeMethod::Segments | VolumeMethod::Paths(_) => {
                 let snapshot = path.snapshot;
                 let shadows = |lit: &mut LitSegments| shade(lit, snapshot, ray, light, way);
                 by_segments(path, ray, way.distance, light, shadows)

@@ -124,6 +124,24 @@ fn whatever_is_skipped_changes_no_bit() {
     }
 }
 
+/// Walks come to their own reference with more samples; the grid is as near as grids are.
+#[test]
+fn all_light_comes_both_ways() {
+    let studio = Studio::new();
+    let flags = "--size 24x18 --rounds 1 --reference-samples 512 --most-samples 64";
+    let answer = studio.succeed(&format!("bench scene.ron --all-light {flags}")).out;
+    let row = |start: &str| -> Vec<f64> {
+        let line = answer.lines().find(|line| line.split_whitespace().take(2).eq(start.split(' ')));
+        let numbers =
+            line.unwrap_or_else(|| panic!("{start} is not in\n{answer}")).split_whitespace().skip(2);
+        numbers.map(|number| number.parse().unwrap()).collect()
+    };
+    let (few, many, grid) = (row("paths 1"), row("paths 64"), row("grid 64"));
+    assert!(many[2] < 0.5 * few[2], "{answer}");
+    assert!(many[0] > few[0] && few[0] > 0.0, "{answer}");
+    assert!((many[1] - 1.0).abs() < 0.02 && (grid[1] - 1.0).abs() < 0.1, "{answer}");
+}
+
 #[test]
 fn growth_has_an_exponent_and_a_plot_for_each_quantity() {
     let studio = Studio::new();
@@ -164,6 +182,7 @@ fn what_cannot_be_measured_is_refused_with_a_remedy() {
         ("--peers tiny.ron", 3, "tiny.ron:1:1: error: the column `renderer` is missing"),
         ("--csv /proc/nothing/b.csv", 4, "/proc/nothing/b.csv"),
         ("--skips --scaling", 2, "cannot be used with"),
+        ("--all-light --skips", 2, "cannot be used with"),
     ] {
         let refusal = studio.fail(&format!("bench tiny.ron {flags}"), code);
         assert!(refusal.contains(told), "{flags}: {refusal}");

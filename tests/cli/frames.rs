@@ -217,7 +217,13 @@ fn cameras_seeds_and_methods_change_the_picture() {
         studio.frame("a.exr").frame.channels
     };
     let plain = render("");
-    for flags in ["--camera low", "--seed 7", "--volume march --volume-steps 8", "--volume equiangular"] {
+    for flags in [
+        "--camera low",
+        "--seed 7",
+        "--volume march --volume-steps 8",
+        "--volume equiangular",
+        "--volume paths",
+    ] {
         assert_ne!(render(flags), plain, "{flags}");
     }
 }
@@ -243,7 +249,7 @@ fn a_dry_run_writes_nothing() {
     for part in ["3 frames of 32x18 pixels", "--volume auto", "camera `main`", "out/tiny/tiny.0001.exr"] {
         assert!(outcome.out.contains(part), "{part} is not in\n{}", outcome.out);
     }
-    for word in ["slices", "segments", "march", "equiangular"] {
+    for word in ["slices", "segments", "march", "equiangular", "paths"] {
         let said = studio.succeed(&format!("render tiny.ron --dry-run --volume {word}")).out;
         assert!(said.contains(&format!(", --volume {word}, ")), "{said}");
     }

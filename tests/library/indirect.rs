@@ -16,10 +16,11 @@ use sunfleck::scene::{
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Scratch, Transport, VolumeMethod, radiance};
 
-const EVEN_SKY: SkyPicture = SkyPicture::Gradient { zenith: Rgb::ONE, horizon: Rgb::ONE, ground: Rgb::ONE };
+pub(crate) const EVEN_SKY: SkyPicture =
+    SkyPicture::Gradient { zenith: Rgb::ONE, horizon: Rgb::ONE, ground: Rgb::ONE };
 
 /// A box with its faces outwards.
-fn add_box(scene: &mut Scene, low: DVec3, high: DVec3, material: Material) {
+pub(crate) fn add_box(scene: &mut Scene, low: DVec3, high: DVec3, material: Material) {
     scene.materials.push(material);
     let corner = |number: usize| {
         DVec3::new(
@@ -48,7 +49,7 @@ fn add_instance(scene: &mut Scene) {
 
 /// Square leaves of .2 m, turned and placed by a sequence without a pattern, in a cube of
 /// 4 m before the camera.
-fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
+pub(crate) fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
     scene.materials.push(material);
     let material = scene.materials.len() - 1;
     let mut sampler = Sampler::new(7, 0, 0, 0);
@@ -242,12 +243,12 @@ fn no_light_gets_through_the_walls_of_a_closed_room() {
 
 const SIZE: Size = Size { width: 240, height: 135 };
 
-fn leaves500() -> Scene {
+pub(crate) fn leaves500() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 
-fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame {
+pub(crate) fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame {
     let aspect = SIZE.width as f64 / SIZE.height as f64;
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
     let job = Job {
@@ -265,12 +266,12 @@ fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame {
 }
 
 /// Means of blocks of 10x10 pixels, and the standard errors of those.
-struct Truth {
+pub(crate) struct Truth {
     blocks: Vec<(Rgb, Rgb)>,
 }
 
 /// The orders of which the file's columns from `first` on tell.
-fn truth(first: usize) -> Truth {
+pub(crate) fn truth(first: usize) -> Truth {
     let text = include_str!("../data/leaves500/orders.txt");
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     let blocks = lines.map(|line| {
@@ -297,6 +298,24 @@ impl Truth {
         let mean = theirs.element_sum() / (3 * self.blocks.len()) as f64;
         let error = (square.element_sum() / (3 * self.blocks.len()) as f64).max(0.0).sqrt();
         (ours.element_sum() / theirs.element_sum(), error / mean)
+    }
+
+    /// By how much blocks are brighter on the mean, as a share of the truth's mean, and the standard error of
+    /// that, by the spread of the blocks.
+    pub(crate) fn difference(&self, frame: &Frame) -> (f64, f64) {
+        let columns = SIZE.width / 10;
+        let luminance = |color: Rgb| color.element_sum() / 3.0;
+        let difference = |(number, (truth, _)): (usize, &(Rgb, Rgb))| {
+            let (x, y) = (10 * (number % columns), 10 * (number / columns));
+            let pixels = (0..100).map(|pixel| beauty(frame, x + pixel % 10, y + pixel / 10));
+            luminance(pixels.sum::<Rgb>() / 100.0 - truth)
+        };
+        let differences: Vec<f64> = self.blocks.iter().enumerate().map(difference).collect();
+        let count = differences.len() as f64;
+        let truth = self.blocks.iter().map(|(truth, _)| luminance(*truth)).sum::<f64>() / count;
+        let mean = differences.iter().sum::<f64>() / count;
+        let square: f64 = differences.iter().map(|difference| (difference - mean).powi(2)).sum();
+        (mean / truth, (square / (count * (count - 1.0))).sqrt() / truth)
     }
 }
 

@@ -40,6 +40,7 @@ mod normal_maps;
 mod numerics;
 mod obj;
 mod outline;
+mod paths;
 mod pixel_filter;
 mod repetition;
 mod scanline;

@@ -1,0 +1,214 @@
+//! Where fog takes light of a ray, and whereto it sends it on, picked at random. In go rays, uniform numbers
+//! and how much each channel counts, out come places, directions and their densities. Invariant: depths are
+//! inverted, no step is rejected, so a pick takes a fixed count of numbers.
+//!
+//! Channels share their picks: one is picked by how much it counts, and the density is the mean over
+//! all of them by the same weights, Veach and Guibas' balance heuristic with one sample (1995,
+//! section 3.3; for channels Wilkie et al. 2014, "Hero wavelength spectral sampling", eq. 9). So no
+//! weight grows without bound.
+
+use super::beer_lambert::exp_minus;
+use super::phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
+use super::{FogBank, Medium};
+use crate::color::Rgb;
+use crate::math::Ray;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// A place of an optical depth is found when it is off by less than this part of all of it.
+const DEPTH_TOLERANCE: f64 = 1e-10;
+/// Bisection alone needs 34 steps for that.
+const MOST_STEPS: usize = 40;
+
+/// What becomes of light on a part of a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Losses {
+    range: (f64, f64),
+    /// What fog takes of each channel, as that channel counts.
+    lost: Rgb,
+    depth: Rgb,
+    /// The share of all that is lost, `0..=1`.
+    pub chance: f64,
+}
+
+/// A place where fog takes light.
+#[derive(Clone, Copy, Debug)]
+pub struct Loss {
+    /// Along the ray, metres.
+    pub t: f64,
+    /// What gets there, over how densely the place was picked, m.
+    pub through_per_density: Rgb,
+}
+
+impl Medium {
+    /// What is lost of light that counts `weights` before it has gone `distance` metres;
+    /// `None` if nothing is.
+    pub fn losses(&self, ray: &Ray, distance: f64, weights: Rgb) -> Option<Losses> {
+        let range = self.range(ray, distance)?;
+        let depth = self.optical_depth(ray.origin, ray.direction, range.1);
+        let lost = weights * depth.map(|depth| -(-depth).exp_m1());
+        let chance = lost.element_sum() / weights.element_sum();
+        (chance > 0.0).then_some(Losses { range, lost, depth, chance })
+    }
+
+    /// Where it is lost, for two uniform numbers.
+    pub fn pick_loss(&self, ray: &Ray, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
+        let Losses { range, lost, depth, .. } = *losses;
+        let channel = pick(lost.to_array(), u);
+        let wanted = -(v * (-depth[channel]).exp_m1()).ln_1p();
+        let t = self.place_at_depth(ray, range, wanted, |color| color[channel]);
+        let through = exp_minus(self.optical_depth(ray.origin, ray.direction, t));
+        let per_m = (weights * through * self.extinction_at(ray.at(t))).element_sum() / lost.element_sum();
+        (per_m > 0.0).then(|| Loss { t, through_per_density: through / per_m })
+    }
+
+    /// Where on a part of a ray so much of its optical depth lies behind; `of` says what of a colour counts.
+    pub fn place_at_depth(
+        &self,
+        ray: &Ray,
+        (start, end): (f64, f64),
+        wanted: f64,
+        of: impl Fn(Rgb) -> f64,
+    ) -> f64 {
+        let depth_to = |t: f64| of(self.optical_depth(ray.origin, ray.direction, t));
+        let all = depth_to(end);
+        // Newton's method within what bisection leaves: of one even bank the first step is exact.
+        let (mut low, mut high) = (start, end);
+        let mut t = start + (end - start) * (wanted / all);
+        for _ in 0..MOST_STEPS {
+            let excess = depth_to(t) - wanted;
+            if excess.abs() <= DEPTH_TOLERANCE * all {
+                break;
+            }
+            if excess > 0.0 {
+                high = t
+            } else {
+                low = t
+            }
+            let newton = t - excess / of(self.extinction_at(ray.at(t)));
+            t = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
+        }
+        t
+    }
+
+    /// Whereto fog at a point sends light that travels along a unit vector, for three uniform numbers: a
+    /// direction, and what is scattered there over how densely it was picked, 1/m. `None` if nothing is.
+    pub fn pick_scattering(
+        &self,
+        point: DVec3,
+        travel: DVec3,
+        weights: Rgb,
+        u: [f64; 3],
+    ) -> Option<(DVec3, Rgb)> {
+        let counts = |fog: &FogBank| (weights * fog.sigma_s).element_sum() * fog.density(point);
+        let all: f64 = self.banks().iter().map(counts).sum();
+        let mut left = u[0] * all;
+        let picked = self.banks().iter().filter(|fog| counts(fog) > 0.0).find(|fog| {
+            left -= counts(fog);
+            left < 0.0
+        });
+        // Rounding may leave a little after the last of them.
+        let fog = picked.or_else(|| self.banks().iter().rfind(|fog| counts(fog) > 0.0))?;
+        let (cos, _) = pick_henyey_greenstein(fog.g, u[1]);
+        let (right, up) = travel.any_orthonormal_pair();
+        let across = DVec2::from_angle(TAU * u[2]) * (1.0 - cos * cos).max(0.0).sqrt();
+        let direction = cos * travel + across.x * right + across.y * up;
+        let (mut scattered, mut density) = (Rgb::ZERO, 0.0);
+        for fog in self.banks() {
+            scattered += fog.sigma_s * (fog.density(point) * henyey_greenstein(cos, fog.g));
+            density += counts(fog) / all * picked_henyey_greenstein(fog.g, cos);
+        }
+        (density > 0.0).then(|| (direction.normalize(), scattered / density))
+    }
+}
+
+/// Which of three counts as much as it says, for a uniform number.
+fn pick(counts: [f64; 3], u: f64) -> usize {
+    let mut left = u * (counts[0] + counts[1] + counts[2]);
+    for (channel, count) in counts.into_iter().enumerate() {
+        left -= count;
+        if left < 0.0 {
+            return channel;
+        }
+    }
+    if counts[2] > 0.0 {
+        2
+    } else if counts[1] > 0.0 {
+        1
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fog::Falloff;
+    use glam::DAffine3;
+
+    /// Coloured fog in a box, within fog that thins out with height.
+    fn two_fogs() -> Medium {
+        let falloff = Falloff::new(DAffine3::IDENTITY, 0.0, 2.0).expect("a real space");
+        let layer = FogBank::everywhere(falloff, Rgb::new(0.3, 0.1, 0.05), Rgb::new(0.5, 0.9, 1.0), -0.3);
+        let mut bank = FogBank::between(DVec3::new(1.0, -1.0, -1.0), DVec3::new(2.5, 3.0, 1.0), 1.5);
+        bank.sigma_t *= Rgb::new(1.0, 0.2, 2.0);
+        bank.sigma_s = bank.sigma_t * Rgb::new(0.9, 0.4, 0.7);
+        bank.g = 0.8;
+        Medium::new(vec![layer.expect("there is fog"), bank])
+    }
+
+    fn even(index: usize, count: usize) -> f64 {
+        (index as f64 + 0.5) / count as f64
+    }
+
+    /// The mean of `f / density` over picked places is the integral of `f`: of extinction times transmittance
+    /// what is lost, and of its first moment.
+    #[test]
+    fn places_are_picked_as_densely_as_is_said() {
+        let medium = two_fogs();
+        let ray = Ray { origin: DVec3::ZERO, direction: DVec3::new(2.0, 1.0, 0.1).normalize() };
+        for (distance, weights) in [(1.5, Rgb::ONE), (f64::INFINITY, Rgb::new(0.2, 1.0, 0.7))] {
+            let losses = medium.losses(&ray, distance, weights).expect("there is fog");
+            let (mut lost, count) = (Rgb::ZERO, 300);
+            for index in 0..count * count {
+                let u = [even(index / count, count), even(index % count, count)];
+                let loss = medium.pick_loss(&ray, weights, &losses, u).expect("a place");
+                assert!(loss.t >= losses.range.0 && loss.t <= losses.range.1);
+                let here = loss.through_per_density * medium.extinction_at(ray.at(loss.t));
+                // As the head says: what counts never grows beyond all that counts.
+                assert!((here * weights).max_element() <= (losses.lost.element_sum()) * (1.0 + 1e-9));
+                lost += here / (count * count) as f64;
+            }
+            let expected = Rgb::ONE - medium.transmittance(ray.origin, ray.direction, losses.range.1);
+            assert!((lost - expected).abs().max_element() < 2e-3, "{lost} {expected}");
+        }
+    }
+
+    /// What is scattered everywhere is what fog scatters, and it goes where both phase functions send it.
+    #[test]
+    fn directions_are_picked_as_densely_as_is_said() {
+        let medium = two_fogs();
+        let (point, travel) = (DVec3::new(1.5, 0.5, 0.0), DVec3::new(0.3, -0.4, 0.2).normalize());
+        let (mut scattered, mut forward, count) = (Rgb::ZERO, Rgb::ZERO, 60);
+        for index in 0..count * count * count {
+            let u = [index % count, index / count % count, index / count / count].map(|at| even(at, count));
+            let (direction, weight) =
+                medium.pick_scattering(point, travel, Rgb::new(1.0, 0.1, 0.5), u).expect("there is fog");
+            scattered += weight / (count * count * count) as f64;
+            forward += direction.dot(travel) * weight / (count * count * count) as f64;
+        }
+        for (found, degree) in [(scattered, 0), (forward, 1)] {
+            let expected = medium.scattering_by_degree_at(point, degree);
+            assert!((found / expected - 1.0).abs().max_element() < 1e-2, "{degree}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn where_there_is_no_fog_nothing_is_lost() {
+        let medium = two_fogs();
+        let up = Ray { origin: DVec3::new(0.0, 1e4, 0.0), direction: DVec3::Y };
+        assert!(medium.losses(&up, f64::INFINITY, Rgb::ONE).is_none());
+        assert!(Medium::default().losses(&up, 1.0, Rgb::ONE).is_none());
+        assert!(medium.pick_scattering(up.origin, DVec3::X, Rgb::ONE, [0.5; 3]).is_none());
+    }
+}

@@ -1,0 +1,77 @@
+//! The lobes of a surface, to pick directions by. In go a point of a surface and uniform numbers,
+//! out come directions and their densities. Invariant: wherever the surface scatters light, the
+//! density is more than 0.
+
+use crate::color::{Rgb, luminance};
+use crate::math::disc_from_square;
+use crate::snapshot::SurfacePoint;
+use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_1_PI;
+
+/// The ways that a surface scatters: to the eye's side, to the other side, in its coat. Shares of 1.
+pub(super) struct Lobes {
+    reflected: f64,
+    transmitted: f64,
+    /// What all of them scatter, about.
+    pub(super) all: f64,
+}
+
+impl Lobes {
+    /// `None` if it scatters nothing.
+    pub(super) fn of(point: &SurfacePoint) -> Option<Self> {
+        let cos_eye = point.shading_normal.dot(point.to_eye);
+        let coat = point.gloss.as_ref().filter(|_| cos_eye > 0.0);
+        let beneath = coat.map_or(Rgb::ONE, |gloss| Rgb::ONE - gloss.albedo(cos_eye));
+        // What lies over it is picked as if it were matte.
+        let over =
+            point.layers.as_ref().map_or(0.0, |layers| layers.albedo(point.shading_normal, point.to_eye));
+        let reflected = luminance(point.albedo * beneath) + over;
+        let transmitted = luminance(point.transmission * beneath);
+        let shone = coat.map_or(0.0, |gloss| luminance(gloss.albedo(cos_eye)));
+        let all = reflected + transmitted + shone;
+        (all > 0.0).then(|| Self { reflected: reflected / all, transmitted: transmitted / all, all })
+    }
+
+    /// A direction to the light that two uniform numbers pick, about as densely as the surface
+    /// scatters towards the eye.
+    pub(super) fn pick(&self, point: &SurfacePoint, mut u: DVec2) -> DVec3 {
+        let normal = point.shading_normal;
+        let lambert = |u: DVec2, normal: DVec3| {
+            // Malley's method: a uniform disc, projected up.
+            let disc = disc_from_square(u);
+            about(normal, disc, (1.0 - disc.length_squared()).max(0.0).sqrt())
+        };
+        if u.x < self.reflected {
+            u.x /= self.reflected;
+            return lambert(u, normal);
+        }
+        u.x -= self.reflected;
+        match &point.gloss {
+            Some(gloss) if u.x >= self.transmitted => {
+                u.x = (u.x - self.transmitted) / (1.0 - self.reflected - self.transmitted);
+                gloss.pick(normal, point.to_eye, u)
+            }
+            _ => {
+                u.x /= self.transmitted;
+                lambert(u, -normal)
+            }
+        }
+    }
+
+    /// How densely [`Lobes::pick`] picks a direction, 1/sr.
+    pub(super) fn picked(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
+        let cos = point.shading_normal.dot(direction);
+        let matte = if cos > 0.0 { self.reflected } else { self.transmitted } * FRAC_1_PI * cos.abs();
+        // Some of what is picked for the coat lies behind the surface, where light may come through.
+        let shone = 1.0 - self.reflected - self.transmitted;
+        let coat = point.gloss.as_ref().filter(|_| shone > 0.0);
+        let coat = coat.map_or(0.0, |gloss| gloss.picked(point.shading_normal, point.to_eye, direction));
+        matte + shone * coat
+    }
+}
+
+/// A vector by its parts across an axis and along it.
+pub(super) fn about(axis: DVec3, across: DVec2, along: f64) -> DVec3 {
+    let right = axis.any_orthonormal_vector();
+    across.x * right + across.y * axis.cross(right) + along * axis
+}

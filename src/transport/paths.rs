@@ -1,0 +1,229 @@
+//! Light of all orders by random walks: the second way to what `indirect` finds on a grid, unbiased and
+//! noisy. In goes a vertex of a camera ray, out comes an estimate of the radiance that it scatters towards
+//! the eye of light that was scattered before. Invariant: the mean over random numbers is the solution of the
+//! equation of transfer, but for what comes after [`MOST_VERTICES`] scatterings.
+//!
+//! A walk goes from the eye towards the light (Kajiya 1986, "The rendering equation"; in fog Pharr, Jakob &
+//! Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2). Light from lights and sky is
+//! looked for at each vertex (Veach 1997, "Robust Monte Carlo methods for light transport simulation",
+//! section 8.3.1), so no walk need hit them; what glows is found by walks alone. Lights are those of the
+//! camera ray, one point of each: light transport is linear, so the mean over points is theirs.
+
+use super::direct;
+use super::equiangular;
+use super::lobes::Lobes;
+use super::march;
+use super::path::Path;
+use super::sky_light;
+use super::visibility::Way;
+use crate::accel::PrimitiveId;
+use crate::color::{Rgb, luminance};
+use crate::math::Ray;
+use crate::scene::Bounces;
+use crate::snapshot::{FrozenLight, SurfacePoint};
+use glam::DVec3;
+
+/// Of one walk. Where all is closed and nothing absorbs there is no end: what comes later is left out.
+const MOST_VERTICES: u32 = 1024;
+/// So many vertices are never left to roulette.
+const SURE_VERTICES: u32 = 3;
+
+/// A walk between two vertices.
+struct Leg {
+    ray: Ray,
+    /// What radiance that comes along the ray counts at the eye.
+    throughput: Rgb,
+    leaving: Option<PrimitiveId>,
+    /// Whether a mirror sends it, in whose direction no light is looked for.
+    from_mirror: bool,
+}
+
+/// Where light is scattered.
+#[allow(clippy::large_enum_variant, reason = "a walk has one at a time, on the stack")]
+enum Vertex {
+    Surface(SurfacePoint),
+    /// On its way along a ray from the eye.
+    Fog(Ray),
+}
+
+/// Radiance that a surface scatters towards the eye of light that was scattered before, W m^-2 sr^-1.
+pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint) -> Rgb {
+    // What its mirror shows is followed by itself.
+    let without_mirror = SurfacePoint { mirror: Rgb::ZERO, ..*point };
+    let first = Vertex::Surface(without_mirror).go_on(path, Rgb::ONE);
+    first.map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+}
+
+/// Radiance of light that was scattered before that fog scatters into a camera ray on its way, W m^-2 sr^-1.
+pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &Way) -> Rgb {
+    let medium = &path.snapshot.medium;
+    let Some(losses) = medium.losses(ray, way.distance, Rgb::ONE) else { return Rgb::ZERO };
+    let u = path.sampler.next_2d();
+    let Some(loss) = medium.pick_loss(ray, Rgb::ONE, &losses, u.into()) else { return Rgb::ZERO };
+    let seen_through = way.blended.iter().filter(|hit| hit.t < loss.t);
+    let throughput =
+        seen_through.fold(loss.through_per_density, |product, hit| product * hit.point.see_through);
+    let first = Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).go_on(path, throughput);
+    first.map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+}
+
+/// What comes along a leg, and what is scattered into it from then on.
+fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
+    let most = match bounces {
+        Bounces::UpTo(count) => count.min(MOST_VERTICES),
+        Bounces::All => MOST_VERTICES,
+    };
+    let at_first = leg.throughput.max_element();
+    let mut sum = Rgb::ZERO;
+    for number in 1..=most {
+        let Some(vertex) = leg.next_vertex(path, &mut sum) else { break };
+        sum += leg.throughput * vertex.lit(path);
+        if number == most {
+            break;
+        }
+        let Some(next) = vertex.go_on(path, leg.throughput) else { break };
+        leg = next;
+        // Russian roulette by what is left of the first throughput.
+        let survives = (leg.throughput.max_element() / at_first).min(1.0);
+        if number >= SURE_VERTICES && survives < 1.0 {
+            if path.sampler.next_1d() >= survives {
+                break;
+            }
+            leg.throughput /= survives;
+        }
+    }
+    sum
+}
+
+impl Leg {
+    /// To where it is scattered next; `None` if it leaves the scene. What lamps add to it on the
+    /// way is added to `sum`.
+    fn next_vertex(&mut self, path: &mut Path, sum: &mut Rgb) -> Option<Vertex> {
+        let snapshot = path.snapshot;
+        loop {
+            let opaque = snapshot.tree.nearest_hit(&self.ray, f64::INFINITY, self.leaving);
+            let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
+            let blended = snapshot.blended.nearest_hit(&self.ray, end, self.leaving);
+            let hit = blended.or(opaque);
+            let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
+            *sum += self.throughput * self.of_lamps(path, distance);
+            if let Some(place) = self.lost_in_fog(path, distance) {
+                return Some(Vertex::Fog(Ray { origin: place, ..self.ray }));
+            }
+            let Some(hit) = hit else {
+                *sum += self.throughput * self.beyond(path);
+                return None;
+            };
+            let point = snapshot.surface(&self.ray, &hit);
+            if blended.is_none() || !self.passes(path, &point) {
+                return Some(Vertex::Surface(point));
+            }
+            (self.ray.origin, self.leaving) = (point.position, Some(point.primitive));
+        }
+    }
+
+    /// What fog scatters of lamps into it before it has gone so far. At a place that depends on
+    /// the lamp: near one light grows as 1 / r^2, and at places that do not know of it the
+    /// variance would have no bound.
+    fn of_lamps(&self, path: &mut Path, distance: f64) -> Rgb {
+        let way = Way { distance, ..Way::default() };
+        let lamps = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Point { .. }));
+        lamps.map(|lamp| equiangular::in_scattered(path, 1, &self.ray, &way, lamp)).sum()
+    }
+
+    /// Where fog scatters or absorbs it before it has gone so far, by chance; what it counts is as if it were
+    /// scattered with certainty there, per metre.
+    fn lost_in_fog(&mut self, path: &mut Path, distance: f64) -> Option<DVec3> {
+        let medium = &path.snapshot.medium;
+        let losses = medium.losses(&self.ray, distance, self.throughput)?;
+        let (u, v) = path.sampler.next_2d();
+        if u >= losses.chance {
+            let through = medium.transmittance(self.ray.origin, self.ray.direction, distance);
+            self.throughput *= through / (1.0 - losses.chance);
+            return None;
+        }
+        let loss = medium.pick_loss(&self.ray, self.throughput, &losses, [u / losses.chance, v])?;
+        self.throughput *= loss.through_per_density / losses.chance;
+        Some(self.ray.at(loss.t))
+    }
+
+    /// Whether it goes through a blended surface, by chance.
+    fn passes(&mut self, path: &mut Path, point: &SurfacePoint) -> bool {
+        let [seen_through, stopped] =
+            [point.see_through, Rgb::splat(point.alpha)].map(|share| (self.throughput * share).element_sum());
+        let chance = seen_through / (seen_through + stopped);
+        let passes = path.sampler.next_1d() < chance;
+        self.throughput *=
+            if passes { point.see_through / chance } else { Rgb::splat(point.alpha / (1.0 - chance)) };
+        passes
+    }
+
+    /// What a mirror sees of the sky: at all other vertices it was looked for.
+    fn beyond(&self, path: &Path) -> Rgb {
+        if !self.from_mirror {
+            return Rgb::ZERO;
+        }
+        let (snapshot, direction) = (path.snapshot, self.ray.direction);
+        let sky = snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_surfaces());
+        sky.map_or(Rgb::ZERO, |sky| sky.along(direction))
+    }
+}
+
+impl Vertex {
+    /// Radiance towards the eye of light that was not scattered before, in fog per metre, and of what glows.
+    fn lit(&self, path: &mut Path) -> Rgb {
+        let (snapshot, lights) = (path.snapshot, path.light.lights);
+        match self {
+            Self::Surface(point) => {
+                path.light.emitted(point)
+                    + direct::scattered(snapshot, lights, point)
+                    + sky_light::by_surface(path, point)
+            }
+            Self::Fog(ray) => {
+                // Lamps were looked for all along the leg.
+                let suns = lights.iter().filter(|light| matches!(light, FrozenLight::Sun { .. }));
+                let of_suns: Rgb = suns.map(|sun| march::scattered_at(snapshot, ray, 0.0, sun, &[])).sum();
+                of_suns + sky_light::by_fog(path, ray.origin, ray.direction)
+            }
+        }
+    }
+
+    /// The leg to where the light comes from; `None` if nothing would come.
+    fn go_on(&self, path: &mut Path, throughput: Rgb) -> Option<Leg> {
+        let leg = match self {
+            Self::Surface(point) => {
+                let (direction, weight, from_mirror) = picked(path, point)?;
+                let ray = Ray { origin: point.position, direction };
+                Leg { ray, throughput: throughput * weight, leaving: Some(point.primitive), from_mirror }
+            }
+            Self::Fog(Ray { origin, direction }) => {
+                let medium = &path.snapshot.medium;
+                let (direction, weight) =
+                    medium.pick_scattering(*origin, *direction, throughput, path.sampler.next_3d())?;
+                let ray = Ray { origin: *origin, direction };
+                Leg { ray, throughput: throughput * weight, leaving: None, from_mirror: false }
+            }
+        };
+        (leg.throughput.is_finite() && leg.throughput.max_element() > 0.0).then_some(leg)
+    }
+}
+
+/// A direction from which a surface scatters light towards the eye, by one of its lobes or its mirror; what
+/// it scatters over how densely it was picked, and whether the mirror was.
+fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, bool)> {
+    let lobes = Lobes::of(point);
+    let mirror = luminance(point.mirror);
+    let share = mirror / (mirror + lobes.as_ref().map_or(0.0, |lobes| lobes.all));
+    let (mut u, v) = path.sampler.next_2d();
+    if u < share {
+        let normal = point.shading_normal;
+        let reflected = 2.0 * point.to_eye.dot(normal) * normal - point.to_eye;
+        let leaves = reflected.dot(point.geometric_normal) > 0.0;
+        return leaves.then(|| (reflected.normalize(), point.mirror / share, true));
+    }
+    let lobes = lobes?;
+    u = (u - share) / (1.0 - share);
+    let direction = lobes.pick(point, [u, v].into());
+    let density = (1.0 - share) * lobes.picked(point, direction);
+    (density > 0.0).then(|| (direction, direct::scattered_per_radiance(point, direction) / density, false))
+}

@@ -1,0 +1,369 @@
+//! Random walks of all orders: closed forms, the same light on a grid, and what Mitsuba makes of it. What is
+//! random is judged by its own spread: `seeds` estimates of the same, each from other random numbers, tell
+//! their mean's standard error.
+
+use crate::common::{INSTANT, add_fog, add_light, camera_at};
+use crate::indirect::{EVEN_SKY, add_box, add_leaves, leaves500, picture, truth};
+use glam::{DVec2, DVec3};
+use sunfleck::color::Rgb;
+use sunfleck::indirect::Indirect;
+use sunfleck::math::Sampler;
+use sunfleck::passes::Pass;
+use sunfleck::render::{Job, Method, Watch, render};
+use sunfleck::scene::{
+    AlphaMode, AreaShape, Bounces, Clearcoat, Coat, LightKind, Material, PixelFilter, Sampling, Scene, Sheen,
+    Size, Sky, SkyPicture, Track, Window,
+};
+use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
+use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
+
+/// Along each side of the picture.
+const RAYS: u32 = 6;
+const SEEDS: u32 = 16;
+/// How far a right estimate is off by chance, in standard errors: once in 16,000 times.
+const SIGMAS: f64 = 4.0;
+
+/// Calls `add` with all samples of all rays, seed by seed.
+fn for_each_sample(
+    scene: &Scene,
+    transport: &Transport,
+    (seeds, samples): (u32, u32),
+    mut add: impl FnMut(u32, &Sample),
+) {
+    let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
+    let mut scratch = Scratch::default();
+    for seed in 0..seeds {
+        for number in 0..RAYS * RAYS * samples {
+            let (x, y, sample) = (number % RAYS, number / RAYS % RAYS, number / (RAYS * RAYS));
+            let place = (DVec2::new(x.into(), y.into()) + 0.5) / f64::from(RAYS);
+            let mut sampler = Sampler::new(seed, x, y, sample);
+            let ray = snapshot.view.ray(place.x, place.y);
+            add(seed, &radiance(&snapshot, transport, &ray, &mut sampler, &mut scratch));
+        }
+    }
+}
+
+fn by_paths(bounces: Bounces) -> Transport<'static> {
+    Transport { volume: VolumeMethod::Paths(bounces), mirror_depth: 12, indirect: None, features: false }
+}
+
+/// The mean radiance of the picture, and its standard error.
+fn estimate(scene: &Scene, transport: &Transport, samples: u32) -> (Rgb, Rgb) {
+    let mut means = [Rgb::ZERO; SEEDS as usize];
+    for_each_sample(scene, transport, (SEEDS, samples), |seed, sample| {
+        means[seed as usize] += sample.radiance / f64::from(RAYS * RAYS * samples);
+    });
+    let count = f64::from(SEEDS);
+    let mean = means.iter().sum::<Rgb>() / count;
+    let square = means.iter().map(|of_seed| (*of_seed - mean) * (*of_seed - mean)).sum::<Rgb>();
+    (mean, (square / (count * (count - 1.0))).map(f64::sqrt))
+}
+
+/// All three channels are what is expected, to `slack` and to chance, which is little.
+fn assert_is(name: &str, scene: &Scene, bounces: Bounces, samples: u32, expected: f64, slack: f64) {
+    let (mean, error) = estimate(scene, &by_paths(bounces), samples);
+    println!("{name}: {mean:.4} +- {error:.4}, expected {expected:.4}");
+    assert!(error.max_element() < 0.02 * expected, "{name}: {error} tells little");
+    let off = (mean - expected).abs() - SIGMAS * error;
+    assert!(off.max_element() <= slack + 1e-9, "{name}: {mean} +- {error}, expected {expected}");
+}
+
+fn matte(reflected: f64, transmitted: f64) -> Material {
+    Material {
+        base_color: Rgb::splat(reflected),
+        transmission: Rgb::splat(transmitted),
+        ..Material::default()
+    }
+}
+
+/// Nothing in it absorbs.
+fn white_surfaces() -> Vec<(&'static str, Material)> {
+    let coat = Coat {
+        metallic: 0.0,
+        roughness: 0.4,
+        texture: None,
+        f0: Rgb::splat(0.04),
+        f0_texture: None,
+        f90: 1.0,
+    };
+    vec![
+        ("reflecting", matte(1.0, 0.0)),
+        ("transmitting", matte(0.3, 0.7)),
+        ("coated", Material { coat: Some(coat), ..matte(1.0, 0.0) }),
+        ("half a mirror", Material { mirror: Rgb::splat(0.4), ..matte(0.6, 0.0) }),
+        ("blended", Material { alpha_mode: AlphaMode::Blend, opacity: 0.6, ..matte(0.5, 0.5) }),
+    ]
+}
+
+/// What absorbs nothing, in even light from all sides, cannot be seen.
+#[test]
+fn white_leaves_in_a_furnace_are_not_seen() {
+    for (name, material) in white_surfaces() {
+        for sky in [EVEN_SKY, SkyPicture::Even(Rgb::ONE)] {
+            let mut scene = camera_at(DVec3::ZERO);
+            add_leaves(&mut scene, 300, material.clone());
+            scene.sky = Sky::new(sky);
+            // Coats give back what they receive within 6e-4 at each scattering.
+            assert_is(name, &scene, Bounces::All, 8, 1.0, 2e-3);
+        }
+    }
+}
+
+#[test]
+fn white_fog_in_a_furnace_is_not_seen() {
+    let grey = Rgb::splat(0.8);
+    for (name, densities, g) in [
+        ("thin", vec![Rgb::splat(0.1)], 0.0),
+        ("thick", vec![Rgb::splat(1.5)], 0.6),
+        ("coloured", vec![Rgb::new(0.1, 0.6, 2.0)], -0.4),
+        ("two fogs", vec![Rgb::new(0.2, 0.1, 0.9), grey], 0.3),
+    ] {
+        let mut scene = camera_at(DVec3::ZERO);
+        let middle = -5.0 * DVec3::Z;
+        for (number, density) in densities.into_iter().enumerate() {
+            let half = 2.0 / (1.0 + number as f64);
+            add_fog(&mut scene, middle - half, middle + half, density, Rgb::ONE, g - 0.8 * number as f64);
+        }
+        scene.sky = Sky::new(EVEN_SKY);
+        assert_is(name, &scene, Bounces::All, 16, 1.0, 0.0);
+    }
+}
+
+/// A room whose walls all emit `1 - a` and reflect `a` has radiance 1 everywhere, and
+/// `(1 - a) (1 + a + ... + a^N)` after N bounces: Kirchhoff.
+#[test]
+fn walls_that_glow_add_up_order_by_order() {
+    let room = |reflectance: f64| {
+        let mut scene = camera_at(DVec3::ZERO);
+        let wall = Material { emission: Rgb::splat(1.0 - reflectance), ..matte(reflectance, 0.0) };
+        add_box(&mut scene, DVec3::splat(-8.0), DVec3::splat(8.0), wall);
+        scene
+    };
+    let walls = room(0.6);
+    for (bounces, expected) in [(0, 0.4), (1, 0.64), (2, 0.784), (5, 0.953_344)] {
+        assert_is("walls", &walls, Bounces::UpTo(bounces), 1, expected, 1e-9);
+    }
+    assert_is("walls", &walls, Bounces::All, 4, 1.0, 0.0);
+    let mut full = room(0.6);
+    add_leaves(&mut full, 200, matte(0.4, 0.6));
+    add_fog(&mut full, DVec3::splat(-7.0), DVec3::splat(7.0), Rgb::new(0.05, 0.1, 0.2), Rgb::ONE, 0.5);
+    assert_is("walls, leaves and fog", &full, Bounces::All, 16, 1.0, 0.0);
+}
+
+/// Of two facing planes one glows: `B1 = M / (1 - a1 a2)`, `B2 = a2 B1`. They are 2000 times as
+/// wide as they are apart.
+#[test]
+fn facing_planes_have_the_light_of_the_closed_form() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let wide = DVec3::new(2000.0, 2000.0, 0.0);
+    let shining = Material { emission: Rgb::ONE, ..matte(0.7, 0.0) };
+    add_box(&mut scene, DVec3::new(0.0, 0.0, 1.0) - wide, DVec3::new(0.0, 0.0, 1.1) + wide, shining);
+    add_box(
+        &mut scene,
+        DVec3::new(0.0, 0.0, -1.1) - wide,
+        DVec3::new(0.0, 0.0, -1.0) + wide,
+        matte(0.5, 0.0),
+    );
+    assert_is("second plane", &scene, Bounces::All, 16, 0.5 / (1.0 - 0.35), 1e-5);
+    assert_is("second plane, once", &scene, Bounces::UpTo(1), 1, 0.5, 1e-5);
+}
+
+/// Leaves in fog, as yet in the dark.
+fn dark_leaves() -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_leaves(&mut scene, 300, matte(0.4, 0.3));
+    let middle = -5.0 * DVec3::Z;
+    add_fog(&mut scene, middle - 2.5, middle + 2.5, Rgb::new(0.1, 0.15, 0.3), Rgb::splat(0.9), 0.5);
+    scene
+}
+
+const SUNBEAM: DVec3 = DVec3::new(0.3, -1.0, -0.4);
+const SUNLIGHT: Rgb = Rgb::new(3.0, 2.0, 1.0);
+
+fn sunny_leaves() -> Scene {
+    let mut scene = dark_leaves();
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, SUNBEAM, SUNLIGHT);
+    scene
+}
+
+/// Suns are looked for where fog scatters, lamps all along a walk's legs: of a lamp so far
+/// away both find the same.
+#[test]
+fn a_lamp_far_away_is_a_sun() {
+    const FAR_M: f64 = 1e4;
+    let mut scene = dark_leaves();
+    let position = -FAR_M * SUNBEAM.normalize() - 5.0 * DVec3::Z;
+    add_light(&mut scene, LightKind::Point, position, SUNBEAM, FAR_M * FAR_M * SUNLIGHT);
+    let [(sun, error_of_sun), (lamp, error_of_lamp)] =
+        [sunny_leaves(), scene].map(|scene| estimate(&scene, &by_paths(Bounces::All), 32));
+    let error = (error_of_sun * error_of_sun + error_of_lamp * error_of_lamp).map(f64::sqrt);
+    println!("lamp - sun: {:.4} +- {:.4} of the light", (lamp - sun) / sun, error / sun);
+    assert!((error / sun).max_element() < 0.015, "{error} tells little");
+    assert!(((lamp - sun).abs() - SIGMAS * error).max_element() < 0.0, "{lamp} {sun} +- {error}");
+}
+
+/// Two ways to one answer.
+#[test]
+fn the_grid_has_the_same_light() {
+    let mut room = camera_at(DVec3::new(0.0, 0.0, 3.5));
+    add_box(&mut room, DVec3::splat(-4.0), DVec3::splat(4.0), matte(0.6, 0.0));
+    add_fog(&mut room, DVec3::splat(-4.0), DVec3::splat(4.0), Rgb::splat(0.05), Rgb::splat(0.9), 0.3);
+    for (kind, beam, power) in [
+        (LightKind::Sphere { radius: Track::from(0.3) }, DVec3::NEG_Y, 20.0),
+        (
+            LightKind::Area { shape: AreaShape::Rectangle, width: 1.0.into(), height: 0.5.into() },
+            DVec3::new(0.2, -1.0, -0.3),
+            60.0,
+        ),
+    ] {
+        add_light(&mut room, kind, DVec3::new(0.5, 2.0, 0.0), beam, Rgb::splat(power));
+    }
+    for (name, scene, tolerance) in [("leaves", sunny_leaves(), 0.02), ("room", room, 0.03)] {
+        for bounces in [Bounces::UpTo(1), Bounces::All] {
+            let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+            let grid = Indirect::new(&snapshot, bounces, 1.0, &|| false);
+            let on_grid =
+                Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
+            let (paths, error) = estimate(&scene, &by_paths(bounces), 8);
+            let ratio = estimate(&scene, &on_grid, 8).0 / paths;
+            println!("{name}, {bounces}: grid / paths {ratio:.4} +- {:.4}", error / paths);
+            let off = (ratio - 1.0).abs() - SIGMAS * error / paths;
+            assert!(off.max_element() < tolerance, "{name}, {bounces}: {ratio}");
+        }
+    }
+}
+
+/// Blocks of 10x10 pixels differ from Mitsuba's by both renderers' noise alone, so that their
+/// mean difference is none.
+#[test]
+fn leaves500_is_what_mitsuba_makes_of_it() {
+    let scene = leaves500();
+    for (name, bounces, first) in [("depth 3", Bounces::UpTo(1), 0), ("depth 16", Bounces::All, 6)] {
+        let (mean, error) = truth(first).difference(&picture(&scene, bounces, Method::Paths));
+        println!("{name}: {:.4} +- {:.4} of the mean", mean, error);
+        assert!(error < 0.005, "{name}: {error} tells little");
+        assert!(mean.abs() < SIGMAS * error, "{name}: {mean} +- {error}");
+    }
+}
+
+/// Walls of 2 cm, a sky and a sun outside, fog inside and out.
+#[test]
+fn no_light_gets_through_the_walls_of_a_closed_room() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let (low, high, thick) = (DVec3::splat(-2.3), DVec3::splat(2.3), 0.02);
+    add_box(&mut scene, low, high, Material::default());
+    add_box(&mut scene, low + thick, high - thick, Material::default());
+    add_fog(&mut scene, 2.0 * low, 2.0 * high, Rgb::splat(0.1), Rgb::splat(0.9), 0.2);
+    scene.sky = Sky::new(EVEN_SKY);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.4), Rgb::splat(10.0));
+    let (mean, _) = estimate(&scene, &by_paths(Bounces::All), 2);
+    assert_eq!(mean, Rgb::ZERO);
+}
+
+/// There is more and more light, without end: it is cut off, and none of it is without a value.
+#[test]
+fn a_closed_room_that_absorbs_nothing_ends() {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_box(&mut scene, DVec3::splat(-4.0), DVec3::splat(4.0), matte(1.0, 0.0));
+    add_fog(&mut scene, DVec3::splat(-4.0), DVec3::splat(4.0), Rgb::splat(0.2), Rgb::ONE, 0.9);
+    let once = (1, 1);
+    for_each_sample(&scene, &by_paths(Bounces::All), once, |_, sample| {
+        assert_eq!(sample.radiance, Rgb::ZERO, "there is no light");
+    });
+    add_light(&mut scene, LightKind::Point, DVec3::new(0.5, 2.0, 0.0), DVec3::NEG_Y, Rgb::ONE);
+    let mut sum = Rgb::ZERO;
+    for_each_sample(&scene, &by_paths(Bounces::All), once, |_, sample| sum += sample.radiance);
+    let mean = sum / f64::from(RAYS * RAYS);
+    assert!(mean.is_finite() && mean.min_element() > 1.0, "{mean}");
+}
+
+/// Indirect light and what is left without it: `--bounces 0`, to the bit where no random number decides; and
+/// what fog scatters is among the shafts.
+#[test]
+fn passes_tell_the_shares() {
+    let scene = sunny_leaves();
+    let mut direct = Vec::new();
+    for_each_sample(&scene, &by_paths(Bounces::NONE), (1, 4), |_, sample| direct.push(*sample));
+    let mut number = 0;
+    for_each_sample(&scene, &by_paths(Bounces::All), (1, 4), |_, sample| {
+        let without = &direct[number];
+        let rest = sample.radiance - sample.indirect - sample.indirect_shafts;
+        assert!((rest - without.radiance).abs().max_element() < 1e-12, "{rest} {}", without.radiance);
+        let shafts = sample.shafts - sample.indirect_shafts;
+        assert!((shafts - without.shafts).abs().max_element() < 1e-12);
+        assert!(sample.indirect.min_element() >= 0.0 && sample.indirect_shafts.min_element() >= 0.0);
+        number += 1;
+    });
+    assert!(direct.iter().all(|sample| sample.indirect + sample.indirect_shafts == Rgb::ZERO));
+}
+
+/// A scene with a bit of everything.
+fn everything() -> Scene {
+    let mut scene = sunny_leaves();
+    let clearcoat =
+        Clearcoat { share: 1.0, texture: None, roughness: 0.3, roughness_texture: None, normal_map: None };
+    let sheen =
+        Sheen { color: Rgb::splat(0.5), color_texture: None, roughness: 0.5, roughness_texture: None };
+    add_leaves(
+        &mut scene,
+        20,
+        Material { clearcoat: Some(clearcoat), sheen: Some(sheen), ..matte(0.5, 0.0) },
+    );
+    for (_, material) in white_surfaces() {
+        add_leaves(&mut scene, 20, Material { filter_color: Rgb::new(0.9, 0.5, 0.2), ..material });
+    }
+    scene.sky = Sky::new(SkyPicture::Gradient { zenith: Rgb::ONE, horizon: Rgb::X, ground: Rgb::splat(0.1) });
+    add_light(
+        &mut scene,
+        LightKind::Sphere { radius: Track::from(0.2) },
+        DVec3::new(0.5, 1.0, -5.0),
+        DVec3::NEG_Y,
+        Rgb::splat(5.0),
+    );
+    scene
+}
+
+fn small_job(method: Method, bounces: Bounces) -> Job {
+    let size = Size { width: 32, height: 18 };
+    Job {
+        size,
+        window: Window::whole(size),
+        passes: vec![Pass::Indirect, Pass::IndirectShafts, Pass::Shafts, Pass::Transmittance],
+        sampling: Sampling::Exactly(3),
+        filter: PixelFilter::Box,
+        seed: 5,
+        mirror_depth: 3,
+        bounces,
+        method,
+    }
+}
+
+fn small_frame(scene: &Scene, job: &Job) -> sunfleck::film::Frame {
+    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 32.0 / 18.0, INSTANT);
+    render(&exposure, job, &Watch::NOBODY).frame
+}
+
+#[test]
+fn without_bounces_it_is_the_picture_by_segments() {
+    let scene = everything();
+    let [segments, paths] = [Method::Segments, Method::Paths]
+        .map(|method| small_frame(&scene, &small_job(method, Bounces::NONE)));
+    assert_eq!(segments, paths);
+    assert_ne!(segments, small_frame(&scene, &small_job(Method::Paths, Bounces::UpTo(1))));
+}
+
+#[test]
+fn threads_do_not_reach_it() {
+    let scene = everything();
+    let by = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| small_frame(&scene, &small_job(Method::Paths, Bounces::All)))
+    };
+    let one = by(1);
+    assert_eq!(one, by(2));
+    assert_eq!(one, by(16));
+    let is_finite = |frame: &sunfleck::film::Frame| {
+        frame.channels.iter().all(|channel| channel.pixels.iter().all(|value| value.is_finite()))
+    };
+    assert!(is_finite(&one));
+}
