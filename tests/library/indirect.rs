@@ -183,7 +183,8 @@ fn metal_reflects_the_sky_as_sampled_rays_find_it() {
         let (field, sampled) = (mean(Bounces::All), mean(Bounces::NONE));
         let worst = (field / sampled - 1.0).abs().max_element();
         println!("metal of roughness {roughness}: {:.3}", field / sampled);
-        assert!(worst < 0.1, "{roughness}: {worst}");
+        // Nine harmonics a place know no more of a sky that is bright above and dark below.
+        assert!(worst < 0.2, "{roughness}: {worst}");
     }
 }
 
@@ -192,7 +193,7 @@ fn metal_reflects_the_sky_as_sampled_rays_find_it() {
 fn a_leaf_keeps_its_light_where_another_is_hidden() {
     let mut scene = camera_at(DVec3::ZERO);
     let leaf = Material { base_color: Rgb::splat(0.5), ..Material::default() };
-    add_leaves(&mut scene, 60, leaf);
+    add_leaves(&mut scene, 500, leaf);
     scene.sky = Sky::new(SkyPicture::Gradient {
         zenith: Rgb::new(1.0, 2.0, 3.0),
         horizon: Rgb::ONE,
@@ -223,7 +224,7 @@ fn a_leaf_keeps_its_light_where_another_is_hidden() {
             seen += 1;
         }
     }
-    assert!(seen > 20, "{seen} rays meet leaves");
+    assert!(seen > 50, "{seen} rays meet leaves");
 }
 
 /// Walls of 2 cm, a sky and a sun outside, fog inside and out.
