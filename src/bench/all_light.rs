@@ -117,8 +117,8 @@ impl Reference {
         // The variance of the mean of two is a quarter of that of their difference.
         let of_values = |[a, b]: &[Vec<f64>; 2]| 0.5 * root_mean_square(a, b) / mean;
         let [of_pixels, of_blocks] = values.each_ref().map(of_values);
-        // Blocks err independently of each other.
-        let of_mean = of_blocks / (values[1][0].len() as f64).sqrt();
+        // Blocks err independently of each other, their colours do not.
+        let of_mean = of_blocks / (values[1][0].len() as f64 / 3.0).sqrt();
         let both = |[a, b]: &[Vec<f64>; 2]| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
         Self { values: values.each_ref().map(both), mean, noise: [of_mean, of_pixels, of_blocks] }
     }
