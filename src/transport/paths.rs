@@ -3,11 +3,11 @@
 //! the eye of light that was scattered before. Invariant: the mean over random numbers is the solution of the
 //! equation of transfer, but for what comes after [`MOST_VERTICES`] scatterings.
 //!
-//! A walk goes from the eye towards the light (Kajiya 1986, "The rendering equation"). In fog see Pharr, Jakob
-//! & Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2. Light from lights and sky is
-//! looked for at each vertex, so no walk need hit them (Veach 1997, "Robust Monte Carlo methods for light
-//! transport simulation", section 8.3.1). What glows is found by walks alone. Lights are those of the camera
-//! ray, one point of each. Light transport is linear, so the mean over points is theirs.
+//! A walk goes from the eye towards the light (Kajiya 1986, "The rendering equation"). In fog see Pharr,
+//! Jakob & Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2. Light from lights and
+//! sky is looked for at each vertex, so no walk need hit them (Veach 1997, "Robust Monte Carlo methods for
+//! light transport simulation", section 8.3.1). What glows is found by walks alone. Lights are those of the
+//! camera ray, one point of each. Light transport is linear, so the mean over points is theirs.
 
 use super::direct;
 use super::equiangular;
