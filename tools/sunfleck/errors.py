@@ -75,9 +75,7 @@ def error_of(exit_code: int, said: str) -> SunfleckError:
         return KINDS[exit_code]("\n".join(errors) or said.strip() or f"exit code {exit_code}", exit_code, found)
     if exit_code < 0:
         name = signal.Signals(-exit_code).name if -exit_code in set(signal.Signals) else f"signal {-exit_code}"
-        return ProgramError(
-            f"{name} ended the program, as the system does where memory lacks: choose a smaller size, or fewer threads", exit_code, found
-        )
-    return ProgramError(
-        f"the program ended with exit code {exit_code}, which none of its errors has: {said.strip() or 'it said nothing'}", exit_code, found
-    )
+        words = f"{name} ended the program, as the system does where memory lacks: choose a smaller size, or fewer threads"
+        return ProgramError(words, exit_code, found)
+    words = f"the program ended with exit code {exit_code}, which none of its errors has: {said.strip() or 'it said nothing'}"
+    return ProgramError(words, exit_code, found)

@@ -1,7 +1,6 @@
 """Settings to flags: `shutter_position=0.5` is `--shutter-position 0.5`.
 
-Invariant: what the program knows is written here once, in `docs/command-line.md` and the program itself: a name or value that it does
-not know is its own error.
+Invariant: no flag of the program is listed here; a name or value that it does not know is its own error.
 """
 
 from __future__ import annotations

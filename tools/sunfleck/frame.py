@@ -1,7 +1,7 @@
 """A frame as a program holds it. In goes an EXR file, out come arrays with names, units and metadata.
 
-Invariant: arrays are float32, rows from the top, `(height, width)` where a pass has one channel and `(height, width, channels)` where it
-has several; bits of ids are those of the file.
+Invariant: arrays are float32, rows from the top, `(height, width)` where a pass has one channel and `(height, width, channels)`
+where it has several; bits of ids are those of the file.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class Frame:
 
 
 def read(path: str | os.PathLike) -> Frame:
-    """A frame from a file of this renderer, or the channels of another's. Raises `FileError`, which says what is wrong with the file."""
+    """A frame from a file of this renderer, or the channels of another's. Raises `FileError`, which says what is wrong with it."""
     name = os.fspath(path)
     file, frame = read_frame(0, name)
     if frame is None:

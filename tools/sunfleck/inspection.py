@@ -11,8 +11,8 @@ from .process import answer
 
 
 def inspect(scene: str | os.PathLike, frames: str | float | Iterable[float] | None = None, **settings: object) -> dict:
-    """Frame range and rate, cameras, lights, matrices of all nodes at `frames` (the first; fractions are allowed), and what of the input
-    is not honoured. Every field is described in docs/inspect.schema.json. `settings` are flags of `sunfleck inspect`, as in `render`.
+    """Frame range and rate, cameras, lights, matrices of all nodes at `frames` (the first; fractions are allowed), and what of the
+    input is not honoured. Every field is described in docs/inspect.schema.json. `settings` are flags of `sunfleck inspect`.
 
     Raises a `SunfleckError`, as `render` does.
     """

@@ -33,9 +33,8 @@ def program() -> str:
         named = os.environ.get(VARIABLE)
         if named:
             raise ProgramError(f"{VARIABLE} names {named}, and there is no such program: name one that is there, or unset it")
-        raise ProgramError(
-            f"there is no program sunfleck, neither beside this Python nor on the PATH: install the wheel, or let {VARIABLE} name it"
-        )
+        where = "neither beside this Python nor on the PATH"
+        raise ProgramError(f"there is no program sunfleck, {where}: install the wheel, or let {VARIABLE} name it")
     _need_this_version(found, os.stat(found).st_mtime_ns)
     return found
 
@@ -57,14 +56,15 @@ def _need_this_version(path: str, _changed_ns: int) -> None:
 
 
 def events(arguments: Sequence[str]) -> Iterator[dict]:
-    """Runs the program and yields what it tells: the objects of `--progress jsonl`, one a line. Raises what it failed of once it has
-    ended; its warnings become `SunfleckWarning`s, its notes go to the logger `sunfleck`."""
+    """Runs the program and yields what it tells: the objects of `--progress jsonl`, one a line. Raises what it failed of once it
+    has ended; its warnings become `SunfleckWarning`s, its notes go to the logger `sunfleck`."""
     with closing(_lines([program(), *arguments])) as lines:
         for line in lines:
             try:
                 event = json.loads(line)
             except ValueError as error:
-                raise ProgramError(f"the program tells what is no JSON ({line[:80]!r}): let {VARIABLE} name sunfleck itself") from error
+                words = f"the program tells what is no JSON ({line[:80]!r}): let {VARIABLE} name sunfleck itself"
+                raise ProgramError(words) from error
             yield event
 
 

@@ -24,8 +24,8 @@ def render(
 ) -> Frame:
     """One frame of an input: a sequence or scene (`.ron`), glTF or OBJ.
 
-    `out` keeps the file as `--out` says. `progress` is a function that gets each event of `--progress jsonl`; by default a bar, where
-    the error stream is a terminal; `False` is silence. `settings` are all other flags of `sunfleck render`, `_` for `-`:
+    `out` keeps the file as `--out` says. `progress` is a function that gets each event of `--progress jsonl`; by default a bar,
+    where the error stream is a terminal; `False` is silence. `settings` are all other flags of `sunfleck render`, `_` for `-`:
     `size=(960, 540)` or `"50%"`, `passes=["depth", "normal"]`, `tolerance=0.01`, `camera="main"`, `strict=True`.
 
     Raises a `SunfleckError`: `UsageError`, `SceneError`, `FileError`, `FrameError`, `Stopped`, or `ProgramError`.

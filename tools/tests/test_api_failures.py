@@ -71,9 +71,15 @@ class Failing(WithFolder):
 
 
 class Programs(Failing):
+    @contextmanager
+    def only(self, beside: Path, on_path: Path):
+        """For a block, these are the folders where programs are looked for."""
+        surroundings = {name: value for name, value in os.environ.items() if name != "SUNFLECK"} | {"PATH": str(on_path)}
+        with mock.patch.dict(os.environ, surroundings, clear=True), mock.patch("sysconfig.get_path", lambda *_: str(beside)):
+            yield
+
     def test_there_is_none(self):
-        surroundings = {name: value for name, value in os.environ.items() if name != "SUNFLECK"} | {"PATH": str(self.folder)}
-        with mock.patch.dict(os.environ, surroundings, clear=True), mock.patch("sysconfig.get_path", lambda *_: str(self.folder)):
+        with self.only(self.folder, self.folder):
             error = self.fails(sunfleck.ProgramError, "there is no program sunfleck, .*: install the wheel, or let SUNFLECK name it")
             self.assertIsNone(error.exit_code)
         with self.program(self.folder / "none"):
@@ -84,15 +90,15 @@ class Programs(Failing):
         for folder in (beside, on_path):
             folder.mkdir()
             self.stand_in("").rename(folder / "sunfleck")
-        surroundings = {name: value for name, value in os.environ.items() if name != "SUNFLECK"} | {"PATH": str(on_path)}
-        with mock.patch.dict(os.environ, surroundings, clear=True), mock.patch("sysconfig.get_path", lambda *_: str(beside)):
+        with self.only(beside, on_path):
             self.assertEqual(process.program(), str(beside / "sunfleck"))
             (beside / "sunfleck").unlink()
             self.assertEqual(process.program(), str(on_path / "sunfleck"))
 
     def test_another_version(self):
         with self.program(self.stand_in("", says="sunfleck 0.0.9")):
-            self.fails(sunfleck.ProgramError, f"is version 0.0.9, and this Python package {sunfleck.__version__}: install both from one")
+            words = f"is version 0.0.9, and this Python package {sunfleck.__version__}: install both from one wheel"
+            self.fails(sunfleck.ProgramError, words)
 
     def test_a_program_that_is_another(self):
         with self.program(self.stand_in("", says="true (GNU coreutils) 9.1")):
@@ -184,7 +190,8 @@ class Ends(Failing):
         for send, out in ((os.kill, ""), (os.killpg, f"{self.folder / 'out'}/")):
             with self.subTest(send.__name__):
                 caller = subprocess.Popen(
-                    [sys.executable, "-c", CALLER, str(FIRST_LEAF), out], cwd=TOOLS, env=surroundings, stdout=subprocess.PIPE, start_new_session=True
+                    [sys.executable, "-c", CALLER, str(FIRST_LEAF), out],
+                    cwd=TOOLS, env=surroundings, stdout=subprocess.PIPE, start_new_session=True,
                 )  # fmt: skip
                 self.assertEqual(caller.stdout.readline(), b"begun\n")
                 began = time.monotonic()
@@ -219,7 +226,8 @@ class Ends(Failing):
 
     def test_one_that_does_not_want_to_end_is_killed(self):
         noted = self.folder / "noted"
-        deaf = self.stand_in(f"""trap '' TERM; echo $$ >"{noted}"; echo '{{"event": "started", "frames": 1}}'; while :; do sleep 0.1; done""")
+        started = '{"event": "started", "frames": 1}'
+        deaf = self.stand_in(f"""trap '' TERM; echo $$ >"{noted}"; echo '{started}'; while :; do sleep 0.1; done""")
         with self.program(deaf), mock.patch.object(process, "GRACE_S", 0.3):
             frames = sunfleck.render_frames(FIRST_LEAF, progress=self.stop)
             with self.assertRaisesRegex(RuntimeError, "stop"):
@@ -272,7 +280,8 @@ class Words(unittest.TestCase):
             "\n  tip: wait\nUsage: sunfleck"
         )
         warning, error = diagnostics(said)
-        self.assertEqual((warning.severity, warning.id, warning.place, warning.remedy), ("warning", "no-light", "a: b.glb:/nodes/3", "add one"))
+        self.assertEqual((warning.severity, warning.id, warning.remedy), ("warning", "no-light", "add one"))
+        self.assertEqual(warning.place, "a: b.glb:/nodes/3")
         self.assertEqual((error.place, error.message, error.expected, error.remedy), ("", "it is dark", "light", "wait"))
         self.assertEqual(f"{warning.text}\n{error.text}", said)
         self.assertEqual([found.severity for found in diagnostics("hello\nworld")], ["line"])
