@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The same scenes, made in Blender, in Cycles and by sunfleck from the exported file: a table of mean ratios.
 
-    python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
+    python3.11 -m venv .venv && .venv/bin/pip install '.[cycles]'
     .venv/bin/python tools/peers/compare_cycles.py --sunfleck target/release/sunfleck
 
 Cycles with all bounces 0 is direct light and single scattering, which is what sunfleck computes. Exits with 1

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How much longer Cycles takes than sunfleck to the same error: ratios of processor seconds, in one run.
 
-    python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
+    python3.11 -m venv .venv && .venv/bin/pip install '.[cycles]'
     .venv/bin/python tools/peers/equal_error.py --sunfleck target/release/sunfleck
 
 Every picture is a process of its own. `whole` is all that it takes: start, reading, building, rendering,

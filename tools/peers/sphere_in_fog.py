@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How bright spheres in fog are here, against Mitsuba.
 
-    python3 -m venv .venv && .venv/bin/pip install './tools[mitsuba]'
+    python3 -m venv .venv && .venv/bin/pip install '.[mitsuba]'
     SUNFLECK=target/release/sunfleck .venv/bin/python tools/peers/sphere_in_fog.py
 
 A sphere of one radiance is points within it here, and gets back what fog takes of their light within it

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A sequence's frame in Cycles and here, at equal error: how much longer it takes there.
 
-    python3.11 -m venv .venv && .venv/bin/pip install './tools[cycles]'
+    python3.11 -m venv .venv && .venv/bin/pip install '.[cycles]'
     .venv/bin/python tools/peers/title_in_cycles.py --sunfleck target/release/sunfleck
 
 What the two do not share is taken out of both: shine, the sky behind the picture and the sun's own disc

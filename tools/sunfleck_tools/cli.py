@@ -18,6 +18,9 @@ from .errors import SceneError, Terminated, ToolError
 from .streams import patient_streams
 from .words import printable
 
+DISTRIBUTIONS = {"numpy": "numpy", "OpenEXR": "OpenEXR", "pxr": "usd-core", "PIL": "pillow"}
+"""What is installed to import a package that some commands need."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command line and returns its exit code."""
@@ -49,6 +52,10 @@ def _outcome(arguments: Sequence[str] | None) -> int:
     except OSError as error:
         where = f"{error.filename}: " if error.filename is not None else ""
         return _said(f"{where}{error.strerror or error}", IO)
+    except ModuleNotFoundError as error:
+        if error.name not in DISTRIBUTIONS:
+            raise
+        return _said(f"{error.name} is not installed: pip install {DISTRIBUTIONS[error.name]}", USAGE)
     except RecursionError:
         return _said("the input is nested too deeply", SCENE)
     except RuntimeError as error:

@@ -20,7 +20,8 @@ import OpenEXR
 from mathutils import Vector
 
 # What reads glTF is without USD.
-sys.path.insert(0, str(Path(__file__).parents[2]))
+# Last, as `sunfleck` is the add-on here, and another package there.
+sys.path.append(str(Path(__file__).parents[2]))
 from sunfleck_tools.gltf.container import Container
 from sunfleck_tools.gltf.deformation import Bending
 from sunfleck_tools.gltf.meshes import Meshes

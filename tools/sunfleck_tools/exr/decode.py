@@ -10,6 +10,7 @@ import os
 import re
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,6 +31,8 @@ OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY", "MemoryError", "Unable to
 COPIES, SPARE_BYTES = 2, 64 << 20
 """What decoding takes: the pixels as the library and as numpy has them, and buffers."""
 NOT_READ = "Exception raised reading pixel data"
+ONE_AT_A_TIME = threading.Lock()
+"""The process has one output: threads that took it at the same time would not give it back."""
 
 
 class DecodeError(Exception):
@@ -106,6 +109,11 @@ def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarra
 @contextmanager
 def _captured() -> Iterator:
     """Keeps what the library prints, in C and in Python, and hands it to whoever asks."""
+    with ONE_AT_A_TIME:
+        yield from _captured_alone()
+
+
+def _captured_alone() -> Iterator:
     sys.stdout.flush()
     sys.stderr.flush()
     with tempfile.TemporaryFile() as file:

@@ -6,8 +6,6 @@ goes through `sunfleck export`; so there is one reader of RON.
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -15,6 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ..errors import SceneError
+from ..program import find_program
 from .container import Container
 from .scene import Gltf
 from .values import Value
@@ -28,11 +27,6 @@ READ_BY_PROGRAM = {
     "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_animation_pointer",
     "KHR_draco_mesh_compression", "KHR_meshopt_compression",
 }  # fmt: skip
-
-
-def find_program(named: str | None) -> str | None:
-    """The program `sunfleck`: as named, else the environment's SUNFLECK, else by the search path."""
-    return shutil.which(named or os.environ.get("SUNFLECK") or "sunfleck")
 
 
 def load(

@@ -29,6 +29,8 @@ RENDERERS = {
     "cycles-denoised": ("Cycles, denoised", "cycles", ("OPENIMAGEDENOISE",)),
 }
 """Name, module here, and what it is told."""
+DISTRIBUTIONS = {"mitsuba": "mitsuba", "cycles": "bpy"}
+"""What is installed for a module."""
 COLUMNS = ("renderer", "version", "spp", "cpu_s", "rmse", "date", "machine")
 
 
@@ -50,7 +52,7 @@ def available(name: str) -> str | None:
     try:
         import_module(f".{module}", __package__).select(*options)
     except ImportError as error:
-        return f"{label} is not here ({error}): pip install './tools[{module}]' (docs/tools.md says with which Python)"
+        return f"{label} is not here ({error}): pip install {DISTRIBUTIONS[module]} (docs/tools.md says with which Python)"
     return None
 
 

@@ -1,0 +1,116 @@
+"""A frame as a program holds it. In goes an EXR file, out come arrays with names, units and metadata.
+
+Invariant: arrays are float32, rows from the top, `(height, width)` where a pass has one channel and `(height, width, channels)`
+where it has several; bits of ids are those of the file.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sunfleck_tools import frame as files
+from sunfleck_tools.analysis import read_frame
+from sunfleck_tools.exr.header import window_size
+
+from . import passes
+from .errors import FileError
+
+MATRICES = ("worldToCamera", "worldToNDC")
+
+
+@dataclass(frozen=True)
+class Pass:
+    """What a frame holds under one name."""
+
+    name: str
+    """As `--passes` has it."""
+    channels: tuple[str, ...]
+    """Their names in the file, in the order of the array."""
+    unit: str
+    """`1` if in nothing, `id` of numbers of things, `px` of pixels."""
+    pixels: np.ndarray
+
+
+class Frame:
+    """A rendered frame: `frame.beauty`, `frame.leaf_id`, `frame["Normal.X"]`; `frame.passes` has channels and units."""
+
+    def __init__(self, number: int, file: files.Frame):
+        self.number = number
+        self._file = file
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the whole picture."""
+        return window_size(self._file.header.display_window)
+
+    @property
+    def window(self) -> tuple[int, int, int, int]:
+        """The part that there are pixels of, as `--crop` has it: x0, y0, x1, y1, the last two excluded. Arrays are of its size."""
+        left, top, right, bottom = self._file.header.data_window
+        return left, top, right + 1, bottom + 1
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of all channels, as in the file."""
+        return tuple(sorted(self._file.channels))
+
+    @cached_property
+    def passes(self) -> Mapping[str, Pass]:
+        """By name, the beauty first."""
+        return {name: self._pass(name, *row) for name, row in passes.held(self._file.channels).items()}
+
+    @cached_property
+    def metadata(self) -> Mapping[str, object]:
+        """The file's attributes by name: hashes of scene, settings and pixels, version, frame rate, camera (a 4x4 array that
+        multiplies columns) and so on."""
+        values = {name: value for name, value in self._file.header.values.items() if not isinstance(value, (bytes, tuple))}
+        for name in MATRICES:
+            stored = self._file.header.values.get(name)
+            if isinstance(stored, bytes) and len(stored) == 64:
+                # EXR's matrices multiply rows from the left.
+                values[name] = np.frombuffer(stored, "<f4").reshape(4, 4).T.copy()
+        return values
+
+    def __getitem__(self, channel: str) -> np.ndarray:
+        """A channel by its name in the file. Raises `KeyError`."""
+        if channel not in self._file.channels:
+            raise KeyError(f"there is no channel {channel}: the frame has {', '.join(self.channels)}")
+        return self._file.float(channel)
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        """The array of a pass."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        wanted = name.replace("_", "-")
+        if wanted in self.passes:
+            return self.passes[wanted].pixels
+        if wanted in passes.PASSES:
+            raise AttributeError(f"the frame holds {', '.join(self.passes)} and no {wanted}: render it with passes=['{wanted}']")
+        raise AttributeError(f"a frame has no {name}: its passes are {', '.join(self.passes)}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(name.replace("-", "_") for name in self.passes)]
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        return f"<sunfleck.Frame {self.number}: {width}x{height}, {', '.join(self.passes) or ', '.join(self.channels)}>"
+
+    def _pass(self, name: str, channels: tuple[str, ...], unit: str) -> Pass:
+        arrays = [self._file.float(channel) for channel in channels]
+        return Pass(name, channels, unit, arrays[0] if len(arrays) == 1 else np.stack(arrays, axis=-1))
+
+
+def read(path: str | os.PathLike) -> Frame:
+    """A frame from a file of this renderer, or the channels of another's. Raises `FileError`, which says what is wrong with it."""
+    name = os.fspath(path)
+    file, frame = read_frame(0, name)
+    if frame is None:
+        remedy = "check the path" if file.read_error else "render the frame again"
+        raise FileError(f"{name}: error: {file.fault}\n  remedy: {remedy}", 4)
+    counter = frame.header.values.get("imageCounter")
+    return Frame(counter if isinstance(counter, int) else 0, frame)

@@ -1,0 +1,20 @@
+"""What an input holds. In goes a path, out comes what `sunfleck inspect --json` says."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+
+from .flags import as_flags, joined
+from .process import answer
+
+
+def inspect(scene: str | os.PathLike, frames: str | float | Iterable[float] | None = None, **settings: object) -> dict:
+    """Frame range and rate, cameras, lights, matrices of all nodes at `frames` (the first; fractions are allowed), and what of the
+    input is not honoured. Every field is described in docs/inspect.schema.json. `settings` are flags of `sunfleck inspect`.
+
+    Raises a `SunfleckError`, as `render` does.
+    """
+    chosen = [] if frames is None else [f"--frames={joined(frames)}"]
+    return json.loads(answer(["inspect", "--json", *chosen, *as_flags(settings), "--", os.fspath(scene)]))

@@ -1,0 +1,117 @@
+"""The program at work. In go its arguments, out comes what it tells.
+
+Invariant: the program does not outlive the call, however that ends.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import subprocess
+import tempfile
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from functools import lru_cache
+
+from sunfleck_tools.program import VARIABLE, find_program
+
+from . import __version__
+from .diagnostic import diagnostics
+from .errors import ProgramError, SunfleckWarning, error_of
+
+GRACE_S = 5.0
+"""Until a program that was asked to end is killed. It takes a tenth of a second."""
+log = logging.getLogger("sunfleck")
+
+
+def program() -> str:
+    """The path of the program, which is of this package's version. Raises `ProgramError`."""
+    found = find_program()
+    if found is None:
+        named = os.environ.get(VARIABLE)
+        if named:
+            raise ProgramError(f"{VARIABLE} names {named}, and there is no such program: name one that is there, or unset it")
+        where = "neither beside this Python nor on the PATH"
+        raise ProgramError(f"there is no program sunfleck, {where}: install the wheel, or let {VARIABLE} name it")
+    _need_this_version(found, os.stat(found).st_mtime_ns)
+    return found
+
+
+@lru_cache
+def _need_this_version(path: str, _changed_ns: int) -> None:
+    try:
+        asked = subprocess.run([path, "--version"], stdin=subprocess.DEVNULL, capture_output=True, timeout=60)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise ProgramError(f"{path} cannot be run ({error}): install the wheel that is made for this machine") from error
+    words = asked.stdout.decode("utf-8", "replace").split()
+    if asked.returncode != 0 or len(words) != 2 or words[0] != "sunfleck":
+        raise ProgramError(f"{path} is not sunfleck: let {VARIABLE} name the program, or take it off the PATH")
+    if words[1] != __version__:
+        raise ProgramError(
+            f"{path} is version {words[1]}, and this Python package {__version__}: "
+            f"install both from one wheel, or let {VARIABLE} name a program of {__version__}"
+        )
+
+
+def events(arguments: Sequence[str]) -> Iterator[dict]:
+    """Runs the program and yields what it tells: the objects of `--progress jsonl`, one a line. Raises what it failed of once it
+    has ended; its warnings become `SunfleckWarning`s, its notes go to the logger `sunfleck`."""
+    with closing(_lines([program(), *arguments])) as lines:
+        for line in lines:
+            try:
+                event = json.loads(line)
+            except ValueError as error:
+                words = f"the program tells what is no JSON ({line[:80]!r}): let {VARIABLE} name sunfleck itself"
+                raise ProgramError(words) from error
+            yield event
+
+
+def answer(arguments: Sequence[str]) -> bytes:
+    """Runs the program to its end and returns what it wrote to its output. Raises as `events` does."""
+    return b"".join(_lines([program(), *arguments]))
+
+
+def _lines(command: Sequence[str]) -> Iterator[bytes]:
+    # A file, not a pipe: it never is full, so that nobody has to read it meanwhile.
+    with tempfile.TemporaryFile() as error_stream:
+        process = _start(command, error_stream)
+        try:
+            yield from process.stdout
+            process.wait()
+        finally:
+            _end(process)
+        error_stream.seek(0)
+        said = error_stream.read().decode("utf-8", "replace")
+    if process.returncode != 0:
+        raise error_of(process.returncode, said)
+    for found in diagnostics(said):
+        if found.severity == "warning":
+            warnings.warn(found.text, SunfleckWarning, stacklevel=2)
+        else:
+            log.info(found.text)
+
+
+def _start(command: Sequence[str], error_stream) -> subprocess.Popen:
+    try:
+        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=error_stream)
+    except OSError as error:
+        raise ProgramError(f"{command[0]} cannot be run: {error.strerror or error}") from error
+
+
+def _end(process: subprocess.Popen) -> None:
+    """Nobody waits for it any more: asks it to end, and sees that it does."""
+    process.stdout.close()
+    if process.poll() is not None:
+        return
+    process.terminate()
+    try:
+        process.wait(GRACE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    except BaseException:  # a second Ctrl-C
+        process.kill()
+        process.wait()
+        raise

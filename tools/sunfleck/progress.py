@@ -1,0 +1,43 @@
+"""How far a run is, for whoever waits. In go the program's events, out comes a bar, or calls of a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sunfleck_tools.progress import Bar
+
+STEPS_PER_FRAME = 1000
+Progress = Callable[[dict], None]
+"""Called with each event, as `--progress jsonl` in docs/command-line.md has them."""
+
+
+class EventBar:
+    """A bar on the error stream, if that is a terminal."""
+
+    def __init__(self) -> None:
+        self._bar = Bar()
+        self._frames, self._done, self._fraction = 1, 0, 0.0
+
+    def __call__(self, event: dict) -> None:
+        """The next event."""
+        kind = event["event"]
+        if kind == "started":
+            self._frames = event["frames"]
+        elif kind == "frame_progress":
+            # Threads may tell of their shares out of order.
+            self._fraction = max(self._fraction, event["fraction"])
+        elif kind in ("frame_written", "frame_given_up", "frame_skipped"):
+            self._done, self._fraction = self._done + 1, 0.0
+        share = 1.0 if kind == "finished" else min(1.0, (self._done + self._fraction) / max(1, self._frames))
+        self._bar.show(share, f"frame {min(self._done + 1, self._frames)} of {self._frames}")
+
+    def close(self) -> None:
+        """Takes the bar away."""
+        self._bar.clear()
+
+
+def watcher(progress: Progress | bool | None) -> Progress:
+    """A function as it is; `None` and `True` a bar where there is a terminal; `False` silence."""
+    if callable(progress):
+        return progress
+    return (lambda event: None) if progress is False else EventBar()

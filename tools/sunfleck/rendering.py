@@ -1,0 +1,87 @@
+"""Frames by the program. In go an input, frames and settings, out come frames.
+
+Invariant: without `out` nothing is left on the disk.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import closing, contextmanager
+from operator import index
+
+from .flags import as_flags, joined
+from .frame import Frame, read
+from .process import events
+from .progress import EventBar, Progress, watcher
+
+Path = str | os.PathLike
+
+
+def render(
+    scene: Path, frame: int = 1, *, out: Path | None = None, progress: Progress | bool | None = None, **settings: object
+) -> Frame:
+    """One frame of an input: a sequence or scene (`.ron`), glTF or OBJ.
+
+    `out` keeps the file as `--out` says. `progress` is a function that gets each event of `--progress jsonl`; by default a bar,
+    where the error stream is a terminal; `False` is silence. `settings` are all other flags of `sunfleck render`, `_` for `-`:
+    `size=(960, 540)` or `"50%"`, `passes=["depth", "normal"]`, `tolerance=0.01`, `camera="main"`, `strict=True`.
+
+    Raises a `SunfleckError`: `UsageError`, `SceneError`, `FileError`, `FrameError`, `Stopped`, or `ProgramError`.
+    """
+    with closing(_rendered(scene, index(frame), as_flags(settings), out, progress)) as frames:
+        (found,) = frames
+    return found
+
+
+def render_frames(
+    scene: Path,
+    frames: str | int | Iterable[int] = "all",
+    *,
+    out: Path | None = None,
+    progress: Progress | bool | None = None,
+    **settings: object,
+) -> Iterator[Frame]:
+    """Frames in the order of the list, each as soon as it is written, while the program renders the next; otherwise as `render`.
+
+    `frames` is a list as the command line has it (`"1-48x2"`), or of numbers. The program starts when the first frame is asked for,
+    and ends with the iterator: `close()` drops what is not rendered yet.
+    """
+    return _rendered(scene, frames, as_flags(settings), out, progress)
+
+
+def _rendered(
+    scene: Path, frames: str | int | Iterable[int], flags: list[str], out: Path | None, progress: Progress | bool | None
+) -> Iterator[Frame]:
+    watch = watcher(progress)
+    try:
+        with _folder(out) as folder:
+            command = ["render", f"--frames={joined(frames)}", "--progress=jsonl", *flags, f"--out={folder}"]
+            with closing(events([*command, "--", os.fspath(scene)])) as told:
+                for event in told:
+                    watch(event)
+                    if event["event"] == "frame_written":
+                        yield _taken(event, keep=out is not None)
+    finally:
+        if isinstance(watch, EventBar):
+            watch.close()
+
+
+@contextmanager
+def _folder(out: Path | None) -> Iterator[str]:
+    """Where frames go: as told, or a folder for the time being."""
+    if out is not None:
+        yield os.fspath(out)
+        return
+    with tempfile.TemporaryDirectory(prefix="sunfleck-") as folder:
+        yield os.path.join(folder, "")
+
+
+def _taken(event: dict, keep: bool) -> Frame:
+    path = event["path"]
+    frame = read(path)
+    frame.number = event["frame"]
+    if not keep:
+        os.unlink(path)
+    return frame
