@@ -5,9 +5,9 @@
     frame.beauty          # float32, 540 x 960 x 4: linear Rec. 709, premultiplied alpha
     frame.passes["depth"].unit, frame.metadata["sunfleck:sceneHash"]
 
-The program `sunfleck` renders, in a process of its own; this package starts it, tells how far it is, and reads what it wrote.
-Invariant: whatever ends a call (an error, Ctrl-C, an iterator that is dropped) ends the program too, and leaves no file behind but
-whole frames where `out` wanted them.
+The program `sunfleck` renders, in a process of its own. This package starts it, tells how far it is, and
+reads what it wrote. Invariant: whatever ends a call (an error, Ctrl-C, an iterator that is dropped) ends the
+program too. Only whole frames are left, where `out` wanted them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a call from Python says where it cannot go on, and that nothing is left of it: no program, no file, no half frame."""
+"""What a call from Python says where it cannot go on. Nothing is left of it: no program, no file."""
 
 from __future__ import annotations
 
