@@ -189,13 +189,20 @@ mod tests {
     fn directions_are_picked_as_densely_as_is_said() {
         let medium = two_fogs();
         let (point, travel) = (DVec3::new(1.5, 0.5, 0.0), DVec3::new(0.3, -0.4, 0.2).normalize());
-        let (mut scattered, mut forward, count) = (Rgb::ZERO, Rgb::ZERO, 60);
-        for index in 0..count * count * count {
-            let u = [index % count, index / count % count, index / count / count].map(|at| even(at, count));
+        let (mut scattered, mut forward) = (Rgb::ZERO, Rgb::ZERO);
+        // Many to pick a fog by: one of them is picked rarely.
+        let counts = [1000, 80, 4];
+        let all = counts.iter().product::<usize>();
+        for index in 0..all {
+            let u = [
+                even(index % counts[0], counts[0]),
+                even(index / counts[0] % counts[1], counts[1]),
+                even(index / counts[0] / counts[1], counts[2]),
+            ];
             let (direction, weight) =
                 medium.pick_scattering(point, travel, Rgb::new(1.0, 0.1, 0.5), u).expect("there is fog");
-            scattered += weight / (count * count * count) as f64;
-            forward += direction.dot(travel) * weight / (count * count * count) as f64;
+            scattered += weight / all as f64;
+            forward += direction.dot(travel) * weight / all as f64;
         }
         for (found, degree) in [(scattered, 0), (forward, 1)] {
             let expected = medium.scattering_by_degree_at(point, degree);
