@@ -5,7 +5,7 @@
 use super::{CliError, tell};
 use crate::frame_file;
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
@@ -31,10 +31,10 @@ impl Stop {
     pub(super) fn watch() -> Result<Self, CliError> {
         let stop = Self::default();
         let failure = |error| CliError::InputOutput(format!("error: signals cannot be caught: {error}"));
-        let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(failure)?;
+        let wait = caught().map_err(failure)?;
         let watched = stop.clone();
         let watcher = move || {
-            let Some(signal) = signals.forever().next() else { return };
+            let Some(signal) = wait() else { return };
             watched.number.store(signal as u8, Ordering::Relaxed);
             watched.flag.store(true, Ordering::Relaxed);
             thread::sleep(GRACE);
@@ -63,4 +63,33 @@ impl Stop {
         tell(&error.to_string());
         error.code()
     }
+}
+
+/// What stops the program.
+const STOPPING: [i32; 2] = [SIGINT, SIGTERM];
+
+/// Catches signals from now on; what comes back waits for the first.
+#[cfg(unix)]
+fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
+    let mut signals = signal_hook::iterator::Signals::new(STOPPING)?;
+    Ok(move || signals.forever().next())
+}
+
+/// The same where nothing can be waited for but a flag.
+#[cfg(not(unix))]
+fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
+    use std::sync::atomic::AtomicUsize;
+    const LOOK_EVERY: Duration = Duration::from_millis(10);
+    let caught = Arc::new(AtomicUsize::new(0));
+    for signal in STOPPING {
+        signal_hook::flag::register_usize(signal, Arc::clone(&caught), signal as usize)?;
+    }
+    Ok(move || {
+        loop {
+            match caught.load(Ordering::Relaxed) {
+                0 => thread::sleep(LOOK_EVERY),
+                signal => return Some(signal as i32),
+            }
+        }
+    })
 }
