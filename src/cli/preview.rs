@@ -28,7 +28,7 @@ const MOST_ON_SHEET: usize = 64;
 /// Where frames come from.
 enum Source<'a> {
     /// Drawn.
-    Scene { input: &'a Path, plan: Plan<'a> },
+    Scene { input: &'a Path, plan: Box<Plan<'a>> },
     /// Read.
     Files(BTreeMap<i64, PathBuf>),
 }
@@ -113,7 +113,7 @@ impl<'a> Source<'a> {
             let found = format!("{width}x{height} pixels are too many for a preview");
             return Err(usage("--size", found, &format!("at most {LARGEST_PICTURE} pixels")));
         }
-        let plan = Renderer::new(scene).size(width, height).plan()?;
+        let plan = Box::new(Renderer::new(scene).size(width, height).plan()?);
         let remarks = &scene.resolved().remarks;
         arguments.scene.check(remarks)?;
         remarks.told().for_each(|remark| tell(&remark.to_string()));
