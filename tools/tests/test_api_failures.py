@@ -192,6 +192,8 @@ class Ends(Failing):
                 caller = subprocess.Popen(
                     [sys.executable, "-c", CALLER, str(FIRST_LEAF), out],
                     cwd=TOOLS, env=surroundings, stdout=subprocess.PIPE, start_new_session=True,
+                    # Shells let what runs in the background ignore Ctrl-C, and so would all that it starts.
+                    preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
                 )  # fmt: skip
                 self.assertEqual(caller.stdout.readline(), b"begun\n")
                 began = time.monotonic()
