@@ -8,7 +8,8 @@ use sunfleck::description;
 use sunfleck::film::Frame;
 use sunfleck::indirect::Indirect;
 use sunfleck::math::{Ray, Sampler};
-use sunfleck::render::{Job, Method, Watch, render};
+use sunfleck::passes::Pass;
+use sunfleck::render::{Job, Method, Rendered, Watch, render};
 use sunfleck::scene::{
     self, Bounces, Coat, FogShape, HeightFalloff, Instance, LightKind, Material, Mesh, PixelFilter, Sampling,
     Scene, Size, Sky, SkyPicture, Triangle, Window,
@@ -227,9 +228,8 @@ fn a_leaf_keeps_its_light_where_another_is_hidden() {
     assert!(seen > 50, "{seen} rays meet leaves");
 }
 
-/// Walls of 2 cm, a sky and a sun outside, fog inside and out.
-#[test]
-fn no_light_gets_through_the_walls_of_a_closed_room() {
+/// Walls of 2 cm about the camera, a sky and a sun outside, fog inside and out.
+pub(crate) fn dark_room() -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
     let (low, high, thick) = (DVec3::splat(-2.3), DVec3::splat(2.3), 0.02);
     add_box(&mut scene, low, high, Material::default());
@@ -237,7 +237,12 @@ fn no_light_gets_through_the_walls_of_a_closed_room() {
     add_fog(&mut scene, 2.0 * low, 2.0 * high, Rgb::splat(0.1), Rgb::splat(0.9), 0.2);
     scene.sky = Sky::new(EVEN_SKY);
     add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.4), Rgb::splat(10.0));
-    let worst = worst_from(&radiances(&scene, Bounces::All), 0.0);
+    scene
+}
+
+#[test]
+fn no_light_gets_through_the_walls_of_a_closed_room() {
+    let worst = worst_from(&radiances(&dark_room(), Bounces::All), 0.0);
     println!("in the dark room: {worst:.2e}");
     assert!(worst < 1e-3, "{worst}");
 }
@@ -250,12 +255,16 @@ pub(crate) fn leaves500() -> Scene {
 }
 
 pub(crate) fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame {
+    rendered(scene, bounces, method, vec![]).frame
+}
+
+fn rendered(scene: &Scene, bounces: Bounces, method: Method, passes: Vec<Pass>) -> Rendered {
     let aspect = SIZE.width as f64 / SIZE.height as f64;
     let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
     let job = Job {
         size: SIZE,
         window: Window::whole(SIZE),
-        passes: vec![],
+        passes,
         sampling: Sampling::Exactly(4),
         filter: PixelFilter::Box,
         seed: 0,
@@ -263,7 +272,27 @@ pub(crate) fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame 
         bounces,
         method,
     };
-    render(&exposure, &job, &Watch::NOBODY).frame
+    render(&exposure, &job, &Watch::NOBODY)
+}
+
+/// Blocks of this scene are within 1 % of the truth, see below; what is told is of that size, and in the pass.
+#[test]
+fn the_grids_error_is_told() {
+    let scene = leaves500();
+    let with_error = |bounces| rendered(&scene, bounces, Method::Slices, vec![Pass::Error]);
+    let all = with_error(Bounces::All);
+    let told = all.statistics.grid_error.expect("errors are asked for");
+    println!("told: {told:.4}");
+    assert!((0.003..0.03).contains(&told), "{told}");
+    let none = with_error(Bounces::NONE);
+    assert_eq!(none.statistics.grid_error, None);
+    assert_eq!(rendered(&scene, Bounces::All, Method::Slices, vec![]).statistics.grid_error, None);
+    // The pass has the grid's error beside the noise: it is nowhere below what the noise alone is.
+    let pass = &all.frame.channel("error.Y").expect("it was asked for").pixels;
+    let mean = pass.iter().map(|&error| f64::from(error)).sum::<f64>() / pass.len() as f64;
+    let worst = all.statistics.error.expect("judged");
+    assert!(pass.iter().any(|&error| f64::from(error) >= worst), "{worst}");
+    assert!(mean > 0.3 * told, "{mean} {told}");
 }
 
 /// Means of blocks of 10x10 pixels, and the standard errors of those.

@@ -3,7 +3,7 @@
 //! their mean's standard error.
 
 use crate::common::{INSTANT, add_fog, add_light, camera_at};
-use crate::indirect::{EVEN_SKY, add_box, add_leaves, leaves500, picture, truth};
+use crate::indirect::{EVEN_SKY, add_box, add_leaves, dark_room, leaves500, picture, truth};
 use glam::{DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::indirect::Indirect;
@@ -246,17 +246,9 @@ fn leaves500_is_what_mitsuba_makes_of_it() {
     }
 }
 
-/// Walls of 2 cm, a sky and a sun outside, fog inside and out.
 #[test]
 fn no_light_gets_through_the_walls_of_a_closed_room() {
-    let mut scene = camera_at(DVec3::ZERO);
-    let (low, high, thick) = (DVec3::splat(-2.3), DVec3::splat(2.3), 0.02);
-    add_box(&mut scene, low, high, Material::default());
-    add_box(&mut scene, low + thick, high - thick, Material::default());
-    add_fog(&mut scene, 2.0 * low, 2.0 * high, Rgb::splat(0.1), Rgb::splat(0.9), 0.2);
-    scene.sky = Sky::new(EVEN_SKY);
-    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.4), Rgb::splat(10.0));
-    let (mean, _) = estimate(&scene, &by_paths(Bounces::All), 2);
+    let (mean, _) = estimate(&dark_room(), &by_paths(Bounces::All), 2);
     assert_eq!(mean, Rgb::ZERO);
 }
 
