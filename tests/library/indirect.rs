@@ -275,7 +275,8 @@ fn rendered(scene: &Scene, bounces: Bounces, method: Method, passes: Vec<Pass>) 
     render(&exposure, &job, &Watch::NOBODY)
 }
 
-/// Blocks of this scene are within 1 % of the truth, see below; what is told is of that size, and in the pass.
+/// Blocks of this scene are within 1 % of the truth, see below: what is told is of that size, and in
+/// the pass.
 #[test]
 fn the_grids_error_is_told() {
     let scene = leaves500();
