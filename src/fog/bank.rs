@@ -60,15 +60,15 @@ impl FogBank {
         Self { density: Density::Thinning(falloff), ..self }
     }
 
-    /// The share of its scattering that harmonics up to l = 2 do not tell from going straight on: delta-M,
-    /// `f = g^3` (Wiscombe 1977, "The delta-M method", eq. 14).
-    pub(super) fn forward_peak(&self) -> f64 {
-        self.g.max(0.0).powi(3)
+    /// The share of its scattering that harmonics below a degree do not tell from going straight on:
+    /// delta-M, `f = g^degree` (Wiscombe 1977, "The delta-M method", eq. 14).
+    pub(super) fn forward_peak(&self, degree: i32) -> f64 {
+        self.g.max(0.0).powi(degree)
     }
 
     /// The same fog where light that is scattered nearly straight ahead counts as not scattered.
-    pub(super) fn without_peak(&self) -> Self {
-        Self { sigma_t: self.sigma_t - self.forward_peak() * self.sigma_s, ..self.clone() }
+    pub(super) fn without_peak(&self, degree: i32) -> Self {
+        Self { sigma_t: self.sigma_t - self.forward_peak(degree) * self.sigma_s, ..self.clone() }
     }
 
     /// Whether it ends somewhere.

@@ -100,16 +100,15 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.g.powi(degree))).sum()
     }
 
-    /// The same without what goes on in nearly the same direction: `sum(sigma_s (g^degree - f))`, see
-    /// [`Medium::without_peaks`].
-    pub fn scattering_without_peak_at(&self, point: DVec3, degree: i32) -> Rgb {
-        let share = |fog: &FogBank| fog.density(point) * (fog.g.powi(degree) - fog.forward_peak());
-        self.banks.iter().map(|fog| fog.sigma_s * share(fog)).sum()
+    /// The forward peak of what it sends on, 1/m: what harmonics below a degree do not tell from light that is
+    /// not scattered, `sum(sigma_s g^degree)`.
+    pub fn peak_at(&self, point: DVec3, degree: i32) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.forward_peak(degree))).sum()
     }
 
-    /// The same fog where light that is scattered nearly straight ahead counts as not scattered.
-    pub fn without_peaks(&self) -> Self {
-        Self { banks: self.banks.iter().map(FogBank::without_peak).collect() }
+    /// The same fog where light of that peak counts as not scattered.
+    pub fn without_peaks(&self, degree: i32) -> Self {
+        Self { banks: self.banks.iter().map(|bank| bank.without_peak(degree)).collect() }
     }
 
     /// Extinction at a point, 1/m.

@@ -25,5 +25,7 @@ pub use events::{Loss, Losses};
 pub use falloff::Falloff;
 pub use lit_segments::LitSegments;
 pub use medium::Medium;
-pub use phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
+pub use phase::{
+    BEAM_DEGREES, henyey_greenstein, legendre, pick_henyey_greenstein, picked_henyey_greenstein,
+};
 pub use slice::{FogSlice, Passage};

@@ -15,23 +15,40 @@ pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
     (1.0 - g * g) / (4.0 * PI * spread * spread.sqrt())
 }
 
+/// Degrees of Legendre polynomials that a sun's light keeps as fog scatters it first; its forward peak are
+/// those from this one on.
+pub const BEAM_DEGREES: i32 = 6;
+
 /// The same of light that was scattered `times` before in the peak that delta-M cuts off, 1/sr.
 ///
-/// Each such scattering leaves harmonics up to l = 3 as they were and takes `g^(l - 3)` of the
-/// others, so of the phase function's `g^l` there is `g^(l + times (l - 3))`: a wider lobe, but for
-/// the first three harmonics.
+/// Each such scattering leaves harmonics up to that degree, L, as they were and takes `g^(l - L)` of the
+/// others, so of the phase function's `g^l` there is `g^(l + times (l - L))`: a wider lobe, but for
+/// the first harmonics.
 pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
     if g <= EVEN {
         return henyey_greenstein(cos_deflection, g);
     }
-    let factor = g.powf(-3.0 * times);
+    let factor = g.powf(-f64::from(BEAM_DEGREES) * times);
     let wide = g.powf(1.0 + times);
-    let legendre = [1.0, cos_deflection, 1.5 * cos_deflection * cos_deflection - 0.5];
-    let kept = (0..3).zip(legendre).map(|(degree, legendre)| {
+    let kept = (0..).zip(legendre::<{ BEAM_DEGREES as usize }>(cos_deflection)).map(|(degree, legendre)| {
         let share = g.powi(degree) - factor * wide.powi(degree);
         f64::from(2 * degree + 1) / (4.0 * PI) * share * legendre
     });
     factor * henyey_greenstein(cos_deflection, wide) + kept.sum::<f64>()
+}
+
+/// Legendre polynomials of degrees 0 to N - 1, by their recurrence `(l + 1) P_(l+1) = (2 l + 1) x P_l - l
+/// P_(l-1)`.
+pub fn legendre<const N: usize>(x: f64) -> [f64; N] {
+    let mut values = [1.0; N];
+    if N > 1 {
+        values[1] = x;
+    }
+    for degree in 2..N {
+        let l = (degree - 1) as f64;
+        values[degree] = ((2.0 * l + 1.0) * x * values[degree - 1] - l * values[degree - 2]) / (l + 1.0);
+    }
+    values
 }
 
 /// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt
@@ -59,18 +76,8 @@ mod tests {
     #[test]
     fn what_was_scattered_before_has_the_harmonics_that_it_says() {
         for (g, times) in [(0.5, 1.0), (0.8, 1.0), (0.8, 1.7), (0.9, 2.5)] {
-            for degree in 0..6_i32 {
-                let legendre = |x: f64| {
-                    let (mut before, mut here) = (1.0, x);
-                    if degree == 0 {
-                        return 1.0;
-                    }
-                    for l in 1..degree {
-                        let l = f64::from(l);
-                        (before, here) = (here, ((2.0 * l + 1.0) * x * here - l * before) / (l + 1.0));
-                    }
-                    here
-                };
+            for degree in 0..9_i32 {
+                let legendre = |x: f64| legendre::<9>(x)[degree as usize];
                 let density = |x: f64| 2.0 * PI * legendre(x) * scattered_before(x, g, times);
                 let half_width = 1.0 / 500.0;
                 let middles = (0..500).map(|piece| -1.0 + (2.0 * f64::from(piece) + 1.0) * half_width);
@@ -80,7 +87,7 @@ mod tests {
                         * half_width
                 };
                 let sum: f64 = middles.map(piece).sum();
-                let beyond = f64::from((degree - 3).max(0));
+                let beyond = f64::from((degree - BEAM_DEGREES).max(0));
                 let expected = g.powi(degree) * g.powf(times * beyond);
                 assert!((sum - expected).abs() < 1e-6, "{g} {times} {degree}: {sum} {expected}");
             }

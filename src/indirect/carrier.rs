@@ -1,14 +1,16 @@
 //! Light of one channel along all ordinates that cross the same planes, one way and the other. In go sources,
 //! out come moments. Invariant: an ordinate and its opposite share what half a cell does to light.
 
+use super::beam::Beam;
 use super::grid::Grid;
 use super::halo::Halo;
-use super::harmonics::{COUNT, basis};
+use super::harmonics::{COUNT, basis, fourth_basis};
 use super::matter::{Matter, Shade};
 use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
 use super::planes::{Layout, Planes};
-use super::sweep_kernels::{Accumulate, CrossRows, Prepare};
+use super::sweep_kernels::{Accumulate, AccumulateEven, AccumulateTowards, AddBeam, CrossRows, Prepare};
+use super::towards_eye::EYE_DEGREES;
 use super::walls::{WalledNode, Walls, link_of};
 use crate::accel::vectorized;
 use crate::color::Rgb;
@@ -19,6 +21,8 @@ use glam::DVec3;
 pub(super) struct Sources<'a> {
     /// Of matter, per metre and steradian.
     pub(super) of_matter: &'a Moments,
+    /// Of fog in suns' light beyond harmonics.
+    pub(super) beams: &'a [Beam],
     /// Radiance that leaves each wall patch, by channel.
     pub(super) of_walls: &'a [Vec<f32>; 3],
     pub(super) inflow: Inflow<'a>,
@@ -40,6 +44,8 @@ pub(super) struct Carrier<'a> {
     pub(super) channel: usize,
     /// By harmonic, then by node.
     pub(super) moments: Vec<f32>,
+    /// By degree, then by node, after the last sweep.
+    pub(super) towards_eye: Vec<f32>,
     cell_m: f64,
     planes: Planes,
     matter: &'a Matter,
@@ -119,6 +125,7 @@ impl<'a> Carrier<'a> {
             axis,
             channel,
             moments: vec![0.0; COUNT * count],
+            towards_eye: Vec::new(),
             cell_m: grid.cell_m,
             planes,
             matter,
@@ -135,23 +142,56 @@ impl<'a> Carrier<'a> {
         }
     }
 
-    /// Along all of its ordinates.
+    /// Along all of its ordinates, summed up by harmonics.
     pub(super) fn carry(&mut self, sources: &Sources, cancelled: &(dyn Fn() -> bool + Sync)) {
         self.moments.fill(0.0);
         for number in 0..self.pairs.len() {
             if cancelled() {
                 return;
             }
-            let Pair { ordinate, numbers } = self.pairs[number];
-            self.prepare(ordinate.direction, sources);
-            for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
-                let arriving = Arriving { inflow: sources.inflow, ordinate: numbers[side], direction };
-                self.cross(side, &Taps::of(direction, &self.planes), (sources, &arriving));
-            }
-            let factors = basis(ordinate.direction).map(|value| (ordinate.weight * value) as f32);
+            let Ordinate { direction, weight } = self.carry_pair(number, sources);
+            let factors = basis(direction).map(|value| (weight * value) as f32);
             let [along, against] = &self.radiance;
             vectorized(Accumulate { along, against, factors, moments: &mut self.moments });
         }
+    }
+
+    /// The same as the last scattering sees it: by harmonics of degree 4, then by Legendre polynomials of the
+    /// cosine to where the eye is seen from each node.
+    pub(super) fn carry_last(
+        &mut self,
+        to_eye: Option<&[Vec<f32>; 3]>,
+        sources: &Sources,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) {
+        let count = self.through.len();
+        self.moments.fill(0.0);
+        self.towards_eye = vec![0.0; to_eye.map_or(0, |_| EYE_DEGREES.len() * count)];
+        for number in 0..self.pairs.len() {
+            if cancelled() {
+                return;
+            }
+            let Ordinate { direction, weight } = self.carry_pair(number, sources);
+            let factors = fourth_basis(direction).map(|value| (weight * value) as f32);
+            let [along, against] = &self.radiance;
+            vectorized(AccumulateEven { along, against, factors, moments: &mut self.moments });
+            if let Some(to_eye) = to_eye {
+                let (direction, weight) = (direction.to_array().map(|value| value as f32), weight as f32);
+                let moments = &mut self.towards_eye;
+                vectorized(AccumulateTowards { along, against, direction, weight, to_eye, moments });
+            }
+        }
+    }
+
+    /// Radiance along an ordinate and against it.
+    fn carry_pair(&mut self, number: usize, sources: &Sources) -> Ordinate {
+        let Pair { ordinate, numbers } = self.pairs[number];
+        self.prepare(ordinate.direction, sources);
+        for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
+            let arriving = Arriving { inflow: sources.inflow, ordinate: numbers[side], direction };
+            self.cross(side, &Taps::of(direction, &self.planes), (sources, &arriving));
+        }
+        ordinate
     }
 
     fn prepare(&mut self, direction: DVec3, sources: &Sources) {
@@ -169,6 +209,17 @@ impl<'a> Carrier<'a> {
             through: &mut self.through,
             added: [along, against],
         });
+        for beam in sources.beams {
+            let [along, against] = &mut self.added;
+            vectorized(AddBeam {
+                sources: beam.channel(self.channel),
+                factors: beam.factors(direction),
+                fog_extinction: &self.fog_extinction,
+                leaf_extinction: &self.leaf_extinction,
+                half_way: (0.5 * self.cell_m / direction[self.axis].abs()) as f32,
+                added: [along, against],
+            });
+        }
     }
 
     /// Carries light from plane to plane.

@@ -2,19 +2,20 @@
 //! [`Field`] that tells irradiance on surfaces and light that fog scatters. Invariant: what it holds has been
 //! scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
-use super::first_light::FirstLight;
+use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
 use super::halo::Halo;
-use super::harmonics::{COUNT, DEGREE, Lobe, basis, by_lobe};
+use super::harmonics::{COUNT, DEGREE, Lobe, basis, product};
 use super::matter::Matter;
 use super::moments::NodeMoments;
 use super::occluders::OFF_WALL;
 use super::ordinates::Ordinates;
-use super::rounds::{Rounds, Scatterers};
+use super::rounds::{Light, Rounds, Scatterers};
 use super::surroundings::Surroundings;
 use super::sweep::Sweeper;
 use super::swept_fog::SweptFog;
+use super::towards_eye::TowardsEye;
 use super::wall_light::WallLight;
 use super::walls::Walls;
 use crate::color::Rgb;
@@ -31,6 +32,8 @@ const AWAY: f64 = 0.25;
 /// What comes to a place from all sides.
 pub(super) struct Gathered {
     moments: [[f32; COUNT]; 3],
+    /// Of degree 4.
+    fourth: [[f32; COUNT]; 3],
     /// Of each sun what goes on nearly straight, W/m^2 on a plane that faces it.
     glows: Vec<Rgb>,
 }
@@ -52,8 +55,12 @@ pub(super) struct Field {
     walls: Walls,
     /// All that surfaces get.
     light: NodeMoments,
+    /// The same of degree 4: a cosine gathers a share of it, orders of scattering do without.
+    fourth: NodeMoments,
     /// What fog gets: the same unless the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
+    /// What fog sends to the eye of it beyond its harmonics.
+    towards_eye: Option<TowardsEye>,
     glows: Vec<Glow>,
     /// Whether the sky's own light is part of it.
     pub(super) has_sky: bool,
@@ -86,29 +93,37 @@ impl Field {
         };
         let ordinates = Ordinates::new();
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
-        let (first_sources, glows) = first.sources();
+        let Found { sources, beams, glows } = first.found();
         let wall_light = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls };
         let has_sky = snapshot.sky.is_some_and(|sky| !sky.has_sun());
         let scatterers = Scatterers { matter: &matter, walls: &walls };
-        let rounds =
-            Rounds { sweeper, scatterers, ordinates: &ordinates, sky: snapshot.sky, has_sky, cancelled };
+        let to_eye = TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot));
+        let (ordinates, sky) = (&ordinates, snapshot.sky);
+        let rounds = Rounds { sweeper, scatterers, ordinates, sky, has_sky, beams, to_eye, cancelled };
         let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog(world)));
-        let (light, unseen_by_fog) =
-            rounds.run(bounces, first_sources, &wall_light.irradiances(), halo.as_ref());
+        let Light { all: light, unseen_by_fog, last } =
+            rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();
             seen.add(&unseen, [-1.0; 3]);
             NodeMoments::of(&seen)
         });
         let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
-        Self { grid, outer, walls, light, light_in_fog, glows, has_sky }
+        let fourth = NodeMoments::of(&last.fourth);
+        let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
+        Self { grid, outer, walls, light, fourth, light_in_fog, towards_eye, glows, has_sky }
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         self.across_levels(world, &|field| {
             let corners = field.corners_before(world, lobe.axis);
-            field.on_surface(&field.light.mean(&corners), |glow| field.glows[glow].mean(&corners), lobe)
+            let fourth = || field.fourth.mean(&corners);
+            field.on_surface(
+                (&field.light.mean(&corners), fourth),
+                |glow| field.glows[glow].mean(&corners),
+                lobe,
+            )
         })
     }
 
@@ -135,12 +150,12 @@ impl Field {
         let field = self.level_at(world);
         let corners = field.corners_before(world, normal);
         let glows = field.glows.iter().map(|glow| glow.mean(&corners)).collect();
-        Gathered { moments: field.light.mean(&corners), glows }
+        Gathered { moments: field.light.mean(&corners), fourth: field.fourth.mean(&corners), glows }
     }
 
     /// What of it a lobe gathers; by a cosine that is irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe) -> Rgb {
-        self.on_surface(&gathered.moments, |glow| gathered.glows[glow], lobe)
+        self.on_surface((&gathered.moments, || gathered.fourth), |glow| gathered.glows[glow], lobe)
     }
 
     /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
@@ -153,8 +168,17 @@ impl Field {
         )
     }
 
-    fn on_surface(&self, moments: &[[f32; COUNT]; 3], arriving: impl Fn(usize) -> Rgb, lobe: &Lobe) -> Rgb {
-        let mut irradiance = by_lobe(&lobe.of_travel(), moments);
+    fn on_surface(
+        &self,
+        (moments, fourth): (&[[f32; COUNT]; 3], impl FnOnce() -> [[f32; COUNT]; 3]),
+        arriving: impl Fn(usize) -> Rgb,
+        lobe: &Lobe,
+    ) -> Rgb {
+        let mut irradiance = product(&lobe.of_travel(), moments);
+        if let Some(of_fourth) = lobe.of_fourth_of_travel() {
+            irradiance += product(&of_fourth, &fourth());
+        }
+        irradiance = irradiance.max(Rgb::ZERO);
         for (number, glow) in self.glows.iter().enumerate() {
             let cos = -glow.travel.dot(lobe.axis);
             if cos > 0.0 {
@@ -186,6 +210,14 @@ impl Field {
             };
             Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
         })
+    }
+
+    /// What fog at a place of world space sends to the eye beyond that, for a coefficient by degree.
+    pub(super) fn scattered_towards_eye(&self, world: DVec3, scattering: impl Fn(i32) -> Rgb) -> Rgb {
+        let field = self.level_at(world);
+        let Some(towards_eye) = &field.towards_eye else { return Rgb::ZERO };
+        let corners = field.walls.occluders.corners(&field.grid, world, world);
+        towards_eye.scattered(&corners, scattering)
     }
 
     /// What fog at a place of world space gets, of the nodes that no wall hides from it.

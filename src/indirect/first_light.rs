@@ -2,6 +2,7 @@
 //! of its lights, out come sources on the grid. Invariant: power is conserved; what a ray carries
 //! lands where the ray does.
 
+use super::beam::Beam;
 use super::fluence::{Fluence, Glow};
 use super::grid::{Grid, Stretch};
 use super::harmonics::{COUNT, DEGREE, basis, cosine_lobe};
@@ -11,6 +12,7 @@ use super::occluders::OFF_WALL;
 use super::power_rays::{Emitters, PowerRay, of_lamp};
 use super::surroundings::scatters_of;
 use super::swept_fog::SweptFog;
+use super::towards_eye::TowardsEye;
 use super::walls::Walls;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -33,6 +35,16 @@ struct Left {
     scattered: NodeMoments,
 }
 
+/// What becomes of light where it is scattered first.
+pub(super) struct Found {
+    /// By harmonics: of leaves and fog.
+    pub(super) sources: Moments,
+    /// Of suns in fog beyond that.
+    pub(super) beams: Vec<Beam>,
+    /// Of suns what goes on nearly straight.
+    pub(super) glows: Vec<Glow>,
+}
+
 pub(super) struct FirstLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) fog: &'a SweptFog<'a>,
@@ -45,86 +57,111 @@ pub(super) struct FirstLight<'a> {
 }
 
 impl FirstLight<'_> {
-    /// What all lights make of fog and leaves, and what of suns goes on nearly straight.
-    pub(super) fn sources(&self) -> (Moments, Vec<Glow>) {
-        let mut sources = Moments::zero(self.grid.count());
-        let mut glows = Vec::new();
+    /// What all lights make of fog and leaves.
+    pub(super) fn found(&self) -> Found {
+        let nothing = Moments::zero(self.grid.count());
+        let mut found = Found { sources: nothing, beams: Vec::new(), glows: Vec::new() };
         let emitters = Emitters { snapshot: self.snapshot, grid: self.grid, fog: self.fog };
+        let per_volume = self.per_volume();
         for light in &self.snapshot.lights {
             match light.centre() {
                 FrozenLight::Sun { to_light, .. } => {
-                    let rays = emitters.of_sun(light, to_light);
-                    let glow = self.add_rays(&rays, Some(-to_light), &mut sources);
-                    glows.extend(glow);
+                    let groups = self.followed(&emitters.of_sun(light, to_light));
+                    self.add_sun(-to_light, &groups, &per_volume, &mut found);
                 }
                 FrozenLight::Point { .. } => {
-                    self.add_rays(&of_lamp(light), None, &mut sources);
+                    let groups = self.followed(&of_lamp(light));
+                    self.add_lamp(&groups, &per_volume, &mut found.sources);
                 }
             }
         }
-        (sources, glows)
+        found
     }
 
-    /// `travel` is the direction of all of them, if it is the same.
-    fn add_rays(&self, rays: &[PowerRay], travel: Option<DVec3>, sources: &mut Moments) -> Option<Glow> {
+    /// What groups of rays leave on their way.
+    fn followed(&self, rays: &[PowerRay]) -> Vec<Left> {
         let count = self.grid.count();
         let chunk = rays.len().div_ceil(CHUNKS).max(1);
-        let groups: Vec<Left> = rays
-            .par_chunks(chunk)
-            .map(|rays| {
-                let mut left = Left {
-                    fluence: Fluence::zero(count, travel.is_none()),
-                    scattered: NodeMoments::zero(count),
-                };
-                for ray in rays {
-                    if (self.cancelled)() {
-                        break;
-                    }
-                    self.follow(ray, &mut left);
+        let groups = rays.par_chunks(chunk).map(|rays| {
+            let has_directions = !rays[0].is_of_sun;
+            let mut left =
+                Left { fluence: Fluence::zero(count, has_directions), scattered: NodeMoments::zero(count) };
+            for ray in rays {
+                if (self.cancelled)() {
+                    break;
                 }
-                left
-            })
-            .collect();
-        let volume = self.grid.cell_volume();
-        let basis = travel.map(basis);
-        for Left { fluence, scattered } in &groups {
+                self.follow(ray, &mut left);
+            }
+            left
+        });
+        groups.collect()
+    }
+
+    fn add_lamp(&self, groups: &[Left], per_volume: &[f32], sources: &mut Moments) {
+        for Left { fluence, scattered } in groups {
             for channel in 0..3 {
+                let peaks = self.matter.first_peak(channel);
                 for index in 0..COUNT {
-                    let shares = self.matter.fog_scattering(channel, DEGREE[index]);
-                    let (values, factor) = match &basis {
-                        Some(basis) => (fluence.of(channel, 0), basis[index]),
-                        None => (fluence.of(channel, index), 1.0),
-                    };
-                    let factor = (factor / volume) as f32;
+                    let shares = self.matter.first_scattering(channel, DEGREE[index]);
                     let into = sources.channel_mut(channel, index);
-                    for ((into, value), share) in into.iter_mut().zip(values).zip(shares) {
-                        *into += factor * share * value;
+                    for (node, value) in fluence.of(channel, index).enumerate() {
+                        into[node] += per_volume[node] * (shares[node] + peaks[node]) * value;
                     }
                 }
             }
             sources.add_nodes(scattered);
         }
-        let travel = travel.filter(|_| !self.snapshot.medium.is_empty())?;
-        let mut irradiance = vec![[0.0; 3]; count];
-        let mut all = vec![0.0; count];
-        for Left { fluence, .. } in &groups {
+    }
+
+    fn add_sun(&self, travel: DVec3, groups: &[Left], per_volume: &[f32], found: &mut Found) {
+        let count = self.grid.count();
+        let mut irradiance = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
+        let mut glow = vec![[0.0; 3]; count];
+        for Left { fluence, scattered } in groups {
             for channel in 0..3 {
-                for (sum, value) in irradiance.iter_mut().zip(fluence.glow(channel)) {
-                    sum[channel] += value / volume as f32;
+                for (node, value) in fluence.of(channel, 0).enumerate() {
+                    irradiance[channel][node] += per_volume[node] * value;
                 }
-                for (sum, value) in all.iter_mut().zip(fluence.of(channel, 0)) {
-                    *sum += value / volume as f32;
+                for (node, value) in fluence.glow(channel).enumerate() {
+                    glow[node][channel] += per_volume[node] * value;
+                }
+            }
+            found.sources.add_nodes(scattered);
+        }
+        if self.snapshot.medium.is_empty() {
+            return;
+        }
+        let basis = basis(travel).map(|value| value as f32);
+        for channel in 0..3 {
+            for index in 0..COUNT {
+                let shares = self.matter.first_scattering(channel, DEGREE[index]);
+                let into = found.sources.channel_mut(channel, index).iter_mut();
+                for ((into, irradiance), share) in into.zip(&irradiance[channel]).zip(shares) {
+                    *into += basis[index] * share * irradiance;
                 }
             }
         }
-        let times =
-            irradiance.iter().zip(all).map(|(glow, all)| mean_times(glow.iter().sum(), all)).collect();
-        Some(Glow { travel, irradiance, times })
+        if TowardsEye::matters(&self.snapshot.medium) {
+            found.beams.push(Beam::new(travel, &irradiance, self.matter));
+        }
+        let all = |node: usize| irradiance.iter().map(|channel| channel[node]).sum();
+        let times = glow.iter().enumerate().map(|(node, glow)| mean_times(glow.iter().sum(), all(node)));
+        found.glows.push(Glow { travel, times: times.collect(), irradiance: glow });
+    }
+
+    /// One over the volume that each node stands for, 1/m^3: walls cut pieces off cells.
+    fn per_volume(&self) -> Vec<f32> {
+        /// As a share of a cell: of less there is too little light to go by.
+        const LEAST: f32 = 0.1;
+        let per_cell = (1.0 / self.grid.cell_volume()) as f32;
+        let shares = self.walls.occluders.shares(self.grid).into_iter();
+        shares.map(|share| per_cell / share.max(LEAST)).collect()
     }
 
     /// Leaves its light in fog and on leaves, up to where it ends.
-    fn follow(&self, PowerRay { ray, power, depths }: &PowerRay, left: &mut Left) {
-        let snapshot = self.snapshot;
+    fn follow(&self, from: &PowerRay, left: &mut Left) {
+        let (snapshot, ray) = (self.snapshot, &from.ray);
+        let dimming = self.fog.dimming_of(from.is_of_sun);
         let opaque = snapshot.tree.nearest_hit(ray, f64::INFINITY, None);
         let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
         let blended = snapshot.blended_hits(ray, &(0.0..end), None);
@@ -133,14 +170,14 @@ impl FirstLight<'_> {
             stops.push((end, snapshot.surface(ray, &hit)));
         }
         let (enter, leave) = self.inside(ray);
-        let mut power = *power;
-        let mut from = enter;
+        let mut power = from.power;
+        let mut start = enter;
         for (t, point) in stops.iter().map(|(t, point)| (*t, Some(point))).chain([(f64::INFINITY, None)]) {
-            self.light_fog(ray, (from, t.min(leave)), power, depths, &mut left.fluence);
-            from = from.max(t);
-            let Some(point) = point.filter(|_| from <= leave + self.grid.cell_m) else { break };
+            self.light_fog(from, (start, t.min(leave)), power, &mut left.fluence);
+            start = start.max(t);
+            let Some(point) = point.filter(|_| start <= leave + self.grid.cell_m) else { break };
             if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
-                let fog = exp_minus(depths[0] + self.fog.dimming.optical_depth(ray.origin, ray.direction, t));
+                let fog = exp_minus(from.depths[0] + dimming.optical_depth(ray.origin, ray.direction, t));
                 self.land(point, power * fog * point.alpha, &mut left.scattered);
             }
             power *= point.see_through;
@@ -163,16 +200,15 @@ impl FirstLight<'_> {
 
     fn light_fog(
         &self,
-        ray: &Ray,
+        PowerRay { ray, depths, is_of_sun, .. }: &PowerRay,
         (start, end): (f64, f64),
         power: Rgb,
-        depths: &[Rgb; 2],
         fluence: &mut Fluence,
     ) {
         if start >= end || self.snapshot.medium.is_empty() {
             return;
         }
-        let media = [&self.fog.dimming, &self.snapshot.medium];
+        let media = [self.fog.dimming_of(*is_of_sun), &self.snapshot.medium];
         let mut left = [0, 1].map(|which| {
             power * exp_minus(depths[which] + media[which].optical_depth(ray.origin, ray.direction, start))
         });
@@ -189,7 +225,7 @@ impl FirstLight<'_> {
             let (amount, glow) = (length * here[0], length * (here[0] - here[1]));
             if self.walls.occluders.are_near(node) {
                 let place = in_world.at(middle);
-                let corners = self.walls.occluders.corners(self.grid, place, place);
+                let corners = self.walls.occluders.cell_of(self.grid, place);
                 fluence.add(corners.iter(), ray.direction, amount, glow);
             } else {
                 fluence.add(std::iter::once((node, 1.0)), ray.direction, amount, glow);

@@ -14,6 +14,7 @@ pub(super) const DEGREE: [usize; COUNT] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
 /// What a clamped cosine makes of each degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for
 /// irradiance environment maps", eq. 8).
 const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
+const COSINE_LOBE_4: f64 = -PI / 24.0;
 
 /// All basis functions of a direction.
 pub(super) fn basis(direction: DVec3) -> [f64; COUNT] {
@@ -33,6 +34,29 @@ pub(super) fn basis(direction: DVec3) -> [f64; COUNT] {
         Y20 * (3.0 * z * z - 1.0),
         Y2 * x * z,
         Y22 * (x * x - y * y),
+    ]
+}
+
+/// Basis functions of degree 4.
+pub(super) fn fourth_basis(direction: DVec3) -> [f64; COUNT] {
+    const Y4: f64 = 2.503_342_941_796_704_6;
+    const Y43: f64 = 1.770_130_769_779_930_4;
+    const Y42: f64 = 0.946_174_695_757_56;
+    const Y41: f64 = 0.669_046_543_557_289_2;
+    const Y40: f64 = 0.105_785_546_915_204_3;
+    const Y44: f64 = 0.625_835_735_449_176_1;
+    let DVec3 { x, y, z } = direction;
+    let (xx, yy, zz) = (x * x, y * y, z * z);
+    [
+        Y4 * x * y * (xx - yy),
+        Y43 * y * z * (3.0 * xx - yy),
+        Y42 * x * y * (7.0 * zz - 1.0),
+        Y41 * y * z * (7.0 * zz - 3.0),
+        Y40 * (35.0 * zz * zz - 30.0 * zz + 3.0),
+        Y41 * x * z * (7.0 * zz - 3.0),
+        0.5 * Y42 * (xx - yy) * (7.0 * zz - 1.0),
+        Y43 * x * z * (xx - 3.0 * yy),
+        Y44 * (xx * xx - 6.0 * xx * yy + yy * yy),
     ]
 }
 
@@ -56,12 +80,14 @@ pub(super) struct Lobe {
     pub(super) axis: DVec3,
     /// What it makes of each degree; of even light pi times its radiance.
     shares: [f64; 3],
+    /// And of degree 4; a cosine makes nothing of degree 3, and little of others.
+    of_fourth: f64,
 }
 
 impl Lobe {
     /// By the cosine: what a matte surface that faces `normal` gathers.
     pub(super) fn cosine(normal: DVec3) -> Self {
-        Self { axis: normal, shares: COSINE_LOBE }
+        Self { axis: normal, shares: COSINE_LOBE, of_fourth: COSINE_LOBE_4 }
     }
 
     /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
@@ -72,7 +98,7 @@ impl Lobe {
         let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
         let kept = |degree: f64| (-0.5 * degree * degree / power).exp();
         let shares = [PI, (PI * kept(1.0)).max(COSINE_LOBE[1]), (PI * kept(2.0)).max(COSINE_LOBE[2])];
-        Self { axis: mirrored, shares }
+        Self { axis: mirrored, shares, of_fourth: 0.0 }
     }
 
     /// Of the moments of radiance by the direction of *travel*.
@@ -80,15 +106,26 @@ impl Lobe {
         let basis = basis(-self.axis);
         std::array::from_fn(|index| self.shares[DEGREE[index]] * basis[index])
     }
+
+    /// Of those of degree 4, if any.
+    pub(super) fn of_fourth_of_travel(&self) -> Option<[f64; COUNT]> {
+        (self.of_fourth != 0.0).then(|| fourth_basis(-self.axis).map(|value| self.of_fourth * value))
+    }
 }
 
 /// What a lobe gathers of moments, by channel; nothing where harmonics cut short would have less.
 #[inline]
 pub(super) fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
+    product(lobe, moments).max(Rgb::ZERO)
+}
+
+/// The sum of each product, by channel.
+#[inline]
+pub(super) fn product(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
     let lobe = lobe.map(|value| value as f32);
     let of_channel =
         |channel: usize| -> f32 { (0..COUNT).map(|index| lobe[index] * moments[channel][index]).sum() };
-    Rgb::new(f64::from(of_channel(0)), f64::from(of_channel(1)), f64::from(of_channel(2))).max(Rgb::ZERO)
+    Rgb::new(f64::from(of_channel(0)), f64::from(of_channel(1)), f64::from(of_channel(2)))
 }
 
 #[cfg(test)]
@@ -99,17 +136,47 @@ mod tests {
     #[test]
     fn the_basis_is_orthonormal_by_the_ordinates() {
         let ordinates = Ordinates::new();
-        for i in 0..COUNT {
-            for j in 0..COUNT {
+        let all = |direction: DVec3| [basis(direction), fourth_basis(direction)].concat();
+        for i in 0..2 * COUNT {
+            for j in 0..2 * COUNT {
                 let product: f64 = ordinates
                     .iter()
                     .map(|ordinate| {
-                        ordinate.weight * basis(ordinate.direction)[i] * basis(ordinate.direction)[j]
+                        let all = all(ordinate.direction);
+                        ordinate.weight * all[i] * all[j]
                     })
                     .sum();
                 let expected = f64::from(u8::from(i == j));
                 assert!((product - expected).abs() < 1e-12, "{i} {j}: {product}");
             }
+        }
+    }
+
+    /// Light that comes from low above a horizon only: degree 4 takes most of what the others err by.
+    #[test]
+    fn degree_four_tells_low_light_from_light_all_over() {
+        let low = |direction: DVec3| f64::from(u8::from((0.0..0.35).contains(&-direction.y)));
+        let (mut moments, mut fourth) = ([[0.0; COUNT]; 3], [[0.0; COUNT]; 3]);
+        let (rings, steps) = (2000, 64);
+        for number in 0..rings * steps {
+            let y = -1.0 + (f64::from(number / steps) + 0.5) * 2.0 / f64::from(rings);
+            let angle = (f64::from(number % steps) + 0.5) * 2.0 * PI / f64::from(steps);
+            let away = (1.0 - y * y).sqrt();
+            let direction = DVec3::new(away * angle.cos(), y, away * angle.sin());
+            let radiance = low(direction) * 4.0 * PI / f64::from(rings * steps);
+            let bases = [basis(direction), fourth_basis(direction)];
+            for (sums, basis) in [&mut moments, &mut fourth].into_iter().zip(bases) {
+                for index in 0..COUNT {
+                    sums[0][index] += (radiance * basis[index]) as f32;
+                }
+            }
+        }
+        for (normal, expected) in [(DVec3::Y, PI * 0.35 * 0.35), (-DVec3::Y, 0.0)] {
+            let lobe = Lobe::cosine(normal);
+            let without = product(&lobe.of_travel(), &moments).x;
+            let with = without + product(&lobe.of_fourth_of_travel().expect("it has"), &fourth).x;
+            let [without, with] = [without, with].map(|found| (found - expected).abs());
+            assert!(with < 0.2 * without, "{normal}: {with} {without}");
         }
     }
 

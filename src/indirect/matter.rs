@@ -14,6 +14,7 @@ use super::surroundings::Surfel;
 use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::color::Rgb;
+use crate::fog::BEAM_DEGREES;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
@@ -32,6 +33,9 @@ pub(super) struct Matter {
     pub(super) fog_extinction: [Vec<f32>; 3],
     /// Of fog what each degree of harmonics gets back: `sigma_s g^l`, 1/m, by channel, degree and node.
     fog_scattering: [[Vec<f32>; 3]; 3],
+    /// The same of suns' light as it is scattered first, and its forward peak.
+    first_scattering: [[Vec<f32>; BEAM_DEGREES as usize]; 3],
+    first_peak: [Vec<f32>; 3],
     /// Which of `leaves` a node has.
     leaves_of: Vec<u32>,
     /// Nodes that have leaves, with those.
@@ -190,6 +194,8 @@ impl Matter {
         let mut matter = Self {
             fog_extinction: channels(),
             fog_scattering: [channels(), channels(), channels()],
+            first_scattering: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count])),
+            first_peak: channels(),
             leaves_of: vec![NO_LEAVES; count],
             leaves: Vec::new(),
             shades: Vec::new(),
@@ -209,6 +215,16 @@ impl Matter {
         &self.fog_scattering[channel][degree]
     }
 
+    /// The same of a sun's light as it is scattered first, of degrees up to 5.
+    pub(super) fn first_scattering(&self, channel: usize, degree: usize) -> &[f32] {
+        &self.first_scattering[channel][degree]
+    }
+
+    /// What that leaves out of each degree, as if it were not scattered.
+    pub(super) fn first_peak(&self, channel: usize) -> &[f32] {
+        &self.first_peak[channel]
+    }
+
     fn add_fog(&mut self, grid: &Grid, fog: &SweptFog, eye: DVec3) {
         let means: Vec<MeanFog> = (0..grid.count())
             .into_par_iter()
@@ -220,6 +236,10 @@ impl Matter {
                 for degree in 0..3 {
                     self.fog_scattering[channel][degree][node] = mean.scattering[degree][channel] as f32;
                 }
+                for (degree, first) in mean.first_scattering.iter().enumerate() {
+                    self.first_scattering[channel][degree][node] = first[channel] as f32;
+                }
+                self.first_peak[channel][node] = mean.first_peak[channel] as f32;
             }
         }
     }
@@ -247,11 +267,12 @@ impl Matter {
         &mut self.leaves[self.leaves_of[node] as usize]
     }
 
-    /// Where light goes next: the sources that matter makes of the moments of light, per metre and steradian.
-    pub(super) fn scatter(&self, light: &Moments) -> Moments {
+    /// Where light goes next: the sources that matter makes of the moments of light, per metre and steradian;
+    /// leaves alone of light that fog is not to see.
+    pub(super) fn scatter(&self, light: &Moments, is_seen_by_fog: bool) -> Moments {
         let mut sources = Moments::zero(self.leaves_of.len());
         for channel in 0..3 {
-            for (index, degree) in DEGREE.into_iter().enumerate() {
+            for (index, degree) in DEGREE.into_iter().enumerate().filter(|_| is_seen_by_fog) {
                 let share = &self.fog_scattering[channel][degree];
                 let into = sources.channel_mut(channel, index);
                 for ((into, light), share) in into.iter_mut().zip(light.channel(channel, index)).zip(share) {
@@ -280,10 +301,14 @@ impl Matter {
 }
 
 /// Fog of a cell, on the mean.
+#[derive(Default)]
 struct MeanFog {
     extinction: Rgb,
     /// By degree of harmonics.
     scattering: [Rgb; 3],
+    /// Of suns' light.
+    first_scattering: [Rgb; BEAM_DEGREES as usize],
+    first_peak: Rgb,
 }
 
 /// Exact where fog is even about all of the cell, else the mean of its middles' grid.
@@ -297,22 +322,29 @@ fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> MeanFog {
     if (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here) {
         return MeanFog::at(fog, middle);
     }
-    let mut mean = MeanFog { extinction: Rgb::ZERO, scattering: [Rgb::ZERO; 3] };
+    let mut mean = MeanFog::default();
     let share = 1.0 / (SIDE * SIDE * SIDE) as f64;
     for number in 0..SIDE * SIDE * SIDE {
         let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
         let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
         let here = MeanFog::at(fog, middle + cell_m * place);
         mean.extinction += share * here.extinction;
-        for degree in 0..3 {
-            mean.scattering[degree] += share * here.scattering[degree];
+        let sums = mean.scattering.iter_mut().chain(&mut mean.first_scattering);
+        for (sum, value) in sums.zip(here.scattering.into_iter().chain(here.first_scattering)) {
+            *sum += share * value;
         }
+        mean.first_peak += share * here.first_peak;
     }
     mean
 }
 
 impl MeanFog {
     fn at(fog: &SweptFog, point: DVec3) -> Self {
-        Self { extinction: fog.dimming.extinction_at(point), scattering: fog.scattering_at(point) }
+        Self {
+            extinction: fog.dimming.extinction_at(point),
+            scattering: fog.scattering_at(point),
+            first_scattering: fog.scattering_of_suns_at(point),
+            first_peak: fog.peak_of_suns_at(point),
+        }
     }
 }

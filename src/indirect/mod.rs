@@ -6,6 +6,7 @@
 //! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
 //! medium there. `field.rs` is the loop over orders.
 
+mod beam;
 mod carrier;
 mod extent;
 mod field;
@@ -26,6 +27,7 @@ mod surroundings;
 mod sweep;
 mod sweep_kernels;
 mod swept_fog;
+mod towards_eye;
 mod view;
 mod wall_light;
 mod walls;

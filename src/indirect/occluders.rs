@@ -5,6 +5,7 @@
 use super::grid::{Corners, Grid};
 use super::surroundings::WallTriangle;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Triangles of walls, by cell.
 pub(super) struct Occluders {
@@ -58,6 +59,50 @@ impl Occluders {
             self.hide_nodes(grid, &mut corners, seen_from);
         }
         corners
+    }
+
+    /// Who stands for a place: the node whose cell it lies in, where no wall hides that, else those about it
+    /// that are seen.
+    #[inline]
+    pub(super) fn cell_of(&self, grid: &Grid, place: DVec3) -> Corners {
+        let mut corners = grid.corners(place);
+        let weight = |corner: usize| corners.weights[corner];
+        let nearest =
+            (1..8).fold(0, |best, corner| if weight(corner) > weight(best) { corner } else { best });
+        let is_hidden = !self.about(corners.nodes[0]).is_empty()
+            && self.hidden(grid, corners.nodes[0], place) >> nearest & 1 == 1;
+        if is_hidden {
+            self.hide_nodes(grid, &mut corners, place);
+        } else {
+            corners.weights = std::array::from_fn(|corner| f64::from(u8::from(corner == nearest)));
+        }
+        corners
+    }
+
+    /// Which share of a cell's volume each node stands for by [`Occluders::cell_of`]: 1 far from walls.
+    pub(super) fn shares(&self, grid: &Grid) -> Vec<f32> {
+        /// A lattice whose points are evenly spaced along each axis: no plane across one has more than its share.
+        const POINTS: usize = 16;
+        const GENERATOR: [usize; 3] = [1, 5, 7];
+        let near: Vec<usize> = (0..grid.count()).filter(|node| self.are_near[*node]).collect();
+        let of_points: Vec<[Corners; POINTS]> = near
+            .par_iter()
+            .map(|&node| {
+                std::array::from_fn(|point| {
+                    let along = |axis: usize| (GENERATOR[axis] * point % POINTS) as f64 + 0.5;
+                    let place = DVec3::new(along(0), along(1), along(2)) / POINTS as f64 - 0.5;
+                    self.cell_of(grid, grid.position(node) + grid.cell_m * place)
+                })
+            })
+            .collect();
+        let mut shares: Vec<f32> =
+            self.are_near.iter().map(|is_near| f32::from(u8::from(!is_near))).collect();
+        for corners in of_points.as_flattened() {
+            for (node, weight) in corners.iter() {
+                shares[node] += weight as f32 / POINTS as f32;
+            }
+        }
+        shares
     }
 
     fn hide_nodes(&self, grid: &Grid, corners: &mut Corners, seen_from: DVec3) {

@@ -22,8 +22,10 @@ pub(super) struct PowerRay {
     pub(super) ray: Ray,
     /// Before any fog, W.
     pub(super) power: Rgb,
-    /// Optical depth before its start, of fog without its forward peaks and of all of it.
+    /// Optical depth before its start, of what dims it and of all fog.
     pub(super) depths: [Rgb; 2],
+    /// Or of a lamp: its light has no direction, so no forward peak of it is kept apart.
+    pub(super) is_of_sun: bool,
 }
 
 /// What suns shine on.
@@ -67,10 +69,11 @@ impl Emitters<'_> {
                 let across = across - across.dot(to_light) * to_light;
                 let relative = across - (eye - eye.dot(to_light) * to_light);
                 let origin = relative + start * to_light;
-                let depths = [&self.fog.dimming, &self.snapshot.medium]
+                let depths = [self.fog.dimming_of(true), &self.snapshot.medium]
                     .map(|medium| medium.optical_depth(origin, to_light, f64::INFINITY));
                 let ray = Ray { origin, direction: -to_light };
-                rays.push(PowerRay { ray, power: spacing * spacing * irradiance, depths });
+                let power = spacing * spacing * irradiance;
+                rays.push(PowerRay { ray, power, depths, is_of_sun: true });
             }
         }
         rays
@@ -97,7 +100,7 @@ pub(super) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
             unreachable!("a lamp is one all over")
         };
         let power = solid_angle * intensity * emission.share(direction);
-        PowerRay { ray: Ray { origin: position, direction }, power, depths: [Rgb::ZERO; 2] }
+        PowerRay { ray: Ray { origin: position, direction }, power, depths: [Rgb::ZERO; 2], is_of_sun: false }
     };
     (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
 }

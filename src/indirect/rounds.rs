@@ -2,13 +2,14 @@
 //! all orders that are wanted. Invariant: a round adds one order of scattering, and what is left after the
 //! last is a geometric series.
 
+use super::beam::Beam;
 use super::carrier::{Inflow, Sources};
 use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
-use super::sweep::Sweeper;
+use super::sweep::{Last, Sweeper};
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::scene::Bounces;
@@ -33,8 +34,22 @@ pub(super) struct Rounds<'a> {
     pub(super) sky: Option<FrozenSky<'a>>,
     /// Whether the sky's own light is part of the field, or only what becomes of it.
     pub(super) has_sky: bool,
+    /// What first sources have beyond harmonics.
+    pub(super) beams: Vec<Beam>,
+    /// The way to the eye from each node, where fog needs more than harmonics for it.
+    pub(super) to_eye: Option<[Vec<f32>; 3]>,
     /// Whether nobody waits for the light any more.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// What rounds end with.
+pub(super) struct Light {
+    /// All of it.
+    pub(super) all: Moments,
+    /// That part of it that fog is not to see.
+    pub(super) unseen_by_fog: Option<Moments>,
+    /// What surfaces and fog that are seen make of it beyond that.
+    pub(super) last: Last,
 }
 
 /// Where light goes on to.
@@ -48,81 +63,125 @@ pub(super) struct Scatterers<'a> {
 struct Leaving {
     matter: Moments,
     walls: Vec<Rgb>,
+    /// Whether suns' light is in it that fog scatters first.
+    has_beams: bool,
 }
 
 impl Leaving {
-    fn add(&mut self, other: Self) {
-        self.matter.add(&other.matter, [1.0; 3]);
-        self.walls.iter_mut().zip(other.walls).for_each(|(sum, added)| *sum += added);
+    /// `self += factor * other`, the factor by channel.
+    fn add(&mut self, other: &Self, factor: [f64; 3]) {
+        self.matter.add(&other.matter, factor.map(|factor| factor as f32));
+        self.has_beams |= other.has_beams;
+        let factor = Rgb::from_array(factor);
+        self.walls.iter_mut().zip(&other.walls).for_each(|(sum, added)| *sum += factor * *added);
+    }
+
+    fn beams<'b>(&self, all: &'b [Beam]) -> &'b [Beam] {
+        if self.has_beams { all } else { &[] }
+    }
+
+    fn of_walls(&self) -> [Vec<f32>; 3] {
+        [0, 1, 2].map(|channel| self.walls.iter().map(|color| color[channel] as f32).collect())
     }
 }
 
 impl Rounds<'_> {
-    /// All light, and that part of it that fog is not to see. `on_walls` is what lamps and suns shine
-    /// on each patch, W/m^2.
+    /// Order after order. `on_walls` is what lamps and suns shine on each patch, W/m^2.
     pub(super) fn run(
         mut self,
         bounces: Bounces,
         first: Moments,
         on_walls: &[Rgb],
         halo: Option<&Halo>,
-    ) -> (Moments, Option<Moments>) {
-        let mut leaving = Leaving { walls: vec![Rgb::ZERO; on_walls.len()], matter: first };
+    ) -> Light {
+        let dark = vec![Rgb::ZERO; on_walls.len()];
+        let mut leaving = Leaving { matter: first, walls: dark.clone(), has_beams: true };
         let mut light = leaving.matter.emptied();
         let mut unseen_by_fog = None;
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
-        let nothing = Leaving { matter: light.emptied(), walls: vec![Rgb::ZERO; on_walls.len()] };
+        let nothing = Leaving { matter: light.emptied(), walls: dark, has_beams: false };
+        let mut inflows = Vec::new();
         if let Some(halo) = halo {
             let from_outside = self.sweep(&nothing, Inflow::Around(halo));
             // Where orders are counted, nobody knows how many it has behind it.
             if bounces == Bounces::All {
-                leaving.add(self.scatterers.scatter(&from_outside));
+                leaving.add(&self.scatterers.scatter(&from_outside, true), [1.0; 3]);
             }
             light.add(&from_outside, [1.0; 3]);
+            inflows.push((Inflow::Around(halo), true));
         }
+        let lights_fog = self.sky.is_some_and(|sky| sky.lights_fog());
         // A larger grid's light has the sky's in it, unless fog is not to see that or rays find it.
-        let is_in_halo = halo.is_some() && self.has_sky && self.sky.is_some_and(|sky| sky.lights_fog());
-        if let Some(inflow) = self.inflow().filter(|_| !is_in_halo) {
-            let sky = self.sweep(&nothing, Inflow::Even(&inflow));
-            leaving.add(self.scatterers.scatter(&sky));
+        let is_in_halo = halo.is_some() && self.has_sky && lights_fog;
+        let of_sky = self.inflow().filter(|_| !is_in_halo);
+        if let Some(of_sky) = &of_sky {
+            let sky = self.sweep(&nothing, Inflow::Even(of_sky));
+            leaving.add(&self.scatterers.scatter(&sky, lights_fog), [1.0; 3]);
             if self.has_sky {
                 light.add(&sky, [1.0; 3]);
-                unseen_by_fog = self.sky.filter(|sky| !sky.lights_fog()).map(|_| sky);
+                unseen_by_fog = (!lights_fog).then_some(sky);
+                inflows.push((Inflow::Even(of_sky), lights_fog));
             }
         }
-        self.go_on(bounces, leaving, &mut light);
-        (light, unseen_by_fog)
+        let sent = self.go_on(bounces, leaving, &mut light);
+        let last = self.sweep_last(&sent, &nothing, inflows);
+        Light { all: light, unseen_by_fog, last }
     }
 
-    /// Adds order after order.
-    fn go_on(&mut self, bounces: Bounces, mut leaving: Leaving, light: &mut Moments) {
+    /// Adds order after order; all that was sent out on the way.
+    fn go_on(&mut self, bounces: Bounces, mut leaving: Leaving, light: &mut Moments) -> Leaving {
         let rounds = match bounces {
             Bounces::UpTo(count) => count,
             Bounces::All => MOST_ROUNDS,
         };
         let mut series = Series::default();
+        let dark = vec![Rgb::ZERO; leaving.walls.len()];
+        let mut sent = Leaving { matter: light.emptied(), walls: dark, has_beams: false };
         for round in 1..=rounds {
             if (self.cancelled)() {
                 break;
             }
             let next = self.sweep(&leaving, Inflow::Nothing);
             light.add(&next, [1.0; 3]);
+            sent.add(&leaving, [1.0; 3]);
             if bounces == Bounces::All {
                 let told = series.go_on(next.total(), light.total());
                 if round >= FEWEST_ROUNDS && told || round == rounds {
                     light.add(&next, series.rest.map(|rest| rest as f32));
+                    sent.add(&leaving, series.rest);
                     break;
                 }
             }
-            leaving = self.scatterers.scatter(&next);
+            leaving = self.scatterers.scatter(&next, true);
         }
+        sent
+    }
+
+    /// All light once more, along each ordinate: what sources send out, and what comes from outside, with
+    /// whether fog is to see that.
+    fn sweep_last(&mut self, sent: &Leaving, nothing: &Leaving, inflows: Vec<(Inflow, bool)>) -> Last {
+        let to_eye = self.to_eye.take();
+        let mut sweep = |leaving: &Leaving, inflow: Inflow, is_seen_by_fog: bool| {
+            let of_walls = leaving.of_walls();
+            let beams = leaving.beams(&self.beams);
+            let sources = Sources { of_matter: &leaving.matter, beams, of_walls: &of_walls, inflow };
+            let to_eye = to_eye.as_ref().filter(|_| is_seen_by_fog);
+            self.sweeper.sweep_last(to_eye, &sources, self.cancelled)
+        };
+        let (seen, unseen): (Vec<_>, Vec<_>) = inflows.into_iter().partition(|(_, is_seen)| *is_seen);
+        let mut seen = seen.into_iter();
+        let mut last = sweep(sent, seen.next().map_or(Inflow::Nothing, |(inflow, _)| inflow), true);
+        for (inflow, is_seen) in seen.chain(unseen) {
+            last.add(&sweep(nothing, inflow, is_seen));
+        }
+        last
     }
 
     fn sweep(&mut self, leaving: &Leaving, inflow: Inflow) -> Moments {
-        let of_walls =
-            [0, 1, 2].map(|channel| leaving.walls.iter().map(|color| color[channel] as f32).collect());
-        let sources = Sources { of_matter: &leaving.matter, of_walls: &of_walls, inflow };
+        let of_walls = leaving.of_walls();
+        let beams = leaving.beams(&self.beams);
+        let sources = Sources { of_matter: &leaving.matter, beams, of_walls: &of_walls, inflow };
         self.sweeper.sweep(&sources, self.cancelled)
     }
 
@@ -140,14 +199,15 @@ impl Rounds<'_> {
 }
 
 impl Scatterers<'_> {
-    fn scatter(&self, light: &Moments) -> Leaving {
+    /// Of light that fog is to see, or not.
+    fn scatter(&self, light: &Moments, is_seen_by_fog: bool) -> Leaving {
         let irradiances = self.walls.irradiances(|node, normal| {
             by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, node)))
         });
         let patches = self.walls.patches.iter().zip(irradiances);
         let walls =
             patches.map(|(patch, irradiance)| radiance(patch.scatters.reflectance * irradiance)).collect();
-        Leaving { matter: self.matter.scatter(light), walls }
+        Leaving { matter: self.matter.scatter(light, is_seen_by_fog), walls, has_beams: false }
     }
 
     /// What walls make of lamps and suns, and what they emit.

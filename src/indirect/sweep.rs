@@ -6,14 +6,36 @@
 //! the four cells before it, half a cell of matter, its own source, and half a cell again. This is a step
 //! scheme of second order (Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
 
+use super::beam::Beam;
 use super::carrier::{Carrier, Sources};
 use super::grid::Grid;
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
 use super::planes::Layout;
+use super::towards_eye::EYE_DEGREES;
 use super::walls::Walls;
 use rayon::prelude::*;
+
+/// Light as the last scattering sees it, beyond the harmonics up to l = 2.
+pub(super) struct Last {
+    /// Harmonics of degree 4.
+    pub(super) fourth: Moments,
+    /// By Legendre polynomials of the cosine to the eye: by channel, then by degree.
+    pub(super) towards_eye: Option<[[Vec<f32>; EYE_DEGREES.len()]; 3]>,
+}
+
+impl Last {
+    /// `self += other`.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.fourth.add(&other.fourth, [1.0; 3]);
+        if let (Some(sums), Some(values)) = (&mut self.towards_eye, &other.towards_eye) {
+            for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            }
+        }
+    }
+}
 
 /// What is swept over, and the room that it takes.
 pub(super) struct Sweeper<'a> {
@@ -44,20 +66,63 @@ impl<'a> Sweeper<'a> {
     /// `cancelled` says true, what comes is of no use.
     pub(super) fn sweep(&mut self, sources: &Sources, cancelled: &(dyn Fn() -> bool + Sync)) -> Moments {
         let turned = sources.of_matter.map(|values| self.turned.of_grid(values));
-        let turned = Sources { of_matter: &turned, ..*sources };
+        let turned_beams = self.turned_beams(sources);
+        let turned = Sources { of_matter: &turned, beams: &turned_beams, ..*sources };
         self.carriers.par_iter_mut().for_each(|carrier| {
             carrier.carry(if carrier.axis == 0 { &turned } else { sources }, cancelled);
         });
+        self.moments()
+    }
+
+    /// The same as the last scattering sees it; `to_eye` are unit vectors of each node, by axis, where fog
+    /// needs them.
+    pub(super) fn sweep_last(
+        &mut self,
+        to_eye: Option<&[Vec<f32>; 3]>,
+        sources: &Sources,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Last {
+        let turned = sources.of_matter.map(|values| self.turned.of_grid(values));
+        let turned_beams = self.turned_beams(sources);
+        let turned = Sources { of_matter: &turned, beams: &turned_beams, ..*sources };
+        let turned_to_eye = to_eye.map(|axes| axes.each_ref().map(|axis| self.turned.of_grid(axis)));
+        self.carriers.par_iter_mut().for_each(|carrier| match carrier.axis {
+            0 => carrier.carry_last(turned_to_eye.as_ref(), &turned, cancelled),
+            _ => carrier.carry_last(to_eye, sources, cancelled),
+        });
+        Last { fourth: self.moments(), towards_eye: to_eye.map(|_| self.towards_eye()) }
+    }
+
+    fn turned_beams(&self, sources: &Sources) -> Vec<Beam> {
+        sources.beams.iter().map(|beam| beam.map(|values| self.turned.of_grid(values))).collect()
+    }
+
+    /// What carriers have found, all together.
+    fn moments(&self) -> Moments {
         let mut moments = Moments::zero(self.count);
         for carrier in &self.carriers {
             let sums = moments.of_channel_mut(carrier.channel).chunks_exact_mut(self.count);
-            for (sums, values) in sums.zip(carrier.moments.chunks_exact(self.count)) {
-                let laid = (carrier.axis == 0).then(|| self.turned.to_grid(values));
-                for (sum, value) in sums.iter_mut().zip(laid.as_deref().unwrap_or(values)) {
-                    *sum += value;
-                }
-            }
+            self.add_up(sums, carrier, &carrier.moments);
         }
         moments
+    }
+
+    fn towards_eye(&self) -> [[Vec<f32>; EYE_DEGREES.len()]; 3] {
+        let mut moments: [[Vec<f32>; _]; 3] =
+            std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; self.count]));
+        for carrier in &self.carriers {
+            let sums = moments[carrier.channel].iter_mut().map(Vec::as_mut_slice);
+            self.add_up(sums, carrier, &carrier.towards_eye);
+        }
+        moments
+    }
+
+    fn add_up<'s>(&self, sums: impl Iterator<Item = &'s mut [f32]>, carrier: &Carrier, values: &[f32]) {
+        for (sums, values) in sums.zip(values.chunks_exact(self.count)) {
+            let laid = (carrier.axis == 0).then(|| self.turned.to_grid(values));
+            for (sum, value) in sums.iter_mut().zip(laid.as_deref().unwrap_or(values)) {
+                *sum += value;
+            }
+        }
     }
 }

@@ -46,6 +46,37 @@ impl Vectorized for Prepare<'_> {
     }
 }
 
+/// Adds what half a cell has of sources of degrees 3 to 5.
+pub(super) struct AddBeam<'a> {
+    /// By degree, and what each counts along the ordinate.
+    pub(super) sources: [&'a [f32]; 3],
+    pub(super) factors: [f32; 3],
+    pub(super) fog_extinction: &'a [f32],
+    pub(super) leaf_extinction: &'a [f32],
+    pub(super) half_way: f32,
+    /// Along the ordinate and against it.
+    pub(super) added: [&'a mut [f32]; 2],
+}
+
+impl Vectorized for AddBeam<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let count = self.fog_extinction.len();
+        let [third, fourth, fifth] = self.sources.map(|values| &values[..count]);
+        let [of_third, of_fourth, of_fifth] = self.factors;
+        let (fog, leaves) = (&self.fog_extinction[..count], &self.leaf_extinction[..count]);
+        let [along, against] = self.added.map(|values| &mut values[..count]);
+        for node in 0..count {
+            let even = of_fourth * fourth[node];
+            let odd = of_third * third[node] + of_fifth * fifth[node];
+            let (_, mean) = exp_minus_and_mean(self.half_way * (fog[node] + leaves[node]));
+            let gain = self.half_way * mean;
+            along[node] += gain * (even + odd);
+            against[node] += gain * (even - odd);
+        }
+    }
+}
+
 /// Rows of a plane take what leaves the four cells before each of their nodes.
 pub(super) struct CrossRows<'a> {
     pub(super) shares: [f32; 4],
@@ -107,6 +138,68 @@ impl Vectorized for Accumulate<'_> {
             for node in 0..along.len() {
                 moments[node] += factor * along[node] + back * against[node];
             }
+        }
+    }
+}
+
+/// The same for harmonics that do not change sign.
+pub(super) struct AccumulateEven<'a> {
+    pub(super) along: &'a [f32],
+    pub(super) against: &'a [f32],
+    pub(super) factors: [f32; COUNT],
+    pub(super) moments: &'a mut [f32],
+}
+
+impl Vectorized for AccumulateEven<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (along, against) = (self.along, &self.against[..self.along.len()]);
+        for (factor, moments) in self.factors.into_iter().zip(self.moments.chunks_exact_mut(along.len())) {
+            for node in 0..along.len() {
+                moments[node] += factor * (along[node] + against[node]);
+            }
+        }
+    }
+}
+
+/// Adds radiance along an ordinate and against it to moments by Legendre polynomials of degrees 3 to 6.
+pub(super) struct AccumulateTowards<'a> {
+    pub(super) along: &'a [f32],
+    pub(super) against: &'a [f32],
+    /// Of travel along it, and the solid angle that it stands for.
+    pub(super) direction: [f32; 3],
+    pub(super) weight: f32,
+    /// Unit vectors by axis, then by node.
+    pub(super) to_eye: &'a [Vec<f32>; 3],
+    /// Degree after degree.
+    pub(super) moments: &'a mut [f32],
+}
+
+impl Vectorized for AccumulateTowards<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let count = self.along.len();
+        let (along, against) = (&self.along[..count], &self.against[..count]);
+        let [to_x, to_y, to_z] = self.to_eye.each_ref().map(|axis| &axis[..count]);
+        let ([x, y, z], weight) = (self.direction, self.weight);
+        let (third, rest) = self.moments.split_at_mut(count);
+        let (fourth, rest) = rest.split_at_mut(count);
+        let (fifth, rest) = rest.split_at_mut(count);
+        let sixth = &mut rest[..count];
+        for node in 0..count {
+            let cos = x * to_x[node] + y * to_y[node] + z * to_z[node];
+            let p2 = 1.5 * cos * cos - 0.5;
+            // (l + 1) P_(l+1) = (2 l + 1) cos P_l - l P_(l-1).
+            let p3 = (5.0 * cos * p2 - 2.0 * cos) * (1.0 / 3.0);
+            let p4 = (7.0 * cos * p3 - 3.0 * p2) * (1.0 / 4.0);
+            let p5 = (9.0 * cos * p4 - 4.0 * p3) * (1.0 / 5.0);
+            let p6 = (11.0 * cos * p5 - 5.0 * p4) * (1.0 / 6.0);
+            let even = weight * (along[node] + against[node]);
+            let odd = weight * (along[node] - against[node]);
+            third[node] += p3 * odd;
+            fourth[node] += p4 * even;
+            fifth[node] += p5 * odd;
+            sixth[node] += p6 * even;
         }
     }
 }

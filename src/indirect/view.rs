@@ -47,7 +47,7 @@ impl ViewedFog {
         sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
             let place = [number % (columns + 1), number / (columns + 1)].map(|index| index as f64);
             let ray = snapshot.view.ray(place[0] / columns as f64, place[1] / rows as f64);
-            let mut walk = Walk::new(field, snapshot, ray);
+            let mut walk = Walk::new(field, snapshot, ray, true);
             for (step, sum) in sums.iter_mut().enumerate() {
                 // In halves: light differs within a cell.
                 walk.to(depths.distance(step as f64 - 0.5));
@@ -149,6 +149,8 @@ struct Walk<'a> {
     field: &'a Field,
     snapshot: &'a Snapshot<'a>,
     ray: Ray,
+    /// Whether it goes to the eye: of no other way is more known than harmonics.
+    is_of_camera: bool,
     /// Where there is fog at all.
     fog: Option<(f64, f64)>,
     at: f64,
@@ -165,13 +167,14 @@ struct Walk<'a> {
 const STEPS_BEHIND_WALL: u32 = 2;
 
 impl<'a> Walk<'a> {
-    fn new(field: &'a Field, snapshot: &'a Snapshot, ray: Ray) -> Self {
+    fn new(field: &'a Field, snapshot: &'a Snapshot, ray: Ray, is_of_camera: bool) -> Self {
         let fog = snapshot.medium.range(&ray, f64::INFINITY);
         let [light, source] = [Rgb::ZERO; 2];
         Self {
             field,
             snapshot,
             ray,
+            is_of_camera,
             fog,
             at: 0.0,
             through: Rgb::ONE,
@@ -222,9 +225,12 @@ impl<'a> Walk<'a> {
             };
             Rgb::new(share(0), share(1), share(2))
         };
-        let scattering =
-            [0, 1, 2].map(|degree| per_extinction(medium.scattering_by_degree_at(place, degree)));
+        let of_degree = |degree: i32| per_extinction(medium.scattering_by_degree_at(place, degree));
+        let scattering = [0, 1, 2].map(of_degree);
         self.source = self.field.scattered(world(middle), -self.ray.direction, &scattering);
+        if self.is_of_camera {
+            self.source += self.field.scattered_towards_eye(world(middle), of_degree);
+        }
         for (glow, irradiance, times) in self.field.glows(world(middle)) {
             let cos = -glow.travel.dot(self.ray.direction);
             self.source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
@@ -240,7 +246,7 @@ pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, distance: f64
     let origin = snapshot.world_from_relative(ray.origin);
     let distance = distance.min(farthest_m((low - origin, high - origin)));
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
-    let mut walk = Walk::new(field, snapshot, *ray);
+    let mut walk = Walk::new(field, snapshot, *ray, false);
     for step in 1..=STEPS {
         walk.to(start + (end - start) * f64::from(step) / f64::from(STEPS));
     }

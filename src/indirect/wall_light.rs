@@ -7,7 +7,7 @@ use super::walls::{Patch, Walls};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, kronecker};
-use crate::snapshot::{Luminaire, Snapshot};
+use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use rayon::prelude::*;
 
 /// Shadow rays to a patch of wall, along each side.
@@ -54,18 +54,19 @@ impl WallLight<'_> {
             let cos = to_light.dot(patch.normal);
             if cos > 0.0 && arriving != Rgb::ZERO {
                 let ray = Ray { origin, direction: to_light };
-                sum += cos * arriving * self.reaching(&ray, distance, patch.primitive);
+                sum += cos * arriving * self.reaching(&point, &ray, distance, patch.primitive);
             }
         }
         sum / f64::max(count, 1.0)
     }
 
-    /// What is left of light that comes along a ray from a distance.
-    fn reaching(&self, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
+    /// What is left of a light's that comes along a ray from a distance.
+    fn reaching(&self, light: &FrozenLight, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
         let visible = self.snapshot.visibility(ray, distance, Some(from));
         if visible == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        visible * self.fog.dimming.transmittance(ray.origin, ray.direction, distance)
+        let dimming = self.fog.dimming_of(matches!(light, FrozenLight::Sun { .. }));
+        visible * dimming.transmittance(ray.origin, ray.direction, distance)
     }
 }

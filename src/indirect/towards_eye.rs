@@ -1,0 +1,57 @@
+//! What fog that scatters ahead sends to the eye beyond what nine harmonics tell. In go nodes and a camera,
+//! out come moments of radiance about the way to the eye. Invariant: they are of degrees that no harmonic of
+//! the field has.
+//!
+//! From order to order harmonics up to l = 2 are enough, with delta-M. The last scattering, the one that is
+//! seen, is of light as it comes along each ordinate, by the fog's own phase function: source function
+//! integration (Stamnes & Swanson 1981, "A new look at the discrete ordinate method", section 4).
+
+use super::grid::{Corners, Grid};
+use crate::color::Rgb;
+use crate::fog::Medium;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Degrees of Legendre polynomials beyond the harmonics, up to that for which the ordinates' rule is exact
+/// with light of degree 5.
+pub(super) const EYE_DEGREES: [i32; 4] = [3, 4, 5, 6];
+
+/// The share `g^3` that fog sends on of the first of them, from which on they count.
+const LEAST: f64 = 0.02;
+
+/// Moments of radiance about the way to the eye, by node.
+pub(super) struct TowardsEye(Vec<[[f32; EYE_DEGREES.len()]; 3]>);
+
+impl TowardsEye {
+    /// Whether a medium scatters so that they matter.
+    pub(super) fn matters(medium: &Medium) -> bool {
+        medium.banks().iter().any(|bank| bank.g.abs().powi(EYE_DEGREES[0]) > LEAST)
+    }
+
+    /// The way to the eye from each node: unit vectors, by axis.
+    pub(super) fn ways(grid: &Grid, snapshot: &Snapshot) -> [Vec<f32>; 3] {
+        let way = |node: usize| snapshot.view.towards_eye(grid.position(node) - snapshot.view.eye);
+        let ways: Vec<DVec3> = (0..grid.count()).map(way).collect();
+        [0, 1, 2].map(|axis| ways.iter().map(|way| way[axis] as f32).collect())
+    }
+
+    pub(super) fn of(moments: &[[Vec<f32>; EYE_DEGREES.len()]; 3]) -> Self {
+        let node =
+            |node: usize| [0, 1, 2].map(|channel| moments[channel].each_ref().map(|degree| degree[node]));
+        Self((0..moments[0][0].len()).map(node).collect())
+    }
+
+    /// What fog adds that scatters so much of each degree, 1/m; W m^-3 sr^-1.
+    pub(super) fn scattered(&self, corners: &Corners, scattering: impl Fn(i32) -> Rgb) -> Rgb {
+        let mut sum = Rgb::ZERO;
+        for (place, degree) in EYE_DEGREES.into_iter().enumerate() {
+            let at = |node: usize| {
+                Rgb::from_array([0, 1, 2].map(|channel| f64::from(self.0[node][channel][place])))
+            };
+            let mean: Rgb = corners.iter().map(|(node, weight)| weight * at(node)).sum();
+            sum += f64::from(2 * degree + 1) / (4.0 * PI) * scattering(degree) * mean;
+        }
+        sum
+    }
+}
