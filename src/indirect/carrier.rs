@@ -38,13 +38,41 @@ pub(super) enum Inflow<'a> {
     Around(&'a Halo),
 }
 
+/// What is to be known of light.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    /// Harmonics up to l = 2, with which orders of scattering go on.
+    pub(super) moments: bool,
+    /// What the last scattering, the one that is seen, needs beyond that.
+    pub(super) last: bool,
+    /// The way to the eye from each node, by axis, where fog's last scattering needs it.
+    pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
+}
+
+impl<'a> Wanted<'a> {
+    /// What the next order is made of.
+    pub(super) const ORDERS: Self = Self { moments: true, last: false, to_eye: None };
+
+    /// What is seen.
+    pub(super) fn last(to_eye: Option<&'a [Vec<f32>; 3]>) -> Self {
+        Self { moments: false, last: true, to_eye }
+    }
+
+    /// Both.
+    pub(super) fn all(to_eye: Option<&'a [Vec<f32>; 3]>) -> Self {
+        Self { moments: true, last: true, to_eye }
+    }
+}
+
 /// One of nine: of an axis and a channel.
 pub(super) struct Carrier<'a> {
     pub(super) axis: usize,
     pub(super) channel: usize,
     /// By harmonic, then by node.
     pub(super) moments: Vec<f32>,
-    /// By degree, then by node, after the last sweep.
+    /// The same of degree 4, for the last scattering.
+    pub(super) fourth: Vec<f32>,
+    /// By degree of the cosine to where the eye is seen from each node.
     pub(super) towards_eye: Vec<f32>,
     cell_m: f64,
     planes: Planes,
@@ -124,7 +152,8 @@ impl<'a> Carrier<'a> {
         Self {
             axis,
             channel,
-            moments: vec![0.0; COUNT * count],
+            moments: Vec::new(),
+            fourth: Vec::new(),
             towards_eye: Vec::new(),
             cell_m: grid.cell_m,
             planes,
@@ -142,44 +171,41 @@ impl<'a> Carrier<'a> {
         }
     }
 
-    /// Along all of its ordinates, summed up by harmonics.
-    pub(super) fn carry(&mut self, sources: &Sources, cancelled: &(dyn Fn() -> bool + Sync)) {
-        self.moments.fill(0.0);
-        for number in 0..self.pairs.len() {
-            if cancelled() {
-                return;
-            }
-            let Ordinate { direction, weight } = self.carry_pair(number, sources);
-            let factors = basis(direction).map(|value| (weight * value) as f32);
-            let [along, against] = &self.radiance;
-            vectorized(Accumulate { along, against, factors, moments: &mut self.moments });
-        }
-    }
-
-    /// The same as the last scattering sees it: by harmonics of degree 4, then by Legendre polynomials of the
-    /// cosine to where the eye is seen from each node.
-    pub(super) fn carry_last(
+    /// Along all of its ordinates.
+    pub(super) fn carry(
         &mut self,
-        to_eye: Option<&[Vec<f32>; 3]>,
         sources: &Sources,
+        wanted: &Wanted,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) {
         let count = self.through.len();
-        self.moments.fill(0.0);
-        self.towards_eye = vec![0.0; to_eye.map_or(0, |_| EYE_DEGREES.len() * count)];
+        let room = |is_wanted: bool, moments: usize| vec![0.0; if is_wanted { moments * count } else { 0 }];
+        self.moments = room(wanted.moments, COUNT);
+        self.fourth = room(wanted.last, COUNT);
+        self.towards_eye = room(wanted.last && wanted.to_eye.is_some(), EYE_DEGREES.len());
         for number in 0..self.pairs.len() {
             if cancelled() {
                 return;
             }
-            let Ordinate { direction, weight } = self.carry_pair(number, sources);
+            let ordinate = self.carry_pair(number, sources);
+            self.add_up(ordinate, wanted);
+        }
+    }
+
+    fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
+        let [along, against] = &self.radiance;
+        if wanted.moments {
+            let factors = basis(direction).map(|value| (weight * value) as f32);
+            vectorized(Accumulate { along, against, factors, moments: &mut self.moments });
+        }
+        if wanted.last {
             let factors = fourth_basis(direction).map(|value| (weight * value) as f32);
-            let [along, against] = &self.radiance;
-            vectorized(AccumulateEven { along, against, factors, moments: &mut self.moments });
-            if let Some(to_eye) = to_eye {
-                let (direction, weight) = (direction.to_array().map(|value| value as f32), weight as f32);
-                let moments = &mut self.towards_eye;
-                vectorized(AccumulateTowards { along, against, direction, weight, to_eye, moments });
-            }
+            vectorized(AccumulateEven { along, against, factors, moments: &mut self.fourth });
+        }
+        if let Some(to_eye) = wanted.to_eye.filter(|_| wanted.last) {
+            let (direction, weight) = (direction.to_array().map(|value| value as f32), weight as f32);
+            let moments = &mut self.towards_eye;
+            vectorized(AccumulateTowards { along, against, direction, weight, to_eye, moments });
         }
     }
 

@@ -98,8 +98,8 @@ impl Field {
         let has_sky = snapshot.sky.is_some_and(|sky| !sky.has_sun());
         let scatterers = Scatterers { matter: &matter, walls: &walls };
         let to_eye = TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot));
-        let (ordinates, sky) = (&ordinates, snapshot.sky);
-        let rounds = Rounds { sweeper, scatterers, ordinates, sky, has_sky, beams, to_eye, cancelled };
+        let sky = snapshot.sky;
+        let rounds = Rounds { sweeper, scatterers, grid: &grid, sky, has_sky, beams, to_eye, cancelled };
         let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog(world)));
         let Light { all: light, unseen_by_fog, last } =
             rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());

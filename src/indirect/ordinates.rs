@@ -2,8 +2,9 @@
 //! sphere. Invariant: with each direction there is its opposite, and polynomials of the direction up to
 //! degree 11 are integrated exactly.
 
+use crate::math::gauss_legendre;
 use glam::DVec3;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// A direction of travel.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +51,22 @@ impl Ordinates {
             }
         }
         Self(points)
+    }
+
+    /// 192 for light that comes in from the sky and has not been scattered: what leaves let through of it has
+    /// edges. Gauss' rule by height, even steps about the vertical.
+    pub(super) fn fine() -> Self {
+        const HEIGHTS: usize = 12;
+        const STEPS: usize = 16;
+        let ring = |&(height, weight): &(f64, f64)| {
+            let across = (1.0 - height * height).sqrt();
+            (0..STEPS).map(move |step| {
+                let (sin, cos) = (TAU * (step as f64 + 0.5) / STEPS as f64).sin_cos();
+                let direction = DVec3::new(across * cos, height, across * sin);
+                Ordinate { direction, weight: weight * TAU / STEPS as f64 }
+            })
+        };
+        Self(gauss_legendre(HEIGHTS).iter().flat_map(ring).collect())
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Ordinate> {

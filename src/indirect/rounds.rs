@@ -3,13 +3,14 @@
 //! last is a geometric series.
 
 use super::beam::Beam;
-use super::carrier::{Inflow, Sources};
+use super::carrier::{Inflow, Sources, Wanted};
+use super::grid::Grid;
 use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
-use super::sweep::{Last, Sweeper};
+use super::sweep::{Sweeper, Swept};
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::scene::Bounces;
@@ -30,7 +31,7 @@ const MOST_RATIO: f64 = 0.98;
 pub(super) struct Rounds<'a> {
     pub(super) sweeper: Sweeper<'a>,
     pub(super) scatterers: Scatterers<'a>,
-    pub(super) ordinates: &'a Ordinates,
+    pub(super) grid: &'a Grid,
     pub(super) sky: Option<FrozenSky<'a>>,
     /// Whether the sky's own light is part of the field, or only what becomes of it.
     pub(super) has_sky: bool,
@@ -49,10 +50,11 @@ pub(super) struct Light {
     /// That part of it that fog is not to see.
     pub(super) unseen_by_fog: Option<Moments>,
     /// What surfaces and fog that are seen make of it beyond that.
-    pub(super) last: Last,
+    pub(super) last: Swept,
 }
 
 /// Where light goes on to.
+#[derive(Clone, Copy)]
 pub(super) struct Scatterers<'a> {
     pub(super) matter: &'a Matter,
     pub(super) walls: &'a Walls,
@@ -76,10 +78,6 @@ impl Leaving {
         self.walls.iter_mut().zip(&other.walls).for_each(|(sum, added)| *sum += factor * *added);
     }
 
-    fn beams<'b>(&self, all: &'b [Beam]) -> &'b [Beam] {
-        if self.has_beams { all } else { &[] }
-    }
-
     fn of_walls(&self) -> [Vec<f32>; 3] {
         [0, 1, 2].map(|channel| self.walls.iter().map(|color| color[channel] as f32).collect())
     }
@@ -101,31 +99,33 @@ impl Rounds<'_> {
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
         let nothing = Leaving { matter: light.emptied(), walls: dark, has_beams: false };
-        let mut inflows = Vec::new();
+        let mut from_outside = Vec::new();
+        let to_eye = self.to_eye.take();
         if let Some(halo) = halo {
-            let from_outside = self.sweep(&nothing, Inflow::Around(halo));
+            let swept = self.sweep(&nothing, Inflow::Around(halo), &Wanted::all(to_eye.as_ref()));
             // Where orders are counted, nobody knows how many it has behind it.
             if bounces == Bounces::All {
-                leaving.add(&self.scatterers.scatter(&from_outside, true), [1.0; 3]);
+                leaving.add(&self.scatterers.scatter(&swept.moments, true), [1.0; 3]);
             }
-            light.add(&from_outside, [1.0; 3]);
-            inflows.push((Inflow::Around(halo), true));
+            light.add(&swept.moments, [1.0; 3]);
+            from_outside.push(swept);
         }
         let lights_fog = self.sky.is_some_and(|sky| sky.lights_fog());
         // A larger grid's light has the sky's in it, unless fog is not to see that or rays find it.
         let is_in_halo = halo.is_some() && self.has_sky && lights_fog;
-        let of_sky = self.inflow().filter(|_| !is_in_halo);
-        if let Some(of_sky) = &of_sky {
-            let sky = self.sweep(&nothing, Inflow::Even(of_sky));
-            leaving.add(&self.scatterers.scatter(&sky, lights_fog), [1.0; 3]);
+        let sky = self.sky.filter(|sky| sky.lights_surfaces() && !is_in_halo);
+        if let Some(sky) = sky {
+            let swept = self.sweep_sky(sky, &nothing, &Wanted::all(to_eye.as_ref().filter(|_| lights_fog)));
+            leaving.add(&self.scatterers.scatter(&swept.moments, lights_fog), [1.0; 3]);
             if self.has_sky {
-                light.add(&sky, [1.0; 3]);
-                unseen_by_fog = (!lights_fog).then_some(sky);
-                inflows.push((Inflow::Even(of_sky), lights_fog));
+                light.add(&swept.moments, [1.0; 3]);
+                unseen_by_fog = (!lights_fog).then(|| swept.moments.clone());
+                from_outside.push(swept);
             }
         }
         let sent = self.go_on(bounces, leaving, &mut light);
-        let last = self.sweep_last(&sent, &nothing, inflows);
+        let mut last = self.sweep(&sent, Inflow::Nothing, &Wanted::last(to_eye.as_ref()));
+        from_outside.iter().for_each(|swept| last.add_last(swept));
         Light { all: light, unseen_by_fog, last }
     }
 
@@ -142,7 +142,7 @@ impl Rounds<'_> {
             if (self.cancelled)() {
                 break;
             }
-            let next = self.sweep(&leaving, Inflow::Nothing);
+            let next = self.sweep(&leaving, Inflow::Nothing, &Wanted::ORDERS).moments;
             light.add(&next, [1.0; 3]);
             sent.add(&leaving, [1.0; 3]);
             if bounces == Bounces::All {
@@ -158,44 +158,34 @@ impl Rounds<'_> {
         sent
     }
 
-    /// All light once more, along each ordinate: what sources send out, and what comes from outside, with
-    /// whether fog is to see that.
-    fn sweep_last(&mut self, sent: &Leaving, nothing: &Leaving, inflows: Vec<(Inflow, bool)>) -> Last {
-        let to_eye = self.to_eye.take();
-        let mut sweep = |leaving: &Leaving, inflow: Inflow, is_seen_by_fog: bool| {
-            let of_walls = leaving.of_walls();
-            let beams = leaving.beams(&self.beams);
-            let sources = Sources { of_matter: &leaving.matter, beams, of_walls: &of_walls, inflow };
-            let to_eye = to_eye.as_ref().filter(|_| is_seen_by_fog);
-            self.sweeper.sweep_last(to_eye, &sources, self.cancelled)
-        };
-        let (seen, unseen): (Vec<_>, Vec<_>) = inflows.into_iter().partition(|(_, is_seen)| *is_seen);
-        let mut seen = seen.into_iter();
-        let mut last = sweep(sent, seen.next().map_or(Inflow::Nothing, |(inflow, _)| inflow), true);
-        for (inflow, is_seen) in seen.chain(unseen) {
-            last.add(&sweep(nothing, inflow, is_seen));
-        }
-        last
-    }
-
-    fn sweep(&mut self, leaving: &Leaving, inflow: Inflow) -> Moments {
+    fn sweep(&mut self, leaving: &Leaving, inflow: Inflow, wanted: &Wanted) -> Swept {
         let of_walls = leaving.of_walls();
-        let beams = leaving.beams(&self.beams);
+        let beams = if leaving.has_beams { self.beams.as_slice() } else { &[] };
         let sources = Sources { of_matter: &leaving.matter, beams, of_walls: &of_walls, inflow };
-        self.sweeper.sweep(&sources, self.cancelled)
+        self.sweeper.sweep(&sources, wanted, self.cancelled)
     }
 
-    /// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it.
-    fn inflow(&self) -> Option<Vec<Rgb>> {
-        let sky = self.sky.filter(|sky| sky.lights_surfaces())?;
-        let mut sums = vec![(Rgb::ZERO, 0.0); self.ordinates.as_slice().len()];
-        for (direction, radiance) in sky.means() {
-            let (sum, count) = &mut sums[self.ordinates.nearest(-direction)];
-            *sum += radiance;
-            *count += 1.0;
-        }
-        Some(sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect())
+    /// Light of the sky that nothing has scattered, along finer ordinates.
+    fn sweep_sky(&self, sky: FrozenSky, nothing: &Leaving, wanted: &Wanted) -> Swept {
+        let ordinates = Ordinates::fine();
+        let inflow = inflow(sky, &ordinates);
+        let of_walls = nothing.of_walls();
+        let inflow = Inflow::Even(&inflow);
+        let sources = Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, inflow };
+        let Scatterers { matter, walls } = self.scatterers;
+        Sweeper::new(self.grid, matter, walls, &ordinates).sweep(&sources, wanted, self.cancelled)
     }
+}
+
+/// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it.
+fn inflow(sky: FrozenSky, ordinates: &Ordinates) -> Vec<Rgb> {
+    let mut sums = vec![(Rgb::ZERO, 0.0); ordinates.as_slice().len()];
+    for (direction, radiance) in sky.means() {
+        let (sum, count) = &mut sums[ordinates.nearest(-direction)];
+        *sum += radiance;
+        *count += 1.0;
+    }
+    sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect()
 }
 
 impl Scatterers<'_> {

@@ -16,7 +16,7 @@ pub(super) struct Surfel {
     /// In world space.
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    /// m^2; of a closed body half of it, as half of it is turned away.
+    /// m^2, without what the part itself hides: of a ball half of it, as half of it is turned away.
     pub(super) area: f64,
     pub(super) scatters: Scatters,
 }
@@ -266,8 +266,7 @@ impl<'a> Surroundings<'a> {
         let [a, b, c] = self.world_corners(primitive);
         let area_normal = 0.5 * (b - a).cross(c - a);
         let normal = area_normal.try_normalize()?;
-        let sides = if leaf.part.is_closed { 0.5 } else { 1.0 };
-        let area = sides * place.share * area_normal.length() * scatters.cover;
+        let area = leaf.part.exposed * place.share * area_normal.length() * scatters.cover;
         Some(Surfel { position: (a + b + c) / 3.0, normal, area, scatters: *scatters })
     }
 }

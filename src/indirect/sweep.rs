@@ -7,7 +7,7 @@
 //! scheme of second order (Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
 
 use super::beam::Beam;
-use super::carrier::{Carrier, Sources};
+use super::carrier::{Carrier, Sources, Wanted};
 use super::grid::Grid;
 use super::matter::Matter;
 use super::moments::Moments;
@@ -17,17 +17,18 @@ use super::towards_eye::EYE_DEGREES;
 use super::walls::Walls;
 use rayon::prelude::*;
 
-/// Light as the last scattering sees it, beyond the harmonics up to l = 2.
-pub(super) struct Last {
-    /// Harmonics of degree 4.
+/// What light is found to be.
+pub(super) struct Swept {
+    /// By harmonics up to l = 2; those of degree 4.
+    pub(super) moments: Moments,
     pub(super) fourth: Moments,
     /// By Legendre polynomials of the cosine to the eye: by channel, then by degree.
     pub(super) towards_eye: Option<[[Vec<f32>; EYE_DEGREES.len()]; 3]>,
 }
 
-impl Last {
-    /// `self += other`.
-    pub(super) fn add(&mut self, other: &Self) {
+impl Swept {
+    /// Adds what the last scattering needs.
+    pub(super) fn add_last(&mut self, other: &Self) {
         self.fourth.add(&other.fourth, [1.0; 3]);
         if let (Some(sums), Some(values)) = (&mut self.towards_eye, &other.towards_eye) {
             for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
@@ -62,35 +63,28 @@ impl<'a> Sweeper<'a> {
         Self { count: grid.count(), turned, carriers: carriers.collect() }
     }
 
-    /// The moments of radiance that sources give where they, and nothing else, are scattered no more. Once
-    /// `cancelled` says true, what comes is of no use.
-    pub(super) fn sweep(&mut self, sources: &Sources, cancelled: &(dyn Fn() -> bool + Sync)) -> Moments {
-        let turned = sources.of_matter.map(|values| self.turned.of_grid(values));
-        let turned_beams = self.turned_beams(sources);
-        let turned = Sources { of_matter: &turned, beams: &turned_beams, ..*sources };
-        self.carriers.par_iter_mut().for_each(|carrier| {
-            carrier.carry(if carrier.axis == 0 { &turned } else { sources }, cancelled);
-        });
-        self.moments()
-    }
-
-    /// The same as the last scattering sees it; `to_eye` are unit vectors of each node, by axis, where fog
-    /// needs them.
-    pub(super) fn sweep_last(
+    /// What sources give where they, and nothing else, are scattered no more. Once `cancelled` says true, what
+    /// comes is of no use.
+    pub(super) fn sweep(
         &mut self,
-        to_eye: Option<&[Vec<f32>; 3]>,
         sources: &Sources,
+        wanted: &Wanted,
         cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Last {
+    ) -> Swept {
         let turned = sources.of_matter.map(|values| self.turned.of_grid(values));
         let turned_beams = self.turned_beams(sources);
         let turned = Sources { of_matter: &turned, beams: &turned_beams, ..*sources };
-        let turned_to_eye = to_eye.map(|axes| axes.each_ref().map(|axis| self.turned.of_grid(axis)));
+        let turned_to_eye = wanted.to_eye.map(|axes| axes.each_ref().map(|axis| self.turned.of_grid(axis)));
+        let turned_wanted = Wanted { to_eye: turned_to_eye.as_ref(), ..*wanted };
         self.carriers.par_iter_mut().for_each(|carrier| match carrier.axis {
-            0 => carrier.carry_last(turned_to_eye.as_ref(), &turned, cancelled),
-            _ => carrier.carry_last(to_eye, sources, cancelled),
+            0 => carrier.carry(&turned, &turned_wanted, cancelled),
+            _ => carrier.carry(sources, wanted, cancelled),
         });
-        Last { fourth: self.moments(), towards_eye: to_eye.map(|_| self.towards_eye()) }
+        Swept {
+            moments: self.sums(|carrier| &carrier.moments),
+            fourth: self.sums(|carrier| &carrier.fourth),
+            towards_eye: wanted.to_eye.filter(|_| wanted.last).map(|_| self.towards_eye()),
+        }
     }
 
     fn turned_beams(&self, sources: &Sources) -> Vec<Beam> {
@@ -98,11 +92,11 @@ impl<'a> Sweeper<'a> {
     }
 
     /// What carriers have found, all together.
-    fn moments(&self) -> Moments {
+    fn sums(&self, of: impl for<'c> Fn(&'c Carrier<'_>) -> &'c [f32]) -> Moments {
         let mut moments = Moments::zero(self.count);
         for carrier in &self.carriers {
             let sums = moments.of_channel_mut(carrier.channel).chunks_exact_mut(self.count);
-            self.add_up(sums, carrier, &carrier.moments);
+            self.add_up(sums, carrier, of(carrier));
         }
         moments
     }

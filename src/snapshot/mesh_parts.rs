@@ -2,6 +2,7 @@
 //! that stand for them. Invariant: all is chosen in mesh space, so that a part that moves keeps its places;
 //! chosen in world space, rounding would pick others from frame to frame.
 
+use super::self_shading::exposed;
 use crate::scene::{Mesh, Scene};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
@@ -18,6 +19,9 @@ pub struct MeshPart {
     pub high: DVec3,
     /// Whether nothing gets inside.
     pub is_closed: bool,
+    /// Of its area on both sides, by what light it would get, the share that no other of its triangles hides:
+    /// 1 of what is flat, a half of a ball.
+    pub exposed: f64,
     /// What stands for all of it.
     pub places: Vec<PartPlace>,
     /// The same where it is small beside all that is asked of it.
@@ -116,7 +120,8 @@ fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>) -> MeshPart {
     let [places, few_places] =
         [PLACES, FEW_PLACES].map(|count| places(&triangles, &areas, count * slenderness(high - low)));
     let is_closed = is_closed(mesh, names, &triangles);
-    MeshPart { triangles, low, high, is_closed, places, few_places }
+    let exposed = exposed(&triangles.iter().map(|&triangle| corners(triangle)).collect::<Vec<_>>(), &areas);
+    MeshPart { triangles, low, high, is_closed, exposed, places, few_places }
 }
 
 /// The longest side by the next.
@@ -232,6 +237,7 @@ mod tests {
         let positions: Vec<_> = faces.iter().flatten().map(|&corner: &usize| corners[corner]).collect();
         let triangles: Vec<[u32; 3]> = (0..4).map(|face| [0, 1, 2].map(|corner| 3 * face + corner)).collect();
         assert!(parts(&mesh(&positions, &triangles))[0].is_closed);
+        assert_eq!(parts(&mesh(&positions, &triangles))[0].exposed, 0.5);
         assert!(!parts(&mesh(&positions, &triangles[..3]))[0].is_closed);
     }
 }

@@ -13,6 +13,7 @@ mod mesh_trees;
 mod moment;
 mod motion_field;
 mod placed_mesh;
+mod self_shading;
 mod sky;
 mod surface;
 
