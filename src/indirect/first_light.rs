@@ -27,6 +27,10 @@ use std::f64::consts::FRAC_1_PI;
 /// Groups of rays whose sums are added up in order.
 const CHUNKS: usize = 8;
 
+/// From so far away from a leaf, in cells, comes what it scatters: its area is spread over as much to either
+/// side, and its lit side is not to light the other.
+const AWAY: f64 = 0.5;
+
 /// What a group of rays leaves on its way.
 struct Left {
     /// In fog.
@@ -237,21 +241,18 @@ impl FirstLight<'_> {
     fn land(&self, point: &SurfacePoint, power: Rgb, scattered: &mut NodeMoments) {
         let scatters = scatters_of(point);
         let normal = point.geometric_normal;
-        let [position, seen_from] = [0.0, OFF_WALL * self.grid.cell_m]
-            .map(|off| self.snapshot.world_from_relative(point.position + off * normal));
-        let corners = self.walls.occluders.corners(self.grid, position, seen_from);
-        let (before, behind) = (cosine_lobe(normal), cosine_lobe(-normal));
         let factor = FRAC_1_PI / self.grid.cell_volume();
-        let (reflected, transmitted) =
-            (factor * power * scatters.reflectance, factor * power * scatters.transmittance);
-        scattered.add(
-            &corners,
-            &[0, 1, 2].map(|channel| {
-                std::array::from_fn(|index| {
-                    reflected[channel] * before[index] + transmitted[channel] * behind[index]
-                })
-            }),
-        );
+        for (side, radiosity) in [(normal, scatters.reflectance), (-normal, scatters.transmittance)] {
+            if radiosity == Rgb::ZERO {
+                continue;
+            }
+            let [place, seen_from] = [AWAY, OFF_WALL].map(|cells| {
+                self.snapshot.world_from_relative(point.position + cells * self.grid.cell_m * side)
+            });
+            let corners = self.walls.occluders.corners(self.grid, place, seen_from);
+            let (lobe, sent) = (cosine_lobe(side), factor * power * radiosity);
+            scattered.add(&corners, &sent.to_array().map(|sent| lobe.map(|value| sent * value)));
+        }
     }
 }
 
