@@ -100,6 +100,21 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.g.powi(degree))).sum()
     }
 
+    /// Extinction at a point, 1/m, and what of each degree fog sends on.
+    pub fn coefficients_at<const DEGREES: usize>(&self, point: DVec3) -> (Rgb, [Rgb; DEGREES]) {
+        let (mut extinction, mut scattering) = (Rgb::ZERO, [Rgb::ZERO; DEGREES]);
+        for fog in &self.banks {
+            let density = fog.density(point);
+            extinction += density * fog.sigma_t;
+            let mut sent_on = density * fog.sigma_s;
+            for of_degree in &mut scattering {
+                *of_degree += sent_on;
+                sent_on *= fog.g;
+            }
+        }
+        (extinction, scattering)
+    }
+
     /// The forward peak of what it sends on, 1/m: what harmonics below a degree do not tell from light that is
     /// not scattered, `sum(sigma_s g^degree)`.
     pub fn peak_at(&self, point: DVec3, degree: i32) -> Rgb {

@@ -15,7 +15,7 @@ use super::rounds::{Light, Rounds, Scatterers};
 use super::surroundings::Surroundings;
 use super::sweep::Sweeper;
 use super::swept_fog::SweptFog;
-use super::towards_eye::TowardsEye;
+use super::towards_eye::{SEEN_DEGREES, TowardsEye};
 use super::wall_light::WallLight;
 use super::walls::Walls;
 use crate::color::Rgb;
@@ -100,7 +100,7 @@ impl Field {
         let to_eye = TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot));
         let sky = snapshot.sky;
         let rounds = Rounds { sweeper, scatterers, grid: &grid, sky, has_sky, beams, to_eye, cancelled };
-        let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog(world)));
+        let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog_at(world)));
         let Light { all: light, unseen_by_fog, last } =
             rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
         let light_in_fog = unseen_by_fog.map(|unseen| {
@@ -197,33 +197,38 @@ impl Field {
     }
 
     /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of
-    /// harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
-    pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; 3]) -> Rgb {
+    /// harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance. More is known of the way to the eye.
+    pub(super) fn scattered(
+        &self,
+        world: DVec3,
+        (travel, is_to_eye): (DVec3, bool),
+        scattering: &[Rgb; SEEN_DEGREES],
+    ) -> Rgb {
         let basis = basis(travel);
         self.across_levels(world, &|field| {
-            let moments = field.moments_in_fog(world);
+            let corners = field.walls.occluders.corners(&field.grid, world, world);
+            let moments = field.moments_in_fog(&corners);
             let of_channel = |channel: usize| -> f64 {
                 let harmonic = |index: usize| {
                     scattering[DEGREE[index]][channel] * basis[index] * f64::from(moments[channel][index])
                 };
                 (0..COUNT).map(harmonic).sum()
             };
-            Rgb::new(of_channel(0), of_channel(1), of_channel(2)).max(Rgb::ZERO)
+            let by_harmonics = Rgb::new(of_channel(0), of_channel(1), of_channel(2));
+            let beyond = field.towards_eye.as_ref().filter(|_| is_to_eye);
+            let beyond = beyond.map_or(Rgb::ZERO, |beyond| beyond.scattered(&corners, scattering));
+            (by_harmonics + beyond).max(Rgb::ZERO)
         })
     }
 
-    /// What fog at a place of world space sends to the eye beyond that, for a coefficient by degree.
-    pub(super) fn scattered_towards_eye(&self, world: DVec3, scattering: impl Fn(i32) -> Rgb) -> Rgb {
-        let field = self.level_at(world);
-        let Some(towards_eye) = &field.towards_eye else { return Rgb::ZERO };
-        let corners = field.walls.occluders.corners(&field.grid, world, world);
-        towards_eye.scattered(&corners, scattering)
+    /// Moments of the light that fog gets at a place of world space.
+    fn moments_in_fog_at(&self, world: DVec3) -> [[f32; COUNT]; 3] {
+        self.moments_in_fog(&self.walls.occluders.corners(&self.grid, world, world))
     }
 
-    /// What fog at a place of world space gets, of the nodes that no wall hides from it.
-    fn moments_in_fog(&self, world: DVec3) -> [[f32; COUNT]; 3] {
-        let corners = self.walls.occluders.corners(&self.grid, world, world);
-        self.light_in_fog.as_ref().unwrap_or(&self.light).mean(&corners)
+    /// The same of nodes about it that no wall hides.
+    fn moments_in_fog(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
+        self.light_in_fog.as_ref().unwrap_or(&self.light).mean(corners)
     }
 
     /// Whether a wall stands between two places of world space that are less than a cell apart.

@@ -17,11 +17,14 @@ use std::f64::consts::PI;
 /// with light of degree 5.
 pub(super) const EYE_DEGREES: [i32; 4] = [3, 4, 5, 6];
 
+/// All degrees that the last scattering in fog knows.
+pub(super) const SEEN_DEGREES: usize = 7;
+
 /// The share `g^3` that fog sends on of the first of them, from which on they count.
 const LEAST: f64 = 0.02;
 
 /// Moments of radiance about the way to the eye, by node.
-pub(super) struct TowardsEye(Vec<[[f32; EYE_DEGREES.len()]; 3]>);
+pub(super) struct TowardsEye(Vec<[f32; 3 * EYE_DEGREES.len()]>);
 
 impl TowardsEye {
     /// Whether a medium scatters so that they matter.
@@ -37,21 +40,25 @@ impl TowardsEye {
     }
 
     pub(super) fn of(moments: &[[Vec<f32>; EYE_DEGREES.len()]; 3]) -> Self {
-        let node =
-            |node: usize| [0, 1, 2].map(|channel| moments[channel].each_ref().map(|degree| degree[node]));
-        Self((0..moments[0][0].len()).map(node).collect())
+        let of_channels = moments.as_flattened();
+        let node = |node: usize| std::array::from_fn(|place| of_channels[place][node]);
+        Self((0..of_channels[0].len()).map(node).collect())
     }
 
-    /// What fog adds that scatters so much of each degree, 1/m; W m^-3 sr^-1.
-    pub(super) fn scattered(&self, corners: &Corners, scattering: impl Fn(i32) -> Rgb) -> Rgb {
-        let mut sum = Rgb::ZERO;
-        for (place, degree) in EYE_DEGREES.into_iter().enumerate() {
-            let at = |node: usize| {
-                Rgb::from_array([0, 1, 2].map(|channel| f64::from(self.0[node][channel][place])))
-            };
-            let mean: Rgb = corners.iter().map(|(node, weight)| weight * at(node)).sum();
-            sum += f64::from(2 * degree + 1) / (4.0 * PI) * scattering(degree) * mean;
+    /// What fog adds that scatters so much of each degree, from 0 on; W m^-3 sr^-1 of 1/m.
+    pub(super) fn scattered(&self, corners: &Corners, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
+        let mut sums = [0.0; 3 * EYE_DEGREES.len()];
+        for (&node, &weight) in corners.nodes.iter().zip(&corners.weights) {
+            for (sum, value) in sums.iter_mut().zip(&self.0[node]) {
+                *sum += weight as f32 * value;
+            }
         }
-        sum
+        let mut radiance = Rgb::ZERO;
+        for (place, degree) in EYE_DEGREES.into_iter().enumerate() {
+            let moment = [0, 1, 2].map(|channel| f64::from(sums[channel * EYE_DEGREES.len() + place]));
+            let factor = f64::from(2 * degree + 1) / (4.0 * PI);
+            radiance += factor * scattering[degree as usize] * Rgb::from_array(moment);
+        }
+        radiance
     }
 }

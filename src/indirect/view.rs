@@ -3,6 +3,7 @@
 //! prefix sum of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
+use super::towards_eye::SEEN_DEGREES;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::Snapshot;
@@ -218,19 +219,15 @@ impl<'a> Walk<'a> {
         }
         let medium = &self.snapshot.medium;
         let place = self.ray.at(middle);
-        let extinction = medium.extinction_at(place);
+        let (extinction, scattering) = medium.coefficients_at::<SEEN_DEGREES>(place);
         let per_extinction = |color: Rgb| {
             let share = |channel: usize| {
                 if extinction[channel] > 0.0 { color[channel] / extinction[channel] } else { 0.0 }
             };
             Rgb::new(share(0), share(1), share(2))
         };
-        let of_degree = |degree: i32| per_extinction(medium.scattering_by_degree_at(place, degree));
-        let scattering = [0, 1, 2].map(of_degree);
-        self.source = self.field.scattered(world(middle), -self.ray.direction, &scattering);
-        if self.is_of_camera {
-            self.source += self.field.scattered_towards_eye(world(middle), of_degree);
-        }
+        let travel = (-self.ray.direction, self.is_of_camera);
+        self.source = self.field.scattered(world(middle), travel, &scattering.map(per_extinction));
         for (glow, irradiance, times) in self.field.glows(world(middle)) {
             let cos = -glow.travel.dot(self.ray.direction);
             self.source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
