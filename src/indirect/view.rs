@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Rays across the picture.
-const COLUMNS: usize = 64;
+const COLUMNS: usize = 48;
 /// Most steps of one through the innermost grid, and beyond that one.
 const MOST_STEPS: usize = 160;
 const FAR_STEPS: usize = 48;

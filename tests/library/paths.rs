@@ -202,6 +202,17 @@ fn a_lamp_far_away_is_a_sun() {
     assert!(((lamp - sun).abs() - SIGMAS * error).max_element() < 0.0, "{lamp} {sun} +- {error}");
 }
 
+/// Fog over a floor, in a sun that stands before the camera.
+fn haze(g: f64) -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    let (low, high) = (DVec3::new(-5.0, -1.3, -10.0), DVec3::new(5.0, 3.0, 1.0));
+    add_box(&mut scene, low - 0.5 * DVec3::Y, DVec3::new(high.x, low.y, high.z), matte(0.3, 0.0));
+    add_fog(&mut scene, low, high, Rgb::splat(0.25), Rgb::splat(0.9), g);
+    let (sunbeam, sunlight) = (DVec3::new(-0.35, -0.75, 0.56), Rgb::splat(3.0));
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, sunbeam, sunlight);
+    scene
+}
+
 /// Two ways to one answer.
 #[test]
 fn the_grid_has_the_same_light() {
@@ -218,7 +229,14 @@ fn the_grid_has_the_same_light() {
     ] {
         add_light(&mut room, kind, DVec3::new(0.5, 2.0, 0.0), beam, Rgb::splat(power));
     }
-    for (name, scene, tolerance) in [("leaves", sunny_leaves(), 0.02), ("room", room, 0.03)] {
+    let scenes = [
+        ("leaves", sunny_leaves(), 0.02),
+        ("room", room, 0.03),
+        ("even haze", haze(0.0), 0.01),
+        ("haze", haze(0.5), 0.01),
+        ("haze ahead", haze(0.8), 0.02),
+    ];
+    for (name, scene, tolerance) in scenes {
         for bounces in [Bounces::UpTo(1), Bounces::All] {
             let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
             let grid = Indirect::new(&snapshot, bounces, 1.0, &|| false);
