@@ -5,7 +5,7 @@
 use super::beam::Beam;
 use super::fluence::{Fluence, Glow};
 use super::grid::{Grid, Stretch};
-use super::harmonics::{COUNT, DEGREE, basis, cosine_lobe};
+use super::harmonics::{DEGREE, basis, cosine_lobe};
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
 use super::occluders::OFF_WALL;
@@ -105,8 +105,8 @@ impl FirstLight<'_> {
         for Left { fluence, scattered } in groups {
             for channel in 0..3 {
                 let peaks = self.matter.first_peak(channel);
-                for index in 0..COUNT {
-                    let shares = self.matter.first_scattering(channel, DEGREE[index]);
+                for (index, degree) in DEGREE.into_iter().enumerate() {
+                    let shares = self.matter.first_scattering(channel, degree);
                     let into = sources.channel_mut(channel, index);
                     for (node, value) in fluence.of(channel, index).enumerate() {
                         into[node] += per_volume[node] * (shares[node] + peaks[node]) * value;
@@ -137,8 +137,8 @@ impl FirstLight<'_> {
         }
         let basis = basis(travel).map(|value| value as f32);
         for channel in 0..3 {
-            for index in 0..COUNT {
-                let shares = self.matter.first_scattering(channel, DEGREE[index]);
+            for (index, degree) in DEGREE.into_iter().enumerate() {
+                let shares = self.matter.first_scattering(channel, degree);
                 let into = found.sources.channel_mut(channel, index).iter_mut();
                 for ((into, irradiance), share) in into.zip(&irradiance[channel]).zip(shares) {
                     *into += basis[index] * share * irradiance;

@@ -210,12 +210,7 @@ impl Matter {
         matter
     }
 
-    /// Of fog what one degree of harmonics gets back, 1/m, by node.
-    pub(super) fn fog_scattering(&self, channel: usize, degree: usize) -> &[f32] {
-        &self.fog_scattering[channel][degree]
-    }
-
-    /// The same of a sun's light as it is scattered first, of degrees up to 5.
+    /// What fog gets back of one degree of a sun's light as it is scattered first, 1/m, by node; up to 5.
     pub(super) fn first_scattering(&self, channel: usize, degree: usize) -> &[f32] {
         &self.first_scattering[channel][degree]
     }
