@@ -18,8 +18,9 @@ const FEWEST_CELLS: f64 = 16.0;
 const MOST_LEVELS: usize = 5;
 /// A grid reaches beyond the one within it by so many of that one's longest sides.
 const MARGIN: f64 = 1.5;
-/// There is another grid where the world is so many times as long as all of them.
-const MUCH_LARGER: f64 = 2.5;
+/// There is another grid where the world is so many times as long as all of them; if it is less, the innermost
+/// covers it.
+const MUCH_LARGER: f64 = 1.25;
 /// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
 const FOG_DEPTH: f64 = 4.0;
 const NEARLY_ALL: f64 = 0.95;
@@ -38,13 +39,15 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
     let leaves = surroundings.bounds(0.0..widest);
     let Some(inner) = [fog, leaves].into_iter().flatten().reduce(union).or(all) else { return Vec::new() };
+    let world = world(snapshot, inner, all);
+    let is_little_larger = diagonal(world) <= MUCH_LARGER * diagonal(inner);
+    let inner = if is_little_larger { world } else { inner };
     let side = side(inner);
     let finest = LEAVES_PER_CELL * surroundings.leaf_width_m(widest);
     let finest = finest.min(side.max_element() / FEWEST_CELLS);
     let fine = (side.element_product() / NODES).cbrt();
     let mut cell_m = (scale * fine.max(finest)).max(finest);
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
-    let world = world(snapshot, inner, all);
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > MUCH_LARGER * diagonal(bounds) {
         let margin = DVec3::splat(MARGIN * (bounds.1 - bounds.0).max_element());

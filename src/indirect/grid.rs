@@ -1,9 +1,13 @@
 //! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their
-//! weights. Invariant: cells lie at whole multiples of their side in world space, whatever moves and wherever
-//! the camera is; so a field never pulses with either.
+//! weights. Invariant: cells lie at whole multiples of their side from one place of the world, whatever moves
+//! and wherever the camera is; so a field never pulses with either.
 
 use crate::math::Ray;
 use glam::{DVec3, I64Vec3};
+
+/// From the world's origin to a corner of a cell, in cells. Walls are built at round places, and one that lies
+/// on nodes, or halfway between them, is on both sides of a link at once.
+const PHASE: DVec3 = DVec3::new(0.137, 0.789, 0.173);
 
 /// Nodes in equal steps along the world's axes. Each is the middle of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +45,8 @@ pub(super) struct Stretch {
 impl Grid {
     /// That covers a box of world space, with a cell to spare on each side.
     pub(super) fn covering(low: DVec3, high: DVec3, cell_m: f64) -> Self {
-        let first = (low / cell_m).floor().as_i64vec3() - 1;
-        let end = (high / cell_m).ceil().as_i64vec3() + 1;
+        let first = (low / cell_m - PHASE).floor().as_i64vec3() - 1;
+        let end = (high / cell_m - PHASE).ceil().as_i64vec3() + 1;
         let size = (end - first).to_array().map(|count| count as usize);
         Self { first, size, cell_m }
     }
@@ -70,7 +74,7 @@ impl Grid {
     /// Where a node is, in world space.
     pub(super) fn position(&self, node: usize) -> DVec3 {
         let cell = self.cell_of(node).map(|index| index as i64);
-        ((self.first + I64Vec3::from_array(cell)).as_dvec3() + 0.5) * self.cell_m
+        ((self.first + I64Vec3::from_array(cell)).as_dvec3() + 0.5 + PHASE) * self.cell_m
     }
 
     /// The least and the greatest place between nodes, in world space.
@@ -102,7 +106,7 @@ impl Grid {
     /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies;
     /// outside, of the nearest place inside.
     pub(super) fn place(&self, world: DVec3) -> ([usize; 3], DVec3) {
-        let along = world / self.cell_m - 0.5 - self.first.as_dvec3();
+        let along = world / self.cell_m - 0.5 - PHASE - self.first.as_dvec3();
         let mut lowest = [0; 3];
         let mut beyond = DVec3::ZERO;
         for axis in 0..3 {
@@ -126,7 +130,7 @@ impl Grid {
     /// within the grid's (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
     pub(super) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {
         let strides = self.strides();
-        let origin = ray.origin / self.cell_m - self.first.as_dvec3();
+        let origin = ray.origin / self.cell_m - PHASE - self.first.as_dvec3();
         let step_m = self.cell_m / ray.direction.abs();
         let begin = origin + start / self.cell_m * ray.direction;
         let mut cell = [0; 3];
