@@ -1,11 +1,10 @@
-"""How steady the indirect light of leaves is while they move: whether it changes from frame to frame as light
-does, or as a grid does.
+"""How steady the indirect light of leaves is while they move.
 
     SUNFLECK=../target/release/sunfleck python -m tests.leaf_light          (in tools/)
 
 Each of 500 leaves goes straight on, its own way, 4 cm a frame, through a box of fog under a sun. The picture
-has no noise: a camera of parallel rays sees each leaf by many rays, and all of a leaf is as bright. Second
-differences in time are what is printed, of the light of each leaf over its own.
+has no noise. A camera of parallel rays sees each leaf by many rays, and all of a leaf is as bright. Second
+differences in time are printed, of the light of each leaf over its own.
 """
 
 from __future__ import annotations
