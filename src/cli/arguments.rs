@@ -1,18 +1,16 @@
 //! The command line's grammar. Invariant: flags work in any order; unknown ones are refused.
 
-use super::CliError;
+pub(super) use super::bench_arguments::BenchArguments;
 use super::parse::{
-    ChannelsLimit, Crop, ExposureArgument, SizeArgument, parse_bloom, parse_bounces, parse_crop,
-    parse_exposure, parse_frame, parse_frame_rate, parse_limit, parse_noise, parse_seconds,
-    parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
+    ChannelsLimit, Crop, SizeArgument, parse_bounces, parse_crop, parse_frame, parse_frame_rate, parse_limit,
+    parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
 };
+pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
-    CurveArgument, FarmProfile, FilterArgument, LightUnitsArgument, MethodArgument, PassArgument,
-    PreviewArgument, ProgressArgument, QuantityArgument, SkipArgument, Switch, Volume, passes,
+    FarmProfile, FilterArgument, MethodArgument, PassArgument, PreviewArgument, ProgressArgument,
+    QuantityArgument, SkipArgument, Volume, passes,
 };
-use crate::color::{Curve, Display};
-use crate::diagnostic::Diagnostics;
-use crate::scene::{Bounces, ResolveOptions};
+use crate::scene::Bounces;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -135,51 +133,6 @@ pub(super) struct RenderArguments {
     pub(super) scene: SceneArguments,
 }
 
-/// How an input is read.
-#[derive(Args, Clone, Debug)]
-pub(super) struct SceneArguments {
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
-    #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
-    /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
-    #[arg(long, value_enum, value_name = "on|off")]
-    pub(super) default_light: Option<Switch>,
-    /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not
-    /// move the same things].
-    #[arg(long, value_name = "NAME|all")]
-    pub(super) animation: Option<String>,
-    /// Refuse an input that asks for anything that is not honoured (exit code 3).
-    #[arg(long)]
-    pub(super) strict: bool,
-    #[command(flatten)]
-    pub(super) bakes: BakeArguments,
-}
-
-/// What becomes of falls of many leaves, which take seconds to bake.
-#[derive(Args, Clone, Debug)]
-pub(super) struct BakeArguments {
-    /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the
-    /// user's folder of caches].
-    #[arg(long, value_name = "FOLDER|off")]
-    pub(super) bake_cache: Option<PathBuf>,
-}
-
-/// How pictures for eyes are made. EXR frames stay as they are.
-#[derive(Args, Clone, Copy, Debug)]
-pub(super) struct DisplayArguments {
-    /// How light is brought into the range of a display, for pictures other than EXR.
-    #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
-    pub(super) display: CurveArgument,
-    /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default:
-    /// the input's, else auto].
-    #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
-    pub(super) exposure: Option<ExposureArgument>,
-    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens
-    /// does that is not clean.
-    #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
-    pub(super) bloom: f64,
-}
-
 #[derive(Args, Debug)]
 pub(super) struct PreviewArguments {
     /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), or a
@@ -236,75 +189,6 @@ pub(super) struct InspectArguments {
     /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
-    #[command(flatten)]
-    pub(super) scene: SceneArguments,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct BenchArguments {
-    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
-    pub(super) input: PathBuf,
-    /// Which frame [default: the first].
-    #[arg(long, allow_negative_numbers = true)]
-    pub(super) frame: Option<i64>,
-    /// Picture size [default: the sequence's, made smaller until it has no more pixels than 480x270,
-    /// with --quick 240x135].
-    #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
-    pub(super) size: Option<SizeArgument>,
-    /// Name of the camera [default: the sequence's, else the first].
-    #[arg(long)]
-    pub(super) camera: Option<String>,
-    /// Which methods.
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "all")]
-    pub(super) methods: Vec<MethodArgument>,
-    /// How often each point is measured; the least time counts [default: 3, with --quick 2].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100), value_name = "N", allow_negative_numbers = true)]
-    pub(super) rounds: Option<u32>,
-    /// A method takes no more effort than fits into so many seconds [default: 8, with --quick 0.5].
-    #[arg(long, value_parser = parse_seconds, value_name = "SECONDS", allow_negative_numbers = true)]
-    pub(super) longest: Option<f64>,
-    /// Nor more than so many samples a pixel, however fast they are [default: as many as --longest lets it].
-    #[arg(
-        long, value_parser = clap::value_parser!(u32).range(1..=65536), value_name = "N", allow_negative_numbers = true,
-        conflicts_with_all = ["skips", "scaling"]
-    )]
-    pub(super) most_samples: Option<u32>,
-    /// Samples a pixel of the reference [default: 256, with --quick 32].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(4..=65536), value_name = "N", allow_negative_numbers = true)]
-    pub(super) reference_samples: Option<u32>,
-    /// Measure against this picture instead of rendering a reference.
-    #[arg(long, value_name = "FILE.exr", conflicts_with = "reference_samples")]
-    pub(super) reference: Option<PathBuf>,
-    /// That picture's own noise (root mean square of its standard error).
-    #[arg(long, value_parser = parse_noise, value_name = "X", requires = "reference", default_value_t = 0.0, allow_negative_numbers = true)]
-    pub(super) reference_noise: f64,
-    /// Points of other renderers to show beside: a CSV file.
-    #[arg(long, value_name = "FILE.csv")]
-    pub(super) peers: Option<PathBuf>,
-    /// Where the points go as CSV [default: out/bench/NAME.csv].
-    #[arg(long, value_name = "FILE")]
-    pub(super) csv: Option<PathBuf>,
-    /// Where the plot goes as SVG [default: out/bench/NAME.svg].
-    #[arg(long, value_name = "FILE")]
-    pub(super) svg: Option<PathBuf>,
-    /// Instead: how the time grows with all of these, or with those in LIST.
-    #[arg(
-        long, value_enum, value_delimiter = ',', value_name = "LIST", num_args = 0.., require_equals = true,
-        conflicts_with_all = ["skips", "peers", "reference", "reference_samples"]
-    )]
-    pub(super) scaling: Option<Vec<QuantityArgument>>,
-    /// Instead: what the renderer leaves out where the scene does not need it, with and without.
-    #[arg(long, conflicts_with_all = ["peers", "reference", "reference_samples", "longest", "csv", "svg"])]
-    pub(super) skips: bool,
-    /// Instead: light of all orders on a grid and by random walks, error against time.
-    #[arg(long, conflicts_with_all = ["skips", "scaling", "peers", "reference", "longest", "csv", "svg"])]
-    pub(super) all_light: bool,
-    /// Less of everything: a first look.
-    #[arg(long)]
-    pub(super) quick: bool,
-    /// Threads for the reference; what is timed has one [default: all cores].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
-    pub(super) threads: Option<u32>,
     #[command(flatten)]
     pub(super) scene: SceneArguments,
 }
@@ -377,36 +261,4 @@ pub(super) struct LimitArguments {
     /// Largest share of a channel's ids that differ, 0 to 1.
     #[arg(long, value_name = "[CHANNELS=]SHARE", value_parser = parse_share_limit)]
     pub(super) max_ids: Vec<ChannelsLimit>,
-}
-
-impl DisplayArguments {
-    /// With an exposure in powers of two.
-    pub(super) fn display(self, exposure_stops: f64) -> Display {
-        let curve = match self.display {
-            CurveArgument::Agx => Curve::Agx,
-            CurveArgument::Srgb => Curve::Srgb,
-            CurveArgument::Raw => Curve::Raw,
-        };
-        Display { curve, exposure_stops, bloom: self.bloom }
-    }
-}
-
-impl SceneArguments {
-    /// What of it the scene has to know.
-    pub(super) fn options(&self) -> ResolveOptions {
-        ResolveOptions {
-            light_units: self.light_units.map(Into::into),
-            no_default_light: self.default_light == Some(Switch::Off),
-            animation: self.animation.clone(),
-            ..ResolveOptions::default()
-        }
-    }
-
-    /// Refuses what is lost, if that is what the user wants.
-    pub(super) fn check(&self, remarks: &Diagnostics) -> Result<(), CliError> {
-        match remarks.refusing_losses().filter(|_| self.strict) {
-            Some(losses) => Err(CliError::Scene(losses)),
-            None => Ok(()),
-        }
-    }
 }

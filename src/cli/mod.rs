@@ -5,6 +5,8 @@
 #[allow(rustdoc::broken_intra_doc_links)]
 mod arguments;
 mod bench;
+#[allow(rustdoc::broken_intra_doc_links)]
+mod bench_arguments;
 mod darkness;
 mod diff;
 mod error;
@@ -21,6 +23,8 @@ mod preview;
 mod progress;
 mod render;
 mod saving;
+#[allow(rustdoc::broken_intra_doc_links)]
+mod shared_arguments;
 mod signals;
 mod stats;
 mod words;

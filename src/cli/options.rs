@@ -3,9 +3,9 @@
 
 use super::arguments::{
     BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
-    Switch,
 };
 use super::parse::SizeArgument;
+use super::words::Switch;
 use crate::scene::{FrameRate, ResolveOptions, Size};
 
 impl RenderArguments {

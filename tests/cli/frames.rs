@@ -232,11 +232,18 @@ fn cameras_seeds_and_methods_change_the_picture() {
 fn the_bytes_do_not_depend_on_threads_or_company() {
     let studio = Studio::new();
     studio.succeed("render tiny.ron --frames 1-3 --passes all --threads 1 --out one/");
-    studio.succeed("render tiny.ron --frames 1-3 --passes all --threads 2 --out two/");
-    studio.succeed("render tiny.ron --frames 3 --passes all --threads 2 --out alone/");
-    for frame in ["tiny.0001.exr", "tiny.0002.exr", "tiny.0003.exr"] {
-        assert_eq!(studio.bytes(&format!("one/{frame}")), studio.bytes(&format!("two/{frame}")), "{frame}");
+    let light = studio.frame("one/tiny.0003.exr").frame;
+    for pass in ["indirect.R", "indirect_shafts.R"] {
+        assert!(light.channel(pass).unwrap().pixels.iter().any(|&value| value > 0.0), "{pass} is dark");
     }
+    for threads in [2, 16] {
+        studio.succeed(&format!("render tiny.ron --frames 1-3 --passes all --threads {threads} --out many/"));
+        for frame in ["tiny.0001.exr", "tiny.0002.exr", "tiny.0003.exr"] {
+            let [one, many] = ["one", "many"].map(|folder| studio.bytes(&format!("{folder}/{frame}")));
+            assert_eq!(one, many, "{frame} on {threads} threads");
+        }
+    }
+    studio.succeed("render tiny.ron --frames 3 --passes all --threads 2 --out alone/");
     assert_eq!(studio.bytes("one/tiny.0003.exr"), studio.bytes("alone/tiny.0003.exr"));
 }
 

@@ -1,7 +1,7 @@
 //! Light of all orders against closed forms, and against a path tracer that others wrote.
 
 use crate::common::{INSTANT, add_fog, add_light, camera_at, place};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::description;
@@ -378,6 +378,34 @@ fn slices_and_rays_see_the_same_light() {
     };
     let ratio = mean(Method::Slices) / mean(Method::Segments);
     assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+}
+
+/// Leaves that are a line or a point have no light and are in no light's way.
+#[test]
+fn leaves_without_an_area_change_nothing() {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_leaves(&mut scene, 100, Material::default());
+    add_fog(
+        &mut scene,
+        DVec3::new(-2.0, -2.0, -7.0),
+        DVec3::new(2.0, 2.0, -3.0),
+        Rgb::splat(0.1),
+        Rgb::ONE,
+        0.3,
+    );
+    scene.sky = Sky::new(EVEN_SKY);
+    let before = radiances(&scene, Bounces::All);
+    let material = scene.materials.len() - 1;
+    let place = -5.0 * Vec3::Z;
+    for positions in [[place; 3], [place, place + 0.1 * Vec3::X, place + 0.2 * Vec3::X]] {
+        let triangles = vec![Triangle { vertices: [0, 1, 2], material }];
+        scene.meshes.push(Mesh { positions: positions.to_vec(), triangles, ..Mesh::default() });
+        add_instance(&mut scene);
+    }
+    let off = before.iter().zip(radiances(&scene, Bounces::All));
+    let worst = off.map(|(before, after)| (*before - after).abs().max_element()).fold(0.0, f64::max);
+    println!("leaves without an area: worst {worst:.2e}");
+    assert!(worst < 1e-6, "{worst}");
 }
 
 #[test]

@@ -1,11 +1,12 @@
 """What changes from frame to frame where nothing should: noise alone, or more? And do leaves fall as leaves
 do, each in its own way?
 
-    SUNFLECK=../target/release/sunfleck python -m tests.flicker [FOLDER]        (in tools/)
+    SUNFLECK=../target/release/sunfleck python -m tests.flicker [FOLDER] [--bounces 0]       (in tools/)
 
 Renders the ten seconds of `falling_leaves_long` small, by a camera that stands still, with two seeds. It goes
 in pieces. What is there and whole is kept, so the same command goes on after an interruption. It prints the
-figures that docs/validate.md has. Exits with 1 where a leaf is not where it can be.
+figures that docs/validate.md has. With `--bounces 0` it does so without indirect light, for comparison, and in
+a folder of its own. Exits with 1 where a leaf is not where it can be.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from .command import NO_PROGRAM, PROGRAM, SEQUENCES
 SEQUENCE = SEQUENCES / "falling_leaves_long.ron"
 FALLS = ("at hand.", "overhead.", "from ")
 GROUND = ("clearing", "ground left", "ground right", "ground beyond")
-SIZE, FRAMES, SEEDS = "240x135", 240, (1, 2)
+FRAMES, SEEDS = 240, (1, 2)
 ALIKE_FRAMES = 36
 """Leaves that move alike for so long would be seen to move in step."""
 FASTEST_M_PER_S, FASTEST_RAD_PER_S = 8.0, 150.0
@@ -37,10 +38,11 @@ SUNK_M = 0.01
 """Keys are within 1 % of a leaf's length of where it was found to be, a third of that on the ground."""
 
 
-def render(folder: Path, seed: int) -> None:
+def render(folder: Path, seed: int, arguments: argparse.Namespace) -> None:
     """All frames of a seed that are not there yet."""
     command = [
-        os.path.abspath(str(PROGRAM)), "render", str(SEQUENCE), "--camera", "still", "--size", SIZE, "--seed", str(seed),
+        os.path.abspath(str(PROGRAM)), "render", str(SEQUENCE), "--camera", "still", "--size", arguments.size,
+        "--seed", str(seed), "--frames", f"{arguments.frames[0]}-{arguments.frames[1]}", "--bounces", arguments.bounces,
         "--passes", "depth,motion", "--skip", "valid", "--progress", "none", "--out", str(folder / f"{seed}.####.exr"),
     ]  # fmt: skip
     subprocess.run(command, check=True)
@@ -72,12 +74,12 @@ class Frames:
         return lights, near(moves)
 
 
-def report_flicker(folder: Path) -> None:
+def report_flicker(folder: Path, first_frame: int, last_frame: int) -> None:
     """Second differences in time where no surface moves, against what two seeds differ by."""
     frames = Frames(folder)
-    window = [frames[1], frames[2]]
-    ratios, changes, means, shares = [], [], [], []
-    for number in range(3, FRAMES + 1):
+    window = [frames[first_frame], frames[first_frame + 1]]
+    ratios, changes, commons, means, shares = [], [], [], [], []
+    for number in range(first_frame + 2, last_frame + 1):
         window.append(frames[number])
         still = ~(window[0][1] | window[1][1] | window[2][1])
         light = np.mean([lights for lights, _ in window], axis=(0, 1))
@@ -91,11 +93,14 @@ def report_flicker(folder: Path) -> None:
         shares.append(still.mean())
         ratios.append(np.sqrt(0.5 * np.mean(first**2 + second**2) / (6.0 * error)))
         # What both seeds have in common is no noise: shadows that pass, or flicker.
-        changes.append(np.mean(first * second) / np.mean(0.5 * (first**2 + second**2)))
+        common = np.mean(first * second)
+        changes.append(common / np.mean(0.5 * (first**2 + second**2)))
+        commons.append(np.sqrt(max(common, 0.0)))
         means.append(0.5 * abs(np.mean(first) + np.mean(second)))
         window.pop(0)
-    print(f"{FRAMES} frames of {SIZE}; nothing moves in {100 * np.mean(shares):.0f} % of the pixels")
-    worst, most = 2 + int(np.argmax(ratios)), 2 + int(np.argmax(changes))
+    count = last_frame - first_frame + 1
+    print(f"{count} frames; nothing moves in {100 * np.mean(shares):.0f} % of the pixels")
+    worst, most = (first_frame + 1 + int(np.argmax(values)) for values in (ratios, changes))
     print(
         f"second difference of still pixels over their sampling error: median {np.median(ratios):.3f}, "
         f"largest {max(ratios):.3f} (frame {worst})"
@@ -103,6 +108,10 @@ def report_flicker(folder: Path) -> None:
     print(
         f"of its square common to both seeds: median {100 * np.median(changes):.1f} %, largest "
         f"{100 * max(changes):.1f} % (frame {most})"
+    )
+    print(
+        f"that is, of their light: median {100 * np.median(commons):.2f} %, largest {100 * max(commons):.2f} % "
+        f"(frame {first_frame + 1 + int(np.argmax(commons))})"
     )
     print(
         f"second difference of the still pixels' mean light: median {np.median(means):.1e}, largest "
@@ -227,18 +236,23 @@ def main() -> int:
         "folder",
         type=Path,
         nargs="?",
-        default=Path("../out/flicker"),
-        help="where the frames go (default: %(default)s)",
+        help="where the frames go (default: ../out/flicker, with --bounces 0 ../out/flicker.0)",
+    )
+    parser.add_argument("--bounces", default="all", help="as render has it (default: %(default)s)")
+    parser.add_argument("--size", default="240x135", help="of the picture (default: %(default)s)")
+    parser.add_argument(
+        "--frames", type=int, nargs=2, default=(1, FRAMES), metavar=("FIRST", "LAST"), help="only these, three at least"
     )
     arguments = parser.parse_args()
     if PROGRAM is None:
         print(f"error: {NO_PROGRAM}", file=sys.stderr)
         return 2
     good = report_leaves()
-    arguments.folder.mkdir(parents=True, exist_ok=True)
+    folder = arguments.folder or Path("../out/flicker" if arguments.bounces == "all" else f"../out/flicker.{arguments.bounces}")
+    folder.mkdir(parents=True, exist_ok=True)
     for seed in SEEDS:
-        render(arguments.folder, seed)
-    report_flicker(arguments.folder)
+        render(folder, seed, arguments)
+    report_flicker(folder, *arguments.frames)
     return int(not good)
 
 

@@ -15,6 +15,8 @@ mod draco;
 mod extensions;
 mod instancing;
 mod json;
+mod json_buffers;
+mod json_materials;
 mod materials;
 mod meshes;
 mod meshopt;

@@ -1,0 +1,88 @@
+//! Flags that several commands have: how an input is read, and how pictures for eyes are made. Invariant:
+//! they mean the same in every command.
+
+use super::CliError;
+use super::parse::{ExposureArgument, parse_bloom, parse_exposure};
+use super::words::{CurveArgument, LightUnitsArgument, Switch};
+use crate::color::{Curve, Display};
+use crate::diagnostic::Diagnostics;
+use crate::scene::ResolveOptions;
+use clap::Args;
+use std::path::PathBuf;
+
+/// How an input is read.
+#[derive(Args, Clone, Debug)]
+pub(super) struct SceneArguments {
+    /// What the lights of a glTF file are measured in [default: what it says, else spec].
+    #[arg(long, value_enum)]
+    pub(super) light_units: Option<LightUnitsArgument>,
+    /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub(super) default_light: Option<Switch>,
+    /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not
+    /// move the same things].
+    #[arg(long, value_name = "NAME|all")]
+    pub(super) animation: Option<String>,
+    /// Refuse an input that asks for anything that is not honoured (exit code 3).
+    #[arg(long)]
+    pub(super) strict: bool,
+    #[command(flatten)]
+    pub(super) bakes: BakeArguments,
+}
+
+/// What becomes of falls of many leaves, which take seconds to bake.
+#[derive(Args, Clone, Debug)]
+pub(super) struct BakeArguments {
+    /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the
+    /// user's folder of caches].
+    #[arg(long, value_name = "FOLDER|off")]
+    pub(super) bake_cache: Option<PathBuf>,
+}
+
+/// How pictures for eyes are made. EXR frames stay as they are.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct DisplayArguments {
+    /// How light is brought into the range of a display, for pictures other than EXR.
+    #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
+    pub(super) display: CurveArgument,
+    /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default:
+    /// the input's, else auto].
+    #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
+    pub(super) exposure: Option<ExposureArgument>,
+    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens
+    /// does that is not clean.
+    #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
+    pub(super) bloom: f64,
+}
+
+impl DisplayArguments {
+    /// With an exposure in powers of two.
+    pub(super) fn display(self, exposure_stops: f64) -> Display {
+        let curve = match self.display {
+            CurveArgument::Agx => Curve::Agx,
+            CurveArgument::Srgb => Curve::Srgb,
+            CurveArgument::Raw => Curve::Raw,
+        };
+        Display { curve, exposure_stops, bloom: self.bloom }
+    }
+}
+
+impl SceneArguments {
+    /// What of it the scene has to know.
+    pub(super) fn options(&self) -> ResolveOptions {
+        ResolveOptions {
+            light_units: self.light_units.map(Into::into),
+            no_default_light: self.default_light == Some(Switch::Off),
+            animation: self.animation.clone(),
+            ..ResolveOptions::default()
+        }
+    }
+
+    /// Refuses what is lost, if that is what the user wants.
+    pub(super) fn check(&self, remarks: &Diagnostics) -> Result<(), CliError> {
+        match remarks.refusing_losses().filter(|_| self.strict) {
+            Some(losses) => Err(CliError::Scene(losses)),
+            None => Ok(()),
+        }
+    }
+}
