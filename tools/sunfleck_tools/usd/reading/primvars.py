@@ -96,11 +96,10 @@ class Primvars:
 
     def _coordinates(self) -> list[tuple[str, Sdf.ValueTypeName, UsdGeom.Primvar]]:
         """Primvars that have values of texture coordinates, by their names; the usual ones first."""
-        if not any(name.startswith("primvars:") for name in self.authored):
-            return []
-        primvars = UsdGeom.PrimvarsAPI(self.prim).GetPrimvarsWithValues()
-        typed = [(primvar, primvar.GetTypeName()) for primvar in primvars]
-        found = [(each.GetPrimvarName(), kind, each) for each, kind in typed if kind in COORDINATES]
+        names = [name for name in self.authored if name.startswith("primvars:")]
+        primvars = [UsdGeom.Primvar(self.prim.GetAttribute(name)) for name in names]
+        typed = [(each.GetTypeName(), each) for each in primvars if each and each.HasValue()]
+        found = [(each.GetPrimvarName(), kind, each) for kind, each in typed if kind in COORDINATES]
         return sorted(found, key=lambda each: (each[0] not in FIRST_LAYERS, each[0]))
 
     def fit(self, name: str, values, interpolation: str, width: int) -> Stream | None:

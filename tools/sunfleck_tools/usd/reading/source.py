@@ -60,12 +60,9 @@ class Source:
         rate = float(self.fps / self.codes_per_second)
         return round(self.codes[0] * rate), round(self.codes[-1] * rate)
 
-    def authored(self, prim: Usd.Prim) -> frozenset[str]:
-        """Names of all properties that a prim has a word of its own on: one question in place of many."""
-        return self._authored(prim)
-
     @cached_property
-    def _authored(self) -> Callable[[Usd.Prim], frozenset[str]]:
+    def authored(self) -> Callable[[Usd.Prim], frozenset[str]]:
+        """Names of all properties that a prim has a word of its own on: one question in place of many."""
         # A prim is asked for several things one after the other, and so is its parent.
         return lru_cache(maxsize=8)(lambda prim: frozenset(prim.GetAuthoredPropertyNames()))
 

@@ -9,6 +9,9 @@ import numpy as np
 
 MOST_CORNERS = 1000
 """Of a face that is not convex: clipping takes the square of that."""
+AROUND = np.array([0, 1, 2, 3, 0, 1])
+"""The corners of a quadrangle, and the first two once more."""
+TURNED, TURNED_TWICE = np.array([1, 2, 0]), np.array([2, 0, 1])
 MOST_KNOWN = 4096
 """Faces of a mesh whose fans are kept for the next one of as many."""
 
@@ -97,13 +100,14 @@ def are_convex(points: np.ndarray, loops: np.ndarray) -> bool:
     if sides != 4:
         return sides == 3 or bool(_is_convex(points[loops]).all())
     # Of quadrangles, of which there are most: the same sums in a third of the calls.
-    around = points.T[:, loops[:, [0, 1, 2, 3, 0, 1]]]
-    edges = around[..., 1:] - around[..., :-1]
-    here, after = edges[..., :-1], edges[..., 1:]
-    turns = here[[1, 2, 0]] * after[[2, 0, 1]] - here[[2, 0, 1]] * after[[1, 2, 0]]
-    normals = turns[..., 0] + turns[..., 1] + turns[..., 2] + turns[..., 3]
-    along = turns * normals[..., None]
-    return bool((along[0] + along[1] + along[2] >= 0).all())
+    around = points.take(loops.take(AROUND, axis=1), axis=0)
+    edges = around[:, 1:] - around[:, :-1]
+    # y, z, x and z, x, y, so that products are of whole arrays.
+    turned, turned_twice = edges.take(TURNED, axis=2), edges.take(TURNED_TWICE, axis=2)
+    turns = turned[:, :-1] * turned_twice[:, 1:] - turned_twice[:, :-1] * turned[:, 1:]
+    normals = turns[:, 0] + turns[:, 1] + turns[:, 2] + turns[:, 3]
+    along = turns * normals[:, None]
+    return float((along[..., 0] + along[..., 1] + along[..., 2]).min()) >= 0
 
 
 def _is_convex(polygons: np.ndarray) -> np.ndarray:
