@@ -115,7 +115,8 @@ class ShapeReader:
         faces = read_faces(prim, code, len(points), self.source.authored(prim))
         outline = _Outline(points, faces, points_at)
         if self._is_refined(prim, faces, code):
-            outline.finer = Subdivided(prim, faces, len(points), code, self._refiner)
+            authored = self.source.authored(prim)
+            outline.finer = self._refiner.subdivided(prim, faces, len(points), code, authored)
             outline.finer_points = outline.finer.points(points)
         primvars = Primvars(prim, code, faces, self.source, self.lost)
         streams, outline.layers = primvars.coordinates()
@@ -164,7 +165,7 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
     """Triangles by their materials. Raises `SceneError`."""
     finer = outline.finer
     if finer is not None:
-        points, faces, triangles = outline.finer_points, finer.faces, finer.triangles()
+        points, faces, triangles = outline.finer_points, finer.faces, finer.triangles
     else:
         points, faces = outline.points, outline.faces
         triangles = _triangles(prim, points, faces)
