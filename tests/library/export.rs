@@ -189,7 +189,7 @@ fn falling_leaves_look_the_same() {
 
 #[test]
 fn first_leaf_looks_the_same() {
-    check("sequences/first_leaf.ron", 50.0, &[1, 7, 48], SAME);
+    check("sequences/first_leaf.ron", 75.0, &[1, 7, 48], SAME);
 }
 
 #[test]

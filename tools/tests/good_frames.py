@@ -29,7 +29,7 @@ RENDERS = {
     "first_leaf, motion blur": ("sequences/first_leaf.ron", "--samples", "4", "--shutter", "0.5"),
     "first_leaf, 2 samples, another seed": ("sequences/first_leaf.ron", "--samples", "2", "--seed", "7"),
     "first_leaf, cropped, ray by ray": (
-        "sequences/first_leaf.ron", "--samples", "2", "--volume", "segments", "--crop", "5,3,40,24",
+        "sequences/first_leaf.ron", "--samples", "2", "--volume", "segments", "--crop", "4,2,27,16",
     ),
     "i_conventions.glb": (f"{BLENDER}/i_conventions.glb", "--samples", "4"),
     "a_leaves40_scene.glb": (f"{BLENDER}/a_leaves40_scene.glb", "--samples", "8"),

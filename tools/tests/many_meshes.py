@@ -1,11 +1,13 @@
 """Stages of many meshes, and what it costs to import them: processor seconds, and megabytes at most.
 
-python -m tests.many_meshes        (in tools/)
+python -m tests.many_meshes            (in tools/)
+python -m tests.many_meshes 10,000     (those stages alone whose names have this)
 """
 
 from __future__ import annotations
 
 import resource
+import sys
 import tempfile
 import time
 from dataclasses import dataclass
@@ -94,9 +96,12 @@ def cost(path: Path) -> tuple[float, float, float]:
 
 
 def main() -> None:
-    """Prints a line for each stage."""
+    """Prints a line for each stage that is asked for."""
     context = get_context("spawn")
+    asked = sys.argv[1] if len(sys.argv) > 1 else ""
     for name, many in STAGES.items():
+        if asked not in name:
+            continue
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "many.usdc"
             # A process each, for memory that is once taken stays so.

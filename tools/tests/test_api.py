@@ -131,7 +131,7 @@ class Frames(WithFolder):
 
     def test_inspect_is_what_the_program_says(self):
         found = sunfleck.inspect(FIRST_LEAF, [1, 2.5], size="50%")
-        self.assertEqual((found["frame_start"], found["frame_end"], found["size"]), (1, 48, [240, 135]))
+        self.assertEqual((found["frame_start"], found["frame_end"], found["size"]), (1, 48, [160, 90]))
         self.assertEqual(len(found["frames"]), 2)
 
     def test_a_dark_frame_is_warned_of(self):

@@ -17,7 +17,7 @@ from sunfleck_tools.usd.reading.subdivision import Refinement
 from .many_meshes import Many, make_stage
 from .test_usd_import import ImportCase
 
-MOST_CALLS = 700
+MOST_CALLS = 400
 """Of functions for a mesh, Python's and those in C: at about a microsecond each, 10,000 meshes
 take less than 10 s."""
 

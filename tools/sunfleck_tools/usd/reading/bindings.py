@@ -40,7 +40,7 @@ def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
     api = UsdShade.MaterialBindingAPI(prim)
     bound = [api.ComputeBoundMaterial(purpose)[0] for purpose in PURPOSES]
     found = [material for material in bound if material]
-    if len(found) == 2 and found[0].GetPath() != found[1].GetPath():
+    if len(found) == 2 and found[0].GetPrim() != found[1].GetPrim():
         found = [material for material in found if surface_of(material)[2] is not None] or found
     return found[0].GetPrim() if found else None
 

@@ -6,6 +6,8 @@ Invariant: cages that are the same are refined once.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from pxr import Usd, UsdGeom
 
@@ -22,6 +24,11 @@ MOST_OF_ONE = 2**19
 """Faces of a mesh after refining: they take most memory while they are numbered, half a gigabyte."""
 MOST_KEPT = 200_000
 """Corners of cages of which the levels are kept for the next mesh."""
+WORDS = ("subdivisionScheme", "faceVaryingLinearInterpolation", "interpolateBoundary", "triangleSubdivisionRule")
+SHARP = {"creaseLengths", "creaseIndices", "creaseSharpnesses", "cornerIndices", "cornerSharpnesses"}
+"""All that a mesh may say of its subdivision."""
+MOST_SUBDIVIDED, MOST_SHARED = 32, 2048
+"""Of how many different meshes all that is refined is kept for the next one, and of how many corners each."""
 SEAM_RULES = ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all")
 
 
@@ -55,6 +62,7 @@ class Subdivided:
         finest = self.cage_of_faces = self.levels[-1].finer
         self.faces = Faces(finest.counts, finest.corners, np.nonzero(holes[parents])[0], faces.flips)
 
+    @cached_property
     def triangles(self) -> np.ndarray:
         """Finer faces as `triangulate` gives them: they are small enough to be cut anywhere."""
         sides = int(self.faces.counts[0])
@@ -138,6 +146,23 @@ class Refiner:
         self.depth = levels
         self._known: dict[bytes, list[Refinement]] = {}
         self._size = 0
+        self._subdivided: dict[tuple, Subdivided] = {}
+
+    def subdivided(
+        self, prim: Usd.Prim, faces: Faces, points: int, code: float, authored: frozenset[str]
+    ) -> Subdivided:
+        """A mesh's faces refined, once for all meshes that have the same faces and say the same in a word.
+        Raises `SceneError`."""
+        if authored & SHARP or len(faces.corners) > MOST_SHARED:
+            return Subdivided(prim, faces, points, code, self)
+        words = ((name, str(value_of(prim.GetAttribute(name), code))) for name in WORDS if name in authored)
+        key = (faces, points, *words)
+        if key not in self._subdivided:
+            found = Subdivided(prim, faces, points, code, self)
+            if len(self._subdivided) >= MOST_SUBDIVIDED:
+                self._subdivided.clear()
+            self._subdivided[key] = found
+        return self._subdivided[key]
 
     def levels(self, cage: Cage, is_bilinear: bool) -> list[Refinement]:
         """The levels of a cage."""

@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
@@ -17,22 +17,31 @@ from ..surroundings import ENVIRONMENT, OF_SCENE
 from .census import Census
 from .crowds import Member, place_crowd, read_crowd
 from .domes import is_dome, picture_uri, read_dome
+from .kinds import Kinds
 from .lamps import read_lamp
 from .lenses import read_camera
 from .losses import Loss, Losses
 from .meshes import Meshes, Piece
 from .nodes import Nodes
 from .options import ImportOptions
-from .places import local_matrices
+from .places import STILL, is_placed, is_reset, local_matrices
 from .properties import custom_data, number_of, read_properties, text_of
 from .shapes import is_shape
 from .skins import Skins
 from .source import Source, open_stage, usd_said
 from .visibility import says_visibility, seen, up_to
 
-STILL = np.eye(4)[None]
-NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
-"""What stands nowhere itself."""
+THERE = Usd.PrimIsActive & Usd.PrimIsLoaded
+PREDICATES = {
+    (is_abstract, is_defined): Usd.TraverseInstanceProxies(
+        (THERE if is_abstract else THERE & ~Usd.PrimIsAbstract) & Usd.PrimIsDefined
+        if is_defined
+        else (THERE if is_abstract else THERE & ~Usd.PrimIsAbstract)
+    )
+    for is_abstract in (False, True)
+    for is_defined in (False, True)
+}
+"""Which children are read, by what their parent is."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +79,7 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
 def _children(prim: Usd.Prim) -> list[Usd.Prim]:
     """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is
     not there by itself."""
-    kinds = Usd.PrimIsActive & Usd.PrimIsLoaded
-    kinds = kinds if prim.IsAbstract() else kinds & ~Usd.PrimIsAbstract
-    kinds = kinds & Usd.PrimIsDefined if prim.IsDefined() else kinds
-    return list(prim.GetFilteredChildren(Usd.TraverseInstanceProxies(kinds)))
+    return list(prim.GetFilteredChildren(PREDICATES[prim.IsAbstract(), prim.IsDefined()]))
 
 
 class _Import:
@@ -92,6 +98,7 @@ class _Import:
         # Cameras by the names that the stage has for them: nodes may have to get others.
         self.cameras: dict[str, int] = {}
         self.census = Census(source)
+        self.kinds = Kinds()
         self._crowds: dict[Sdf.Path, list[Member]] = {}
         # Of prototypes that are nothing but shapes, the meshes; None of others.
         self._plain: dict[Sdf.Path, list[Piece] | None] = {}
@@ -125,13 +132,14 @@ class _Import:
         pending = [(first, above)]
         while pending:
             prim, parent = pending.pop()
-            if any(prim.IsA(kind) for kind in NOWHERE) or (prim.IsAbstract() and depth == 0):
+            kind = self.kinds.of(prim)
+            if kind.stands_nowhere or (depth == 0 and prim.IsAbstract()):
                 continue
             below = parent
-            if not prim.IsA(UsdGeom.Xformable):
+            if not kind.is_xformable:
                 children = _children(prim)
                 self._read_scene(prim)
-                if says_visibility(prim):
+                if says_visibility(prim, self.source):
                     below = self.nodes.add(self._name(prim), parent)
                     self._hide([prim], below)
             else:
@@ -142,14 +150,15 @@ class _Import:
 
     def _is_drawn(self, prim: Usd.Prim) -> bool:
         """False, and said, for shapes of a kind or purpose that is not."""
-        if not (prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)):
+        kind = self.kinds.of(prim)
+        if not (kind.is_gprim or kind.is_instancer):
             return True
         purpose = UsdGeom.Imageable(prim).ComputePurpose()
         if purpose != UsdGeom.Tokens.default_ and purpose not in self.options.purposes:
             if not self.source.by_us:
                 self.lost.add("usd-purpose", prim.GetPath(), f"is of purpose `{purpose}`, which is not drawn")
             return False
-        if not (is_shape(prim) or prim.IsA(UsdGeom.PointInstancer)):
+        if not (kind.is_shape or kind.is_instancer):
             self.lost.add(
                 "usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only faces are"
             )
@@ -178,11 +187,11 @@ class _Import:
         is_drawn = self._is_drawn(prim)
         if not is_drawn and not children:
             return parent, []
-        is_reset = UsdGeom.Xformable(prim).GetResetXformStack()
-        codes, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
-        node = self.nodes.add(self._name(prim), above if is_reset else parent)
+        stands_alone = is_reset(prim, self.source)
+        codes, matrices = local_matrices(prim, self.source)
+        node = self.nodes.add(self._name(prim), above if stands_alone else parent)
         below = self.nodes.place(node, codes, matrices)
-        self._hide(up_to(prim, first) if is_reset else [prim], node)
+        self._hide(up_to(prim, first) if stands_alone else [prim], node)
         self._extras(prim, node)
         self.skins.stands(prim, below)
         things = [prim] if is_drawn else []
@@ -190,34 +199,35 @@ class _Import:
             # What stands in its parent's place, like leaves and Blender's cameras and lights,
             # is one node with it.
             own = [child for child in children if self._joins(child)]
-            shapes = [child for child in own if is_shape(child)]
+            shapes = [child for child in own if self.kinds.of(child).is_shape]
             things = shapes if shapes else own[:1] if len(own) == 1 else []
             children = [child for child in children if child not in things]
-        if any(thing.IsA(UsdGeom.Camera) for thing in things):
+        if any(self.kinds.of(thing).is_camera for thing in things):
             self.cameras.setdefault(self._name(prim), below)
         self._things(things, below, depth)
-        return below, [] if prim.IsA(UsdGeom.PointInstancer) else children
+        return below, [] if self.kinds.of(prim).is_instancer else children
 
     def _name(self, prim: Usd.Prim) -> str:
-        said = text_of(prim, "sunfleck_name")
+        said = text_of(prim, "sunfleck_name", self.source)
         if said is not None:
             return said.partition("#")[0] or prim.GetName()
-        return text_of(prim, "blender:object_name") or prim.GetDisplayName() or prim.GetName()
+        return text_of(prim, "blender:object_name", self.source) or prim.GetDisplayName() or prim.GetName()
 
     def _joins(self, prim: Usd.Prim) -> bool:
         """True if a prim has nothing that its parent's node could not hold."""
-        if not (is_shape(prim) or prim.IsA(UsdGeom.Camera) or prim.HasAPI(UsdLux.LightAPI)):
+        kind = self.kinds.of(prim)
+        if not (kind.is_shape or kind.is_camera or prim.HasAPI(UsdLux.LightAPI)):
             return False
         if (
-            says_visibility(prim)
-            or any(child.IsA(UsdGeom.Xformable) for child in _children(prim))
+            says_visibility(prim, self.source)
+            or any(self.kinds.of(child).is_xformable for child in _children(prim))
             or not self._is_drawn(prim)
         ):
             return False
-        if UsdGeom.Xformable(prim).GetXformOpOrderAttr().HasAuthoredValue():
-            if UsdGeom.Xformable(prim).GetResetXformStack():
+        if is_placed(prim, self.source):
+            if is_reset(prim, self.source):
                 return False
-            _, matrices = local_matrices(UsdGeom.Xformable(prim), self.source.codes)
+            _, matrices = local_matrices(prim, self.source)
             return bool(np.abs(matrices - STILL).max() < 1e-12)
         return True
 
@@ -240,7 +250,7 @@ class _Import:
 
     def _things(self, things: list[Usd.Prim], node: int, depth: int) -> None:
         """What stands at a node."""
-        shapes = [thing for thing in things if is_shape(thing)]
+        shapes = [thing for thing in things if self.kinds.of(thing).is_shape]
         if shapes:
             self.meshes.put(self.meshes.pieces(shapes), node)
         for thing in things:
@@ -249,7 +259,8 @@ class _Import:
 
     def _thing(self, thing: Usd.Prim, node: int, depth: int) -> None:
         """What is no shape: a camera, a light, an instancer."""
-        if thing.IsA(UsdGeom.Camera):
+        kind = self.kinds.of(thing)
+        if kind.is_camera:
             seen = read_camera(thing, self.source)
             self.shutter = self.shutter or seen.shutter
             self.nodes.of(node)["camera"] = self.writer.add(
@@ -257,9 +268,9 @@ class _Import:
             )
             for name, (codes, rows) in seen.carried.items():
                 self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
-        elif thing.HasAPI(UsdLux.LightAPI) and not thing.IsA(UsdGeom.Mesh):
+        elif not kind.is_mesh and thing.HasAPI(UsdLux.LightAPI):
             self._place_lamp(thing, node)
-        elif thing.IsA(UsdGeom.PointInstancer):
+        elif kind.is_instancer:
             if depth == 0:
                 self.census.add(thing)
             members = self._members(thing)
@@ -329,7 +340,7 @@ class _Import:
         in its own place."""
         children = [child for child in _children(prototype) if child.IsA(UsdGeom.Imageable)]
         stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
-        if not stands or says_visibility(prototype) or prototype.IsA(UsdGeom.PointInstancer):
+        if not stands or says_visibility(prototype, self.source) or prototype.IsA(UsdGeom.PointInstancer):
             return None
         if is_shape(prototype):
             return None if children else [prototype] if self._is_drawn(prototype) else []

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
+from .rows import different_numbers
+from .triangles import fans_of
+
+MOST_KEPT = 2**13
+"""Corners of a mesh whose faces are kept for the next mesh."""
+KEPT = 64
+"""Different faces that are kept: 50 MB at most, with what follows from them."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Faces:
     """Corners a face, the point of each corner, and the faces that are holes; `flips` if its
-    front is clockwise."""
+    front is clockwise. What follows from them alone is found once."""
 
     counts: np.ndarray
     corners: np.ndarray
@@ -24,6 +32,33 @@ class Faces:
     def count(self) -> int:
         """How many there are."""
         return len(self.counts)
+
+    @cached_property
+    def has_all_corners(self) -> bool:
+        """Whether there are as many corners as the faces ask for."""
+        return not (self.counts < 0).any() and int(self.counts.sum()) == len(self.corners)
+
+    @cached_property
+    def ends(self) -> tuple[int, int]:
+        """The lowest and the highest point of a corner; (0, -1) without any."""
+        return (int(self.corners.min()), int(self.corners.max())) if len(self.corners) else (0, -1)
+
+    @cached_property
+    def loops(self) -> np.ndarray | None:
+        """The points round each face, a row a face, if all have as many, three or more."""
+        sides = int(self.counts[0]) if self.count else 0
+        return self.corners.reshape(-1, sides) if sides >= 3 and (self.counts == sides).all() else None
+
+    @cached_property
+    def fans(self) -> np.ndarray:
+        """The triangles of `loops` as `triangulate` has them, if all those are convex."""
+        return fans_of(np.arange(self.count), np.arange(len(self.corners)).reshape(self.loops.shape))
+
+    @cached_property
+    def welded(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of `fans` where corners at a point share a row: the corner of each row, and triangles of rows."""
+        corner_of_row, row_of_corner = different_numbers(self.corners, self.ends[1] + 1)
+        return corner_of_row, row_of_corner[self.fans[:, :3]]
 
 
 def value_of(attribute: Usd.Attribute, code: float, default=None):
@@ -40,28 +75,42 @@ def rows_of(attribute: Usd.Attribute, code: float, width: int, kind: type = floa
 
 def read_points(prim: Usd.Prim, code: float) -> np.ndarray:
     """Points of a mesh at a time code. Raises `SceneError`."""
-    points = rows_of(UsdGeom.Mesh(prim).GetPointsAttr(), code, 3)
+    points = rows_of(prim.GetAttribute("points"), code, 3)
     if not np.isfinite(points).all():
         raise SceneError(f"{prim.GetPath()}: points are not all finite")
     return points
 
 
-def read_faces(prim: Usd.Prim, code: float, points: int) -> Faces:
-    """Faces of a mesh of so many points. Raises `SceneError`."""
-    mesh = UsdGeom.Mesh(prim)
-    counts = rows_of(mesh.GetFaceVertexCountsAttr(), code, 1, np.int64).ravel()
-    corners = rows_of(mesh.GetFaceVertexIndicesAttr(), code, 1, np.int64).ravel()
-    if (counts < 0).any() or counts.sum() != len(corners):
-        raise SceneError(
-            f"{prim.GetPath()}: faceVertexCounts ask for {counts.sum()} corners, faceVertexIndices have "
-            f"{len(corners)}"
-        )
-    if len(corners) and (corners.min() < 0 or corners.max() >= points):
-        raise SceneError(
-            f"{prim.GetPath()}: faceVertexIndices go from {corners.min()} to {corners.max()}, of {points} "
-            "points"
-        )
-    holes = rows_of(mesh.GetHoleIndicesAttr(), code, 1, np.int64).ravel()
-    return Faces(
-        counts, corners, holes, value_of(mesh.GetOrientationAttr(), code) == UsdGeom.Tokens.leftHanded
+def read_faces(prim: Usd.Prim, code: float, points: int, authored: frozenset[str]) -> Faces:
+    """Faces of a mesh of so many points, which has a word on the `authored`. Raises `SceneError`."""
+
+    def numbers(name: str) -> bytes:
+        return rows_of(prim.GetAttribute(name), code, 1, np.int64).tobytes()
+
+    counts, corners = numbers("faceVertexCounts"), numbers("faceVertexIndices")
+    holes = numbers("holeIndices") if "holeIndices" in authored else b""
+    flips = (
+        "orientation" in authored
+        and value_of(prim.GetAttribute("orientation"), code) == UsdGeom.Tokens.leftHanded
     )
+    make = _known_faces if len(corners) <= MOST_KEPT * np.int64().nbytes else _faces
+    faces = make(counts, corners, holes, flips)
+    if not faces.has_all_corners:
+        raise SceneError(
+            f"{prim.GetPath()}: faceVertexCounts ask for {faces.counts.sum()} corners, faceVertexIndices have "
+            f"{len(faces.corners)}"
+        )
+    lowest, highest = faces.ends
+    if lowest < 0 or highest >= points:
+        raise SceneError(
+            f"{prim.GetPath()}: faceVertexIndices go from {lowest} to {highest}, of {points} points"
+        )
+    return faces
+
+
+def _faces(counts: bytes, corners: bytes, holes: bytes, flips: bool) -> Faces:
+    return Faces(*(np.frombuffer(each, np.int64) for each in (counts, corners, holes)), flips)
+
+
+_known_faces = lru_cache(maxsize=KEPT)(_faces)
+"""Stages have many meshes of the same faces: copies, and things that were made by rows and columns."""

@@ -6,8 +6,6 @@ Invariant: whatever `KINDS` does not name cannot be lost; a kind is said once, w
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 from pxr import Tf, Usd
@@ -95,17 +93,27 @@ class Losses:
         self._counts[kind] += 1
         self._first.setdefault(kind, (str(place), f"{place}: {what}"))
 
-    @contextmanager
-    def leaving_out(self, prim: Usd.Prim) -> Iterator[None]:
-        """Leaves out a prim that cannot be read, and says why."""
-        try:
-            yield
-        except TooMuch:
-            raise
-        except UNREADABLE as error:
-            place = str(prim.GetPath())
-            self.add("usd-prim", place, f"is left out: {str(error).removeprefix(f'{place}: ')}")
+    def leaving_out(self, prim: Usd.Prim) -> _LeavingOut:
+        """A context that leaves out a prim that cannot be read, and says why."""
+        return _LeavingOut(self, prim)
 
     def list(self) -> list[Loss]:
         """One a kind, in the order in which they were found."""
         return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]
+
+
+class _LeavingOut:
+    """See `Losses.leaving_out`: each mesh has several, so it is no generator."""
+
+    def __init__(self, losses: Losses, prim: Usd.Prim):
+        self.losses, self.prim = losses, prim
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type | None, error: BaseException | None, _: object) -> bool:
+        if error is None or isinstance(error, TooMuch) or not isinstance(error, UNREADABLE):
+            return False
+        place = str(self.prim.GetPath())
+        self.losses.add("usd-prim", place, f"is left out: {str(error).removeprefix(f'{place}: ')}")
+        return True

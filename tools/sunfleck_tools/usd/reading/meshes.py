@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -77,7 +77,8 @@ class Meshes:
                     # reason to lose the others.
                     with self.lost.leaving_out(prim):
                         shapes = self._reader.read(prim, each, span)
-                        shapes.parts = [replace(part, glow=glow) for part in shapes.parts]
+                        for part in shapes.parts:
+                            part.glow = glow
                         skin = self.skins.tie(prim, shapes.parts)
                         if shapes.bend is None and span.is_always and skin is None:
                             still += shapes.parts

@@ -13,6 +13,8 @@ from .source import Source
 
 MOST_NODES = 2_000_000
 MOST_SAMPLES = 30_000_000
+RESTS = {"translation": [0.0] * 3, "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0] * 3}
+UNTURNED = np.eye(3)
 
 
 class Nodes:
@@ -65,7 +67,7 @@ class Nodes:
 
     def place(self, node: int, codes: np.ndarray, matrices: np.ndarray) -> int:
         """Puts a node where matrices say; its children belong to the node that is returned."""
-        if len(codes) == 1 and (matrices[0, :3, :3] == np.eye(3)).all():
+        if len(codes) == 1 and (matrices[0, :3, :3] == UNTURNED).all():
             self._move(node, codes, {"translation": matrices[:, :3, 3]})
             return node
         translations, turns, scales, is_all = parts(matrices)
@@ -94,14 +96,13 @@ class Nodes:
         self._samples += len(codes)
         if self._samples > MOST_SAMPLES:
             raise TooMuch(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
-        rests = {"translation": [0.0] * 3, "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0] * 3}
         for path, values in rows.items():
             # What differs by rounding alone stands still.
             values = np.asarray(values, np.float32)
             if len(values) > 1 and np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
                 values = values[:1]
             first = values[0].tolist()
-            if any(abs(value - rest) > 1e-9 for value, rest in zip(first, rests[path])):
+            if any(abs(value - rest) > 1e-9 for value, rest in zip(first, RESTS[path])):
                 self.of(node)[path] = first
             if len(values) > 1:
                 kept, values = thinned(codes, values)

@@ -6,11 +6,16 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
+from .source import Source
 
 LARGEST = 1e15
 """Of all elements of matrices, as in the renderer."""
 SHEAR = 1e-5
 """Cosine between axes that still counts as none."""
+RESET = "!resetXformStack!"
+"""Among the operations that place a prim."""
+STILL = np.eye(4)[None]
+STILL.setflags(write=False)
 
 
 def reach(codes: np.ndarray) -> tuple[float, float]:
@@ -37,15 +42,30 @@ def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
     return np.unique(np.round(np.concatenate(found), 6))
 
 
-def local_matrices(xformable: UsdGeom.Xformable, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def is_placed(prim: Usd.Prim, source: Source) -> bool:
+    """True if a prim has a word on where it stands."""
+    return UsdGeom.Tokens.xformOpOrder in source.authored(prim)
+
+
+def is_reset(prim: Usd.Prim, source: Source) -> bool:
+    """True if a prim stands right in the world, wherever its parent stands."""
+    return is_placed(prim, source) and RESET in (prim.GetAttribute("xformOpOrder").Get() or ())
+
+
+def local_matrices(prim: Usd.Prim, source: Source) -> tuple[np.ndarray, np.ndarray]:
     """Codes, and matrices for column vectors. Raises `SceneError`."""
+    if not is_placed(prim, source):
+        return source.codes[:1], STILL
+    xformable = UsdGeom.Xformable(prim)
     operations = xformable.GetOrderedXformOps()
-    codes = codes_of([operation.GetAttr() for operation in operations], codes)
-    rows = [xformable.GetLocalTransformation(operations, Usd.TimeCode(code)) for code in codes.tolist()]
-    matrices = np.array(rows, float).reshape(-1, 4, 4).transpose(0, 2, 1)
-    if not (np.abs(matrices) < LARGEST).all():
-        raise SceneError(f"{xformable.GetPath()}: its place is not finite")
-    return codes, matrices
+    codes = codes_of([operation.GetAttr() for operation in operations], source.codes)
+    matrices = np.empty((len(codes), 4, 4))
+    for row, code in enumerate(codes.tolist()):
+        matrices[row] = xformable.GetLocalTransformation(operations, Usd.TimeCode(code))
+    # Also what is no number is not below.
+    if not np.abs(matrices).max() < LARGEST:
+        raise SceneError(f"{prim.GetPath()}: its place is not finite")
+    return codes, matrices.transpose(0, 2, 1)
 
 
 def parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:

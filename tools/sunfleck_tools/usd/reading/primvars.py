@@ -10,6 +10,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from .faces import Faces, value_of
 from .losses import Losses
+from .source import Source
 
 MOST_LAYERS = 8
 COORDINATES = {getattr(Sdf.ValueTypeNames, f"{name}Array") for name in
@@ -51,13 +52,15 @@ def _places(interpolation: str, faces: Faces) -> np.ndarray | None:
 class Primvars:
     """Those of one prim at one time."""
 
-    def __init__(self, prim: Usd.Prim, code: float, faces: Faces, lost: Losses):
+    def __init__(self, prim: Usd.Prim, code: float, faces: Faces, source: Source, lost: Losses):
         self.prim, self.code, self.faces, self.lost = prim, code, faces, lost
-        self.api = UsdGeom.PrimvarsAPI(prim)
+        self.authored = source.authored(prim)
 
     def normals(self) -> Stream | None:
         """Unit normals, which a primvar of that name says before the attribute."""
-        primvar = self.api.GetPrimvar("normals")
+        if "normals" not in self.authored and "primvars:normals" not in self.authored:
+            return None
+        primvar = UsdGeom.PrimvarsAPI(self.prim).GetPrimvar("normals")
         if primvar and primvar.HasValue():
             found = self.fit("NORMAL", primvar.ComputeFlattened(self.code), primvar.GetInterpolation(), 3)
         else:
@@ -74,15 +77,10 @@ class Primvars:
 
     def coordinates(self) -> tuple[list[Stream], list[str]]:
         """Texture coordinates, and what they are called here."""
-        chosen = [
-            primvar for primvar in self.api.GetPrimvarsWithValues() if primvar.GetTypeName() in COORDINATES
-        ]
-        chosen.sort(
-            key=lambda primvar: (primvar.GetPrimvarName() not in FIRST_LAYERS, primvar.GetPrimvarName())
-        )
-        streams, names = [], []
-        for primvar in chosen[:MOST_LAYERS]:
-            width = 3 if "3" in str(primvar.GetTypeName()) else 2
+        streams: list[Stream] = []
+        names: list[str] = []
+        for name, kind, primvar in self._coordinates()[:MOST_LAYERS]:
+            width = 3 if "3" in str(kind) else 2
             found = self.fit(
                 f"TEXCOORD_{len(names)}",
                 primvar.ComputeFlattened(self.code),
@@ -93,17 +91,32 @@ class Primvars:
                 streams.append(
                     Stream(found.name, found.values[:, :2] * UPWARD + FROM_TOP, found.interpolation)
                 )
-                names.append(primvar.GetPrimvarName())
+                names.append(name)
         return streams, names
+
+    def _coordinates(self) -> list[tuple[str, Sdf.ValueTypeName, UsdGeom.Primvar]]:
+        """Primvars that have values of texture coordinates, by their names; the usual ones first."""
+        names = [name for name in self.authored if name.startswith("primvars:")]
+        primvars = [UsdGeom.Primvar(self.prim.GetAttribute(name)) for name in names]
+        typed = [(each.GetTypeName(), each) for each in primvars if each and each.HasValue()]
+        found = [(each.GetPrimvarName(), kind, each) for kind, each in typed if kind in COORDINATES]
+        return sorted(found, key=lambda each: (each[0] not in FIRST_LAYERS, each[0]))
 
     def fit(self, name: str, values, interpolation: str, width: int) -> Stream | None:
         """Values as a stream; None, and said, if they do not fit."""
         array = np.zeros((0, width)) if values is None else np.array(values, float).reshape(-1, width)
         if not len(array) or not len(self.faces.corners):
             return None
-        places = _places(interpolation, self.faces)
-        if places is None or len(array) <= places.max() or not np.isfinite(array).all():
+        needed = self._needed(interpolation)
+        if needed is None or len(array) < needed or not np.isfinite(array).all():
             what = f"{name}: {len(array)} values of interpolation `{interpolation}` that do not fit its faces"
             self.lost.add("usd-primvar", self.prim.GetPath(), f"{what}, or are not finite, are not carried")
             return None
         return Stream(name, array, interpolation)
+
+    def _needed(self, interpolation: str) -> int | None:
+        """How many values the faces ask for; None of an interpolation that is none."""
+        if interpolation in ("vertex", "varying"):
+            return self.faces.ends[1] + 1
+        places = _places(interpolation, self.faces)
+        return None if places is None else int(places.max()) + 1

@@ -11,6 +11,8 @@ from ..properties import SPACE
 from .places import codes_of
 from .source import Source
 
+OURS = f"{SPACE}sunfleck"
+
 
 def read_properties(
     prim: Usd.Prim, source: Source
@@ -18,11 +20,13 @@ def read_properties(
     """Properties `sunfleck...` by name and field, and of those that change, by
     `name.field`, codes and rows."""
     found: dict[str, dict] = {}
-    carried = {}
+    carried: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    if not any(name.startswith(OURS) for name in source.authored(prim)):
+        return found, carried
     for attribute in prim.GetAuthoredPropertiesInNamespace(SPACE.rstrip(":")):
         name, _, field = attribute.GetName().removeprefix(SPACE).partition(":")
         if (
-            not attribute.GetName().startswith(f"{SPACE}sunfleck")
+            not attribute.GetName().startswith(OURS)
             or not field
             or not isinstance(attribute, Usd.Attribute)
         ):
@@ -67,14 +71,16 @@ def _unpacked(value: object) -> object:
 
 def number_of(prim: Usd.Prim, name: str, source: Source) -> int | None:
     """A property that is a whole number."""
-    attribute = prim.GetAttribute(f"{SPACE}{name}")
-    value = attribute.Get(source.first) if attribute else None
+    if f"{SPACE}{name}" not in source.authored(prim):
+        return None
+    value = prim.GetAttribute(f"{SPACE}{name}").Get(source.first)
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return int(value) if is_number and 0 <= value < 2**31 and value == int(value) else None
 
 
-def text_of(prim: Usd.Prim, name: str) -> str | None:
+def text_of(prim: Usd.Prim, name: str, source: Source) -> str | None:
     """A property that is a text."""
-    attribute = prim.GetAttribute(f"{SPACE}{name}")
-    value = attribute.Get() if attribute else None
+    if f"{SPACE}{name}" not in source.authored(prim):
+        return None
+    value = prim.GetAttribute(f"{SPACE}{name}").Get()
     return value if isinstance(value, str) and value else None

@@ -22,7 +22,7 @@ from .rows import different_numbers, different_rows
 from .solids import SOLIDS, read_solid
 from .source import Source
 from .spans import Span
-from .triangles import triangulate
+from .triangles import are_convex, triangulate
 
 
 @dataclass
@@ -112,12 +112,13 @@ class ShapeReader:
         code = span.rests_at
         points_at = span.points_at or partial(read_points, prim)
         points = points_at(code)
-        faces = read_faces(prim, code, len(points))
+        faces = read_faces(prim, code, len(points), self.source.authored(prim))
         outline = _Outline(points, faces, points_at)
         if self._is_refined(prim, faces, code):
-            outline.finer = Subdivided(prim, faces, len(points), code, self._refiner)
+            authored = self.source.authored(prim)
+            outline.finer = self._refiner.subdivided(prim, faces, len(points), code, authored)
             outline.finer_points = outline.finer.points(points)
-        primvars = Primvars(prim, code, faces, self.lost)
+        primvars = Primvars(prim, code, faces, self.source, self.lost)
         streams, outline.layers = primvars.coordinates()
         outline.rows.update({each.name: outline.spread(each) for each in streams})
         if finer := outline.finer:
@@ -127,11 +128,13 @@ class ShapeReader:
                 finest, refined if at == code else finer.points(points_at(at))
             )
         else:
-            outline.normals_at = lambda at: outline.spread(Primvars(prim, at, faces, self.lost).normals())
+            outline.normals_at = lambda at: outline.spread(
+                Primvars(prim, at, faces, self.source, self.lost).normals()
+            )
         return outline
 
     def _color(self, prim: Usd.Prim, material: Usd.Prim | None, outline: _Outline, code: float) -> None:
-        primvars = Primvars(prim, code, outline.faces, self.lost)
+        primvars = Primvars(prim, code, outline.faces, self.source, self.lost)
 
         def spread(values: object, interpolation: str, width: int) -> np.ndarray | None:
             # Faces of solids are this program's own.
@@ -143,7 +146,7 @@ class ShapeReader:
             outline.rows["COLOR_0"] = colors
 
     def _is_refined(self, prim: Usd.Prim, faces: Faces, code: float) -> bool:
-        scheme = value_of(UsdGeom.Mesh(prim).GetSubdivisionSchemeAttr(), code)
+        scheme = value_of(prim.GetAttribute("subdivisionScheme"), code)
         if scheme == UsdGeom.Tokens.none or not (faces.counts >= 3).any():
             return False
         if self._refiner is None:
@@ -162,13 +165,10 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
     """Triangles by their materials. Raises `SceneError`."""
     finer = outline.finer
     if finer is not None:
-        points, faces, triangles = outline.finer_points, finer.faces, finer.triangles()
+        points, faces, triangles = outline.finer_points, finer.faces, finer.triangles
     else:
         points, faces = outline.points, outline.faces
-        try:
-            triangles = triangulate(faces.counts, points, faces.corners)
-        except ValueError as error:
-            raise SceneError(f"{prim.GetPath()}: {error}") from None
+        triangles = _triangles(prim, points, faces)
     if faces.flips:
         triangles = triangles[:, [0, 2, 1, 3]]
     if len(faces.holes):
@@ -180,8 +180,18 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
         else:
             chosen = triangles
         if len(chosen):
-            found.append(_part(points, faces.corners, chosen, outline, material))
+            found.append(_part(points, faces, chosen, outline, material))
     return found
+
+
+def _triangles(prim: Usd.Prim, points: np.ndarray, faces: Faces) -> np.ndarray:
+    """Of faces, rows as `triangulate` has them. Raises `SceneError`."""
+    if faces.loops is not None and are_convex(points, faces.loops):
+        return faces.fans
+    try:
+        return triangulate(faces.counts, points, faces.corners)
+    except ValueError as error:
+        raise SceneError(f"{prim.GetPath()}: {error}") from None
 
 
 def _solid(prim: Usd.Prim, code: float) -> _Outline:
@@ -228,32 +238,38 @@ def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None,
 
 def _part(
     points: np.ndarray,
-    corners: np.ndarray,
+    faces: Faces,
     triangles: np.ndarray,
     outline: _Outline,
     material: Usd.Prim | None,
 ) -> Shape:
     """One material's triangles, with a row for each different corner."""
+    if outline.is_by_point and faces.loops is not None and triangles is faces.fans:
+        kept, triangles_of_rows = faces.welded
+    else:
+        kept, triangles_of_rows = _welded(len(points), faces.corners, triangles, outline)
+    point_of_row = faces.corners[kept]
+    attributes = {
+        "POSITION": points[point_of_row],
+        **{name: values[kept] for name, values in outline.rows.items()},
+    }
+    return Shape(
+        attributes, triangles_of_rows, point_of_row, material, outline.layers, corner_of_row=kept
+    )
+
+
+def _welded(
+    points: int, corners: np.ndarray, triangles: np.ndarray, outline: _Outline
+) -> tuple[np.ndarray, np.ndarray]:
+    """The corner of each row, and triangles of rows: corners that are the same share one."""
     is_used = np.zeros(len(corners), bool)
     is_used[triangles[:, :3]] = True
     used = np.nonzero(is_used)[0]
     if outline.is_by_point:
-        first, number = different_numbers(corners[used], len(points))
+        first, number = different_numbers(corners[used], points)
     else:
         rows = [corners[used], *(values[used] for values in outline.rows.values())]
         first, number = different_rows(np.column_stack(rows).astype(float))
     row_of_corner = np.zeros(len(corners), np.int64)
     row_of_corner[used] = number
-    kept = used[first]
-    attributes = {
-        "POSITION": points[corners[kept]],
-        **{name: values[kept] for name, values in outline.rows.items()},
-    }
-    return Shape(
-        attributes,
-        row_of_corner[triangles[:, :3]],
-        corners[kept],
-        material,
-        outline.layers,
-        corner_of_row=kept,
-    )
+    return used[first], row_of_corner[triangles[:, :3]]

@@ -77,12 +77,12 @@ class Skins:
 
     def stands(self, prim: Usd.Prim, node: int) -> None:
         """Tells where a skeleton stands."""
-        if bones := self._bones.get(str(prim.GetPath())):
+        if self._bones and (bones := self._bones.get(str(prim.GetPath()))):
             bones.node = node
 
     def tie(self, prim: Usd.Prim, parts: list[Shape]) -> int | None:
         """Ties the vertices of a mesh to joints; the number of their skin, None of a mesh without."""
-        tied = self._tied.get(str(prim.GetPath()))
+        tied = self._tied.get(str(prim.GetPath())) if self._tied else None
         if tied is None:
             return None
         for part in parts:

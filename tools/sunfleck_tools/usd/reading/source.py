@@ -6,10 +6,11 @@ Invariant: no arc of a stage that is handed out comes round; what it refers to a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,12 @@ class Source:
         """First and last frame."""
         rate = float(self.fps / self.codes_per_second)
         return round(self.codes[0] * rate), round(self.codes[-1] * rate)
+
+    @cached_property
+    def authored(self) -> Callable[[Usd.Prim], frozenset[str]]:
+        """Names of all properties that a prim has a word of its own on: one question in place of many."""
+        # A prim is asked for several things one after the other, and so is its parent.
+        return lru_cache(maxsize=8)(lambda prim: frozenset(prim.GetAuthoredPropertyNames()))
 
     @property
     def metres(self) -> float:

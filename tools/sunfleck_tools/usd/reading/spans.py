@@ -44,15 +44,14 @@ def read_spans(prim: Usd.Prim, source: Source) -> list[Span]:
     """The spans of a shape within what shutters reach."""
     if not prim.IsA(UsdGeom.Mesh):
         return [Span(codes_of(sizes_of(prim), source.codes), source.first)]
-    mesh = UsdGeom.Mesh(prim)
-    attributes = [mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()]
+    attributes = [prim.GetAttribute(name) for name in ("points", "faceVertexCounts", "faceVertexIndices")]
     if not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
         return [Span(source.codes[:1], source.first)]
     codes = codes_of(attributes[:1], source.codes)
     starts = _changes(attributes, source)
     if len(starts) == 1:
         return [Span(codes, source.first)]
-    return [_span(mesh, codes, start, end, source) for start, end in zip(starts, [*starts[1:], math.inf])]
+    return [_span(UsdGeom.Mesh(prim), codes, start, end, source) for start, end in zip(starts, [*starts[1:], math.inf])]
 
 
 def _changes(attributes: list[Usd.Attribute], source: Source) -> list[float]:

@@ -9,6 +9,9 @@ import numpy as np
 
 MOST_CORNERS = 1000
 """Of a face that is not convex: clipping takes the square of that."""
+AROUND = np.array([0, 1, 2, 3, 0, 1])
+"""The corners of a quadrangle, and the first two once more."""
+TURNED, TURNED_TWICE = np.array([1, 2, 0]), np.array([2, 0, 1])
 MOST_KNOWN = 4096
 """Faces of a mesh whose fans are kept for the next one of as many."""
 
@@ -36,7 +39,7 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
         if count > MOST_CORNERS and bent.any():
             raise ValueError(f"a face has {count} corners and is not convex: at most {MOST_CORNERS} can be")
         if fans is None or bent.any():
-            fans = _fans(faces[~bent], places[~bent])
+            fans = fans_of(faces[~bent], places[~bent])
         found.append(fans)
         for face in np.nonzero(bent)[0]:
             ears = places[face][_ears(points[corners[places[face]]])]
@@ -55,13 +58,13 @@ def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndar
     meshes of few such sizes."""
     numbers = np.arange(faces)
     places = numbers[:, None] * count + np.arange(count)
-    known = numbers, places, _fans(numbers, places)
+    known = numbers, places, fans_of(numbers, places)
     for each in known:
         each.setflags(write=False)
     return known
 
 
-def _fans(faces: np.ndarray, places: np.ndarray) -> np.ndarray:
+def fans_of(faces: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Triangles about the first corner of each face; rows as those of `triangulate`."""
     fans = np.empty((len(places), places.shape[1] - 2, 4), np.int64)
     fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = (
@@ -89,6 +92,22 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _normals(polygons: np.ndarray) -> np.ndarray:
     """Newell's: of polygons that need not be flat."""
     return cross(polygons, _following(polygons)).sum(axis=1)
+
+
+def are_convex(points: np.ndarray, loops: np.ndarray) -> bool:
+    """Whether all polygons are, rows of points."""
+    sides = loops.shape[1]
+    if sides != 4:
+        return sides == 3 or bool(_is_convex(points[loops]).all())
+    # Of quadrangles, of which there are most: the same sums in a third of the calls.
+    around = points.take(loops.take(AROUND, axis=1), axis=0)
+    edges = around[:, 1:] - around[:, :-1]
+    # y, z, x and z, x, y, so that products are of whole arrays.
+    turned, turned_twice = edges.take(TURNED, axis=2), edges.take(TURNED_TWICE, axis=2)
+    turns = turned[:, :-1] * turned_twice[:, 1:] - turned_twice[:, :-1] * turned[:, 1:]
+    normals = turns[:, 0] + turns[:, 1] + turns[:, 2] + turns[:, 3]
+    along = turns * normals[:, None]
+    return float((along[..., 0] + along[..., 1] + along[..., 2]).min()) >= 0
 
 
 def _is_convex(polygons: np.ndarray) -> np.ndarray:

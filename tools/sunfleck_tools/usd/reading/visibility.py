@@ -13,8 +13,10 @@ from .places import reach
 from .source import Source
 
 
-def says_visibility(prim: Usd.Prim) -> bool:
+def says_visibility(prim: Usd.Prim, source: Source) -> bool:
     """True if a prim has a word of its own on it."""
+    if UsdGeom.Tokens.visibility not in source.authored(prim):
+        return False
     imageable = UsdGeom.Imageable(prim)
     return bool(imageable) and imageable.GetVisibilityAttr().HasAuthoredValue()
 
@@ -29,7 +31,8 @@ def up_to(prim: Usd.Prim, last: Usd.Prim) -> list[Usd.Prim]:
 
 def seen(prims: list[Usd.Prim], source: Source) -> tuple[np.ndarray, np.ndarray] | None:
     """Codes, and from each on whether all the prims let be seen; None if they always do."""
-    attributes = [UsdGeom.Imageable(prim).GetVisibilityAttr() for prim in prims if says_visibility(prim)]
+    saying = [prim for prim in prims if says_visibility(prim, source)]
+    attributes = [UsdGeom.Imageable(prim).GetVisibilityAttr() for prim in saying]
     if not attributes:
         return None
     samples = [code for attribute in attributes for code in attribute.GetTimeSamples()]

@@ -1,0 +1,48 @@
+"""What a prim is by its type. Invariant: prims of one type of one stage are of one kind, so USD is asked once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pxr import Usd, UsdGeom, UsdShade
+
+from .shapes import is_shape
+
+NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
+"""What stands nowhere itself."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Of a type of prims."""
+
+    stands_nowhere: bool
+    is_xformable: bool
+    is_gprim: bool
+    is_shape: bool
+    is_mesh: bool
+    is_camera: bool
+    is_instancer: bool
+
+
+class Kinds:
+    """Those of one stage: stages say what types that USD does not know stand for."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Kind] = {}
+
+    def of(self, prim: Usd.Prim) -> Kind:
+        """The kind of a prim."""
+        name = prim.GetTypeName()
+        found = self._known.get(name)
+        if found is None:
+            found = self._known[name] = Kind(
+                any(prim.IsA(kind) for kind in NOWHERE),
+                prim.IsA(UsdGeom.Xformable),
+                prim.IsA(UsdGeom.Gprim),
+                is_shape(prim),
+                prim.IsA(UsdGeom.Mesh),
+                prim.IsA(UsdGeom.Camera),
+                prim.IsA(UsdGeom.PointInstancer),
+            )
+        return found
