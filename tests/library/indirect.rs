@@ -229,9 +229,9 @@ fn a_leaf_keeps_its_light_where_another_is_hidden() {
 }
 
 /// Walls of 2 cm about the camera, a sky and a sun outside, fog inside and out.
-pub(crate) fn dark_room() -> Scene {
+pub(crate) fn dark_room(half_m: f64) -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
-    let (low, high, thick) = (DVec3::splat(-2.3), DVec3::splat(2.3), 0.02);
+    let (low, high, thick) = (DVec3::splat(-half_m), DVec3::splat(half_m), 0.02);
     add_box(&mut scene, low, high, Material::default());
     add_box(&mut scene, low + thick, high - thick, Material::default());
     add_fog(&mut scene, 2.0 * low, 2.0 * high, Rgb::splat(0.1), Rgb::splat(0.9), 0.2);
@@ -242,9 +242,24 @@ pub(crate) fn dark_room() -> Scene {
 
 #[test]
 fn no_light_gets_through_the_walls_of_a_closed_room() {
-    let worst = worst_from(&radiances(&dark_room(), Bounces::All), 0.0);
-    println!("in the dark room: {worst:.2e}");
-    assert!(worst < 1e-3, "{worst}");
+    // Round ones too: cells are as wide as powers of two.
+    for half_m in [1.5, 1.75, 2.0, 2.25, 2.3] {
+        let worst = worst_from(&radiances(&dark_room(half_m), Bounces::All), 0.0);
+        println!("in the dark room of {half_m} m: {worst:.2e}");
+        assert!(worst < 1e-3, "{half_m}: {worst}");
+    }
+}
+
+/// Walls that glow and reflect .9 about white leaves, without fog: all is ten times as bright as walls glow.
+#[test]
+fn a_room_that_holds_leaves_alone_has_walls() {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_leaves(&mut scene, 100, Material { base_color: Rgb::ONE, ..Material::default() });
+    let glowing = Material { base_color: Rgb::splat(0.9), emission: Rgb::ONE, ..Material::default() };
+    add_box(&mut scene, DVec3::new(-2.5, -2.5, -7.5), DVec3::splat(2.5), glowing);
+    let worst = worst_from(&radiances(&scene, Bounces::All), 10.0);
+    println!("in the room that glows: {worst:.2e}");
+    assert!(worst < 0.5, "{worst}");
 }
 
 const SIZE: Size = Size { width: 240, height: 135 };

@@ -266,7 +266,7 @@ fn leaves500_is_what_mitsuba_makes_of_it() {
 
 #[test]
 fn no_light_gets_through_the_walls_of_a_closed_room() {
-    let (mean, _) = estimate(&dark_room(), &by_paths(Bounces::All), 2);
+    let (mean, _) = estimate(&dark_room(2.3), &by_paths(Bounces::All), 2);
     assert_eq!(mean, Rgb::ZERO);
 }
 
