@@ -174,6 +174,8 @@ pub struct Statistics {
     /// By how much the grid of indirect light may make the picture wrong, if blocks were judged: root mean
     /// square over the picture of twice the difference to cells twice as wide, as a share of its mean.
     pub grid_error: Option<f64>,
+    /// Whether next to nothing absorbs indirect light: there is more of it than the picture has.
+    pub endless_light: bool,
     /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated
     /// standard error, as a share of its mean.
     pub noise: Option<f64>,
@@ -237,6 +239,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let mut sum = Sum::default();
     let from_slices = job.method.takes_slices(exposure);
     sum.statistics.from_slices = from_slices;
+    sum.statistics.endless_light = indirect.is_some_and(Indirect::is_endless);
     if from_slices {
         let tally = slices::Tally::default();
         let components = survey.components.len();

@@ -285,7 +285,7 @@ fn as_json(event: &Event) -> Value {
         Event::FrameWritten { frame, path, seconds, clamped, dark, statistics, .. } => json!({
             "event": "frame_written", "frame": frame, "path": text_of(path), "seconds": seconds,
             "clamped": clamped, "error": statistics.error, "noise": statistics.noise,
-            "grid_error": statistics.grid_error, "dark": dark.is_some(),
+            "grid_error": statistics.grid_error, "endless_light": statistics.endless_light, "dark": dark.is_some(),
         }),
         Event::Finished(Summary {
             written,
@@ -309,11 +309,14 @@ fn as_json(event: &Event) -> Value {
 /// `, noise 1.8 %`, where there is an estimate, and how much of the frame the tolerance had
 /// no samples left for.
 fn quality(statistics: &Statistics) -> String {
-    let Statistics { blocks, unconverged_blocks, noise, grid_error, .. } = statistics;
+    let Statistics { blocks, unconverged_blocks, noise, grid_error, endless_light, .. } = statistics;
     let told = |what: &str, error: Option<f64>| {
         error.map_or_else(String::new, |error| format!(", {what} {}", percent(error)))
     };
-    let noise = told("noise", *noise) + &told("indirect light within", *grid_error);
+    let mut noise = told("noise", *noise) + &told("indirect light within", *grid_error);
+    if *endless_light {
+        noise += ", darker than it is: surfaces and fog absorb next to none of its light";
+    }
     match unconverged_blocks {
         0 => noise,
         _ => {

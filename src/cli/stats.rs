@@ -92,6 +92,7 @@ fn line(event: &Event) -> Option<Value> {
                 unconverged_blocks,
                 error,
                 grid_error,
+                endless_light,
                 noise,
             } = statistics;
             json!({
@@ -99,7 +100,8 @@ fn line(event: &Event) -> Option<Value> {
                 "method": if *from_slices { "slices" } else { "rays" }, "slices": slices, "segments": segments,
                 "peak_memory_bytes": peak_memory_bytes(),
                 "samples": samples, "rounds": rounds, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
-                "error": error, "noise": noise, "grid_error": grid_error, "clamped": clamped, "dark": dark.is_some(),
+                "error": error, "noise": noise, "grid_error": grid_error, "endless_light": endless_light,
+                "clamped": clamped, "dark": dark.is_some(),
             })
         }
         Event::FrameGivenUp { frame, seconds } => {

@@ -64,6 +64,7 @@ pub(super) struct Field {
     glows: Vec<Glow>,
     /// Whether the sky's own light is part of it.
     pub(super) has_sky: bool,
+    is_endless: bool,
 }
 
 impl Field {
@@ -101,7 +102,7 @@ impl Field {
         let sky = snapshot.sky;
         let rounds = Rounds { sweeper, scatterers, grid: &grid, sky, has_sky, beams, to_eye, cancelled };
         let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog_at(world)));
-        let Light { all: light, unseen_by_fog, last } =
+        let Light { all: light, unseen_by_fog, last, is_endless } =
             rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
         let light_in_fog = unseen_by_fog.map(|unseen| {
             let mut seen = light.clone();
@@ -111,7 +112,7 @@ impl Field {
         let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
         let fourth = NodeMoments::of(&last.fourth);
         let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
-        Self { grid, outer, walls, light, fourth, light_in_fog, towards_eye, glows, has_sky }
+        Self { grid, outer, walls, light, fourth, light_in_fog, towards_eye, glows, has_sky, is_endless }
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
@@ -237,6 +238,11 @@ impl Field {
         let lowest = [a, b].map(|place| grid.corners(place).nodes[0]);
         walls.occluders.hide(grid, lowest[0], a, b)
             || lowest[0] != lowest[1] && walls.occluders.hide(grid, lowest[1], a, b)
+    }
+
+    /// Whether its light goes on and on, as next to nothing absorbs it, and was cut short.
+    pub(super) fn is_endless(&self) -> bool {
+        self.is_endless || self.outer.as_ref().is_some_and(|outer| outer.is_endless())
     }
 
     /// The distance of nodes, metres.

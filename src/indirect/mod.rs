@@ -87,6 +87,11 @@ impl Indirect {
         self.field.cell_m()
     }
 
+    /// Whether next to nothing absorbs it: it goes on and on, and there is more of it than is found.
+    pub fn is_endless(&self) -> bool {
+        self.field.is_endless()
+    }
+
     /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the
     /// sky is as bright as a sun, whose shadows have borders.
     pub fn has_sky(&self) -> bool {

@@ -51,6 +51,8 @@ pub(super) struct Light {
     pub(super) unseen_by_fog: Option<Moments>,
     /// What surfaces and fog that are seen make of it beyond that.
     pub(super) last: Swept,
+    /// Whether it goes on and on, and is cut short.
+    pub(super) is_endless: bool,
 }
 
 /// Where light goes on to.
@@ -123,14 +125,14 @@ impl Rounds<'_> {
                 from_outside.push(swept);
             }
         }
-        let sent = self.go_on(bounces, leaving, &mut light);
+        let (sent, is_endless) = self.go_on(bounces, leaving, &mut light);
         let mut last = self.sweep(&sent, Inflow::Nothing, &Wanted::last(to_eye.as_ref()));
         from_outside.iter().for_each(|swept| last.add_last(swept));
-        Light { all: light, unseen_by_fog, last }
+        Light { all: light, unseen_by_fog, last, is_endless }
     }
 
-    /// Adds order after order; all that was sent out on the way.
-    fn go_on(&mut self, bounces: Bounces, mut leaving: Leaving, light: &mut Moments) -> Leaving {
+    /// Adds order after order; all that was sent out on the way, and whether there is no end to it.
+    fn go_on(&mut self, bounces: Bounces, mut leaving: Leaving, light: &mut Moments) -> (Leaving, bool) {
         let rounds = match bounces {
             Bounces::UpTo(count) => count,
             Bounces::All => MOST_ROUNDS,
@@ -155,7 +157,7 @@ impl Rounds<'_> {
             }
             leaving = self.scatterers.scatter(&next, true);
         }
-        sent
+        (sent, series.is_endless)
     }
 
     fn sweep(&mut self, leaving: &Leaving, inflow: Inflow, wanted: &Wanted) -> Swept {
@@ -217,17 +219,21 @@ struct Series {
     rest: [f64; 3],
     /// All light with that.
     all: [f64; 3],
+    /// Whether rounds hardly grow darker.
+    is_endless: bool,
 }
 
 impl Series {
     /// Takes a round's light and the sum of all so far; whether what follows is little, and as expected.
     fn go_on(&mut self, round: [f64; 3], so_far: [f64; 3]) -> bool {
         let mut is_told = true;
+        self.is_endless = false;
         for channel in 0..3 {
             let ratio = match self.last[channel] {
                 last if last > 0.0 => (round[channel] / last).clamp(0.0, MOST_RATIO),
                 _ => 0.0,
             };
+            self.is_endless |= ratio == MOST_RATIO;
             let rest = ratio / (1.0 - ratio);
             let left = rest * round[channel];
             let all = so_far[channel] + left;
