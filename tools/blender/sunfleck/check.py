@@ -4,8 +4,9 @@ In goes a scene, out come findings (`losses`); what only the export itself finds
 whatever Blender renders and sunfleck does not is among them.
 """
 
-from . import world
+from . import film, world
 from .evaluated import simulations, walk
+from .film import of_cycles
 from .losses import Finding, ordered
 from .materials import colours, dependence, principled, sockets
 
@@ -45,7 +46,7 @@ def of_scene(scene):
         "unit-scale": abs(scene.unit_settings.scale_length - 1.0) > 1e-6,
         "border": render.use_border,
         "pixel-aspect": render.pixel_aspect_x != render.pixel_aspect_y,
-        "film-exposure": abs(film_exposure(scene) - 1.0) > 1e-6,
+        "film-exposure-changes": film.changes(scene),
         "film-transparent": render.film_transparent,
         "frame-step": scene.frame_step != 1,
         "view-layers": sum(layer.use for layer in scene.view_layers) > 1,
@@ -82,16 +83,6 @@ def is_box(scene):
     curve.initialize()
     values = [curve.evaluate(curve.curves[0], 0.05 + 0.1 * step) for step in range(10)]
     return min(values) > 0.99 and of_cycles(scene, "rolling_shutter_type", "NONE") == "NONE"
-
-
-def film_exposure(scene):
-    """Cycles' own, which multiplies what it writes."""
-    return of_cycles(scene, "film_exposure", 1.0) if scene.render.engine == "CYCLES" else 1.0
-
-
-def of_cycles(owner, name, default, group="cycles"):
-    """A property of Cycles, which may be switched off."""
-    return getattr(getattr(owner, group, None), name, default)
 
 
 def of_cameras(scene):

@@ -21,7 +21,7 @@ LOSSES = {
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
     "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a "
                               "screen with pixels of its aspect"),
-    "film-exposure": (WARNING, "the film's exposure is not 1: frames are in W/(m2 sr), without it"),
+    "film-exposure-changes": (WARNING, "the film's exposure changes: it is exported as it is now"),
     "film-transparent": (WARNING, "the film is transparent: alpha is 1 wherever a sky is"),
     "frame-step": (WARNING, "every frame is in the file: Animation renders those of the step alone"),
     "view-layers": (WARNING, "one view layer is exported, the others that render are not"),

@@ -169,6 +169,14 @@ def pixel_aspect(scene):
     scene.render.pixel_aspect_x = 2.0
 
 
+def film_exposure(scene):
+    """Of a lamp, a sun and a world, which is seen too."""
+    scenes.sun(scene)
+    point(scene)
+    world(scene)
+    scene.cycles.film_exposure = 2.0
+
+
 def orthographic(scene):
     scenes.sun(scene)
     scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 5.0
@@ -236,7 +244,7 @@ EXACT = (
     materials.rough_principled, materials.smooth_principled, materials.coloured_metal, materials.textures, materials.colour_attributes,
     materials.random_colours, materials.translucent_leaf, materials.alpha_mask, materials.alpha_blend, materials.glowing, hidden_things,
     hair, words_curves_and_balls, shape_keys, armature, instances_on_faces, smooth_normals, camera_markers, border, pixel_aspect,
-    orthographic, shifted_lens, depth_of_field, motion_blur, fog_box,
+    film_exposure, orthographic, shifted_lens, depth_of_field, motion_blur, fog_box,
 )
 BAKED = (world_of_nodes, materials.baked_nodes, materials.baked_group, materials.bumps)
 EXACT_BAR, BAKED_BAR = 0.005, 0.02

@@ -116,7 +116,7 @@ class Pictures(Case):
             "layer-filters": lambda: setattr(bpy.context.view_layer, "use_sky", False),
             "color-overrides": lambda: setattr(bpy.context.view_layer, "world_override", bpy.data.worlds.new("other")),
             "camera-culling": lambda: (setattr(render_settings, "use_simplify", True), setattr(scene.cycles, "use_camera_cull", True)),
-            "film-exposure": lambda: (setattr(render_settings, "engine", "CYCLES"), setattr(scene.cycles, "film_exposure", 2.0)),
+            "film-exposure-changes": lambda: (setattr(render_settings, "engine", "CYCLES"), scene.keyframe_insert("cycles.film_exposure")),
         }
         for id, switch in switches.items():
             self.assertNotIn(id, {finding.id for finding in check.check(scene)})
@@ -227,6 +227,30 @@ class Pictures(Case):
         found = self.told([1])[0]["lights"]["lamp"]["intensity_w_per_sr"]
         wanted = [10.0 * math.pi * 0.25 / (4.0 * math.pi) * channel for channel in data.temperature_color]
         numpy.testing.assert_allclose(found, wanted, rtol=1e-5)
+
+    def test_film_exposure_is_a_factor_on_all_light(self):
+        scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
+        area = scenes.add(self.scene, "area", bpy.data.lights.new("area", "AREA")).data
+        stages.key(area, "energy", (10.0, 20.0))
+        material = bpy.data.materials["quad"]
+        glow = material.node_tree.nodes["Principled BSDF"].inputs
+        glow["Emission Color"].default_value, glow["Emission Strength"].default_value = (1.0, 0.5, 0.1, 1.0), 0.8
+        self.scene.sunfleck_settings.background_strength = 0.5
+
+        def shining():
+            told = export.exported(self.scene, self.path)
+            self.assertEqual({finding.id for finding in told.findings} & {"film-exposure-changes"}, set())
+            lights = self.told([1, 6])
+            powers = [power for frame in lights for light in frame["lights"].values() for power in (light.get("power_w") or light.get("intensity_w_per_sr") or light["irradiance_w_per_m2"])]
+            said = document(self.path)
+            strong = said["materials"][0].get("extensions", {}).get("KHR_materials_emissive_strength", {})
+            emitted = numpy.array(said["materials"][0]["emissiveFactor"]) * strong.get("emissiveStrength", 1.0)
+            return numpy.array([*powers, *emitted, said["scenes"][0]["extras"]["sunfleck_env"]["strength"]])
+
+        self.scene.cycles.film_exposure = 2.5
+        before = shining()
+        self.scene.render.engine = "CYCLES"
+        numpy.testing.assert_allclose(shining(), 2.5 * before, rtol=1e-6)
 
     def test_colours_of_a_wider_space_are_converted(self):
         bpy.ops.wm.set_working_color_space(working_space="ACEScg", convert_colors=False)
