@@ -5,7 +5,7 @@ whatever Blender renders and sunfleck does not is among them.
 """
 
 from . import film, world
-from .evaluated import simulations, walk
+from .evaluated import walk
 from .film import of_cycles
 from .losses import Finding, ordered
 from .materials import colours, dependence, principled, sockets
@@ -16,11 +16,9 @@ def check(scene):
     found = [*of_scene(scene), *of_cameras(scene)]
     materials = set()
     for thing in rendered(scene):
-        found += of_object(thing, scene.render.use_motion_blur)
+        found += of_object(thing, scene)
         if not thing.sunfleck_settings.is_fog:
             materials.update(slot.material for slot in thing.material_slots if slot.material)
-    for collection in simulations.layer_collections(walk.view_layer(scene).layer_collection):
-        found += of_collection(collection)
     for material in sorted(materials, key=lambda material: material.name):
         found += of_material(material)
     return ordered(found)
@@ -96,9 +94,10 @@ def of_cameras(scene):
 
 
 RAYS = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter")
+HONOURED = {"visible_camera", "visible_shadow", "is_holdout"}
 
 
-def of_object(thing, is_blurred):
+def of_object(thing, scene):
     name = f"`{thing.name}`"
     if thing.type == "LIGHT":
         yield from of_light(name, thing)
@@ -121,15 +120,16 @@ def of_object(thing, is_blurred):
         if thing.type == "MESH" and not is_fogs_cube(thing):
             yield Finding("fog-not-a-cube", name)
         return
+    is_blurred, own = scene.render.use_motion_blur, scene.sunfleck_settings
+    bounces = own.all_bounces or own.bounces > 0
     said = {
         "volume": thing.type == "VOLUME",
         "grease-pencil": thing.type in {"GPENCIL", "GREASEPENCIL"},
         "point-cloud": thing.type == "POINTCLOUD",
         "hair": thing.type == "CURVES" or any(shows_hair(system.settings) for system in thing.particle_systems),
-        "holdout": thing.is_holdout,
         "shadow-catcher": thing.is_shadow_catcher,
-        "camera-invisible": not thing.visible_camera,
-        "shadow-invisible": not thing.visible_shadow,
+        "shadow-in-bounces": bounces and not thing.visible_shadow,
+        "visibility-changes": any(curve.data_path in HONOURED for curve in curves_of(thing)),
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
         "motion-blur-off": is_blurred and not all(of_cycles(thing, blur, True) for blur in ("use_motion_blur", "use_deform_motion")),
@@ -153,16 +153,6 @@ def shows_hair(settings):
 def is_linked(thing):
     linking = getattr(thing, "light_linking", None)
     return bool(linking and (linking.receiver_collection or linking.blocker_collection))
-
-
-def of_collection(collection):
-    name = f"the collection `{collection.name}`"
-    if collection.exclude:
-        return
-    if collection.holdout:
-        yield Finding("holdout", name)
-    if collection.indirect_only:
-        yield Finding("indirect-only", name)
 
 
 def of_light(name, thing):

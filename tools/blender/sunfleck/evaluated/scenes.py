@@ -56,7 +56,7 @@ def export(scene, path, only=None):
             library.look(material)
         walk.walk(scene, wanted, shutter, visit, Smoothness(record).is_enough)
         record.finish()
-        assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted))
+        assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted), walk.view_layer(scene))
         library.start(assembly.document, assembly.clock)
         assembly.add(library, values, lambda thing: properties(thing, scene, path))
         finish(scene, assembly, library, values, only)
