@@ -29,17 +29,18 @@ impl InstanceTree {
     /// Builds the tree. There may be no mesh at all. A mesh whose matrix is singular, because it is
     /// scaled to nothing for instance, is never hit and throws no shadow.
     pub fn new(placed: Vec<PlacedMesh>) -> Self {
-        Self::with_level(0, placed, Level::detect())
+        Self::numbered((0..).zip(placed))
     }
 
-    /// The same with instances numbered from `first` on.
-    pub fn numbered_from(first: u32, placed: Vec<PlacedMesh>) -> Self {
-        Self::with_level(first, placed, Level::detect())
+    /// The same with a number for each instance.
+    pub fn numbered(placed: impl Iterator<Item = (u32, PlacedMesh)>) -> Self {
+        Self::with_level(placed, Level::detect())
     }
 
-    fn with_level(first: u32, placed: Vec<PlacedMesh>, level: Level) -> Self {
-        let mut instances = Vec::with_capacity(placed.len());
-        instances.extend((first..).zip(placed).filter_map(|(index, placed)| Instance::new(index, placed)));
+    fn with_level(placed: impl Iterator<Item = (u32, PlacedMesh)>, level: Level) -> Self {
+        // As many as there may be: a million take hundreds of megabytes, and growing would double that.
+        let mut instances = Vec::with_capacity(placed.size_hint().1.unwrap_or_default());
+        instances.extend(placed.filter_map(|(index, placed)| Instance::new(index, placed)));
         let boxes: Vec<(DVec3, DVec3)> = instances.iter().map(Instance::bounds).collect();
         let bounds = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let rounded: Vec<Bounds> = boxes
@@ -144,7 +145,7 @@ mod tests {
             })
             .collect();
         let fast = InstanceTree::new(placed.clone());
-        let portable = InstanceTree::with_level(0, placed, Level::Portable(Portable));
+        let portable = InstanceTree::with_level((0..).zip(placed), Level::Portable(Portable));
         let (mut hits, mut intervals) = (0, 0);
         for ray in 0..2000 {
             let mut sampler = Sampler::new(2, ray, 0, 0);

@@ -114,6 +114,12 @@ pub struct Object {
     /// Whether it and everything that follows it takes part in the picture. Keys jump.
     #[serde(serialize_with = "in_steps")]
     pub visible: Animated<bool>,
+    /// Whether the camera sees its mesh; mirrors do in any case.
+    pub visible_to_camera: bool,
+    /// Whether its mesh keeps light from what lies behind it.
+    pub casts_shadow: bool,
+    /// Whether its mesh is a hole in the picture: black, with alpha 0.
+    pub holdout: bool,
 }
 
 impl Default for Object {
@@ -127,6 +133,9 @@ impl Default for Object {
             rotation_quaternion: None,
             scale: Animated::Still([1.0; 3]),
             visible: Animated::Still(true),
+            visible_to_camera: true,
+            casts_shadow: true,
+            holdout: false,
         }
     }
 }

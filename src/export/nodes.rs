@@ -3,7 +3,7 @@
 
 use super::Writer;
 use super::meshes::Placed;
-use crate::scene::{Clip, Lens, Motion, RenderSettings, Rotation};
+use crate::scene::{Clip, Lens, Motion, RayVisibility, RenderSettings, Rotation};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde_json::{Map, Value, json};
 
@@ -140,6 +140,9 @@ impl Writer<'_> {
             let number = self.free_node(self.node_numbers[node], |node| node.contains_key("mesh"));
             self.nodes[number].insert(String::from("mesh"), json!(mesh));
             self.set_extra(number, "leaf_id", json!(leaf_id));
+            if let Some(rays) = scene.ray_visibility.get(&node) {
+                self.set_extra(number, "sunfleck_object", said(*rays));
+            }
             if let Some(deformation) =
                 bent.and_then(|instance| scene.instances[instance].deformation.as_ref())
             {
@@ -197,6 +200,18 @@ impl Writer<'_> {
             self.nodes[node].insert(String::from("camera"), json!(number));
         }
     }
+}
+
+/// What of it is unusual.
+fn said(rays: RayVisibility) -> Value {
+    let RayVisibility { visible_to_camera, casts_shadow, holdout } = rays;
+    let fields = [
+        ("visible_to_camera", visible_to_camera, true),
+        ("casts_shadow", casts_shadow, true),
+        ("holdout", holdout, false),
+    ];
+    let unusual = fields.into_iter().filter(|(_, value, usual)| value != usual);
+    unusual.map(|(name, value, _)| (name.to_owned(), json!(value))).collect::<Map<_, _>>().into()
 }
 
 /// A matrix as turn, scale along the axes, turn: `matrix = first * scale * last`, by rotating pairs of

@@ -110,6 +110,7 @@ impl Bands {
             .collect();
         let triangles: Vec<Member> = (0..snapshot.mesh_count())
             .into_par_iter()
+            .filter(|number| snapshot.is_mesh_seen(*number))
             .flat_map_iter(|number| {
                 let vertices = meshes[number].vertices.as_slice();
                 let (projection, lattices) = (&projection, lattices.as_slice());

@@ -53,6 +53,9 @@ impl<'a> Shader<'a> {
                     NOTHING => {
                         (self.radiance_beyond(at), *alpha_beyond.get_or_insert_with(|| self.alpha_beyond(at)))
                     }
+                    _ if self.is_hole(nearest) => {
+                        (Rgb::ZERO, self.alpha_of_fog(at, self.distance(at, visible.depths[sample])))
+                    }
                     _ => (self.shaded(nearest, at, visible.depths[sample]).radiance, 1.0),
                 };
                 let count = layers.iter().take_while(|layer| layer.sample == sample).count();
@@ -93,9 +96,24 @@ impl<'a> Shader<'a> {
         if self.snapshot.has_background() {
             return 1.0;
         }
+        self.alpha_of_fog(at, f64::INFINITY)
+    }
+
+    /// That of fog up to a distance.
+    fn alpha_of_fog(&self, at: DVec2, distance: f64) -> f64 {
         let ray = self.ray(at);
-        let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, f64::INFINITY);
+        let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
         1.0 - through.element_sum() / 3.0
+    }
+
+    /// Of a depth along the view axis.
+    fn distance(&self, at: DVec2, depth: f64) -> f64 {
+        depth / self.ray(at).direction.dot(self.snapshot.view.axes().2)
+    }
+
+    /// Whether a triangle is a hole in the picture.
+    fn is_hole(&self, triangle: u32) -> bool {
+        self.snapshot.is_holdout(self.bands.triangles[triangle as usize].primitive)
     }
 
     /// What a triangle shows in the pixel at work, judged where it is first met.
@@ -109,14 +127,17 @@ impl<'a> Shader<'a> {
         };
         self.facet = Some((triangle, facet));
         let ray = self.ray(at);
-        let distance = depth / ray.direction.dot(self.snapshot.view.axes().2);
+        let distance = self.distance(at, depth);
         let point = facet.seen_along(&ray, distance);
         let fog = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
         // Mirrors show what lies beyond everything.
         let normal = point.shading_normal;
         let mirrored = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
         let mirrored = point.mirror * self.snapshot.radiance_beyond(mirrored);
-        let light = unshadowed(&self.lights, &point) + point.emission + mirrored;
+        let light = match self.is_hole(triangle) {
+            true => Rgb::ZERO,
+            false => unshadowed(&self.lights, &point) + point.emission + mirrored,
+        };
         let shaded = Shaded { radiance: fog * point.alpha * light, see_through: point.see_through };
         self.shaded.push((triangle, shaded));
         shaded

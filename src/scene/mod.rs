@@ -24,6 +24,7 @@ mod mesh;
 mod motion;
 mod options;
 mod outline;
+mod ray_visibility;
 mod resolve;
 mod settings;
 mod sky;
@@ -35,6 +36,7 @@ use crate::color::Rgb;
 use crate::diagnostic::Diagnostics;
 use glam::{DAffine3, Vec3};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use animation::Animation;
@@ -53,6 +55,7 @@ pub use mesh::{Mesh, Triangle};
 pub use motion::{FallingPath, Motion, Rotation};
 pub use options::{LightUnits, ResolveOptions};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
+pub use ray_visibility::RayVisibility;
 pub use resolve::{resolve, resolve_telling};
 pub use settings::{Bounces, FrameRate, PixelFilter, RenderSettings, Sampling, Size, Window};
 pub use sky::{Sky, SkyLight, SkyPicture};
@@ -73,6 +76,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Meshes placed at nodes.
     pub instances: Vec<Instance>,
+    /// Of nodes whose meshes not all rays meet.
+    pub ray_visibility: BTreeMap<NodeIndex, RayVisibility>,
     /// Cameras; [`RenderSettings::camera`] picks one by name, else the first.
     pub cameras: Vec<Camera>,
     /// Lights.

@@ -3,7 +3,7 @@
 //! there were no such thing.
 
 use super::{Snapshot, SurfacePoint};
-use crate::accel::PrimitiveId;
+use crate::accel::{InstanceTree, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
 use std::ops::Range;
@@ -25,28 +25,49 @@ impl Snapshot<'_> {
     /// The share of light that surfaces let through within `0 < t < distance`; `skip` is
     /// where the ray starts.
     pub fn visibility(&self, ray: &Ray, distance: f64, skip: Option<PrimitiveId>) -> Rgb {
-        if self.tree.any_hit(ray, distance, skip) {
+        if self.casting().any_hit(ray, distance, skip) {
             return Rgb::ZERO;
         }
-        let blended = self.blended_hits(ray, &(0.0..distance), skip);
-        blended.iter().fold(Rgb::ONE, |product, hit| product * hit.point.see_through)
+        let dimming = self.hits((self.casting_blended(), |_| true), ray, &(0.0..distance), skip);
+        dimming.iter().fold(Rgb::ONE, |product, hit| product * hit.point.see_through)
     }
 
     /// All blended surfaces within a part of a ray, in order, up to where they let next to nothing through.
     pub fn blended_hits(&self, ray: &Ray, shown: &Range<f64>, skip: Option<PrimitiveId>) -> Vec<BlendedHit> {
+        self.hits((&self.blended, |_| true), ray, shown, skip)
+    }
+
+    /// Those that the camera sees.
+    pub fn blended_seen(&self, ray: &Ray, shown: &Range<f64>) -> Vec<BlendedHit> {
+        self.hits((&self.blended, |primitive| self.is_seen(primitive)), ray, shown, None)
+    }
+
+    /// Those that dim light.
+    pub fn blended_casting(&self, ray: &Ray) -> Vec<BlendedHit> {
+        self.hits((self.casting_blended(), |_| true), ray, &(0.0..f64::INFINITY), None)
+    }
+
+    /// Those of a tree that count.
+    fn hits(
+        &self,
+        (tree, counts): (&InstanceTree, impl Fn(PrimitiveId) -> bool),
+        ray: &Ray,
+        shown: &Range<f64>,
+        skip: Option<PrimitiveId>,
+    ) -> Vec<BlendedHit> {
         let mut blended = Vec::new();
-        if !self.has_blended() {
+        if tree.is_empty() {
             return blended;
         }
         let (mut from, mut leaving) = (0.0, skip);
         let mut through = Rgb::ONE;
         while through.max_element() > NEGLIGIBLE {
             let rest = Ray { origin: ray.at(from), direction: ray.direction };
-            let Some(hit) = self.blended.nearest_hit(&rest, shown.end - from, leaving) else { break };
+            let Some(hit) = tree.nearest_hit(&rest, shown.end - from, leaving) else { break };
             let point = self.surface(&rest, &hit);
             from += hit.t;
             leaving = Some(hit.primitive);
-            if shown.start <= from {
+            if shown.start <= from && counts(hit.primitive) {
                 through *= point.see_through;
                 blended.push(BlendedHit { t: from, point });
             }

@@ -13,6 +13,7 @@ mod mesh_trees;
 mod moment;
 mod motion_field;
 mod placed_mesh;
+mod ray_visibility;
 mod self_shading;
 mod sky;
 mod surface;
@@ -35,6 +36,7 @@ pub use mesh_parts::{MeshPart, PartPlace};
 pub use mesh_trees::MeshTrees;
 pub use motion_field::MotionField;
 pub use placed_mesh::DrawnMesh;
+pub use ray_visibility::RaysOfInstances;
 pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
 
@@ -75,6 +77,10 @@ pub struct Snapshot<'scene> {
     pub tree: InstanceTree,
     /// All visible triangles that let something through.
     pub blended: InstanceTree,
+    /// What of the two throws shadows, if that is not all.
+    casting: Option<[InstanceTree; 2]>,
+    /// Which rays meet the instances of both, under their numbers; `None` if all do.
+    rays: Option<RaysOfInstances>,
     /// The scene's, as they are at this moment.
     materials: Cow<'scene, [Material]>,
     /// Of each of them, whether anything shows through it.
@@ -127,10 +133,13 @@ impl<'scene> Snapshot<'scene> {
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
         let moment = Moment { scene, time_s, placements, eye: view.eye };
-        let [opaque, blended] = moment.instances(trees);
+        let classes = moment.instances(trees);
+        let rays = ray_visibility::rays_of(scene, &classes);
+        let casting = ray_visibility::casting(&classes, rays.as_ref());
+        let [opaque, blended] = classes;
         let first_blended = opaque.placed.len();
         let tree = InstanceTree::new(opaque.meshes);
-        let blended_tree = InstanceTree::numbered_from(first_blended as u32, blended.meshes);
+        let blended_tree = InstanceTree::numbered((first_blended as u32..).zip(blended.meshes));
         let boxes = [tree.bounds(), blended_tree.bounds()].into_iter().flatten();
         let medium = moment.medium();
         Self {
@@ -138,6 +147,8 @@ impl<'scene> Snapshot<'scene> {
             view: view.of_surfaces(boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))),
             tree,
             blended: blended_tree,
+            casting,
+            rays,
             materials: moment.materials(),
             is_blended: Arc::clone(&trees.is_blended),
             parts: Arc::clone(&trees.parts),

@@ -45,6 +45,11 @@ impl Snapshot<'_> {
         self.parts.part_of((mesh, &self.scene.meshes[mesh]), primitive.triangle)
     }
 
+    /// Whether the camera sees one of them.
+    pub fn is_mesh_seen(&self, number: usize) -> bool {
+        self.rays_of_instances().is_none_or(|rays| rays.of_instance(number).visible_to_camera)
+    }
+
     /// One of them.
     pub fn mesh(&self, number: usize) -> DrawnMesh<'_> {
         let placed = &self.placed[number];

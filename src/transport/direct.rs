@@ -27,7 +27,7 @@ pub(super) fn scattered_past_blended(
     let_through: Rgb,
 ) -> Rgb {
     scattered_if(snapshot, light, point, |shadow_ray, distance| {
-        let is_hidden = snapshot.tree.any_hit(shadow_ray, distance, Some(point.primitive));
+        let is_hidden = snapshot.casting().any_hit(shadow_ray, distance, Some(point.primitive));
         if is_hidden { Rgb::ZERO } else { let_through }
     })
 }

@@ -35,10 +35,10 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
     match plane {
         Some(plane) if way.passes_hidden => {
             let mut shadows = Vec::new();
-            snapshot.tree.add_each_shadow(&plane, &mut shadows);
+            snapshot.casting().add_each_shadow(&plane, &mut shadows);
             shadows.into_iter().for_each(|shadow| lit.shadows_mut().insert(shadow.start, shadow.end));
         }
-        Some(plane) => snapshot.tree.add_shadows(&plane, lit.shadows_mut()),
+        Some(plane) => snapshot.casting().add_shadows(&plane, lit.shadows_mut()),
         None if is_blocked_in_line(snapshot, ray, light, range) => {
             lit.shadows_mut().insert(range.0, range.1);
         }
@@ -64,7 +64,7 @@ fn dim(
         return lit.resolve();
     };
     let mut shadows = Vec::new();
-    snapshot.blended.add_each_shadow(plane, &mut shadows);
+    snapshot.casting_blended().add_each_shadow(plane, &mut shadows);
     for shadow in shadows {
         let parts = if snapshot.is_textured(shadow.primitive) { TEXTURED_PARTS } else { 1 };
         let width = (shadow.end - shadow.start) / parts as f64;
@@ -84,7 +84,7 @@ fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range
     // the ray's origin and the end of the range there is nothing, so one ray from there will do.
     let origin = ray.at(0.5 * (range.0 + range.1));
     let (to_light, distance, _) = light.arriving_at(origin);
-    snapshot.tree.any_hit(&Ray { origin, direction: to_light }, distance, None)
+    snapshot.casting().any_hit(&Ray { origin, direction: to_light }, distance, None)
 }
 
 /// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond:
@@ -101,7 +101,7 @@ pub(super) fn shadows_in_line(
     };
     [1.0, -1.0].into_iter().flat_map(move |sign| {
         let line = Ray { origin: ray.at(from), direction: sign * ray.direction };
-        snapshot.blended_hits(&line, &(0.0..f64::INFINITY), None).into_iter().map(move |hit| {
+        snapshot.blended_casting(&line).into_iter().map(move |hit| {
             let t = from + sign * hit.t;
             let (start, end) = if t < light_at { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) };
             (TriangleShadow { primitive: hit.point.primitive, start, end }, hit.point.see_through)

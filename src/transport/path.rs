@@ -95,6 +95,26 @@ pub(super) enum Start {
     Surface(PrimitiveId),
 }
 
+impl Start {
+    /// The triangle that a ray leaves.
+    pub(super) fn leaving(self) -> Option<PrimitiveId> {
+        match self {
+            Self::Camera => None,
+            Self::Surface(primitive) => Some(primitive),
+        }
+    }
+
+    /// Whether rays from there see a triangle.
+    pub(super) fn sees(self, snapshot: &Snapshot, primitive: PrimitiveId) -> bool {
+        matches!(self, Self::Surface(_)) || snapshot.is_seen(primitive)
+    }
+
+    /// Whether they see a hole in the picture in its place.
+    pub(super) fn sees_hole(self, snapshot: &Snapshot, primitive: PrimitiveId) -> bool {
+        matches!(self, Self::Camera) && snapshot.is_holdout(primitive)
+    }
+}
+
 /// A path that is being followed.
 pub(super) struct Path<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,

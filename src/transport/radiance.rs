@@ -35,6 +35,8 @@ pub(super) struct Leg {
     pub(super) transmittance: Rgb,
     /// Whether an opaque surface ends it.
     pub(super) covered: bool,
+    /// The share of it that ends at holdouts.
+    pub(super) held_out: f64,
     pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
@@ -163,10 +165,9 @@ impl Path<'_> {
     /// the data passes show.
     pub(super) fn sample(&self, leg: &Leg, surface: Option<&SurfacePoint>, ray: &Ray, hue: Rgb) -> Sample {
         let Self { snapshot, transport, .. } = self;
-        let Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes } =
-            *leg;
-        let alpha =
-            if covered || snapshot.has_background() { 1.0 } else { 1.0 - transmittance.element_sum() / 3.0 };
+        let Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, mattes, .. } = *leg;
+        let is_covered = leg.covered || snapshot.has_background();
+        let alpha = if is_covered { 1.0 } else { 1.0 - mean(transmittance) } - leg.held_out;
         let motion_px = snapshot.motion_px(surface, ray.direction);
         let surface = surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
             depth_m: snapshot.view.depth(point.position),
@@ -198,15 +199,20 @@ impl Path<'_> {
         mirrors_left: u32,
     ) -> (Leg, Option<SurfacePoint>) {
         let (snapshot, light) = (self.snapshot, self.light);
-        let (leaving, shown) = match from {
-            Start::Camera => (None, snapshot.view.shown_along(ray)),
-            Start::Surface(primitive) => (Some(primitive), 0.0..f64::INFINITY),
+        let shown = match from {
+            Start::Camera => snapshot.view.shown_along(ray),
+            Start::Surface(_) => 0.0..f64::INFINITY,
         };
-        let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, leaving);
+        let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, from);
         let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
-        let surface = hit.map(|hit| snapshot.surface(ray, &hit));
+        let is_hole = hit.is_some_and(|hit| from.sees_hole(snapshot, hit.primitive));
+        let surface = hit.filter(|_| !is_hole).map(|hit| snapshot.surface(ray, &hit));
 
-        let blended = snapshot.blended_hits(ray, &(shown.start..distance.min(shown.end)), leaving);
+        let shown = shown.start..distance.min(shown.end);
+        let blended = match from {
+            Start::Camera => snapshot.blended_seen(ray, &shown),
+            Start::Surface(primitive) => snapshot.blended_hits(ray, &shown, Some(primitive)),
+        };
         let way = Way { distance, blended, passes_hidden };
         let (shafts, indirect_shafts, fog) = if snapshot.medium.is_empty() {
             (Rgb::ZERO, Rgb::ZERO, Rgb::ONE)
@@ -216,30 +222,71 @@ impl Path<'_> {
                 shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way) + indirect;
             (scattered, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
         };
-        let (mut shown, seen_through) = self.blended(shafts, ray, &way.blended, mirrors_left);
+        let (mut shown, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
-        let behind_fog = surface.as_ref().map_or_else(
-            || Shown::emitted(light.background(snapshot, ray.direction)),
-            |point| self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
-        );
+        let behind_fog = match &surface {
+            None if is_hole => Shown::default(),
+            None => Shown::emitted(light.background(snapshot, ray.direction)),
+            Some(point) => self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
+        };
         shown += behind_fog.weakened(transmittance);
+        let held_out =
+            self.held_out((ray, from), &way.blended) + if is_hole { mean(transmittance) } else { 0.0 };
         let Shown { radiance, emitted, indirect } = shown;
-        let solid = way.blended.iter().map(|hit| hit.point).find(|point| point.alpha >= SOLID_ALPHA);
+        let is_solid =
+            |point: &SurfacePoint| point.alpha >= SOLID_ALPHA && !from.sees_hole(snapshot, point.primitive);
+        let solid = way.blended.iter().map(|hit| hit.point).find(is_solid);
         let mattes = mattes(snapshot, &way.blended, surface.as_ref());
         let covered = hit.is_some();
-        let leg =
-            Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes };
+        let leg = Leg {
+            radiance,
+            emitted,
+            indirect,
+            shafts,
+            indirect_shafts,
+            transmittance,
+            covered,
+            held_out,
+            mattes,
+        };
         (leg, solid.or(surface))
+    }
+
+    /// The share of a ray that ends at blended holdouts.
+    fn held_out(&self, (ray, from): (&Ray, Start), blended: &[BlendedHit]) -> f64 {
+        let snapshot = self.snapshot;
+        if snapshot.rays_of_instances().is_none() {
+            return 0.0;
+        }
+        let (mut sum, mut seen_through) = (0.0, Rgb::ONE);
+        for BlendedHit { t, point } in blended {
+            if from.sees_hole(snapshot, point.primitive) {
+                let fog = snapshot.medium.transmittance(ray.origin, ray.direction, *t);
+                sum += mean(seen_through * fog) * point.alpha;
+            }
+            seen_through *= point.see_through;
+        }
+        sum
     }
 
     /// Front to back: the shafts and what each blended surface shows itself, and what all
     /// of them let through.
-    fn blended(&mut self, shafts: Rgb, ray: &Ray, blended: &[BlendedHit], mirrors_left: u32) -> (Shown, Rgb) {
+    fn blended(
+        &mut self,
+        (ray, from): (&Ray, Start),
+        shafts: Rgb,
+        blended: &[BlendedHit],
+        mirrors_left: u32,
+    ) -> (Shown, Rgb) {
         let (snapshot, light) = (self.snapshot, self.light);
         let (mut sum, mut seen_through) = (Shown { radiance: shafts, ..Shown::default() }, Rgb::ONE);
         let stack = Stack::of(snapshot, &light, ray, blended, self.sampler);
         for (index, hit) in blended.iter().enumerate() {
             let point = &hit.point;
+            if from.sees_hole(snapshot, point.primitive) {
+                seen_through *= point.see_through;
+                continue;
+            }
             let share = stack.as_ref().map_or(1.0, |stack| stack.shares[index]);
             let mut scattered = match &stack {
                 None => direct::scattered(snapshot, light.lights, point),
@@ -295,6 +342,11 @@ impl Path<'_> {
         let indirect = seen.indirect + seen.indirect_shafts;
         Shown { radiance: seen.radiance, emitted: seen.emitted, indirect }.weakened(point.mirror)
     }
+}
+
+/// Of all channels.
+pub(super) fn mean(transmittance: Rgb) -> f64 {
+    transmittance.element_sum() / 3.0
 }
 
 /// Which objects a ray sees, and how much of each past those before it.

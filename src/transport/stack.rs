@@ -63,7 +63,7 @@ fn let_through(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, blended: &[B
     };
     let mut shadows = Vec::new();
     match &plane {
-        Some(plane) => snapshot.blended.add_each_shadow(plane, &mut shadows),
+        Some(plane) => snapshot.casting_blended().add_each_shadow(plane, &mut shadows),
         None => shadows.extend(shadows_in_line(snapshot, ray, light, 0.0).map(|(shadow, _)| shadow)),
     }
     let transmittance = |shadow: &TriangleShadow, t: f64| {

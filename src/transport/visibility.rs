@@ -1,7 +1,8 @@
 //! What a ray of the camera meets. In go a ray and the part of it that shows, out comes where it ends.
-//! Invariant: what clipping planes hide ends no ray, and is told.
+//! Invariant: what clipping planes hide, or is invisible to the camera, ends no ray, and is told.
 
-use crate::accel::{Hit, PrimitiveId};
+use super::path::Start;
+use crate::accel::Hit;
 use crate::math::Ray;
 use crate::snapshot::{BlendedHit, Snapshot};
 use std::ops::Range;
@@ -17,7 +18,7 @@ pub(super) struct Way {
     pub(super) passes_hidden: bool,
 }
 
-/// What ends a ray, and what it passes that the camera's clipping planes hide.
+/// What ends a ray, and what it passes that does not show.
 #[derive(Clone, Copy, Default)]
 pub(super) struct RayEnd {
     /// The nearest opaque surface that shows.
@@ -26,22 +27,22 @@ pub(super) struct RayEnd {
     pub(super) passes_hidden: bool,
 }
 
-/// What a ray meets of opaque surfaces, of which those within a part of it show; `skip` is where it starts.
-pub(super) fn ray_end(
-    snapshot: &Snapshot,
-    ray: &Ray,
-    shown: &Range<f64>,
-    skip: Option<PrimitiveId>,
-) -> RayEnd {
-    let Some(hit) = snapshot.tree.nearest_hit(ray, f64::INFINITY, skip) else { return RayEnd::default() };
-    if shown.contains(&hit.t) {
-        return RayEnd { hit: Some(hit), passes_hidden: false };
+/// What a ray meets of opaque surfaces, of which those within a part of it show.
+pub(super) fn ray_end(snapshot: &Snapshot, ray: &Ray, shown: &Range<f64>, from: Start) -> RayEnd {
+    let shows = |hit: &Hit| shown.contains(&hit.t) && from.sees(snapshot, hit.primitive);
+    let Some(mut hit) = snapshot.tree.nearest_hit(ray, f64::INFINITY, from.leaving()) else {
+        return RayEnd::default();
+    };
+    let mut passes_hidden = false;
+    while !shows(&hit) {
+        passes_hidden = true;
+        let (start, leaving) =
+            if hit.t < shown.start { (shown.start, None) } else { (hit.t, Some(hit.primitive)) };
+        let rest = Ray { origin: ray.at(start), direction: ray.direction };
+        let Some(next) = snapshot.tree.nearest_hit(&rest, shown.end - start, leaving) else {
+            return RayEnd { hit: None, passes_hidden };
+        };
+        hit = Hit { t: start + next.t, ..next };
     }
-    let mut next = None;
-    if hit.t < shown.start {
-        let rest = Ray { origin: ray.at(shown.start), direction: ray.direction };
-        next = snapshot.tree.nearest_hit(&rest, shown.end - shown.start, None);
-    }
-    let from_start = |hit: Hit| Hit { t: shown.start + hit.t, ..hit };
-    RayEnd { hit: next.map(from_start), passes_hidden: true }
+    RayEnd { hit: Some(hit), passes_hidden }
 }

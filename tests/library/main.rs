@@ -42,6 +42,7 @@ mod obj;
 mod outline;
 mod paths;
 mod pixel_filter;
+mod ray_visibility;
 mod repetition;
 mod scanline;
 mod scene_format;

@@ -6,8 +6,8 @@ use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
-    AlphaMode, Aperture, Clip, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node, Scene,
-    Size, Track,
+    AlphaMode, Aperture, Clip, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node,
+    RayVisibility, Scene, Size, Track,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
@@ -187,6 +187,32 @@ fn clipping_planes() {
             focus_distance_m: Track::from(5.0),
             blades: 0,
         });
+        assert_equal(&scene);
+    }
+}
+
+/// Every few leaves one that the camera does not see, one without a shadow, and a hole, of which some
+/// are blended.
+#[test]
+fn leaves_that_not_all_rays_meet() {
+    let lamp = DAffine3::from_translation(DVec3::new(0.5, 3.0, 1.0));
+    for mut scene in [leaves500(), with_light(LightKind::Point, lamp, 50.0)] {
+        let nodes: Vec<usize> = scene.instances.iter().map(|instance| instance.node).collect();
+        for (number, node) in nodes.into_iter().enumerate() {
+            let rays = RayVisibility {
+                visible_to_camera: number % 3 != 0,
+                casts_shadow: number % 5 != 0,
+                holdout: number % 7 == 0,
+            };
+            scene.set_ray_visibility(node, rays);
+        }
+        assert_equal(&scene);
+        let veil = Material { alpha_mode: AlphaMode::Blend, opacity: 0.5, ..Material::default() };
+        scene.materials.push(veil);
+        let veil = scene.materials.len() - 1;
+        for instance in scene.instances.iter_mut().step_by(11) {
+            instance.material = Some(veil);
+        }
         assert_equal(&scene);
     }
 }

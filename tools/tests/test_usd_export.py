@@ -72,6 +72,22 @@ class Stages(Case):
                     validation_errors(path), [], f"{name}, for_blender {for_blender}, {point_instancer}"
                 )
 
+    def test_which_rays_meet_things_goes_there_and_back(self):
+        """By a node of its own, also where the others become one crowd."""
+        source = Path(__file__).parents[2] / "tests/data/valid/gltf/leaf.gltf"
+        document = json.loads(source.read_text())
+        rays = {"visible_to_camera": False, "casts_shadow": False, "holdout": True}
+        document["nodes"] += [{"name": "unseen", "mesh": 0, "extras": {"sunfleck_object": rays}}, {"name": "usual", "mesh": 0}]
+        document["scenes"][0]["nodes"] += [len(document["nodes"]) - 2, len(document["nodes"]) - 1]
+        path = self.folder / "leaf.gltf"
+        path.write_text(json.dumps(document))
+        for point_instancer in (False, True):
+            stage, back = self.folder / f"leaf_{point_instancer}.usda", self.folder / f"back_{point_instancer}.glb"
+            export_usd(path, stage, ExportOptions(point_instancer=point_instancer))
+            import_usd(stage, back)
+            found = {node.name: node.extras.raw.get("sunfleck_object") for node in load(back).nodes}
+            self.assertEqual({name: said for name, said in found.items() if said}, {"unseen": rays})
+
     def test_a_package_holds_its_textures(self):
         path = self.folder / "cards.usdz"
         export_usd(SAMPLES / "b_leafcards.glb", path)

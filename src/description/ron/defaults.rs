@@ -46,3 +46,13 @@ pub(super) fn zero<T: Uniform>() -> T {
 pub(super) fn one<T: Uniform>() -> T {
     T::uniform(1.0)
 }
+
+/// What is or is not, and by default is.
+pub(super) fn yes() -> bool {
+    true
+}
+
+/// The same, keyed.
+pub(super) fn seen() -> Keyed<bool> {
+    Keyed::Plain(true)
+}

@@ -1,7 +1,7 @@
 //! What a scene file holds, field by field. Invariant: every field's unit is in its name, and
 //! docs/scene-format.md describes every field.
 
-use super::defaults::{one, zero};
+use super::defaults::{one, seen, yes, zero};
 use super::fall::Fall;
 use super::keyed::Keyed;
 use super::leaves::Leaves;
@@ -65,6 +65,9 @@ impl SceneFile {
             rotation_quaternion: None,
             scale: one(),
             visible: seen(),
+            visible_to_camera: true,
+            casts_shadow: true,
+            holdout: false,
         };
         Self {
             version: Version,
@@ -185,6 +188,15 @@ pub struct Object {
     /// Whether it and everything that follows it takes part in the picture.
     #[serde(default = "seen")]
     pub visible: Keyed<bool>,
+    /// Whether the camera sees its mesh.
+    #[serde(default = "yes")]
+    pub visible_to_camera: bool,
+    /// Whether its mesh throws shadows.
+    #[serde(default = "yes")]
+    pub casts_shadow: bool,
+    /// Whether its mesh is a hole in the picture.
+    #[serde(default)]
+    pub holdout: bool,
 }
 
 /// A camera.
@@ -360,10 +372,6 @@ pub struct Fog {
     /// Henyey-Greenstein g; forward if positive.
     #[serde(default = "zero")]
     pub anisotropy: Keyed<Number<Anisotropy>>,
-}
-
-fn seen() -> Keyed<bool> {
-    Keyed::Plain(true)
 }
 
 fn up() -> Direction {

@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::Property;
+use crate::scene::{Property, RayVisibility};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -83,6 +83,24 @@ pub(super) struct Leaf {
     pub(super) unknown: BTreeMap<String, Value>,
 }
 
+/// `sunfleck_object` of a node: which rays meet its mesh.
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct ObjectRays {
+    visible_to_camera: bool,
+    casts_shadow: bool,
+    holdout: bool,
+    #[serde(flatten)]
+    unknown: BTreeMap<String, Value>,
+}
+
+impl Default for ObjectRays {
+    fn default() -> Self {
+        let RayVisibility { visible_to_camera, casts_shadow, holdout } = RayVisibility::USUAL;
+        Self { visible_to_camera, casts_shadow, holdout, unknown: BTreeMap::new() }
+    }
+}
+
 /// One number for all colour channels, or one for each.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(untagged, expecting = "neither a number nor three, for red, green and blue")]
@@ -152,11 +170,24 @@ fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Repo
 }
 
 impl Builder<'_> {
+    /// Which rays meet the mesh of one of the file's nodes.
+    pub(super) fn ray_visibility(&mut self, node: usize) -> RayVisibility {
+        let extras = &self.source.nodes[node].extras;
+        let read: Option<ObjectRays> =
+            read(extras, "sunfleck_object", &format!("nodes[{node}]"), &mut self.report);
+        let ObjectRays { visible_to_camera, casts_shadow, holdout, unknown } = read.unwrap_or_default();
+        for name in unknown.keys() {
+            self.report.not_honoured(Loss::UnknownField, &format!("sunfleck_object.{name}"));
+        }
+        RayVisibility { visible_to_camera, casts_shadow, holdout }
+    }
+
     /// Says which properties of nodes, cameras and materials are known and not yet honoured.
     pub(super) fn report_other_extras(&mut self) {
         let known = [
             "sunfleck_fog_volume",
             "sunfleck_light",
+            "sunfleck_object",
             "sunfleck_camera",
             "sunfleck_leaf",
             "sunfleck_material",

@@ -45,6 +45,8 @@ impl Builder<'_> {
         }
         let leaf_ids = self.leaf_ids(&shown.iter().map(|&(node, ..)| node).collect::<Vec<_>>());
         for ((index, node, source), leaf_id) in shown.into_iter().zip(leaf_ids) {
+            let rays = self.ray_visibility(index);
+            self.scene.set_ray_visibility(node, rays);
             for part in converted[source].iter().flatten() {
                 let (mesh, deformation) = self.bend(part, index, &mut baked);
                 self.scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation });

@@ -3,7 +3,7 @@
 
 use super::{Resolver, rotation, track};
 use crate::description::ron::{Keyed, Object};
-use crate::scene::{MeshIndex, Motion, Node, NodeIndex, Rotation, Track};
+use crate::scene::{MeshIndex, Motion, Node, NodeIndex, RayVisibility, Rotation, Track};
 use glam::DAffine3;
 use std::collections::BTreeMap;
 
@@ -66,6 +66,9 @@ impl<'a> Resolver<'a> {
         let node = self.scene.nodes.len();
         self.nodes.insert(name, node);
         self.scene.nodes.push(Node { name: name.to_owned(), parent, motion, visible });
+        let Object { visible_to_camera, casts_shadow, holdout, .. } = *object;
+        let rays = RayVisibility { visible_to_camera, casts_shadow, holdout };
+        self.scene.set_ray_visibility(node, rays);
         if let Some(mesh) = mesh {
             self.instance(node, mesh, material);
         }

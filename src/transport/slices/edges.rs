@@ -149,7 +149,9 @@ impl Edges {
 fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
     let met = sweep.active().iter().filter(|segment| segment.is_met_at(slope));
     let points = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope))));
-    let reaches = points.filter(|(_, point)| sweep.shows(*point)).map(|(segment, point)| (segment, point.x));
+    let reaches = points
+        .filter(|(segment, point)| sweep.shows(segment, *point))
+        .map(|(segment, point)| (segment, point.x));
     reaches.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(segment, _)| segment)
 }
 
@@ -194,7 +196,8 @@ fn add_shadow_edges(
             slopes.push((slope_at(name), sweep.passed_end(name).map(shadow_of)));
         }
     }
-    for other in sweep.active().iter().filter(|other| !ptr::eq(*other, segment)) {
+    let others = sweep.active().iter().filter(|other| !ptr::eq(*other, segment));
+    for other in others.filter(|other| sweep.casts_shadow(other)) {
         for end in [other.upper, other.lower] {
             if is_within(&end.name) && !passed.contains(end.name) {
                 let slope = slope_at(end.name);

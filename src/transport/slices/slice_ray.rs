@@ -11,7 +11,7 @@ use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
 use crate::transport::indirect;
 use crate::transport::path::{Illumination, Path, Scratch, Start};
-use crate::transport::radiance::{Leg, Shown, mattes};
+use crate::transport::radiance::{Leg, Shown, mattes, mean};
 use crate::transport::shafts::by_segments;
 
 /// A ray of a slice and what it meets first.
@@ -72,8 +72,10 @@ impl SliceRay<'_> {
                 let transmittance = snapshot.medium.transmittance(ray.origin, ray.direction, distance);
                 Passage { transmittance, scattered }
             });
+        let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
-            meeting.is_lit || facet.shines_or_mirrors() || transport.features || path.indirect().is_some()
+            let has_light = meeting.is_lit || facet.shines_or_mirrors() || path.indirect().is_some();
+            !is_hole && (has_light || transport.features)
         };
         let seen = self.meeting.filter(shows);
         let is_lit = seen.is_some_and(|(meeting, _)| meeting.is_lit);
@@ -95,8 +97,18 @@ impl SliceRay<'_> {
         let indirect = behind_fog.indirect * transmittance;
         let covered = self.meeting.is_some();
         let mattes = mattes(snapshot, &[], surface.as_ref());
-        let leg =
-            Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, covered, mattes };
+        let held_out = if is_hole { mean(transmittance) } else { 0.0 };
+        let leg = Leg {
+            radiance,
+            emitted,
+            indirect,
+            shafts,
+            indirect_shafts,
+            transmittance,
+            covered,
+            held_out,
+            mattes,
+        };
         path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 

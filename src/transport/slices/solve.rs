@@ -140,6 +140,8 @@ impl<'a> Rays<'a> {
         let half_plane = HalfPlane { eye, axis, outward: slice.outward, lowest_slope };
         let clip = PlanarClip::of(&snapshot.view, slice.outward, axis);
         (sweep.clip, veils.sweep.clip) = (clip, clip);
+        // Those of blended surfaces only tell where to look.
+        sweep.rays = snapshot.rays_of_instances().cloned();
         cuts.clear();
         snapshot.blended.add_cuts(&half_plane, cuts);
         let blended_cuts = cuts.len();

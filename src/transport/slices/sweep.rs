@@ -12,7 +12,7 @@ use super::buckets::{Buckets, partition_point_near};
 use crate::accel::{Cut, PrimitiveId};
 use crate::math::{IntervalSet, PlanarRay};
 use crate::scene::Clip;
-use crate::snapshot::View;
+use crate::snapshot::{RaysOfInstances, View};
 use glam::{DVec2, DVec3};
 
 /// How the light's rays are named within a half plane.
@@ -172,6 +172,8 @@ pub(super) fn ordered(a: f64, b: f64) -> (f64, f64) {
 pub(super) struct Sweep {
     /// The camera's clipping planes, if they hide anything.
     pub(super) clip: Option<PlanarClip>,
+    /// Which rays meet which instances, if not all meet all.
+    pub(super) rays: Option<RaysOfInstances>,
     /// By the first part of the slice that their upper ends lie in or above.
     segments: Buckets<Segment>,
     /// Number of the next part.
@@ -239,9 +241,15 @@ impl Sweep {
         self.pass(highest_slope, darken);
     }
 
-    /// Whether the camera sees surfaces at a point.
-    pub(super) fn shows(&self, point: DVec2) -> bool {
-        self.clip.is_none_or(|clip| clip.shows(point))
+    /// Whether the camera sees a segment at a point.
+    pub(super) fn shows(&self, segment: &Segment, point: DVec2) -> bool {
+        let is_seen = |rays: &RaysOfInstances| rays.of(segment.primitive).visible_to_camera;
+        self.clip.is_none_or(|clip| clip.shows(point)) && self.rays.as_ref().is_none_or(is_seen)
+    }
+
+    /// Whether a segment throws a shadow.
+    pub(super) fn casts_shadow(&self, segment: &Segment) -> bool {
+        self.rays.as_ref().is_none_or(|rays| rays.of(segment.primitive).casts_shadow)
     }
 
     /// Segments that rays of the current part may meet.
@@ -261,7 +269,7 @@ impl Sweep {
 
     /// What lies wholly above a slope goes to the shadows.
     fn pass(&mut self, slope: f64, mut darken: impl FnMut(f64, f64)) {
-        let Self { shadows, passed_names, passed_ends, .. } = self;
+        let Self { shadows, passed_names, passed_ends, rays, .. } = self;
         let mut add = |ends: [(f64, CutEnd); 2]| {
             let [(start, _), (end, _)] = ends;
             shadows.insert_and_tell(start, end, &mut darken);
@@ -275,6 +283,9 @@ impl Sweep {
         self.active.retain(|segment| {
             if !segment.is_above(slope) {
                 return true;
+            }
+            if rays.as_ref().is_some_and(|rays| !rays.of(segment.primitive).casts_shadow) {
+                return false;
             }
             let shadow = segment.shadow_ends().map(|end| (end.name, segment.cut_end(end)));
             pending = match pending {
@@ -308,12 +319,12 @@ impl Sweep {
             }
             let point = segment.crossing(ray.direction);
             // What does not show throws its shadow yet.
-            if self.shows(point)
+            if self.shows(segment, point)
                 && first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction))
             {
                 first = Some((point, self.crossings.len()));
             }
-            let shadow = ordered(light_rays.through(point), segment.upper.name);
+            let shadow = self.shadow_on(segment, light_rays.through(point));
             self.crossings.push(Crossing { segment: index, point, shadow });
         }
         self.met = first.map(|(_, index)| index);
@@ -332,13 +343,19 @@ impl Sweep {
         Some(Meeting { primitive, distance, is_lit })
     }
 
+    /// Between which names of the light's rays the part of a segment above a ray that meets it at `name`
+    /// throws its shadow: between `name` and itself if it throws none.
+    fn shadow_on(&self, segment: &Segment, name: f64) -> (f64, f64) {
+        if self.casts_shadow(segment) { ordered(name, segment.upper.name) } else { (name, name) }
+    }
+
     /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and what
     /// it meets. `end` names the one through the place where the ray ends, if it meets anything: better known
     /// than the segment there, whose own shadow must not end before.
     pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
         if let (Some(index), Some(name)) = (self.met, end) {
-            let crossing = &mut self.crossings[index];
-            crossing.shadow = ordered(name, self.active[crossing.segment].upper.name);
+            let segment = &self.active[self.crossings[index].segment];
+            self.crossings[index].shadow = self.shadow_on(segment, name);
         }
         self.own_union.clear();
         for crossing in &self.crossings {

@@ -12,6 +12,7 @@ import math
 import random
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import bpy
 import mathutils
@@ -74,19 +75,28 @@ def mesh(name, shade):
     return data
 
 
-def place(scene, name, data, location=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0), size=1.0):
+def place(name, data, location=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0), size=1.0):
     """An object that shows a mesh."""
     thing = bpy.data.objects.new(name, data)
-    scene.collection.objects.link(thing)
+    bpy.context.scene.collection.objects.link(thing)
     thing.location, thing.rotation_euler, thing.scale = location, turn, (size, size, size)
     return thing
 
 
-def crown(scene, name, leaves, twigs, world_from_twigs, count, sizes, rng):
-    """Leaves that hang from twigs' vertices; all share a few meshes."""
+class Twigs(NamedTuple):
+    """Of a tree."""
+
+    mesh: bpy.types.Mesh
+    world_from_mesh: mathutils.Matrix
+
+
+def crown(name, twigs, count, leaves, rng):
+    """So many leaves that hang from twigs' vertices; `leaves` are a few meshes that all share, and the smallest
+    and largest size."""
+    meshes, sizes = leaves
     for number in range(count):
-        leaf = place(scene, f"{name} {number}", rng.choice(leaves), size=rng.uniform(*sizes))
-        leaf.location = world_from_twigs @ rng.choice(twigs.vertices).co
+        leaf = place(f"{name} {number}", rng.choice(meshes), size=rng.uniform(*sizes))
+        leaf.location = twigs.world_from_mesh @ rng.choice(twigs.mesh.vertices).co
         droop, roll = math.radians(rng.uniform(-10, 80)), math.radians(rng.uniform(-50, 50))
         leaf.rotation_euler = (-droop, roll, rng.uniform(0, math.tau))
 
@@ -99,7 +109,7 @@ def group(name, things):
     return made
 
 
-def aloft(scene, count, rng):
+def aloft(count, rng):
     """A mesh whose vertices are leaves that fall already as the film begins: all over the clearing, and where
     the lens is sharp."""
     points = []
@@ -110,10 +120,10 @@ def aloft(scene, count, rng):
             points.append((rng.uniform(-8.0, 5.0), rng.uniform(-4.0, 9.0), rng.uniform(0.4, 7.0)))
     data = bpy.data.meshes.new("aloft")
     data.from_pydata(points, [], [])
-    return place(scene, "aloft", data)
+    return place("aloft", data)
 
 
-def falling(scene, twigs, solid, shades, rng):
+def falling(twigs, solid, shades, rng):
     """Leaves in the wind (glade_wind.py)."""
     shown = []
     for name, shade in (
@@ -123,19 +133,17 @@ def falling(scene, twigs, solid, shades, rng):
         ("maple_far_d", shades[1]),
     ):
         shown.append(bpy.data.objects.new(name, mesh(name, shade)))
-    glade_wind.blow(
-        aloft(scene, 260, rng), twigs, group("falling leaves", shown), group("solid", solid), 40.0
-    )
+    glade_wind.blow(aloft(260, rng), twigs, group("falling leaves", shown), group("solid", solid), 40.0)
 
 
 def light_and_fog(scene):
     """A low sun from the side, morning fog that thins out, a dim sky behind."""
     data = bpy.data.lights.new("sun", "SUN")
     data.energy, data.color, data.angle = 28.0, (1.0, 0.62, 0.28), math.radians(1.2)
-    sun = place(scene, "sun", data)
+    sun = place("sun", data)
     sun.rotation_euler = mathutils.Vector((0.30, -0.80, -0.36)).to_track_quat("-Z", "Y").to_euler()
     settings = scene.sunfleck_settings
-    fog = place(scene, "fog", None, (0.0, 20.0, 10.0))
+    fog = place("fog", None, (0.0, 20.0, 10.0))
     fog.scale = (24.0, 32.0, 13.0)
     holds = fog.sunfleck_settings
     holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.007, (0.96, 0.92, 0.84), 0.75
@@ -149,7 +157,7 @@ def camera(scene):
     data = bpy.data.cameras.new("camera")
     data.sensor_fit, data.lens = "HORIZONTAL", 26.0
     data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 4.6, 1.8
-    thing = place(scene, "camera", data)
+    thing = place("camera", data)
     for frame, location in ((FRAMES[0], (0.6, -7.6, 0.85)), (FRAMES[1], (0.2, -6.9, 0.95))):
         thing.location = location
         thing.rotation_euler = (
@@ -172,7 +180,7 @@ def main(output):
         material("amber maple", "maple_amber.png", 0.6),
     )
     solid = [
-        place(scene, f"ground {name}", mesh(f"ground_{name}", litter))
+        place(f"ground {name}", mesh(f"ground_{name}", litter))
         for name in ("clearing", "left", "right", "beyond")
     ]
     twig = bpy.data.materials.new("twig")
@@ -180,26 +188,27 @@ def main(output):
     twig.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.06, 0.045, 0.035, 1.0)
     wood, twigs = mesh("oak_wood", bark), mesh("oak_twigs", twig)
     oak = mathutils.Matrix.Translation((-2.6, 2.6, 0.0)) @ mathutils.Matrix.Rotation(0.9, 4, "Z")
-    trunk, fine = place(scene, "oak", wood), place(scene, "oak twigs", twigs)
+    trunk, fine = place("oak", wood), place("oak twigs", twigs)
     trunk.matrix_world = fine.matrix_world = oak
     hanging = [mesh("maple_canopy_hanging", shade) for shade in (amber, yellow)]
-    crown(scene, "crown", hanging, twigs, oak, 4200, (0.20, 0.34), rng)
+    crown("crown", Twigs(twigs, oak), 4200, (hanging, (0.20, 0.34)), rng)
     maple_bark = material("maple bark", "bark_maple.png")
     far_wood, far_twigs = mesh("birch_wood", maple_bark), mesh("birch_twigs", twig)
     for i, (x, y) in enumerate(
         [(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]
     ):
         turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5)
-        tree = place(scene, f"far tree {i + 1}", far_wood, (x, y, 0.0), turn, size)
+        tree = place(f"far tree {i + 1}", far_wood, (x, y, 0.0), turn, size)
         if x < 5.0:
-            place(scene, f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
-            crown(scene, f"far crown {i + 1}", hanging, far_twigs, tree.matrix_basis, 600, (0.35, 0.6), rng)
+            place(f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
+            far = Twigs(far_twigs, tree.matrix_basis)
+            crown(f"far crown {i + 1}", far, 600, (hanging, (0.35, 0.6)), rng)
     leaves = [mesh("maple_far", yellow), mesh("maple_far", amber)]
     for number in range(420):
         x, y = rng.uniform(-7, 7), rng.uniform(-7, 8)
         turn = (rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4), rng.uniform(0, math.tau))
-        place(scene, f"litter {number}", leaves[number % 2], (x, y, 0.03), turn, rng.uniform(0.14, 0.24))
-    falling(scene, fine, [*solid, trunk], (yellow, amber), rng)
+        place(f"litter {number}", leaves[number % 2], (x, y, 0.03), turn, rng.uniform(0.14, 0.24))
+    falling(fine, [*solid, trunk], (yellow, amber), rng)
     light_and_fog(scene)
     camera(scene)
     output.parent.mkdir(parents=True, exist_ok=True)

@@ -4,8 +4,9 @@ In goes a scene, out come findings (`losses`); what only the export itself finds
 whatever Blender renders and sunfleck does not is among them.
 """
 
-from . import world
-from .evaluated import simulations, walk
+from . import film, world
+from .evaluated import walk
+from .film import of_cycles
 from .losses import Finding, ordered
 from .materials import colours, dependence, principled, sockets
 
@@ -15,11 +16,9 @@ def check(scene):
     found = [*of_scene(scene), *of_cameras(scene)]
     materials = set()
     for thing in rendered(scene):
-        found += of_object(thing, scene.render.use_motion_blur)
+        found += of_object(thing, scene)
         if not thing.sunfleck_settings.is_fog:
             materials.update(slot.material for slot in thing.material_slots if slot.material)
-    for collection in simulations.layer_collections(walk.view_layer(scene).layer_collection):
-        found += of_collection(collection)
     for material in sorted(materials, key=lambda material: material.name):
         found += of_material(material)
     return ordered(found)
@@ -45,7 +44,7 @@ def of_scene(scene):
         "unit-scale": abs(scene.unit_settings.scale_length - 1.0) > 1e-6,
         "border": render.use_border,
         "pixel-aspect": render.pixel_aspect_x != render.pixel_aspect_y,
-        "film-exposure": abs(film_exposure(scene) - 1.0) > 1e-6,
+        "film-exposure-changes": film.changes(scene),
         "film-transparent": render.film_transparent,
         "frame-step": scene.frame_step != 1,
         "view-layers": sum(layer.use for layer in scene.view_layers) > 1,
@@ -84,16 +83,6 @@ def is_box(scene):
     return min(values) > 0.99 and of_cycles(scene, "rolling_shutter_type", "NONE") == "NONE"
 
 
-def film_exposure(scene):
-    """Cycles' own, which multiplies what it writes."""
-    return of_cycles(scene, "film_exposure", 1.0) if scene.render.engine == "CYCLES" else 1.0
-
-
-def of_cycles(owner, name, default, group="cycles"):
-    """A property of Cycles, which may be switched off."""
-    return getattr(getattr(owner, group, None), name, default)
-
-
 def of_cameras(scene):
     bound = [marker.camera for marker in scene.timeline_markers if marker.camera]
     lenses = {
@@ -105,9 +94,10 @@ def of_cameras(scene):
 
 
 RAYS = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter")
+HONOURED = {"visible_camera", "visible_shadow", "is_holdout"}
 
 
-def of_object(thing, is_blurred):
+def of_object(thing, scene):
     name = f"`{thing.name}`"
     if thing.type == "LIGHT":
         yield from of_light(name, thing)
@@ -130,15 +120,16 @@ def of_object(thing, is_blurred):
         if thing.type == "MESH" and not is_fogs_cube(thing):
             yield Finding("fog-not-a-cube", name)
         return
+    is_blurred, own = scene.render.use_motion_blur, scene.sunfleck_settings
+    bounces = own.all_bounces or own.bounces > 0
     said = {
         "volume": thing.type == "VOLUME",
         "grease-pencil": thing.type in {"GPENCIL", "GREASEPENCIL"},
         "point-cloud": thing.type == "POINTCLOUD",
         "hair": thing.type == "CURVES" or any(shows_hair(system.settings) for system in thing.particle_systems),
-        "holdout": thing.is_holdout,
         "shadow-catcher": thing.is_shadow_catcher,
-        "camera-invisible": not thing.visible_camera,
-        "shadow-invisible": not thing.visible_shadow,
+        "shadow-in-bounces": bounces and not thing.visible_shadow,
+        "visibility-changes": any(curve.data_path in HONOURED for curve in curves_of(thing)),
         "ray-visibility": not all(getattr(thing, rays) for rays in RAYS),
         "light-linking": is_linked(thing),
         "motion-blur-off": is_blurred and not all(of_cycles(thing, blur, True) for blur in ("use_motion_blur", "use_deform_motion")),
@@ -162,16 +153,6 @@ def shows_hair(settings):
 def is_linked(thing):
     linking = getattr(thing, "light_linking", None)
     return bool(linking and (linking.receiver_collection or linking.blocker_collection))
-
-
-def of_collection(collection):
-    name = f"the collection `{collection.name}`"
-    if collection.exclude:
-        return
-    if collection.holdout:
-        yield Finding("holdout", name)
-    if collection.indirect_only:
-        yield Finding("indirect-only", name)
 
 
 def of_light(name, thing):

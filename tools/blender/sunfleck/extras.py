@@ -8,7 +8,7 @@ keeps it unless the panel speaks of the same thing.
 from pathlib import Path
 from urllib.parse import quote
 
-from . import world
+from . import film, world
 from .evaluated import lights
 from .materials.colours import rec709
 
@@ -59,12 +59,13 @@ def of_scene(scene, path=None):
     elif own.background_strength > 0.0:
         sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     if sky:
+        sky["strength"] *= film.exposure(scene)
         written["sunfleck_env"] = {**sky, "lights": own.sky_lights}
     return written
 
 
-def of_object(thing, path=None):
-    """What an object's custom properties are to be; what image they name lies beside `path`."""
+def of_object(thing, scene, path=None):
+    """What an object's custom properties are to be in a scene; what image they name lies beside `path`."""
     own, written = thing.sunfleck_settings, {}
     if own.is_fog:
         volume = {"shape": "box", **fog(own)}
@@ -76,7 +77,7 @@ def of_object(thing, path=None):
     if thing.type == "LIGHT":
         written["sunfleck_light"] = {
             **plain(thing.get("sunfleck_light")),
-            **light(thing.data, own, thing.matrix_world.to_scale()),
+            **light(thing, film.exposure(scene)),
         }
         if thing.data.type == "SUN" and own.sun_shows == "IMAGE" and own.sun_image and path is not None:
             name = world.on_the_sun(own.sun_image, Path(path), thing.name)
@@ -84,9 +85,10 @@ def of_object(thing, path=None):
     return written
 
 
-def light(data, own, scale=(1.0, 1.0, 1.0)):
-    """What glTF does not say of a light."""
-    strength = lights.power_w(data, scale)
+def light(thing, exposure):
+    """What glTF does not say of a light, of which `exposure` is a factor."""
+    data, own = thing.data, thing.sunfleck_settings
+    strength = exposure * lights.power_w(data, thing.matrix_world.to_scale())
     if data.type == "SUN":
         said = {"angle": data.angle, "strength_w_m2": strength, **sun_disc(own)}
         return {**said, "visible_to_camera": True} if own.visible_to_camera else said
@@ -187,7 +189,7 @@ def store(scene, path=None):
     """Writes them all, and images beside the file that is to be written."""
     put(scene, of_scene(scene, path))
     for thing in scene.objects:
-        put(thing, of_object(thing, path))
+        put(thing, of_object(thing, scene, path))
         if thing.type == "CAMERA":
             put(thing.data, of_camera(thing.data, scene))
         for slot in thing.material_slots:

@@ -21,7 +21,7 @@ LOSSES = {
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
     "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a "
                               "screen with pixels of its aspect"),
-    "film-exposure": (WARNING, "the film's exposure is not 1: frames are in W/(m2 sr), without it"),
+    "film-exposure-changes": (WARNING, "the film's exposure changes: it is exported as it is now"),
     "film-transparent": (WARNING, "the film is transparent: alpha is 1 wherever a sky is"),
     "frame-step": (WARNING, "every frame is in the file: Animation renders those of the step alone"),
     "view-layers": (WARNING, "one view layer is exported, the others that render are not"),
@@ -60,12 +60,13 @@ LOSSES = {
                                  "tick Holds fog in its panel"),
     "volume-beside-surface": (WARNING, "of a material with a surface and a volume only the surface is "
                                        "rendered"),
-    "holdout": (WARNING, "holdouts are rendered like other surfaces"),
     "shadow-catcher": (WARNING, "shadow catchers are rendered like other surfaces"),
-    "camera-invisible": (WARNING, "what is invisible to the camera alone is seen"),
-    "shadow-invisible": (WARNING, "what casts no shadow casts one here"),
-    "indirect-only": (WARNING, "what a collection shows indirectly alone is seen"),
-    "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured"),
+    "shadow-in-bounces": (WARNING, "what casts no shadow casts one where light bounces, on what it would light "
+                                   "there"),
+    "visibility-changes": (WARNING, "visibility to camera and shadows and holdouts do not change: they are "
+                                    "exported as they are now"),
+    "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured, but to the camera's and "
+                                "to shadows'"),
     "hair": (INFO, "hair is exported as ribbons that face the camera of the first frame"),
     "point-cloud": (INFO, "points are exported as spheres of 20 sides"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),

@@ -93,6 +93,31 @@ def hidden_things(scene):
     scenes.sun(scene)
 
 
+def unseen_things(scene):
+    """A card that the camera does not see, whose shadow it sees, and another in a collection that is
+    indirect only."""
+    bpy.data.objects["card"].visible_camera = False
+    collection = bpy.data.collections.new("indirect")
+    scene.collection.children.link(collection)
+    other = scenes.quad(scene, "other", 1.0, bpy.data.materials["card"], (-1.2, 0.0, 0.7))
+    scene.collection.objects.unlink(other)
+    collection.objects.link(other)
+    bpy.context.view_layer.layer_collection.children["indirect"].indirect_only = True
+    scenes.sun(scene)
+
+
+def shadowless_things(scene):
+    """Before the sun and a lamp, in fog."""
+    bpy.data.objects["card"].visible_shadow = False
+    point(scene)
+    fog_box(scene)
+
+
+def holdout(scene):
+    bpy.data.objects["card"].is_holdout = True
+    fog_box(scene)
+
+
 def hair(scene):
     """In the colours of a picture, by the texture coordinates of its roots."""
     tree = Tree()
@@ -169,6 +194,14 @@ def pixel_aspect(scene):
     scene.render.pixel_aspect_x = 2.0
 
 
+def film_exposure(scene):
+    """Of a lamp, a sun and a world, which is seen too."""
+    scenes.sun(scene)
+    point(scene)
+    world(scene)
+    scene.cycles.film_exposure = 2.0
+
+
 def orthographic(scene):
     scenes.sun(scene)
     scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 5.0
@@ -235,8 +268,8 @@ EXACT = (
     scenes.sun, sun_disc, point, sphere, spot, area, warm_sun, world_colour, world_image, materials.default_principled,
     materials.rough_principled, materials.smooth_principled, materials.coloured_metal, materials.textures, materials.colour_attributes,
     materials.random_colours, materials.translucent_leaf, materials.alpha_mask, materials.alpha_blend, materials.glowing, hidden_things,
-    hair, words_curves_and_balls, shape_keys, armature, instances_on_faces, smooth_normals, camera_markers, border, pixel_aspect,
-    orthographic, shifted_lens, depth_of_field, motion_blur, fog_box,
+    unseen_things, shadowless_things, holdout, hair, words_curves_and_balls, shape_keys, armature, instances_on_faces, smooth_normals, camera_markers, border, pixel_aspect,
+    film_exposure, orthographic, shifted_lens, depth_of_field, motion_blur, fog_box,
 )
 BAKED = (world_of_nodes, materials.baked_nodes, materials.baked_group, materials.bumps)
 EXACT_BAR, BAKED_BAR = 0.005, 0.02

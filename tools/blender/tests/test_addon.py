@@ -392,9 +392,9 @@ class Checks(Case):
         scene = self.scene
         shade = scenes.material("leaf", (0.2, 0.5, 0.1))
         thing = scenes.quad(scene, "quad", 1.0, shade)
-        thing.visible_shadow = False
+        thing.visible_glossy = False
         said = {finding.id for finding in check.check(scene)}
-        self.assertEqual(said, {"no-camera", "shadow-invisible"})
+        self.assertEqual(said, {"no-camera", "ray-visibility"})
         thing.hide_render = True
         self.assertEqual([finding.id for finding in check.check(scene)], ["no-camera"])
 

@@ -19,8 +19,11 @@ sys.path.append(str(Path(__file__).parents[2]))
 
 from sunfleck_tools.peers import beside
 
-# Enough for a tenth of the bars.
+# Enough for a tenth of the bars, and of random walks for a fifth.
 SAMPLES, CYCLES_SAMPLES = 32, 64
+WALKS, CYCLES_WALKS = 128, 256
+# Of each way in which light goes on: leaves, shine, light through a leaf, fog, and past what is not seen.
+BOUNCED = ("leaves, particles", "coloured metal", "translucent leaf", "fog box", "unseen things")
 
 
 class Beside(unittest.TestCase):
@@ -51,6 +54,22 @@ class Beside(unittest.TestCase):
                     flush=True,
                 )
                 self.assertLess(abs(ratio - 1.0), bar, name)
+
+
+    def test_random_walks_bounce_as_in_cycles(self):
+        """Our other way to light of further orders; the grid is compared with it in docs/blender-scenes.md."""
+        for name in BOUNCED:
+            if os.environ.get("SUNFLECK_BESIDE", "") not in name:
+                continue
+            with self.subTest(name):
+                scene, frame = beside_scenes.SCENES[name][0]()
+                size = (scene.render.resolution_x, scene.render.resolution_y)
+                wish = beside.Wish(PROGRAM, frame, size, WALKS, CYCLES_WALKS, bounces=2)
+                beside.exported(scene, wish, self.folder)
+                ours = beside.ours(scene, wish, self.folder, "paths")
+                ratio = ours.mean() / beside.theirs(scene, wish, self.folder).mean()
+                print(f"{name:28} walks {ratio:9.5f}", flush=True)
+                self.assertLess(abs(ratio - 1.0), beside_scenes.EXACT_BAR, name)
 
 
 if __name__ == "__main__":

@@ -116,7 +116,7 @@ class Pictures(Case):
             "layer-filters": lambda: setattr(bpy.context.view_layer, "use_sky", False),
             "color-overrides": lambda: setattr(bpy.context.view_layer, "world_override", bpy.data.worlds.new("other")),
             "camera-culling": lambda: (setattr(render_settings, "use_simplify", True), setattr(scene.cycles, "use_camera_cull", True)),
-            "film-exposure": lambda: (setattr(render_settings, "engine", "CYCLES"), setattr(scene.cycles, "film_exposure", 2.0)),
+            "film-exposure-changes": lambda: (setattr(render_settings, "engine", "CYCLES"), scene.keyframe_insert("cycles.film_exposure")),
         }
         for id, switch in switches.items():
             self.assertNotIn(id, {finding.id for finding in check.check(scene)})
@@ -125,18 +125,17 @@ class Pictures(Case):
 
     def test_every_switch_of_things_that_is_not_honoured_is_said(self):
         thing, sun = bpy.data.objects["quad"], bpy.data.objects["sun"]
-        layer = bpy.context.view_layer.layer_collection
         stages.quad(self.scene, "flat")
+        self.scene.sunfleck_settings.all_bounces = False
 
         def transparent(material):
             material.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
             material.use_transparent_shadow = False
 
         switches = {
-            "holdout": lambda: setattr(thing, "is_holdout", True),
             "shadow-catcher": lambda: setattr(thing, "is_shadow_catcher", True),
-            "camera-invisible": lambda: setattr(thing, "visible_camera", False),
-            "shadow-invisible": lambda: setattr(thing, "visible_shadow", False),
+            "shadow-in-bounces": lambda: (setattr(thing, "visible_shadow", False), setattr(self.scene.sunfleck_settings, "bounces", 1), setattr(self.scene.sunfleck_settings, "all_bounces", False)),
+            "visibility-changes": lambda: thing.keyframe_insert("visible_camera"),
             "ray-visibility": lambda: setattr(thing, "visible_glossy", False),
             "motion-blur-off": lambda: (setattr(self.scene.render, "use_motion_blur", True), setattr(thing.cycles, "use_motion_blur", False)),
             "light-shadowless": lambda: setattr(sun.data, "use_shadow", False),
@@ -153,7 +152,45 @@ class Pictures(Case):
             self.assertNotIn(id, {finding.id for finding in check.check(self.scene)})
             switch()
             self.assertIn(id, {finding.id for finding in check.check(self.scene)}, id)
-        self.assertFalse(layer.indirect_only)
+
+    def test_which_rays_meet_things(self):
+        """Of objects, of collections and of instances, which have what both they and their instancer have."""
+        layer = bpy.context.view_layer
+
+        def collection(name):
+            made = bpy.data.collections.new(name)
+            self.scene.collection.children.link(made)
+            made.objects.link(stages.quad(self.scene, f"in {name}"))
+            self.scene.collection.objects.unlink(bpy.data.objects[f"in {name}"])
+            return layer.layer_collection.children[name]
+
+        collection("indirect").indirect_only = True
+        collection("hole").holdout = True
+        for name, setting, value in (
+            ("unseen", "visible_camera", False),
+            ("shadowless", "visible_shadow", False),
+            ("held out", "is_holdout", True),
+        ):
+            setattr(stages.quad(self.scene, name), setting, value)
+        instanced = bpy.data.collections.new("instanced")
+        inner = stages.quad(self.scene, "inner")
+        self.scene.collection.objects.unlink(inner)
+        instanced.objects.link(inner)
+        inner.visible_shadow, inner.is_holdout = False, True
+        empty = scenes.add(self.scene, "empty", None)
+        empty.instance_type, empty.instance_collection, empty.visible_camera = "COLLECTION", instanced, False
+        told = export.exported(self.scene, self.path)
+        self.assertEqual([finding.id for finding in told.findings if finding.id.startswith("count")], [])
+        said = {node["name"]: node.get("extras", {}).get("sunfleck_object") for node in File(self.path).nodes if "mesh" in node}
+        unseen, hole = {"visible_to_camera": False}, {"holdout": True}
+        self.assertEqual(
+            said,
+            {
+                "quad": None, "in indirect": unseen, "in hole": hole, "unseen": unseen,
+                "shadowless": {"casts_shadow": False}, "held out": hole,
+                "inner of empty 1": {**unseen, "casts_shadow": False},
+            },
+        )
 
     def test_every_switch_of_lamps_that_is_not_honoured_is_said(self):
         lamp = scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "SPOT")).data
@@ -227,6 +264,30 @@ class Pictures(Case):
         found = self.told([1])[0]["lights"]["lamp"]["intensity_w_per_sr"]
         wanted = [10.0 * math.pi * 0.25 / (4.0 * math.pi) * channel for channel in data.temperature_color]
         numpy.testing.assert_allclose(found, wanted, rtol=1e-5)
+
+    def test_film_exposure_is_a_factor_on_all_light(self):
+        scenes.add(self.scene, "lamp", bpy.data.lights.new("lamp", "POINT"))
+        area = scenes.add(self.scene, "area", bpy.data.lights.new("area", "AREA")).data
+        stages.key(area, "energy", (10.0, 20.0))
+        material = bpy.data.materials["quad"]
+        glow = material.node_tree.nodes["Principled BSDF"].inputs
+        glow["Emission Color"].default_value, glow["Emission Strength"].default_value = (1.0, 0.5, 0.1, 1.0), 0.8
+        self.scene.sunfleck_settings.background_strength = 0.5
+
+        def shining():
+            told = export.exported(self.scene, self.path)
+            self.assertEqual({finding.id for finding in told.findings} & {"film-exposure-changes"}, set())
+            lights = self.told([1, 6])
+            powers = [power for frame in lights for light in frame["lights"].values() for power in (light.get("power_w") or light.get("intensity_w_per_sr") or light["irradiance_w_per_m2"])]
+            said = document(self.path)
+            strong = said["materials"][0].get("extensions", {}).get("KHR_materials_emissive_strength", {})
+            emitted = numpy.array(said["materials"][0]["emissiveFactor"]) * strong.get("emissiveStrength", 1.0)
+            return numpy.array([*powers, *emitted, said["scenes"][0]["extras"]["sunfleck_env"]["strength"]])
+
+        self.scene.cycles.film_exposure = 2.5
+        before = shining()
+        self.scene.render.engine = "CYCLES"
+        numpy.testing.assert_allclose(shining(), 2.5 * before, rtol=1e-6)
 
     def test_colours_of_a_wider_space_are_converted(self):
         bpy.ops.wm.set_working_color_space(working_space="ACEScg", convert_colors=False)

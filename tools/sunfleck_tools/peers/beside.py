@@ -27,12 +27,25 @@ class Wish:
 def pictures(scene, wish: Wish, folder: Path):
     """Both, rows from the top, and what the export found. The order matters: it runs the simulations that
     Cycles then reads."""
-    from sunfleck import export, render
+    findings = exported(scene, wish, folder)
+    return ours(scene, wish, folder), theirs(scene, wish, folder), findings
+
+
+def exported(scene, wish: Wish, folder: Path):
+    """Writes the file; what was found."""
+    from sunfleck import export
 
     scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
     cycles.settings(scene, wish.size, wish.bounces)
     findings = export.exported(scene, folder / "scene.glb").findings
     scene.frame_set(wish.frame)
+    return findings
+
+
+def ours(scene, wish: Wish, folder: Path, volume: str = "auto"):
+    """Our picture of the file, by a method of `--volume`."""
+    from sunfleck import render
+
     command = [
         wish.program,
         "render",
@@ -42,15 +55,23 @@ def pictures(scene, wish: Wish, folder: Path):
         wish.samples,
         "--bounces",
         wish.bounces,
+        "--volume",
+        volume,
     ]
     subprocess.run(
         [*map(str, command), "--passes", "none", "--out", str(folder / "ours.exr")],
         check=True,
         capture_output=True,
     )
+    return pixels_of(folder / "ours.exr")
+
+
+def theirs(scene, wish: Wish, folder: Path):
+    """Cycles' picture."""
+    cycles.settings(scene, wish.size, wish.bounces)
     scene.cycles.samples, scene.render.filepath = wish.cycles_samples, str(folder / "cycles.exr")
     bpy.ops.render.render(write_still=True)
-    return pixels_of(folder / "ours.exr"), pixels_of(folder / "cycles.exr"), findings
+    return pixels_of(folder / "cycles.exr")
 
 
 def pixels_of(path: Path):

@@ -99,6 +99,8 @@ def settings(made, size, bounces=0):
     cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_auto_tile = False
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    # Or surfaces that light from elsewhere shines on are rougher than they are.
+    cycles.blur_glossy = 0.0
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
     cycles.transmission_bounces = cycles.volume_bounces = bounces
     cycles.transparent_max_bounces = 64

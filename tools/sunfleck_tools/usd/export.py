@@ -24,7 +24,7 @@ from .lights import kind_of, shows_picture, write_light
 from .materials import Materials
 from .places import write_place
 from .prims import Names, Prim
-from .properties import say_leaf_id
+from .properties import say_leaf_id, write_properties
 from .samples import Sampler
 from .sky import sky_picture, write_sky
 from .surroundings import write_fog, write_metadata, write_scene
@@ -161,6 +161,7 @@ class _Export:
             node.source.member("camera"),
             kind_of(node, self.gltf),
             node.extras.member("sunfleck_fog_volume"),
+            node.extras.member("sunfleck_object"),
         ]
         controlled = self.gltf.control(node.name, "sunfleck_node.visible") is not None
         controlled |= node.source.extension("KHR_node_visibility") is not None
@@ -178,6 +179,8 @@ class _Export:
         prim = self._child(parent, node.name, kind)
         prim.say_name(node.key)
         say_leaf_id(prim, node)
+        rays = node.extras.group("sunfleck_object").raw
+        write_properties(prim, "sunfleck_object", rays, node.name, self.gltf, self.sampler)
         write_place(prim, node, self.gltf, self.sampler, self.options.for_blender)
         if light:
             target = prim if alone else self._child(prim, f"{node.name}_light", light)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy
 
-from . import places
+from . import places, visibility
 from .document import Document
 from .meshes import Meshes
 from .shapes import Bend
@@ -27,8 +27,9 @@ class Assembly:
     """Turns things into nodes, one after the other; `tracks.write` makes channels of what
     moves at the end."""
 
-    def __init__(self, record, frames, shutter, clock):
+    def __init__(self, record, frames, shutter, clock, layer):
         self.record, self.frames, self.shutter, self.clock = record, frames, shutter, clock
+        self.layer = layer
         self.document = Document()
         self.tracks = Tracks(self.document, clock)
         self.times = numpy.array([frame + offset for frame, offset in record.moments])
@@ -139,6 +140,7 @@ class Assembly:
         """One mesh, or several that take turns where the topology or the materials change."""
         groups = self.groups(thing)
         name = self.document.lists["nodes"][number]["name"]
+        rays = visibility.of_thing(thing.object, thing.instancer, self.layer)
         for index, (key, group) in enumerate(groups.items()):
             child = number
             if len(groups) > 1:
@@ -148,6 +150,8 @@ class Assembly:
                 self.tracks.visible(
                     child, self.frames, [frame in there for frame in self.frames], self.shutter.switch
                 )
+            if rays:
+                self.document.lists["nodes"][child].setdefault("extras", {})["sunfleck_object"] = rays
             materials = tuple(self.materials.on_instance(material, thing.facts) for material in key[1])
             self.show_group(child, materials, group, self.bend(thing, key, group))
 

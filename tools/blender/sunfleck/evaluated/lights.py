@@ -39,8 +39,8 @@ def color(light):
     return rec709(tuple(a * b for a, b in zip(light.color, warmth)))
 
 
-def punctual(light):
-    """Of glTF; None for area lights."""
+def punctual(light, exposure=1.0):
+    """Of glTF, of which `exposure` is a factor; None for area lights."""
     if light.type == "AREA":
         return None
     unit = LUMENS_PER_WATT if light.type == "SUN" else LUMENS_PER_WATT / (4.0 * math.pi)
@@ -50,7 +50,7 @@ def punctual(light):
     said = {
         "name": light.name,
         "color": [channel / largest for channel in channels],
-        "intensity": max(0.0, power_w(light)) * largest * unit,
+        "intensity": max(0.0, power_w(light)) * largest * unit * exposure,
     }
     if light.type == "SPOT":
         outer = min(0.5 * light.spot_size, math.pi / 2.0)

@@ -6,7 +6,7 @@ scene is left as it was.
 
 import bpy
 
-from .. import extras
+from .. import extras, film
 from ..losses import Finding
 from ..materials.library import Library, custom
 from . import counts, walk
@@ -40,7 +40,7 @@ class Exported:
 def export(scene, path, only=None):
     """Writes the file, of all frames or of one alone."""
     wanted = frames(scene, only)
-    library, values, shutter = Library(), Values(scene), Shutter.of(scene)
+    library, values, shutter = Library(film.exposure(scene)), Values(scene), Shutter.of(scene)
     library.watch(bpy.data.materials)
     record = Record(library, values.watch)
 
@@ -56,9 +56,9 @@ def export(scene, path, only=None):
             library.look(material)
         walk.walk(scene, wanted, shutter, visit, Smoothness(record).is_enough)
         record.finish()
-        assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted))
+        assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted), walk.view_layer(scene))
         library.start(assembly.document, assembly.clock)
-        assembly.add(library, values, lambda thing: properties(thing, path))
+        assembly.add(library, values, lambda thing: properties(thing, scene, path))
         finish(scene, assembly, library, values, only)
         assembly.document.write(path)
         return Exported(wanted, record, assembly, library)
@@ -85,10 +85,10 @@ def settle_frames(assembly, only):
         said["frame_start"] = said["frame_end"] = only
 
 
-def properties(thing, path):
+def properties(thing, scene, path):
     """The custom properties of a thing's node: its own, and ours also where they could not be stored (linked
     libraries, objects that only instances show). A portal is no light."""
-    found = {**custom(thing.object), **extras.of_object(thing.object, path)}
+    found = {**custom(thing.object), **extras.of_object(thing.object, scene, path)}
     if thing.kind == "EMPTY" and thing.object.type == "LIGHT":
         found.pop("sunfleck_light", None)
     return found

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy
 
-from .. import extras
+from .. import extras, film
 from ..materials.library import custom
 from . import cameras, lights, thinning
 
@@ -32,7 +32,7 @@ class Values:
     """What is seen of them, and when."""
 
     def __init__(self, scene):
-        self.scene = scene
+        self.scene, self.exposure = scene, film.exposure(scene)
         self.lights, self.cameras = {}, {}
         # What Blender renders through at each moment: see `View`.
         self.views = []
@@ -60,8 +60,8 @@ class Values:
                 {**found, "sunfleck_fog_volume.scale_height": own.scale_height} if own.thins_out else found,
             )
         if thing.type == "LIGHT":
-            self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data)))
-            self.see(key, frame, light(thing, own))
+            self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data, self.exposure)))
+            self.see(key, frame, light(thing, self.exposure))
         if thing.type == "CAMERA":
             self.cameras.setdefault(key, lens(thing, self.scene))
             self.see(key, frame, camera(thing, self.scene))
@@ -112,8 +112,8 @@ def fog(owner, own):
     }
 
 
-def light(thing, own):
-    data, said = thing.data, extras.light(thing.data, own, thing.matrix_world.to_scale())
+def light(thing, exposure):
+    data, said = thing.data, extras.light(thing, exposure)
     field = "strength_w_m2" if data.type == "SUN" else "power_w"
     found = {f"sunfleck_light.{field}": tuple(said[field] * channel for channel in lights.color(data))}
     for number in ("angle", "radius", "picture_rotation"):

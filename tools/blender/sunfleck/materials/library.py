@@ -53,7 +53,9 @@ class Look:
 class Library:
     """Of a document."""
 
-    def __init__(self):
+    def __init__(self, exposure=1.0):
+        # What materials emit is multiplied by the exposure.
+        self.exposure = exposure
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
@@ -175,7 +177,8 @@ class Library:
 
     def made(self, material, order, on_mesh):
         look = self.look(material)
-        writer = Writer(self.document, self.images, lambda name: order.index(name) if name in order else 0)
+        uv_number = lambda name: order.index(name) if name in order else 0
+        writer = Writer(self.document, self.images, uv_number, self.exposure)
         surface = self.baked(material, look, on_mesh) if look.baked else look.surface
         said = writer.material(material.name if material else "default", surface)
         look.losses = sorted({*look.losses, *writer.losses})
@@ -258,7 +261,7 @@ class Library:
         for material in self.changing:
             try:
                 link = principled.surface_link(material.evaluated_get(graph))
-                numbers = of_surface(closures.read(link)) if link else None
+                numbers = of_surface(closures.read(link), self.exposure) if link else None
             except NotSimple:
                 numbers = None
             if numbers:

@@ -20,17 +20,18 @@ DEFAULTS = {
 
 
 class Writer:
-    """Writes materials of a document. `uv_number` gives the set of texture coordinates of a name."""
+    """Writes materials of a document. `uv_number` gives the set of texture coordinates of a name. What
+    materials emit is multiplied by `exposure`."""
 
-    def __init__(self, document, images, uv_number):
-        self.document, self.images, self.uv_number = document, images, uv_number
+    def __init__(self, document, images, uv_number, exposure):
+        self.document, self.images, self.uv_number, self.exposure = document, images, uv_number, exposure
         self.losses = []
 
     def material(self, name, surface: Surface):
         """The material, without extras."""
         self.surface = surface
         self.losses = list(surface.losses)
-        numbers = of_surface(surface)
+        numbers = of_surface(surface, self.exposure)
         pbr = {
             "baseColorFactor": numbers["base"],
             "metallicFactor": numbers["metallic"],
@@ -194,7 +195,7 @@ class Writer:
         yield from self.through()
 
     def strong_emission(self):
-        numbers = of_surface(self.surface)
+        numbers = of_surface(self.surface, self.exposure)
         if numbers["emission_strength"] not in (0.0, 1.0) and max(numbers["emission"]) > 0.0:
             yield "KHR_materials_emissive_strength", {"emissiveStrength": numbers["emission_strength"]}
 
@@ -281,14 +282,14 @@ def unit(value):
     return min(1.0, max(0.0, value))
 
 
-def of_surface(surface):
-    """The numbers of a material that may change."""
+def of_surface(surface, exposure):
+    """The numbers of a material that may change; what it emits is multiplied by `exposure`."""
     source = lambda name: surface.sources.get(name, DEFAULTS[name])
     # Of what goes through glTF takes its share from what is reflected.
     left = 1.0 - surface.share_through()
     color = [unit(channel / left) for channel in rec709(source("base").factor)]
     emission = [max(0.0, channel) for channel in rec709(source("emission").factor)]
-    strength = max(0.0, number_of(source("emission_strength")))
+    strength = exposure * max(0.0, number_of(source("emission_strength")))
     # What glTF has a factor of at most 1 for is scaled down, its strength up; weak light needs no strength.
     largest = max(emission)
     if largest * strength <= 1.0:

@@ -1,0 +1,85 @@
+//! Which rays meet which surfaces. In go what a scene says of its nodes, out come answers by triangle, and
+//! trees of what throws shadows. Invariant: where all rays meet all surfaces there is one tree for all
+//! questions, and no list.
+
+use super::Snapshot;
+use super::moment::PlacedInstances;
+use crate::accel::{InstanceTree, PrimitiveId};
+use crate::scene::{RayVisibility, Scene};
+use std::sync::Arc;
+
+/// By the number of an instance.
+#[derive(Clone, Debug)]
+pub struct RaysOfInstances(Arc<[RayVisibility]>);
+
+impl RaysOfInstances {
+    /// Of the instance that a triangle belongs to.
+    #[inline]
+    pub fn of(&self, primitive: PrimitiveId) -> RayVisibility {
+        self.0[primitive.instance as usize]
+    }
+
+    /// Of an instance.
+    pub fn of_instance(&self, number: usize) -> RayVisibility {
+        self.0[number]
+    }
+}
+
+/// Of opaque instances, and then of blended ones; `None` if none of them is unusual.
+pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<RaysOfInstances> {
+    if scene.ray_visibility.is_empty() {
+        return None;
+    }
+    let placed = classes.iter().flat_map(|class| &class.placed);
+    let nodes = placed.map(|placed| scene.instances[placed.instance].node);
+    let rays: Arc<[RayVisibility]> =
+        nodes.map(|node| *scene.ray_visibility.get(&node).unwrap_or(&RayVisibility::USUAL)).collect();
+    rays.iter().any(|rays| *rays != RayVisibility::USUAL).then_some(RaysOfInstances(rays))
+}
+
+/// What throws shadows of opaque and of blended instances; `None` if all do.
+pub(super) fn casting(
+    classes: &[PlacedInstances; 2],
+    rays: Option<&RaysOfInstances>,
+) -> Option<[InstanceTree; 2]> {
+    let RaysOfInstances(rays) = rays.filter(|rays| rays.0.iter().any(|rays| !rays.casts_shadow))?;
+    let mut first = 0;
+    let tree = |class: &PlacedInstances| {
+        let numbered = (first..).zip(&class.meshes);
+        first += class.meshes.len() as u32;
+        let casting = numbered.filter(|(number, _)| rays[*number as usize].casts_shadow);
+        InstanceTree::numbered(casting.map(|(number, mesh)| (number, mesh.clone())))
+    };
+    Some(classes.each_ref().map(tree))
+}
+
+impl Snapshot<'_> {
+    /// By the number of an instance; `None` if all rays meet all of them.
+    pub fn rays_of_instances(&self) -> Option<&RaysOfInstances> {
+        self.rays.as_ref()
+    }
+
+    /// Whether the camera sees a triangle.
+    #[inline]
+    pub fn is_seen(&self, primitive: PrimitiveId) -> bool {
+        self.rays.as_ref().is_none_or(|rays| rays.of(primitive).visible_to_camera)
+    }
+
+    /// Whether the camera sees a hole in its place.
+    #[inline]
+    pub fn is_holdout(&self, primitive: PrimitiveId) -> bool {
+        self.rays.as_ref().is_some_and(|rays| rays.of(primitive).holdout)
+    }
+
+    /// All of [`Self::tree`] that throws shadows.
+    #[inline]
+    pub fn casting(&self) -> &InstanceTree {
+        self.casting.as_ref().map_or(&self.tree, |[opaque, _]| opaque)
+    }
+
+    /// All of [`Self::blended`] that throws shadows.
+    #[inline]
+    pub fn casting_blended(&self) -> &InstanceTree {
+        self.casting.as_ref().map_or(&self.blended, |[_, blended]| blended)
+    }
+}

@@ -1,0 +1,18 @@
+"""Which rays meet a thing, in the words of `sunfleck_object` (docs/scene-format.md).
+
+In go Blender's objects, out comes a dictionary of what is unusual. Invariant: rays meet an instance if both it
+and its instancer let them. As in Cycles the rest is the instancer's alone.
+"""
+
+
+def of_thing(thing, instancer, layer):
+    """Of an object, or of what an object instances, in a view layer."""
+    parent = instancer or thing
+    said = {}
+    if not (thing.visible_camera and parent.visible_camera) or parent.indirect_only_get(view_layer=layer):
+        said["visible_to_camera"] = False
+    if not (thing.visible_shadow and parent.visible_shadow):
+        said["casts_shadow"] = False
+    if parent.holdout_get(view_layer=layer):
+        said["holdout"] = True
+    return said

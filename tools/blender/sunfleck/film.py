@@ -1,0 +1,23 @@
+"""Cycles' film in, a factor on all light out.
+
+Cycles multiplies what its film has gathered by the film's exposure. Light transport is linear. So lights,
+the sky and all emission times that factor give the same picture.
+"""
+
+
+def exposure(scene):
+    """By what everything that shines is to be multiplied; other engines have no such setting."""
+    return of_cycles(scene, "film_exposure", 1.0) if scene.render.engine == "CYCLES" else 1.0
+
+
+def changes(scene):
+    """Whether it is keyed or driven."""
+    from . import check
+
+    paths = {curve.data_path for curve in check.curves_of(scene)}
+    return scene.render.engine == "CYCLES" and "cycles.film_exposure" in paths
+
+
+def of_cycles(owner, name, default, group="cycles"):
+    """A property of Cycles, which may be switched off."""
+    return getattr(getattr(owner, group, None), name, default)
