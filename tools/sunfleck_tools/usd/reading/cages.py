@@ -24,7 +24,12 @@ MOST_OF_ONE = 2**19
 """Faces of a mesh after refining: they take most memory while they are numbered, half a gigabyte."""
 MOST_KEPT = 200_000
 """Corners of cages of which the levels are kept for the next mesh."""
-WORDS = ("subdivisionScheme", "faceVaryingLinearInterpolation", "interpolateBoundary", "triangleSubdivisionRule")
+WORDS = (
+    "subdivisionScheme",
+    "faceVaryingLinearInterpolation",
+    "interpolateBoundary",
+    "triangleSubdivisionRule",
+)
 SHARP = {"creaseLengths", "creaseIndices", "creaseSharpnesses", "cornerIndices", "cornerSharpnesses"}
 """All that a mesh may say of its subdivision."""
 MOST_SUBDIVIDED, MOST_SHARED = 32, 2048

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -30,19 +31,6 @@ from .shapes import is_shape
 from .skins import Skins
 from .source import Source, open_stage, usd_said
 from .visibility import says_visibility, seen, up_to
-
-THERE = Usd.PrimIsActive & Usd.PrimIsLoaded
-PREDICATES = {
-    (is_abstract, is_defined): Usd.TraverseInstanceProxies(
-        (THERE if is_abstract else THERE & ~Usd.PrimIsAbstract) & Usd.PrimIsDefined
-        if is_defined
-        else (THERE if is_abstract else THERE & ~Usd.PrimIsAbstract)
-    )
-    for is_abstract in (False, True)
-    for is_defined in (False, True)
-}
-"""Which children are read, by what their parent is."""
-
 
 @dataclass(frozen=True)
 class Imported:
@@ -76,9 +64,18 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
     return Imported(counts, conversion.source.frames, conversion.source.fps, lost.list())
 
 
+def _predicate(is_abstract: bool, is_defined: bool):
+    """Which children of such a prim are read: those of an instance too; below an `over` or a `class`, where
+    prototypes may stand, also what is not there by itself."""
+    kinds = Usd.PrimIsActive & Usd.PrimIsLoaded
+    kinds = kinds if is_abstract else kinds & ~Usd.PrimIsAbstract
+    return Usd.TraverseInstanceProxies(kinds & Usd.PrimIsDefined if is_defined else kinds)
+
+
+PREDICATES = {pair: _predicate(*pair) for pair in product((False, True), repeat=2)}
+
+
 def _children(prim: Usd.Prim) -> list[Usd.Prim]:
-    """Those of an instance too; below an `over` or a `class`, where prototypes may stand, also what is
-    not there by itself."""
     return list(prim.GetFilteredChildren(PREDICATES[prim.IsAbstract(), prim.IsDefined()]))
 
 

@@ -1,4 +1,4 @@
-"""What a prim is by its type. Invariant: prims of one type of one stage are of one kind, so USD is asked once."""
+"""What a prim is by its type. Invariant: prims of one type of a stage are of one kind; USD is asked once."""
 
 from __future__ import annotations
 
