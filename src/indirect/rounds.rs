@@ -15,7 +15,6 @@ use super::walls::Walls;
 use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::FrozenSky;
-use std::f64::consts::PI;
 
 /// Rounds when all of them are wanted.
 const MOST_ROUNDS: u32 = 24;
@@ -196,16 +195,15 @@ impl Scatterers<'_> {
         let irradiances = self.walls.irradiances(|node, normal| {
             by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, node)))
         });
-        let patches = self.walls.patches.iter().zip(irradiances);
-        let walls =
-            patches.map(|(patch, irradiance)| radiance(patch.scatters.reflectance * irradiance)).collect();
+        let walls = self.walls.scattered(&irradiances);
         Leaving { matter: self.matter.scatter(light, is_seen_by_fog), walls, has_beams: false }
     }
 
     /// What walls make of lamps and suns, and what they emit.
     fn add_first(&self, irradiances: &[Rgb], walls: &mut [Rgb]) {
-        for ((sum, patch), &irradiance) in walls.iter_mut().zip(&self.walls.patches).zip(irradiances) {
-            *sum += radiance(patch.scatters.reflectance * irradiance) + patch.scatters.emission;
+        let scattered = self.walls.scattered(irradiances);
+        for ((sum, patch), scattered) in walls.iter_mut().zip(&self.walls.patches).zip(scattered) {
+            *sum += scattered + patch.scatters.emission;
         }
     }
 }
@@ -242,9 +240,4 @@ impl Series {
         }
         is_told
     }
-}
-
-/// A wall's radiosity, as radiance.
-fn radiance(radiosity: Rgb) -> Rgb {
-    radiosity / PI
 }

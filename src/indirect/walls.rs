@@ -10,6 +10,7 @@ use crate::color::Rgb;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 /// Links of a node: its 26 neighbours and itself.
 const LINKS: usize = 27;
@@ -55,6 +56,8 @@ pub(super) struct Patch {
     pub(super) primitive: PrimitiveId,
     /// Nodes that see it, and how much each counts.
     pub(super) seen_by: Vec<(u32, f32)>,
+    /// The patch of the same place on its other side, from where light comes through.
+    pub(super) behind: Option<u32>,
 }
 
 /// Which patch a place belongs to: the cell, the direction that it faces most, the mesh.
@@ -180,25 +183,30 @@ impl<'a> Building<'a> {
             let Some(at) = crossing(&triangle.corners, from, to) else { continue };
             let facing = if (to - from).dot(normal) < 0.0 { normal } else { -normal };
             let point = from + at * (to - from);
-            self.see(triangle, (node, link), at, point, facing);
-            self.see(triangle, (neighbour, LINKS - 1 - link), 1.0 - at, point, -facing);
+            let here = self.see(triangle, (node, link), at, (point, facing));
+            let there = self.see(triangle, (neighbour, LINKS - 1 - link), 1.0 - at, (point, -facing));
+            if let (Some(here), Some(there)) = (here, there) {
+                self.patches[here as usize].behind.get_or_insert(there);
+                self.patches[there as usize].behind.get_or_insert(here);
+            }
         }
     }
 
+    /// The patch that is seen, unless another is before it.
     fn see(
         &mut self,
         triangle: &WallTriangle,
         (node, link): (usize, usize),
         at: f64,
-        point: DVec3,
-        facing: DVec3,
-    ) {
+        (point, facing): (DVec3, DVec3),
+    ) -> Option<u32> {
         let number = self.walled(node);
         if f64::from(self.nodes[number].seen[link].at) <= at {
-            return;
+            return None;
         }
         let patch = self.patch(triangle, point, facing);
         self.nodes[number].seen[link] = Seen { at: at as f32, patch };
+        Some(patch)
     }
 
     fn walled(&mut self, node: usize) -> usize {
@@ -224,6 +232,7 @@ impl<'a> Building<'a> {
                 scatters: Scatters::default(),
                 primitive: triangle.primitive,
                 seen_by: Vec::new(),
+                behind: None,
             });
             means.push(MeanScatters::default());
             next
@@ -242,6 +251,18 @@ impl Walls {
             }
         }
         self
+    }
+
+    /// What each patch scatters of the irradiance on all of them, as radiance: of its own, and what comes
+    /// through from behind.
+    pub(super) fn scattered(&self, irradiances: &[Rgb]) -> Vec<Rgb> {
+        let of_patch = |(patch, &irradiance): (&Patch, &Rgb)| {
+            let through = patch.behind.map_or(Rgb::ZERO, |behind| {
+                self.patches[behind as usize].scatters.transmittance * irradiances[behind as usize]
+            });
+            (patch.scatters.reflectance * irradiance + through) / PI
+        };
+        self.patches.iter().zip(irradiances).map(of_patch).collect()
     }
 
     /// The irradiance on each patch by light at the nodes that see it: `irradiance` answers

@@ -250,6 +250,25 @@ fn no_light_gets_through_the_walls_of_a_closed_room() {
     }
 }
 
+/// A sheet that takes nothing of light, half of it through, in even light from all sides.
+#[test]
+fn light_comes_through_walls_that_transmit() {
+    let mut scene = camera_at(DVec3::ZERO);
+    scene.sky = Sky::new(EVEN_SKY);
+    let half = Rgb::splat(0.5);
+    scene.materials.push(Material { base_color: half, transmission: half, ..Material::default() });
+    let corner = |x: f32, y: f32| Vec3::new(x, y, -4.1);
+    scene.meshes.push(Mesh {
+        positions: vec![corner(-3.0, -3.0), corner(3.0, -3.0), corner(3.0, 3.0), corner(-3.0, 3.0)],
+        triangles: [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material: 0 }).to_vec(),
+        ..Mesh::default()
+    });
+    add_instance(&mut scene);
+    let worst = worst_from(&radiances(&scene, Bounces::All), 1.0);
+    println!("before a white sheet: {worst:.2e}");
+    assert!(worst < 2e-3, "{worst}");
+}
+
 /// Walls that glow and reflect .9 about white leaves, without fog: all is ten times as bright as walls glow.
 #[test]
 fn a_room_that_holds_leaves_alone_has_walls() {
