@@ -1,10 +1,10 @@
-//! A sun's light as fog scatters it first, beyond what nine harmonics tell. In goes its irradiance by node, out
-//! come sources along ordinates. Invariant: they are of degrees that no harmonic of the field has, so nothing
-//! counts twice.
+//! A sun's light as fog scatters it first, beyond what nine harmonics tell. In goes its irradiance by node,
+//! out come sources along ordinates. Invariant: they are of degrees that no harmonic of the field has, so
+//! nothing counts twice.
 //!
 //! From order to order harmonics up to l = 2 are enough, with delta-M. Of a sun's light most is scattered by
-//! small angles, and how far it goes through fog depends on where it goes then. So its first scattering is told
-//! up to l = 5, which 50 ordinates can tell apart.
+//! small angles, and how far it goes through fog depends on where it goes then. So its first scattering is
+//! told up to l = 5, which 50 ordinates can tell apart.
 
 use super::harmonics::COUNT;
 use super::matter::Matter;

@@ -18,8 +18,8 @@ const FEWEST_CELLS: f64 = 16.0;
 const MOST_LEVELS: usize = 5;
 /// A grid reaches beyond the one within it by so many of that one's longest sides.
 const MARGIN: f64 = 1.5;
-/// There is another grid where the world is so many times as long as all of them; if it is less, the innermost
-/// covers it.
+/// There is another grid where the world is so many times as long as all of them; if it is less, the
+/// innermost covers it.
 const MUCH_LARGER: f64 = 1.25;
 /// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
 const FOG_DEPTH: f64 = 4.0;

@@ -197,8 +197,9 @@ impl Field {
         field.glows.iter().map(move |glow| (glow, glow.mean(&corners), glow.mean_times(&corners)))
     }
 
-    /// What fog at a place of world space scatters into a direction of travel, for a coefficient by degree of
-    /// harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance. More is known of the way to the eye.
+    /// What fog at a place of world space scatters into a direction of travel, for a coefficient
+    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance. More is
+    /// known of the way to the eye.
     pub(super) fn scattered(
         &self,
         world: DVec3,

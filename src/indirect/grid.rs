@@ -5,8 +5,8 @@
 use crate::math::Ray;
 use glam::{DVec3, I64Vec3};
 
-/// From the world's origin to a corner of a cell, in cells. Walls are built at round places, and one that lies
-/// on nodes, or halfway between them, is on both sides of a link at once.
+/// From the world's origin to a corner of a cell, in cells. Walls are built at round places, and one that
+/// lies on nodes, or halfway between them, is on both sides of a link at once.
 const PHASE: DVec3 = DVec3::new(0.137, 0.789, 0.173);
 
 /// Nodes in equal steps along the world's axes. Each is the middle of a cell.

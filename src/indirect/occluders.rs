@@ -81,7 +81,8 @@ impl Occluders {
 
     /// Which share of a cell's volume each node stands for by [`Occluders::cell_of`]: 1 far from walls.
     pub(super) fn shares(&self, grid: &Grid) -> Vec<f32> {
-        /// A lattice whose points are evenly spaced along each axis: no plane across one has more than its share.
+        /// A lattice whose points are evenly spaced along each axis: no plane across one has
+        /// more than its share.
         const POINTS: usize = 16;
         const GENERATOR: [usize; 3] = [1, 5, 7];
         let near: Vec<usize> = (0..grid.count()).filter(|node| self.are_near[*node]).collect();

@@ -63,8 +63,8 @@ impl<'a> Sweeper<'a> {
         Self { count: grid.count(), turned, carriers: carriers.collect() }
     }
 
-    /// What sources give where they, and nothing else, are scattered no more. Once `cancelled` says true, what
-    /// comes is of no use.
+    /// What sources give where they, and nothing else, are scattered no more. Once `cancelled` says true,
+    /// what comes is of no use.
     pub(super) fn sweep(
         &mut self,
         sources: &Sources,

@@ -2,9 +2,9 @@
 //! is not scattered is not lost either.
 //!
 //! Harmonics up to l = 2 cannot tell light that is scattered nearly straight ahead from light that is not
-//! scattered. Where all orders are wanted, such light counts as not scattered (delta-M, Wiscombe 1977). A sun's
-//! light has a direction, so that what fog makes of it first is told up to l = 5; the rest still goes as the
-//! sun's own light does. Where orders are counted, every scattering counts.
+//! scattered. Where all orders are wanted, such light counts as not scattered (delta-M, Wiscombe 1977). A
+//! sun's light has a direction, so that what fog makes of it first is told up to l = 5; the rest still goes
+//! as the sun's own light does. Where orders are counted, every scattering counts.
 
 use crate::color::Rgb;
 use crate::fog::{BEAM_DEGREES, Medium};

@@ -43,8 +43,8 @@ pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64]) -> f64 {
 
 /// A place on a triangle, and a direction by the cosine.
 fn look([a, b, c]: &[DVec3; 3], number: usize) -> (DVec3, DVec3) {
-    /// The root of `x^5 = x + 1`: its powers spread points in four dimensions (Roberts 2018, "The unreasonable
-    /// effectiveness of quasirandom sequences").
+    /// The root of `x^5 = x + 1`: its powers spread points in four dimensions (Roberts 2018, "The
+    /// unreasonable effectiveness of quasirandom sequences").
     const ROOT: f64 = 1.167_303_978_261_418_7;
     let [u, v, w, angle] = [1, 2, 3, 4].map(|power| (0.5 + number as f64 * ROOT.powi(-power)).fract());
     let root = u.sqrt();
