@@ -77,7 +77,7 @@ impl Field {
         let &Context { snapshot, surroundings, bounces, cancelled } = context;
         let width = WALL_CELLS * grid.cell_m;
         let mut surfels = surroundings.surfels(width, grid.cell_m);
-        surfels.retain(|surfel| grid.holds(surfel.position));
+        surfels.all.retain(|surfel| grid.holds(surfel.position));
         let wall_triangles = surroundings.walls(width);
         let are_walls = wall_triangles.iter().map(|triangle| triangle.primitive).collect();
         let walls = Walls::new(&grid, snapshot, &wall_triangles).introduce();

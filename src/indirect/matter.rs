@@ -10,7 +10,7 @@ use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::moments::Moments;
 use super::occluders::OFF_WALL;
-use super::surroundings::Surfel;
+use super::surroundings::{Scatters, Surfel, Surfels};
 use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::color::Rgb;
@@ -169,10 +169,10 @@ struct SurfelTerms {
 }
 
 impl SurfelTerms {
-    fn of(surfel: &Surfel) -> Self {
+    fn of(surfel: &Surfel, scatters: &Scatters) -> Self {
         let DVec3 { x, y, z } = surfel.normal;
         let lobe = cosine_lobe(surfel.normal).map(|value| value as f32);
-        let (reflectance, transmittance) = (surfel.scatters.reflectance, surfel.scatters.transmittance);
+        let (reflectance, transmittance) = (scatters.reflectance, scatters.transmittance);
         let channels = |color: Rgb| color.to_array().map(|value| value as f32);
         Self {
             normals: [x * x, y * y, z * z, x * y, y * z, z * x].map(|value| value as f32),
@@ -181,14 +181,14 @@ impl SurfelTerms {
             lobe,
             even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
             odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
-            emission: channels(surfel.scatters.emission),
+            emission: channels(scatters.emission),
         }
     }
 }
 
 impl Matter {
     /// Fog, which `eye` is the origin of in world space, and surfels, which stay on their side of walls.
-    pub(super) fn new(grid: &Grid, walls: &Walls, eye: DVec3, fog: &SweptFog, surfels: &[Surfel]) -> Self {
+    pub(super) fn new(grid: &Grid, walls: &Walls, eye: DVec3, fog: &SweptFog, surfels: &Surfels) -> Self {
         let count = grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut matter = Self {
@@ -203,8 +203,9 @@ impl Matter {
         if !fog.dimming.is_empty() {
             matter.add_fog(grid, fog, eye);
         }
-        for surfel in surfels {
-            matter.add_leaf(grid, walls, surfel);
+        for surfel in &surfels.all {
+            let terms = SurfelTerms::of(surfel, surfels.scatters(surfel));
+            matter.add_leaf(grid, walls, (surfel, &terms));
         }
         matter.shades = matter.leaves.iter().map(Shade::of).collect();
         matter
@@ -239,8 +240,7 @@ impl Matter {
         }
     }
 
-    fn add_leaf(&mut self, grid: &Grid, walls: &Walls, surfel: &Surfel) {
-        let terms = SurfelTerms::of(surfel);
+    fn add_leaf(&mut self, grid: &Grid, walls: &Walls, (surfel, terms): (&Surfel, &SurfelTerms)) {
         let corners = walls.occluders.corners(
             grid,
             surfel.position,
@@ -248,8 +248,8 @@ impl Matter {
         );
         for (node, weight) in corners.nodes.into_iter().zip(corners.weights) {
             if weight > 0.0 {
-                let density = (weight * surfel.area / grid.cell_volume()) as f32;
-                self.leaves_mut(node).add(&terms, density);
+                let area = f64::from(surfel.exposed) * surfel.area;
+                self.leaves_mut(node).add(terms, (weight * area / grid.cell_volume()) as f32);
             }
         }
     }

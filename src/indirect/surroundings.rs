@@ -16,9 +16,24 @@ pub(super) struct Surfel {
     /// In world space.
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    /// m^2, without what the part itself hides: of a ball half of it, as half of it is turned away.
+    /// m^2.
     pub(super) area: f64,
-    pub(super) scatters: Scatters,
+    /// Which share of it the part itself does not hide: of a ball half, as half of it is turned away.
+    pub(super) exposed: f32,
+    /// The number of its scatters.
+    scatters: u32,
+}
+
+/// Small things; memory matters where there are a million of them.
+pub(super) struct Surfels {
+    pub(super) all: Vec<Surfel>,
+    scatters: Vec<Scatters>,
+}
+
+impl Surfels {
+    pub(super) fn scatters(&self, surfel: &Surfel) -> &Scatters {
+        &self.scatters[surfel.scatters as usize]
+    }
 }
 
 /// What becomes of light that meets a surface, and what it adds.
@@ -55,14 +70,6 @@ impl WallTriangle {
 /// Parts that look alike wherever they are: mesh and material, whether these are its blended triangles,
 /// and the part's number.
 type Looks = ((usize, Option<usize>), bool, usize);
-
-/// What a part does to light.
-struct PartScatters {
-    /// At each of its places.
-    places: Vec<Scatters>,
-    /// All over.
-    mean: Scatters,
-}
 
 /// Parts that are longer, in cells, are looked at in all of their places.
 const SMALL_CELLS: f64 = 1.0;
@@ -143,32 +150,35 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Small things: parts narrower than `width_m`.
-    pub(super) fn surfels(&self, width_m: f64, cell_m: f64) -> Vec<Surfel> {
+    pub(super) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
-        let mut scatters: HashMap<Looks, PartScatters> = HashMap::new();
+        // Of parts that look alike those of the mean, then those of each place.
+        let (mut first, mut scatters): (HashMap<Looks, u32>, _) = (HashMap::new(), Vec::new());
         for leaf in &leaves {
-            scatters.entry(leaf.looks()).or_insert_with(|| self.part_scatters(leaf));
+            first.entry(leaf.looks()).or_insert_with(|| {
+                let first = scatters.len() as u32;
+                scatters.extend(self.part_scatters(leaf));
+                first
+            });
         }
-        leaves
-            .par_iter()
-            .flat_map_iter(|leaf| {
-                let PartScatters { places, mean } = &scatters[&leaf.looks()];
-                if leaf.width_m >= width_m {
-                    return self.pane(leaf, mean, cell_m);
-                }
-                let is_small = leaf.length_m < SMALL_CELLS * cell_m;
-                let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
-                let numbered = chosen.iter().enumerate();
-                let surfel = |(number, place): (usize, &PartPlace)| {
-                    self.surfel(leaf, place, if is_small { mean } else { &places[number] })
-                };
-                numbered.filter_map(surfel).collect()
-            })
-            .collect()
+        let surfels_of = |leaf: &&PlacedPart| {
+            let mean = first[&leaf.looks()];
+            if leaf.width_m >= width_m {
+                return self.pane(leaf, (mean, &scatters), cell_m);
+            }
+            let is_small = leaf.length_m < SMALL_CELLS * cell_m;
+            let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
+            let surfel = |(place, number): (&PartPlace, u32)| {
+                self.surfel(leaf, place, (if is_small { mean } else { mean + 1 + number }, &scatters))
+            };
+            chosen.iter().zip(0..).filter_map(surfel).collect()
+        };
+        let all = leaves.par_iter().flat_map_iter(surfels_of).collect();
+        Surfels { all, scatters }
     }
 
     /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.
-    fn pane(&self, leaf: &PlacedPart, scatters: &Scatters, cell_m: f64) -> Vec<Surfel> {
+    fn pane(&self, leaf: &PlacedPart, scatters: (u32, &[Scatters]), cell_m: f64) -> Vec<Surfel> {
         const MOST_PIECES: f64 = 64.0;
         let mut surfels = Vec::new();
         for &triangle in &leaf.part.triangles {
@@ -215,7 +225,8 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    fn part_scatters(&self, leaf: &PlacedPart) -> PartScatters {
+    /// On the mean of a part, then at each of its places.
+    fn part_scatters(&self, leaf: &PlacedPart) -> Vec<Scatters> {
         let at = |place: &PartPlace| {
             let Some(primitive) = leaf.mesh.primitive(place.triangle) else { return Scatters::default() };
             let [a, b, c] = self.world_corners(primitive);
@@ -227,7 +238,7 @@ impl<'a> Surroundings<'a> {
         for (place, scatters) in leaf.part.places.iter().zip(&places) {
             mean.add(place.area, scatters);
         }
-        PartScatters { places, mean: mean.mean() }
+        std::iter::once(mean.mean()).chain(places).collect()
     }
 
     /// All else.
@@ -261,13 +272,19 @@ impl<'a> Surroundings<'a> {
         self.snapshot.corners(primitive).map(|corner| self.snapshot.world_from_relative(corner))
     }
 
-    fn surfel(&self, leaf: &PlacedPart, place: &PartPlace, scatters: &Scatters) -> Option<Surfel> {
+    fn surfel(
+        &self,
+        leaf: &PlacedPart,
+        place: &PartPlace,
+        (number, scatters): (u32, &[Scatters]),
+    ) -> Option<Surfel> {
         let primitive = leaf.mesh.primitive(place.triangle)?;
         let [a, b, c] = self.world_corners(primitive);
         let area_normal = 0.5 * (b - a).cross(c - a);
         let normal = area_normal.try_normalize()?;
-        let area = leaf.part.exposed * place.share * area_normal.length() * scatters.cover;
-        Some(Surfel { position: (a + b + c) / 3.0, normal, area, scatters: *scatters })
+        let area = place.share * area_normal.length() * scatters[number as usize].cover;
+        let (position, exposed) = ((a + b + c) / 3.0, leaf.part.exposed as f32);
+        Some(Surfel { position, normal, area, exposed, scatters: number })
     }
 }
 
