@@ -102,10 +102,12 @@ fn parts(mesh: &Mesh) -> Vec<MeshPart> {
         }
         triangles[part].push(number as u32);
     }
-    triangles.into_iter().map(|triangles| part(mesh, &names, triangles)).collect()
+    let count = triangles.len();
+    triangles.into_iter().map(|triangles| part(mesh, &names, triangles, count)).collect()
 }
 
-fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>) -> MeshPart {
+/// One of `count`.
+fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>, count: usize) -> MeshPart {
     let corners = |triangle: u32| {
         mesh.triangles[triangle as usize].vertices.map(|vertex| mesh.positions[vertex as usize].as_dvec3())
     };
@@ -120,7 +122,8 @@ fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>) -> MeshPart {
     let [places, few_places] =
         [PLACES, FEW_PLACES].map(|count| places(&triangles, &areas, count * slenderness(high - low)));
     let is_closed = is_closed(mesh, names, &triangles);
-    let exposed = exposed(&triangles.iter().map(|&triangle| corners(triangle)).collect::<Vec<_>>(), &areas);
+    let all: Vec<[DVec3; 3]> = triangles.iter().map(|&triangle| corners(triangle)).collect();
+    let exposed = exposed(&all, &areas, count);
     MeshPart { triangles, low, high, is_closed, exposed, places, few_places }
 }
 

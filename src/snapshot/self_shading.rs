@@ -10,19 +10,20 @@ use std::f64::consts::TAU;
 /// Places on a part, with two ways to look from each; fewer where there are many triangles.
 const PLACES: usize = 256;
 const FEWEST_PLACES: usize = 16;
-/// Of places times triangles.
-const MOST_TESTS: usize = 200_000;
+/// Of places times triangles, over all parts of a mesh.
+const MOST_TESTS: usize = 20_000_000;
 /// So flat, as a share of the area, nothing hides anything.
 const FLAT: f64 = 1.0 - 1e-6;
 
-/// Of a part's area on both sides, weighed by the cosine of where light comes from, what is not hidden.
-pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64]) -> f64 {
+/// Of a part's area on both sides, weighed by the cosine of where light comes from, what is not hidden. It is
+/// one of `parts` of its mesh.
+pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64], parts: usize) -> f64 {
     let whole: f64 = areas.iter().sum();
     let facing: DVec3 = triangles.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).sum();
     if !(whole > 0.0 && whole.is_finite()) || facing.length() >= FLAT * whole {
         return 1.0;
     }
-    let count = PLACES.min(MOST_TESTS / triangles.len()).max(FEWEST_PLACES);
+    let count = (MOST_TESTS / parts / triangles.len()).clamp(FEWEST_PLACES, PLACES);
     let step = whole / count as f64;
     let (mut triangle, mut passed, mut open) = (0, 0.0, 0);
     for number in 0..count {
@@ -75,7 +76,7 @@ mod tests {
 
     fn exposed_of(triangles: &[[DVec3; 3]]) -> f64 {
         let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
-        exposed(triangles, &triangles.iter().map(area).collect::<Vec<_>>())
+        exposed(triangles, &triangles.iter().map(area).collect::<Vec<_>>(), 1)
     }
 
     /// A sheet along z, bent about it: through these points across.
