@@ -18,9 +18,11 @@ const FEWEST_CELLS: f64 = 16.0;
 const MOST_LEVELS: usize = 5;
 /// A grid reaches beyond the one within it by so many of that one's longest sides.
 const MARGIN: f64 = 1.5;
-/// There is another grid where the world is so many times as long as all of them; if it is less, the
-/// innermost covers it.
-const MUCH_LARGER: f64 = 1.25;
+/// There is another grid where the world is so many times as long as all of them.
+const LARGER: f64 = 1.01;
+/// The innermost grid reaches to the world's end on sides where that is nearer than this share of its longest
+/// side: walls about leaves lie within it, or well beyond its rim, where nothing cuts light off.
+const NEAR: f64 = 0.15;
 /// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
 const FOG_DEPTH: f64 = 4.0;
 const NEARLY_ALL: f64 = 0.95;
@@ -40,8 +42,7 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     let leaves = surroundings.bounds(0.0..widest);
     let Some(inner) = [fog, leaves].into_iter().flatten().reduce(union).or(all) else { return Vec::new() };
     let world = world(snapshot, inner, all);
-    let is_little_larger = diagonal(world) <= MUCH_LARGER * diagonal(inner);
-    let inner = if is_little_larger { world } else { inner };
+    let inner = with_near_sides(inner, world);
     let side = side(inner);
     let finest = LEAVES_PER_CELL * surroundings.leaf_width_m(widest);
     let finest = finest.min(side.max_element() / FEWEST_CELLS);
@@ -49,7 +50,7 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     let mut cell_m = (scale * fine.max(finest)).max(finest);
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
-    while grids.len() < MOST_LEVELS && diagonal(world) > MUCH_LARGER * diagonal(bounds) {
+    while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {
         let margin = DVec3::splat(MARGIN * (bounds.1 - bounds.0).max_element());
         bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
         cell_m = (scale * (self::side(bounds).element_product() / OUTER_NODES).cbrt()).max(2.0 * cell_m);
@@ -70,6 +71,13 @@ fn rung(cell_m: f64) -> f64 {
 
 fn union(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
+}
+
+fn with_near_sides(inner: Bounds, world: Bounds) -> Bounds {
+    let near = NEAR * (inner.1 - inner.0).max_element();
+    let low = DVec3::select((inner.0 - world.0).cmple(DVec3::splat(near)), world.0, inner.0);
+    let high = DVec3::select((world.1 - inner.1).cmple(DVec3::splat(near)), world.1, inner.1);
+    (low, high)
 }
 
 fn diagonal((low, high): Bounds) -> f64 {

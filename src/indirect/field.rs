@@ -100,7 +100,17 @@ impl Field {
         let scatterers = Scatterers { matter: &matter, walls: &walls };
         let to_eye = TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot));
         let sky = snapshot.sky;
-        let rounds = Rounds { sweeper, scatterers, grid: &grid, sky, has_sky, beams, to_eye, cancelled };
+        let rounds = Rounds {
+            sweeper,
+            scatterers,
+            ordinates: &ordinates,
+            grid: &grid,
+            sky,
+            has_sky,
+            beams,
+            to_eye,
+            cancelled,
+        };
         let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog_at(world)));
         let Light { all: light, unseen_by_fog, last, is_endless } =
             rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());

@@ -9,12 +9,14 @@ use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::matter::Matter;
 use super::moments::Moments;
-use super::ordinates::Ordinates;
+use super::ordinates::{Ordinate, Ordinates};
 use super::sweep::{Sweeper, Swept};
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::FrozenSky;
+use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Rounds when all of them are wanted.
 const MOST_ROUNDS: u32 = 24;
@@ -26,10 +28,14 @@ const SURPRISE: f64 = 2e-4;
 /// Of light that goes on and on: a closed scene that absorbs nothing has no end.
 const MOST_RATIO: f64 = 0.98;
 
+/// By so little of the mean a sky differs that is the same on all sides.
+const EVEN: f64 = 1e-6;
+
 /// What is done from round to round.
 pub(super) struct Rounds<'a> {
     pub(super) sweeper: Sweeper<'a>,
     pub(super) scatterers: Scatterers<'a>,
+    pub(super) ordinates: &'a Ordinates,
     pub(super) grid: &'a Grid,
     pub(super) sky: Option<FrozenSky<'a>>,
     /// Whether the sky's own light is part of the field, or only what becomes of it.
@@ -166,19 +172,37 @@ impl Rounds<'_> {
         self.sweeper.sweep(&sources, wanted, self.cancelled)
     }
 
-    /// Light of the sky that nothing has scattered, along finer ordinates.
-    fn sweep_sky(&self, sky: FrozenSky, nothing: &Leaving, wanted: &Wanted) -> Swept {
-        let ordinates = Ordinates::fine();
-        let inflow = inflow(sky, &ordinates);
+    /// Light of the sky that nothing has scattered. What all directions have in common goes along the
+    /// ordinates of all orders, so that even light stays even to the last digit; what they differ by along
+    /// finer ones, as what leaves let through of it has edges.
+    fn sweep_sky(&mut self, sky: FrozenSky, nothing: &Leaving, wanted: &Wanted) -> Swept {
+        if self.scatterers.matter.leaves.is_empty() {
+            let inflow = inflow(sky, self.ordinates);
+            return self.sweep(nothing, Inflow::Even(&inflow), wanted);
+        }
+        let fine = Ordinates::fine();
+        let radiances = inflow(sky, &fine);
+        let weighed = radiances.iter().zip(fine.iter()).map(|(radiance, at)| at.weight * *radiance);
+        let mean = weighed.sum::<Rgb>() / (4.0 * PI);
+        let even = vec![mean; self.ordinates.as_slice().len()];
+        let mut swept = self.sweep(nothing, Inflow::Even(&even), wanted);
+        let differences: Vec<Rgb> = radiances.into_iter().map(|radiance| radiance - mean).collect();
+        if differences.iter().all(|difference| difference.abs().cmple(EVEN * mean).all()) {
+            return swept;
+        }
         let of_walls = nothing.of_walls();
-        let inflow = Inflow::Even(&inflow);
+        let inflow = Inflow::Even(&differences);
         let sources = Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, inflow };
         let Scatterers { matter, walls } = self.scatterers;
-        Sweeper::new(self.grid, matter, walls, &ordinates).sweep(&sources, wanted, self.cancelled)
+        let more = Sweeper::new(self.grid, matter, walls, &fine).sweep(&sources, wanted, self.cancelled);
+        swept.moments.add(&more.moments, [1.0; 3]);
+        swept.add_last(&more);
+        swept
     }
 }
 
-/// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it.
+/// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it; where there
+/// is none of the nearest.
 fn inflow(sky: FrozenSky, ordinates: &Ordinates) -> Vec<Rgb> {
     let mut sums = vec![(Rgb::ZERO, 0.0); ordinates.as_slice().len()];
     for (direction, radiance) in sky.means() {
@@ -186,7 +210,14 @@ fn inflow(sky: FrozenSky, ordinates: &Ordinates) -> Vec<Rgb> {
         *sum += radiance;
         *count += 1.0;
     }
-    sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect()
+    let nearest = |travel: DVec3| {
+        let closer = |a: &(DVec3, Rgb), b: &(DVec3, Rgb)| b.0.dot(travel).total_cmp(&a.0.dot(travel));
+        sky.means().max_by(closer).map_or(Rgb::ZERO, |(_, radiance)| radiance)
+    };
+    let mean = |((sum, count), ordinate): ((Rgb, f64), &Ordinate)| {
+        if count > 0.0 { sum / count } else { nearest(ordinate.direction) }
+    };
+    sums.into_iter().zip(ordinates.iter()).map(mean).collect()
 }
 
 impl Scatterers<'_> {
