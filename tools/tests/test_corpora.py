@@ -124,7 +124,8 @@ class Corpora(unittest.TestCase):
         )
         self.assertEqual(rows["models/black.obj"]["mean"], 0)
         self.assertGreater(rows["models/good.glb"]["mean"], 0)
-        self.assertGreaterEqual(rows["models/hoards.glb"]["peak_mb"], 300)
+        # It may be stopped on its way, by its processor's time on a machine that is busy.
+        self.assertGreater(rows["models/hoards.glb"]["peak_mb"], LIMITS.memory_bytes >> 20)
 
     def test_table_counts_and_lists(self):
         text = as_text(self.verdicts)
