@@ -22,7 +22,7 @@ const MARGIN: f64 = 1.5;
 const LARGER: f64 = 1.01;
 /// The innermost grid reaches to the world's end on sides where that is nearer than this share of its longest
 /// side: walls about leaves lie within it, or well beyond its rim, where nothing cuts light off.
-const NEAR: f64 = 0.15;
+const NEAR: f64 = 0.25;
 /// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
 const FOG_DEPTH: f64 = 4.0;
 const NEARLY_ALL: f64 = 0.95;
