@@ -16,7 +16,6 @@ use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::FrozenSky;
 use glam::DVec3;
-use std::f64::consts::PI;
 
 /// Rounds when all of them are wanted.
 const MOST_ROUNDS: u32 = 24;
@@ -172,32 +171,23 @@ impl Rounds<'_> {
         self.sweeper.sweep(&sources, wanted, self.cancelled)
     }
 
-    /// Light of the sky that nothing has scattered. What all directions have in common goes along the
-    /// ordinates of all orders, so that even light stays even to the last digit; what they differ by along
-    /// finer ones, as what leaves let through of it has edges.
+    /// Light of the sky that nothing has scattered: along finer ordinates than those of all orders where
+    /// leaves let an uneven sky through, as that has edges. An even one stays so to the last digit if one set
+    /// of ordinates shares out all light.
     fn sweep_sky(&mut self, sky: FrozenSky, nothing: &Leaving, wanted: &Wanted) -> Swept {
-        if self.scatterers.matter.leaves.is_empty() {
-            let inflow = inflow(sky, self.ordinates);
-            return self.sweep(nothing, Inflow::Even(&inflow), wanted);
+        let of_orders = inflow(sky, self.ordinates);
+        let is_even = of_orders
+            .iter()
+            .all(|radiance| (*radiance - of_orders[0]).abs().cmple(EVEN * of_orders[0]).all());
+        if is_even || self.scatterers.matter.leaves.is_empty() {
+            return self.sweep(nothing, Inflow::Even(&of_orders), wanted);
         }
         let fine = Ordinates::fine();
-        let radiances = inflow(sky, &fine);
-        let weighed = radiances.iter().zip(fine.iter()).map(|(radiance, at)| at.weight * *radiance);
-        let mean = weighed.sum::<Rgb>() / (4.0 * PI);
-        let even = vec![mean; self.ordinates.as_slice().len()];
-        let mut swept = self.sweep(nothing, Inflow::Even(&even), wanted);
-        let differences: Vec<Rgb> = radiances.into_iter().map(|radiance| radiance - mean).collect();
-        if differences.iter().all(|difference| difference.abs().cmple(EVEN * mean).all()) {
-            return swept;
-        }
-        let of_walls = nothing.of_walls();
-        let inflow = Inflow::Even(&differences);
+        let inflow = inflow(sky, &fine);
+        let (of_walls, inflow) = (nothing.of_walls(), Inflow::Even(&inflow));
         let sources = Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, inflow };
         let Scatterers { matter, walls } = self.scatterers;
-        let more = Sweeper::new(self.grid, matter, walls, &fine).sweep(&sources, wanted, self.cancelled);
-        swept.moments.add(&more.moments, [1.0; 3]);
-        swept.add_last(&more);
-        swept
+        Sweeper::new(self.grid, matter, walls, &fine).sweep(&sources, wanted, self.cancelled)
     }
 }
 
