@@ -95,12 +95,8 @@ impl Medium {
             .sum()
     }
 
-    /// What of the harmonics of one degree of radiance at a point fog sends on, 1/m: `sum(sigma_s g^degree)`.
-    pub fn scattering_by_degree_at(&self, point: DVec3, degree: i32) -> Rgb {
-        self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.g.powi(degree))).sum()
-    }
-
-    /// Extinction at a point, 1/m, and what of each degree fog sends on.
+    /// Extinction at a point, and what of the harmonics of each degree of radiance fog sends on there, 1/m:
+    /// `sum(sigma_s g^degree)`.
     pub fn coefficients_at<const DEGREES: usize>(&self, point: DVec3) -> (Rgb, [Rgb; DEGREES]) {
         let (mut extinction, mut scattering) = (Rgb::ZERO, [Rgb::ZERO; DEGREES]);
         for fog in &self.banks {

@@ -57,6 +57,8 @@ pub(super) struct Field {
     light: NodeMoments,
     /// The same of degree 4: a cosine gathers a share of it, orders of scattering do without.
     fourth: NodeMoments,
+    /// What of it comes straight from a sky that is not even, on a grid that is the only one.
+    of_sky: Option<NodeMoments>,
     /// What fog gets: the same unless the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
     /// What fog sends to the eye of it beyond its harmonics.
@@ -112,17 +114,32 @@ impl Field {
             cancelled,
         };
         let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog_at(world)));
-        let Light { all: light, unseen_by_fog, last, is_endless } =
+        let Light { all: light, of_sky, last, is_endless } =
             rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
-        let light_in_fog = unseen_by_fog.map(|unseen| {
+        let is_unseen_by_fog = sky.is_some_and(|sky| !sky.lights_fog());
+        let light_in_fog = of_sky.as_ref().filter(|_| is_unseen_by_fog).map(|of_sky| {
             let mut seen = light.clone();
-            seen.add(&unseen, [-1.0; 3]);
+            seen.add(of_sky, [-1.0; 3]);
             NodeMoments::of(&seen)
         });
+        let is_uneven = sky.is_some_and(|sky| sky.is_uneven());
+        let of_sky = of_sky.filter(|_| is_uneven).map(|of_sky| NodeMoments::of(&of_sky));
         let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
         let fourth = NodeMoments::of(&last.fourth);
         let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
-        Self { grid, outer, walls, light, fourth, light_in_fog, towards_eye, glows, has_sky, is_endless }
+        Self {
+            grid,
+            outer,
+            walls,
+            light,
+            fourth,
+            of_sky,
+            light_in_fog,
+            towards_eye,
+            glows,
+            has_sky,
+            is_endless,
+        }
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
@@ -136,6 +153,23 @@ impl Field {
                 lobe,
             )
         })
+    }
+
+    /// Whether the sky's own light can be told apart.
+    pub(super) fn knows_sky(&self) -> bool {
+        self.of_sky.is_some()
+    }
+
+    /// What a surface gathers but for the sky's own light, where that can be told apart.
+    pub(super) fn gathered_but_sky(&self, world: DVec3, lobe: &Lobe) -> Option<Rgb> {
+        let of_sky = self.of_sky.as_ref()?;
+        let corners = self.corners_before(world, lobe.axis);
+        let (mut moments, sky) = (self.light.mean(&corners), of_sky.mean(&corners));
+        for (sum, value) in moments.as_flattened_mut().iter_mut().zip(sky.as_flattened()) {
+            *sum -= value;
+        }
+        let none = || [[0.0; COUNT]; 3];
+        Some(self.on_surface((&moments, none), |glow| self.glows[glow].mean(&corners), lobe))
     }
 
     /// What grids find at a place, mixed where one goes over into a larger.

@@ -11,7 +11,7 @@ use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::moments::Moments;
 use super::occluders::OFF_WALL;
 use super::surroundings::{Scatters, Surfel, Surfels};
-use super::swept_fog::SweptFog;
+use super::swept_fog::{FogHere, SweptFog};
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::fog::BEAM_DEGREES;
@@ -222,7 +222,7 @@ impl Matter {
     }
 
     fn add_fog(&mut self, grid: &Grid, fog: &SweptFog, eye: DVec3) {
-        let means: Vec<MeanFog> = (0..grid.count())
+        let means: Vec<FogHere> = (0..grid.count())
             .into_par_iter()
             .map(|node| mean_fog(fog, grid.position(node) - eye, grid.cell_m))
             .collect();
@@ -295,19 +295,8 @@ impl Matter {
     }
 }
 
-/// Fog of a cell, on the mean.
-#[derive(Default)]
-struct MeanFog {
-    extinction: Rgb,
-    /// By degree of harmonics.
-    scattering: [Rgb; 3],
-    /// Of suns' light.
-    first_scattering: [Rgb; BEAM_DEGREES as usize],
-    first_peak: Rgb,
-}
-
 /// Exact where fog is even about all of the cell, else the mean of its middles' grid.
-fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> MeanFog {
+fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> FogHere {
     const SIDE: usize = 4;
     let corner = |number: usize| {
         let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
@@ -315,14 +304,14 @@ fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> MeanFog {
     };
     let here = fog.dimming.extinction_at(middle);
     if (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here) {
-        return MeanFog::at(fog, middle);
+        return fog.at(middle);
     }
-    let mut mean = MeanFog::default();
+    let mut mean = FogHere::default();
     let share = 1.0 / (SIDE * SIDE * SIDE) as f64;
     for number in 0..SIDE * SIDE * SIDE {
         let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
         let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
-        let here = MeanFog::at(fog, middle + cell_m * place);
+        let here = fog.at(middle + cell_m * place);
         mean.extinction += share * here.extinction;
         let sums = mean.scattering.iter_mut().chain(&mut mean.first_scattering);
         for (sum, value) in sums.zip(here.scattering.into_iter().chain(here.first_scattering)) {
@@ -331,15 +320,4 @@ fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> MeanFog {
         mean.first_peak += share * here.first_peak;
     }
     mean
-}
-
-impl MeanFog {
-    fn at(fog: &SweptFog, point: DVec3) -> Self {
-        Self {
-            extinction: fog.dimming.extinction_at(point),
-            scattering: fog.scattering_at(point),
-            first_scattering: fog.scattering_of_suns_at(point),
-            first_peak: fog.peak_of_suns_at(point),
-        }
-    }
 }

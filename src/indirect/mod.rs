@@ -45,6 +45,13 @@ use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
+/// Whether most of what a surface sends out is shine.
+fn is_metal(point: &SurfacePoint) -> bool {
+    const MOST: f64 = 0.5;
+    let cos = point.shading_normal.dot(point.to_eye).max(0.0);
+    point.gloss.as_ref().is_some_and(|gloss| gloss.albedo(cos).max_element() > MOST)
+}
+
 /// Indirect light of a shutter interval.
 pub struct Indirect {
     field: Field,
@@ -118,9 +125,17 @@ impl Indirect {
         }
         if let (Some(shine), Some(gloss)) = (shine, &point.gloss) {
             let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
-            radiance += FRAC_1_PI * shine * gathered(Lobe::glossy(mirrored, gloss.alpha()));
+            let lobe = Lobe::glossy(mirrored, gloss.alpha());
+            let but_sky = is_metal(point).then(|| self.field.gathered_but_sky(world, &lobe)).flatten();
+            radiance += FRAC_1_PI * shine * but_sky.unwrap_or_else(|| gathered(lobe));
         }
         radiance
+    }
+
+    /// Whether [`Indirect::scattered`] leaves it to rays what a surface's shine makes of the sky: metals in
+    /// an uneven one. Nine harmonics a place know too little of it.
+    pub fn leaves_sky_to_rays(&self, point: &SurfacePoint) -> bool {
+        self.field.knows_sky() && is_metal(point)
     }
 
     /// Radiance that fog scatters into a camera ray before it has gone `distance` metres, if it lets

@@ -51,8 +51,8 @@ pub(super) struct Rounds<'a> {
 pub(super) struct Light {
     /// All of it.
     pub(super) all: Moments,
-    /// That part of it that fog is not to see.
-    pub(super) unseen_by_fog: Option<Moments>,
+    /// That part of it that comes straight from the sky, if that can be told apart.
+    pub(super) of_sky: Option<Moments>,
     /// What surfaces and fog that are seen make of it beyond that.
     pub(super) last: Swept,
     /// Whether it goes on and on, and is cut short.
@@ -101,7 +101,7 @@ impl Rounds<'_> {
         let dark = vec![Rgb::ZERO; on_walls.len()];
         let mut leaving = Leaving { matter: first, walls: dark.clone(), has_beams: true };
         let mut light = leaving.matter.emptied();
-        let mut unseen_by_fog = None;
+        let mut of_sky = None;
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
         let nothing = Leaving { matter: light.emptied(), walls: dark, has_beams: false };
@@ -125,14 +125,14 @@ impl Rounds<'_> {
             leaving.add(&self.scatterers.scatter(&swept.moments, lights_fog), [1.0; 3]);
             if self.has_sky {
                 light.add(&swept.moments, [1.0; 3]);
-                unseen_by_fog = (!lights_fog).then(|| swept.moments.clone());
+                of_sky = Some(swept.moments.clone());
                 from_outside.push(swept);
             }
         }
         let (sent, is_endless) = self.go_on(bounces, leaving, &mut light);
         let mut last = self.sweep(&sent, Inflow::Nothing, &Wanted::last(to_eye.as_ref()));
         from_outside.iter().for_each(|swept| last.add_last(swept));
-        Light { all: light, unseen_by_fog, last, is_endless }
+        Light { all: light, of_sky, last, is_endless }
     }
 
     /// Adds order after order; all that was sent out on the way, and whether there is no end to it.

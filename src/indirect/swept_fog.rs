@@ -14,6 +14,17 @@ use glam::DVec3;
 /// Degrees that orders of scattering go on with.
 const DEGREES: i32 = 3;
 
+/// Fog at a point, or of a cell on the mean; all 1/m.
+#[derive(Default)]
+pub(super) struct FogHere {
+    pub(super) extinction: Rgb,
+    /// What harmonics of each degree get back.
+    pub(super) scattering: [Rgb; DEGREES as usize],
+    /// The same of a sun's light as it is scattered first, and what of it counts as not scattered.
+    pub(super) first_scattering: [Rgb; BEAM_DEGREES as usize],
+    pub(super) first_peak: Rgb,
+}
+
 pub(super) struct SweptFog<'a> {
     medium: &'a Medium,
     /// What light loses on its way from order to order.
@@ -35,24 +46,19 @@ impl<'a> SweptFog<'a> {
         if is_of_sun { &self.dimming_of_suns } else { self.medium }
     }
 
-    /// What harmonics of each degree get back at a point, 1/m.
-    pub(super) fn scattering_at(&self, point: DVec3) -> [Rgb; 3] {
-        let peak = self.peak_at(point, DEGREES);
-        [0, 1, 2].map(|degree| self.medium.scattering_by_degree_at(point, degree) - peak)
-    }
-
-    /// What each degree of a sun's light gets back at a point, 1/m.
-    pub(super) fn scattering_of_suns_at(&self, point: DVec3) -> [Rgb; BEAM_DEGREES as usize] {
-        let peak = self.peak_of_suns_at(point);
-        std::array::from_fn(|degree| self.medium.scattering_by_degree_at(point, degree as i32) - peak)
-    }
-
-    /// What counts as not scattered of a sun's light, 1/m.
-    pub(super) fn peak_of_suns_at(&self, point: DVec3) -> Rgb {
-        self.peak_at(point, BEAM_DEGREES)
-    }
-
-    fn peak_at(&self, point: DVec3, degrees: i32) -> Rgb {
-        if self.has_peaks { Rgb::ZERO } else { self.medium.peak_at(point, degrees) }
+    /// What it is at a point.
+    pub(super) fn at(&self, point: DVec3) -> FogHere {
+        let (_, of_degrees) = self.medium.coefficients_at::<{ BEAM_DEGREES as usize }>(point);
+        let peak = |degrees: i32| match self.has_peaks {
+            true => Rgb::ZERO,
+            false => self.medium.peak_at(point, degrees),
+        };
+        let (of_orders, first_peak) = (peak(DEGREES), peak(BEAM_DEGREES));
+        FogHere {
+            extinction: self.dimming.extinction_at(point),
+            scattering: std::array::from_fn(|degree| of_degrees[degree] - of_orders),
+            first_scattering: of_degrees.map(|of_degree| of_degree - first_peak),
+            first_peak,
+        }
     }
 }

@@ -34,8 +34,8 @@ pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64], parts: usize) -> 
         }
         let (origin, direction) = look(&triangles[triangle], number);
         let is_open = |way: DVec3| {
-            let others = triangles.iter().enumerate().filter(|(other, _)| *other != triangle);
-            !others.into_iter().any(|(_, other)| is_hit(other, origin, way))
+            let mut others = triangles.iter().enumerate().filter(|(other, _)| *other != triangle);
+            !others.any(|(_, other)| is_hit(other, origin, way))
         };
         open += usize::from(is_open(direction)) + usize::from(is_open(-direction));
     }

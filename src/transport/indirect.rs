@@ -15,7 +15,9 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
         let of_sky = if path.walks_have_sky() { sky_light::by_surface(path, point) } else { Rgb::ZERO };
         return of_sky + paths::scattered(path, bounces, point);
     }
-    path.indirect().map_or(Rgb::ZERO, |indirect| indirect.scattered(path.snapshot, point))
+    let Some(indirect) = path.indirect() else { return Rgb::ZERO };
+    let radiance = indirect.scattered(path.snapshot, point);
+    if indirect.leaves_sky_to_rays(point) { radiance + sky_light::by_shine(path, point) } else { radiance }
 }
 
 /// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.

@@ -26,8 +26,17 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
 
 /// The same in any case.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint) -> Rgb {
+    if path.light.sky { from_sky(path, point) } else { Rgb::ZERO }
+}
+
+/// Of that what shines.
+pub(super) fn by_shine(path: &mut Path, point: &SurfacePoint) -> Rgb {
+    from_sky(path, &SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point })
+}
+
+fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
-    let sky = snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_surfaces());
+    let sky = snapshot.sky.as_ref().filter(|sky| sky.lights_surfaces());
     let Some(sky) = sky else { return Rgb::ZERO };
     let Some(lobes) = Lobes::of(point) else { return Rgb::ZERO };
     let u = DVec2::from(path.sampler.next_2d());
