@@ -47,20 +47,22 @@ pub(super) struct Wanted<'a> {
     pub(super) last: bool,
     /// The way to the eye from each node, by axis, where fog's last scattering needs it.
     pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
+    /// All of it, ordinate by ordinate, for a grid within this one.
+    pub(super) radiances: bool,
 }
 
 impl<'a> Wanted<'a> {
     /// What the next order is made of.
-    pub(super) const ORDERS: Self = Self { moments: true, last: false, to_eye: None };
+    pub(super) const ORDERS: Self = Self { moments: true, last: false, to_eye: None, radiances: false };
 
     /// What is seen.
-    pub(super) fn last(to_eye: Option<&'a [Vec<f32>; 3]>) -> Self {
-        Self { moments: false, last: true, to_eye }
+    pub(super) fn last(to_eye: Option<&'a [Vec<f32>; 3]>, radiances: bool) -> Self {
+        Self { moments: false, last: true, to_eye, radiances }
     }
 
     /// Both.
-    pub(super) fn all(to_eye: Option<&'a [Vec<f32>; 3]>) -> Self {
-        Self { moments: true, last: true, to_eye }
+    pub(super) fn all(to_eye: Option<&'a [Vec<f32>; 3]>, radiances: bool) -> Self {
+        Self { moments: true, last: true, to_eye, radiances }
     }
 }
 
@@ -74,6 +76,8 @@ pub(super) struct Carrier<'a> {
     pub(super) fourth: Vec<f32>,
     /// By degree of the cosine to where the eye is seen from each node.
     pub(super) towards_eye: Vec<f32>,
+    /// Each ordinate's number and radiance, where a grid within this one needs it.
+    pub(super) radiances: Vec<(usize, Vec<f32>)>,
     cell_m: f64,
     planes: Planes,
     matter: &'a Matter,
@@ -155,6 +159,7 @@ impl<'a> Carrier<'a> {
             moments: Vec::new(),
             fourth: Vec::new(),
             towards_eye: Vec::new(),
+            radiances: Vec::new(),
             cell_m: grid.cell_m,
             planes,
             matter,
@@ -183,12 +188,16 @@ impl<'a> Carrier<'a> {
         self.moments = room(wanted.moments, COUNT);
         self.fourth = room(wanted.last, COUNT);
         self.towards_eye = room(wanted.last && wanted.to_eye.is_some(), EYE_DEGREES.len());
+        self.radiances.clear();
         for number in 0..self.pairs.len() {
             if cancelled() {
                 return;
             }
             let ordinate = self.carry_pair(number, sources);
             self.add_up(ordinate, wanted);
+            if wanted.radiances {
+                self.radiances.extend(self.pairs[number].numbers.into_iter().zip(self.radiance.clone()));
+            }
         }
     }
 
@@ -214,7 +223,7 @@ impl<'a> Carrier<'a> {
         let Pair { ordinate, numbers } = self.pairs[number];
         self.prepare(ordinate.direction, sources);
         for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
-            let arriving = Arriving { inflow: sources.inflow, ordinate: numbers[side], direction };
+            let arriving = Arriving { inflow: sources.inflow, ordinate: numbers[side] };
             self.cross(side, &Taps::of(direction, &self.planes), (sources, &arriving));
         }
         ordinate
@@ -321,8 +330,6 @@ struct Arriving<'a> {
     inflow: Inflow<'a>,
     /// Its number.
     ordinate: usize,
-    /// Of travel.
-    direction: DVec3,
 }
 
 impl Arriving<'_> {
@@ -333,7 +340,6 @@ impl Arriving<'_> {
             Inflow::Even(radiances) => return into.fill(radiances[self.ordinate][channel] as f32),
             Inflow::Around(halo) => halo,
         };
-        let basis = basis(self.direction).map(|value| value as f32);
         let [count, rows, columns] = planes.count.map(|count| count as i32);
         let is_outside = plane < 0 || plane == count;
         for row in -1..=rows {
@@ -345,7 +351,7 @@ impl Arriving<'_> {
                     place[axis] = index;
                 }
                 let at = (row + 1) as usize * planes.row() + (column + 1) as usize;
-                into[at] = halo.radiance(place, channel, &basis);
+                into[at] = halo.radiance(place, channel, self.ordinate);
             }
         }
     }

@@ -11,6 +11,7 @@ use super::matter::Matter;
 use super::moments::NodeMoments;
 use super::occluders::OFF_WALL;
 use super::ordinates::Ordinates;
+use super::radiances::Radiances;
 use super::rounds::{Light, Rounds, Scatterers};
 use super::surroundings::Surroundings;
 use super::sweep::Sweeper;
@@ -63,6 +64,8 @@ pub(super) struct Field {
     light_in_fog: Option<NodeMoments>,
     /// What fog sends to the eye of it beyond its harmonics.
     towards_eye: Option<TowardsEye>,
+    /// What a finer grid within it gets, until that is solved.
+    radiances: Option<Radiances>,
     glows: Vec<Glow>,
     /// Whether the sky's own light is part of it.
     pub(super) has_sky: bool,
@@ -72,10 +75,11 @@ pub(super) struct Field {
 impl Field {
     /// Solves it on grids, the innermost first: from the outermost inwards.
     pub(super) fn on(grids: Vec<Grid>, context: &Context) -> Option<Self> {
-        grids.into_iter().rev().fold(None, |outer, grid| Some(Self::new(grid, outer, context)))
+        let from_outermost = grids.into_iter().enumerate().rev();
+        from_outermost.fold(None, |outer, (number, grid)| Some(Self::new(grid, outer, number > 0, context)))
     }
 
-    fn new(grid: Grid, outer: Option<Self>, context: &Context) -> Self {
+    fn new(grid: Grid, mut outer: Option<Self>, has_inner: bool, context: &Context) -> Self {
         let &Context { snapshot, surroundings, bounces, cancelled } = context;
         let width = WALL_CELLS * grid.cell_m;
         let mut surfels = surroundings.surfels(width, grid.cell_m);
@@ -111,9 +115,13 @@ impl Field {
             has_sky,
             beams,
             to_eye,
+            has_inner,
             cancelled,
         };
-        let halo = outer.as_ref().map(|outer| Halo::new(&grid, |world| outer.moments_in_fog_at(world)));
+        let halo = outer.as_mut().and_then(|outer| {
+            let radiances = outer.radiances.take()?;
+            Some(Halo::new(&grid, radiances, |world| outer.corners_seen_from(world)))
+        });
         let Light { all: light, of_sky, last, is_endless } =
             rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
         let is_unseen_by_fog = sky.is_some_and(|sky| !sky.lights_fog());
@@ -127,6 +135,7 @@ impl Field {
         let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
         let fourth = NodeMoments::of(&last.fourth);
         let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
+        let radiances = last.radiances;
         Self {
             grid,
             outer,
@@ -136,6 +145,7 @@ impl Field {
             of_sky,
             light_in_fog,
             towards_eye,
+            radiances,
             glows,
             has_sky,
             is_endless,
@@ -237,7 +247,7 @@ impl Field {
     /// faces it, and how often it was scattered.
     pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (&Glow, Rgb, f64)> {
         let field = self.level_at(world);
-        let corners = field.walls.occluders.corners(&field.grid, world, world);
+        let corners = field.corners_seen_from(world);
         field.glows.iter().map(move |glow| (glow, glow.mean(&corners), glow.mean_times(&corners)))
     }
 
@@ -252,7 +262,7 @@ impl Field {
     ) -> Rgb {
         let basis = basis(travel);
         self.across_levels(world, &|field| {
-            let corners = field.walls.occluders.corners(&field.grid, world, world);
+            let corners = field.corners_seen_from(world);
             let moments = field.moments_in_fog(&corners);
             let of_channel = |channel: usize| -> f64 {
                 let harmonic = |index: usize| {
@@ -267,12 +277,12 @@ impl Field {
         })
     }
 
-    /// Moments of the light that fog gets at a place of world space.
-    fn moments_in_fog_at(&self, world: DVec3) -> [[f32; COUNT]; 3] {
-        self.moments_in_fog(&self.walls.occluders.corners(&self.grid, world, world))
+    /// Nodes about a place of world space that no wall hides.
+    fn corners_seen_from(&self, world: DVec3) -> Corners {
+        self.walls.occluders.corners(&self.grid, world, world)
     }
 
-    /// The same of nodes about it that no wall hides.
+    /// Moments of the light that fog gets of them.
     fn moments_in_fog(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
         self.light_in_fog.as_ref().unwrap_or(&self.light).mean(corners)
     }

@@ -82,29 +82,48 @@ pub(super) struct Lobe {
     shares: [f64; 3],
     /// And of degree 4; a cosine makes nothing of degree 3, and little of others.
     of_fourth: f64,
+    /// What is taken away lest it sees what the surface hides.
+    beneath: Option<Beneath>,
+}
+
+/// Half of all directions, which a surface hides from a lobe that harmonics up to l = 2 make too wide. Light
+/// from there is known by its irradiance on the surface's back.
+#[derive(Clone, Copy, Debug)]
+struct Beneath {
+    /// Of the surface.
+    normal: DVec3,
+    /// What the lobe makes of even light from there, in units of that irradiance.
+    share: f64,
 }
 
 impl Lobe {
     /// By the cosine: what a matte surface that faces `normal` gathers.
     pub(super) fn cosine(normal: DVec3) -> Self {
-        Self { axis: normal, shares: COSINE_LOBE, of_fourth: COSINE_LOBE_4 }
+        Self { axis: normal, shares: COSINE_LOBE, of_fourth: COSINE_LOBE_4, beneath: None }
     }
 
     /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
     /// are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps
     /// `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq.
-    /// 27); never less than of a cosine.
-    pub(super) fn glossy(mirrored: DVec3, alpha: f64) -> Self {
+    /// 27); never less than of a cosine. Even light from above a surface that faces `normal` gives pi times
+    /// its radiance, from beneath nothing.
+    pub(super) fn glossy(mirrored: DVec3, normal: DVec3, alpha: f64) -> Self {
         let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
         let kept = |degree: f64| (-0.5 * degree * degree / power).exp();
         let shares = [PI, (PI * kept(1.0)).max(COSINE_LOBE[1]), (PI * kept(2.0)).max(COSINE_LOBE[2])];
-        Self { axis: mirrored, shares, of_fourth: 0.0 }
+        // Half a sphere of even light is 1/2 + 3/4 cos + 0 up to l = 2.
+        let beneath = 0.5 * shares[0] - 0.75 * shares[1] * mirrored.dot(normal).max(0.0);
+        let beneath = Some(Beneath { normal, share: beneath / PI });
+        Self { axis: mirrored, shares, of_fourth: 0.0, beneath }
     }
 
     /// Of the moments of radiance by the direction of *travel*.
     pub(super) fn of_travel(&self) -> [f64; COUNT] {
         let basis = basis(-self.axis);
-        std::array::from_fn(|index| self.shares[DEGREE[index]] * basis[index])
+        let all = std::array::from_fn(|index| self.shares[DEGREE[index]] * basis[index]);
+        let Some(Beneath { normal, share }) = self.beneath else { return all };
+        let on_back = irradiance_lobe(-normal);
+        std::array::from_fn(|index| (all[index] - share * on_back[index]) / (1.0 - share))
     }
 
     /// Of those of degree 4, if any.
@@ -177,6 +196,28 @@ mod tests {
             let with = without + product(&lobe.of_fourth_of_travel().expect("it has"), &fourth).x;
             let [without, with] = [without, with].map(|found| (found - expected).abs());
             assert!(with < 0.2 * without, "{normal}: {with} {without}");
+        }
+    }
+
+    #[test]
+    fn shine_sees_what_is_above_its_surface_alone() {
+        let normal = DVec3::new(0.48, 0.6, -0.64);
+        let (across, _) = normal.any_orthonormal_pair();
+        // Of even light that travels down, and up: 1/2 and 3/4 of the first two degrees.
+        let half = |travel: DVec3| {
+            let (own, of_travel) = (basis(DVec3::Z)[0], basis(travel));
+            let l1 = 0.75 / basis(DVec3::Z)[2].powi(2);
+            let moments = std::array::from_fn(|index| match DEGREE[index] {
+                0 => (0.5 / own) as f32,
+                1 => (l1 * of_travel[index]) as f32,
+                _ => 0.0,
+            });
+            [moments; 3]
+        };
+        for (alpha, slope) in [(0.1, 0.0), (0.25, 0.4), (0.6, 3.0), (1.0, 20.0)] {
+            let lobe = Lobe::glossy((normal + slope * across).normalize(), normal, alpha).of_travel();
+            let [above, beneath] = [-normal, normal].map(|travel| product(&lobe, &half(travel)).x);
+            assert!((above - PI).abs() < 1e-6 && beneath.abs() < 1e-6, "{alpha} {slope}: {above} {beneath}");
         }
     }
 

@@ -22,6 +22,7 @@ mod occluders;
 mod ordinates;
 mod planes;
 mod power_rays;
+mod radiances;
 mod rounds;
 mod surroundings;
 mod sweep;
@@ -125,7 +126,7 @@ impl Indirect {
         }
         if let (Some(shine), Some(gloss)) = (shine, &point.gloss) {
             let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
-            let lobe = Lobe::glossy(mirrored, gloss.alpha());
+            let lobe = Lobe::glossy(mirrored, normal, gloss.alpha());
             let but_sky = is_metal(point).then(|| self.field.gathered_but_sky(world, &lobe)).flatten();
             radiance += FRAC_1_PI * shine * but_sky.unwrap_or_else(|| gathered(lobe));
         }

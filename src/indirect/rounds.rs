@@ -43,6 +43,8 @@ pub(super) struct Rounds<'a> {
     pub(super) beams: Vec<Beam>,
     /// The way to the eye from each node, where fog needs more than harmonics for it.
     pub(super) to_eye: Option<[Vec<f32>; 3]>,
+    /// Whether a finer grid lies within this one.
+    pub(super) has_inner: bool,
     /// Whether nobody waits for the light any more.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -108,7 +110,8 @@ impl Rounds<'_> {
         let mut from_outside = Vec::new();
         let to_eye = self.to_eye.take();
         if let Some(halo) = halo {
-            let swept = self.sweep(&nothing, Inflow::Around(halo), &Wanted::all(to_eye.as_ref()));
+            let wanted = Wanted::all(to_eye.as_ref(), self.has_inner);
+            let swept = self.sweep(&nothing, Inflow::Around(halo), &wanted);
             // Where orders are counted, nobody knows how many it has behind it.
             if bounces == Bounces::All {
                 leaving.add(&self.scatterers.scatter(&swept.moments, true), [1.0; 3]);
@@ -121,7 +124,8 @@ impl Rounds<'_> {
         let is_in_halo = halo.is_some() && self.has_sky && lights_fog;
         let sky = self.sky.filter(|sky| sky.lights_surfaces() && !is_in_halo);
         if let Some(sky) = sky {
-            let swept = self.sweep_sky(sky, &nothing, &Wanted::all(to_eye.as_ref().filter(|_| lights_fog)));
+            let to_eye = to_eye.as_ref().filter(|_| lights_fog);
+            let swept = self.sweep_sky(sky, &nothing, &Wanted::all(to_eye, self.has_inner && lights_fog));
             leaving.add(&self.scatterers.scatter(&swept.moments, lights_fog), [1.0; 3]);
             if self.has_sky {
                 light.add(&swept.moments, [1.0; 3]);
@@ -130,7 +134,7 @@ impl Rounds<'_> {
             }
         }
         let (sent, is_endless) = self.go_on(bounces, leaving, &mut light);
-        let mut last = self.sweep(&sent, Inflow::Nothing, &Wanted::last(to_eye.as_ref()));
+        let mut last = self.sweep(&sent, Inflow::Nothing, &Wanted::last(to_eye.as_ref(), self.has_inner));
         from_outside.iter().for_each(|swept| last.add_last(swept));
         Light { all: light, of_sky, last, is_endless }
     }
@@ -187,7 +191,9 @@ impl Rounds<'_> {
         let (of_walls, inflow) = (nothing.of_walls(), Inflow::Even(&inflow));
         let sources = Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, inflow };
         let Scatterers { matter, walls } = self.scatterers;
-        Sweeper::new(self.grid, matter, walls, &fine).sweep(&sources, wanted, self.cancelled)
+        let mut swept = Sweeper::new(self.grid, matter, walls, &fine).sweep(&sources, wanted, self.cancelled);
+        swept.radiances = swept.radiances.map(|radiances| radiances.along(&fine, self.ordinates));
+        swept
     }
 }
 

@@ -13,6 +13,7 @@ use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
 use super::planes::Layout;
+use super::radiances::Radiances;
 use super::towards_eye::EYE_DEGREES;
 use super::walls::Walls;
 use rayon::prelude::*;
@@ -24,6 +25,8 @@ pub(super) struct Swept {
     pub(super) fourth: Moments,
     /// By Legendre polynomials of the cosine to the eye: by channel, then by degree.
     pub(super) towards_eye: Option<[[Vec<f32>; EYE_DEGREES.len()]; 3]>,
+    /// Ordinate by ordinate.
+    pub(super) radiances: Option<Radiances>,
 }
 
 impl Swept {
@@ -34,6 +37,9 @@ impl Swept {
             for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
+        }
+        if let (Some(sums), Some(values)) = (&mut self.radiances, &other.radiances) {
+            sums.add(values);
         }
     }
 }
@@ -84,6 +90,7 @@ impl<'a> Sweeper<'a> {
             moments: self.sums(|carrier| &carrier.moments),
             fourth: self.sums(|carrier| &carrier.fourth),
             towards_eye: wanted.to_eye.filter(|_| wanted.last).map(|_| self.towards_eye()),
+            radiances: wanted.radiances.then(|| self.radiances()),
         }
     }
 
@@ -109,6 +116,20 @@ impl<'a> Sweeper<'a> {
             self.add_up(sums, carrier, &carrier.towards_eye);
         }
         moments
+    }
+
+    fn radiances(&mut self) -> Radiances {
+        let mut of_channels = [const { Vec::new() }; 3];
+        for carrier in &mut self.carriers {
+            let of_ordinates: &mut Vec<Vec<f32>> = &mut of_channels[carrier.channel];
+            for (number, values) in carrier.radiances.drain(..) {
+                if of_ordinates.len() <= number {
+                    of_ordinates.resize(number + 1, Vec::new());
+                }
+                of_ordinates[number] = if carrier.axis == 0 { self.turned.to_grid(&values) } else { values };
+            }
+        }
+        Radiances(of_channels)
     }
 
     fn add_up<'s>(&self, sums: impl Iterator<Item = &'s mut [f32]>, carrier: &Carrier, values: &[f32]) {
