@@ -2,6 +2,7 @@
 //! out come moments. Invariant: an ordinate and its opposite share what half a cell does to light.
 
 use super::beam::Beam;
+use super::faces::TowardsFaces;
 use super::grid::Grid;
 use super::halo::Halo;
 use super::harmonics::{COUNT, basis, fourth_basis};
@@ -76,6 +77,8 @@ pub(super) struct Carrier<'a> {
     pub(super) fourth: Vec<f32>,
     /// By degree of the cosine to where the eye is seen from each node.
     pub(super) towards_eye: Vec<f32>,
+    /// What of it travels towards walls.
+    pub(super) towards_faces: TowardsFaces,
     /// Each ordinate's number and radiance, where a grid within this one needs it.
     pub(super) radiances: Vec<(usize, Vec<f32>)>,
     cell_m: f64,
@@ -159,6 +162,7 @@ impl<'a> Carrier<'a> {
             moments: Vec::new(),
             fourth: Vec::new(),
             towards_eye: Vec::new(),
+            towards_faces: TowardsFaces::new(&walls.faces, |node| layout.node(node)),
             radiances: Vec::new(),
             cell_m: grid.cell_m,
             planes,
@@ -188,6 +192,7 @@ impl<'a> Carrier<'a> {
         self.moments = room(wanted.moments, COUNT);
         self.fourth = room(wanted.last, COUNT);
         self.towards_eye = room(wanted.last && wanted.to_eye.is_some(), EYE_DEGREES.len());
+        self.towards_faces.clear();
         self.radiances.clear();
         for number in 0..self.pairs.len() {
             if cancelled() {
@@ -203,6 +208,9 @@ impl<'a> Carrier<'a> {
 
     fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
         let [along, against] = &self.radiance;
+        for (direction, radiance) in [(direction, along), (-direction, against)] {
+            self.towards_faces.add(Ordinate { direction, weight }, radiance, wanted.last);
+        }
         if wanted.moments {
             let factors = basis(direction).map(|value| (weight * value) as f32);
             vectorized(Accumulate { along, against, factors, moments: &mut self.moments });

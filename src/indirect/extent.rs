@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Nodes of the innermost grid, about, and of each about it.
 const NODES: f64 = 30_000.0;
-const OUTER_NODES: f64 = 8_000.0;
+const OUTER_NODES: f64 = 24_000.0;
 /// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
 const LEAVES_PER_CELL: f64 = 2.0;
 /// Along the longest side, however large leaves are.

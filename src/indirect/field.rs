@@ -54,7 +54,7 @@ pub(super) struct Field {
     /// The same on a larger and coarser grid about it.
     outer: Option<Box<Field>>,
     walls: Walls,
-    /// All that surfaces get.
+    /// All that surfaces get, at nodes and towards walls.
     light: NodeMoments,
     /// The same of degree 4: a cosine gathers a share of it, orders of scattering do without.
     fourth: NodeMoments,
@@ -155,13 +155,10 @@ impl Field {
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         self.across_levels(world, &|field| {
-            let corners = field.corners_before(world, lobe.axis);
-            let fourth = || field.fourth.mean(&corners);
-            field.on_surface(
-                (&field.light.mean(&corners), fourth),
-                |glow| field.glows[glow].mean(&corners),
-                lobe,
-            )
+            let corners = field.corners_before(world, lobe.normal());
+            let lit = field.walls.faces.of_corners(&corners, lobe.normal());
+            let fourth = || field.fourth.mean(&lit);
+            field.on_surface((&field.light.mean(&lit), fourth), |glow| field.glows[glow].mean(&corners), lobe)
         })
     }
 
@@ -173,8 +170,9 @@ impl Field {
     /// What a surface gathers but for the sky's own light, where that can be told apart.
     pub(super) fn gathered_but_sky(&self, world: DVec3, lobe: &Lobe) -> Option<Rgb> {
         let of_sky = self.of_sky.as_ref()?;
-        let corners = self.corners_before(world, lobe.axis);
-        let (mut moments, sky) = (self.light.mean(&corners), of_sky.mean(&corners));
+        let corners = self.corners_before(world, lobe.normal());
+        let lit = self.walls.faces.of_corners(&corners, lobe.normal());
+        let (mut moments, sky) = (self.light.mean(&lit), of_sky.mean(&lit));
         for (sum, value) in moments.as_flattened_mut().iter_mut().zip(sky.as_flattened()) {
             *sum -= value;
         }

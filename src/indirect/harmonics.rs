@@ -117,6 +117,11 @@ impl Lobe {
         Self { axis: mirrored, shares, of_fourth: 0.0, beneath }
     }
 
+    /// Which way the surface faces that it is of.
+    pub(super) fn normal(&self) -> DVec3 {
+        self.beneath.map_or(self.axis, |beneath| beneath.normal)
+    }
+
     /// Of the moments of radiance by the direction of *travel*.
     pub(super) fn of_travel(&self) -> [f64; COUNT] {
         let basis = basis(-self.axis);

@@ -201,7 +201,7 @@ impl Matter {
             shades: Vec::new(),
         };
         if !fog.dimming.is_empty() {
-            matter.add_fog(grid, fog, eye);
+            matter.add_fog(grid, walls, (fog, eye));
         }
         for surfel in &surfels.all {
             let terms = SurfelTerms::of(surfel, surfels.scatters(surfel));
@@ -221,10 +221,13 @@ impl Matter {
         &self.first_peak[channel]
     }
 
-    fn add_fog(&mut self, grid: &Grid, fog: &SweptFog, eye: DVec3) {
+    fn add_fog(&mut self, grid: &Grid, walls: &Walls, (fog, eye): (&SweptFog, DVec3)) {
         let means: Vec<FogHere> = (0..grid.count())
             .into_par_iter()
-            .map(|node| mean_fog(fog, grid.position(node) - eye, grid.cell_m))
+            .map(|node| {
+                let is_hidden = |place: DVec3| walls.occluders.is_hidden(grid, node, place + eye);
+                mean_fog(fog, (grid.position(node) - eye, grid.cell_m), is_hidden)
+            })
             .collect();
         for (node, mean) in means.iter().enumerate() {
             for channel in 0..3 {
@@ -295,8 +298,9 @@ impl Matter {
     }
 }
 
-/// Exact where fog is even about all of the cell, else the mean of its middles' grid.
-fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> FogHere {
+/// Exact where fog is even about all of the cell, else the mean of its middles' grid, but for those that
+/// walls hide: fog often ends where the ground does.
+fn mean_fog(fog: &SweptFog, (middle, cell_m): (DVec3, f64), is_hidden: impl Fn(DVec3) -> bool) -> FogHere {
     const SIDE: usize = 4;
     let corner = |number: usize| {
         let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
@@ -306,12 +310,16 @@ fn mean_fog(fog: &SweptFog, middle: DVec3, cell_m: f64) -> FogHere {
     if (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here) {
         return fog.at(middle);
     }
-    let mut mean = FogHere::default();
-    let share = 1.0 / (SIDE * SIDE * SIDE) as f64;
-    for number in 0..SIDE * SIDE * SIDE {
+    let places = (0..SIDE * SIDE * SIDE).map(|number| {
         let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
         let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
-        let here = fog.at(middle + cell_m * place);
+        middle + cell_m * place
+    });
+    let seen: Vec<DVec3> = places.filter(|place| !is_hidden(*place)).collect();
+    let mut mean = FogHere::default();
+    let share = 1.0 / seen.len().max(1) as f64;
+    for place in seen {
+        let here = fog.at(place);
         mean.extinction += share * here.extinction;
         let sums = mean.scattering.iter_mut().chain(&mut mean.first_scattering);
         for (sum, value) in sums.zip(here.scattering.into_iter().chain(here.first_scattering)) {

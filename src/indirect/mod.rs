@@ -9,6 +9,7 @@
 mod beam;
 mod carrier;
 mod extent;
+mod faces;
 mod field;
 mod first_light;
 mod fluence;

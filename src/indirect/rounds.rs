@@ -102,11 +102,11 @@ impl Rounds<'_> {
     ) -> Light {
         let dark = vec![Rgb::ZERO; on_walls.len()];
         let mut leaving = Leaving { matter: first, walls: dark.clone(), has_beams: true };
-        let mut light = leaving.matter.emptied();
+        let mut light = Moments::zero(self.scatterers.walls.faces.count_with_nodes());
         let mut of_sky = None;
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
-        let nothing = Leaving { matter: light.emptied(), walls: dark, has_beams: false };
+        let nothing = Leaving { matter: leaving.matter.emptied(), walls: dark, has_beams: false };
         let mut from_outside = Vec::new();
         let to_eye = self.to_eye.take();
         if let Some(halo) = halo {
@@ -147,7 +147,7 @@ impl Rounds<'_> {
         };
         let mut series = Series::default();
         let dark = vec![Rgb::ZERO; leaving.walls.len()];
-        let mut sent = Leaving { matter: light.emptied(), walls: dark, has_beams: false };
+        let mut sent = Leaving { matter: leaving.matter.emptied(), walls: dark, has_beams: false };
         for round in 1..=rounds {
             if (self.cancelled)() {
                 break;
@@ -220,7 +220,8 @@ impl Scatterers<'_> {
     /// Of light that fog is to see, or not.
     fn scatter(&self, light: &Moments, is_seen_by_fog: bool) -> Leaving {
         let irradiances = self.walls.irradiances(|node, normal| {
-            by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, node)))
+            let face = self.walls.faces.of(node, normal);
+            by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, face)))
         });
         let walls = self.walls.scattered(&irradiances);
         Leaving { matter: self.matter.scatter(light, is_seen_by_fog), walls, has_beams: false }

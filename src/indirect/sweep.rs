@@ -9,6 +9,7 @@
 use super::beam::Beam;
 use super::carrier::{Carrier, Sources, Wanted};
 use super::grid::Grid;
+use super::harmonics::COUNT;
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 
 /// What light is found to be.
 pub(super) struct Swept {
-    /// By harmonics up to l = 2; those of degree 4.
+    /// By harmonics up to l = 2, of nodes, then of faces of walls; those of degree 4.
     pub(super) moments: Moments,
     pub(super) fourth: Moments,
     /// By Legendre polynomials of the cosine to the eye: by channel, then by degree.
@@ -46,8 +47,9 @@ impl Swept {
 
 /// What is swept over, and the room that it takes.
 pub(super) struct Sweeper<'a> {
-    /// Nodes.
+    /// Nodes, and with faces of walls.
     count: usize,
+    count_with_faces: usize,
     turned: Layout,
     /// By axis, then by channel.
     carriers: Vec<Carrier<'a>>,
@@ -66,7 +68,8 @@ impl<'a> Sweeper<'a> {
             let layout = Layout { is_turned: number / 3 == 0, ..turned };
             Carrier::new(grid, matter, (walls, ordinates), layout, [number / 3, number % 3])
         });
-        Self { count: grid.count(), turned, carriers: carriers.collect() }
+        let count_with_faces = walls.faces.count_with_nodes();
+        Self { count: grid.count(), count_with_faces, turned, carriers: carriers.collect() }
     }
 
     /// What sources give where they, and nothing else, are scattered no more. Once `cancelled` says true,
@@ -87,8 +90,8 @@ impl<'a> Sweeper<'a> {
             _ => carrier.carry(sources, wanted, cancelled),
         });
         Swept {
-            moments: self.sums(|carrier| &carrier.moments),
-            fourth: self.sums(|carrier| &carrier.fourth),
+            moments: self.sums(|carrier| (&carrier.moments, &carrier.towards_faces.moments)),
+            fourth: self.sums(|carrier| (&carrier.fourth, &carrier.towards_faces.fourth)),
             towards_eye: wanted.to_eye.filter(|_| wanted.last).map(|_| self.towards_eye()),
             radiances: wanted.radiances.then(|| self.radiances()),
         }
@@ -99,11 +102,16 @@ impl<'a> Sweeper<'a> {
     }
 
     /// What carriers have found, all together.
-    fn sums(&self, of: impl for<'c> Fn(&'c Carrier<'_>) -> &'c [f32]) -> Moments {
-        let mut moments = Moments::zero(self.count);
+    fn sums(&self, of: impl for<'c> Fn(&'c Carrier<'_>) -> (&'c [f32], &'c [[f32; COUNT]])) -> Moments {
+        let mut moments = Moments::zero(self.count_with_faces);
         for carrier in &self.carriers {
-            let sums = moments.of_channel_mut(carrier.channel).chunks_exact_mut(self.count);
-            self.add_up(sums, carrier, of(carrier));
+            let (of_nodes, of_faces) = of(carrier);
+            let sums = moments.of_channel_mut(carrier.channel).chunks_exact_mut(self.count_with_faces);
+            self.add_up(sums, carrier, of_nodes);
+            for index in 0..COUNT {
+                let sums = &mut moments.channel_mut(carrier.channel, index)[self.count..];
+                sums.iter_mut().zip(of_faces).for_each(|(sum, face)| *sum += face[index]);
+            }
         }
         moments
     }

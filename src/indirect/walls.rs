@@ -2,6 +2,7 @@
 //! node that they cut, and the patches that are seen instead. Invariant: no light goes along a link that a
 //! wall cuts, however thin it is.
 
+use super::faces::Faces;
 use super::grid::Grid;
 use super::occluders::{CLEAR, CellTriangle, Occluders};
 use super::surroundings::{MeanScatters, Scatters, WallTriangle, scatters};
@@ -67,6 +68,7 @@ type PatchKey = (usize, u8, u32);
 pub(super) struct Walls {
     nodes: Vec<WalledNode>,
     pub(super) patches: Vec<Patch>,
+    pub(super) faces: Faces,
     pub(super) occluders: Occluders,
 }
 
@@ -80,7 +82,10 @@ impl Walls {
         for (patch, mean) in patches.iter_mut().zip(means) {
             patch.scatters = mean.mean();
         }
-        Self { nodes, patches, occluders: Occluders::new(grid, about_cell) }
+        let normal_of = |seen: &Seen| (seen.patch != NO_PATCH).then(|| patches[seen.patch as usize].normal);
+        let seen_by = |walled: &WalledNode| (walled.node, walled.seen.iter().filter_map(normal_of).collect());
+        let faces = Faces::new(grid.count(), nodes.iter().map(seen_by));
+        Self { nodes, patches, faces, occluders: Occluders::new(grid, about_cell) }
     }
 
     /// Those some of whose neighbours are behind walls.

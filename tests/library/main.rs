@@ -28,6 +28,7 @@ mod gltf_compressed;
 mod gltf_invalid;
 mod gltf_made;
 mod gltf_valid;
+mod ground_light;
 mod height_fog;
 mod indirect;
 mod invalid_input;
