@@ -5,12 +5,12 @@ use super::beam::Beam;
 use super::faces::TowardsFaces;
 use super::grid::Grid;
 use super::halo::Halo;
-use super::harmonics::{COUNT, basis, fourth_basis};
+use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
 use super::matter::{Matter, Shade};
 use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
 use super::planes::{Layout, Planes};
-use super::sweep_kernels::{Accumulate, AccumulateEven, AccumulateTowards, AddBeam, CrossRows, Prepare};
+use super::sweep_kernels::{Accumulate, AccumulateDegree, AccumulateTowards, AddBeam, CrossRows, Prepare};
 use super::towards_eye::EYE_DEGREES;
 use super::walls::{WalledNode, Walls, link_of};
 use crate::accel::vectorized;
@@ -44,8 +44,10 @@ pub(super) enum Inflow<'a> {
 pub(super) struct Wanted<'a> {
     /// Harmonics up to l = 2, with which orders of scattering go on.
     pub(super) moments: bool,
-    /// What the last scattering, the one that is seen, needs beyond that.
+    /// What the last scattering, the one that is seen, needs beyond that: degree 4, and where things shine
+    /// degree 3.
     pub(super) last: bool,
+    pub(super) third: bool,
     /// The way to the eye from each node, by axis, where fog's last scattering needs it.
     pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
     /// All of it, ordinate by ordinate, for a grid within this one.
@@ -54,17 +56,8 @@ pub(super) struct Wanted<'a> {
 
 impl<'a> Wanted<'a> {
     /// What the next order is made of.
-    pub(super) const ORDERS: Self = Self { moments: true, last: false, to_eye: None, radiances: false };
-
-    /// What is seen.
-    pub(super) fn last(to_eye: Option<&'a [Vec<f32>; 3]>, radiances: bool) -> Self {
-        Self { moments: false, last: true, to_eye, radiances }
-    }
-
-    /// Both.
-    pub(super) fn all(to_eye: Option<&'a [Vec<f32>; 3]>, radiances: bool) -> Self {
-        Self { moments: true, last: true, to_eye, radiances }
-    }
+    pub(super) const ORDERS: Self =
+        Self { moments: true, last: false, third: false, to_eye: None, radiances: false };
 }
 
 /// One of nine: of an axis and a channel.
@@ -73,7 +66,8 @@ pub(super) struct Carrier<'a> {
     pub(super) channel: usize,
     /// By harmonic, then by node.
     pub(super) moments: Vec<f32>,
-    /// The same of degree 4, for the last scattering.
+    /// The same of degrees 3 and 4, for the last scattering.
+    pub(super) third: Vec<f32>,
     pub(super) fourth: Vec<f32>,
     /// By degree of the cosine to where the eye is seen from each node.
     pub(super) towards_eye: Vec<f32>,
@@ -160,6 +154,7 @@ impl<'a> Carrier<'a> {
             axis,
             channel,
             moments: Vec::new(),
+            third: Vec::new(),
             fourth: Vec::new(),
             towards_eye: Vec::new(),
             towards_faces: TowardsFaces::new(&walls.faces, |node| layout.node(node)),
@@ -190,6 +185,7 @@ impl<'a> Carrier<'a> {
         let count = self.through.len();
         let room = |is_wanted: bool, moments: usize| vec![0.0; if is_wanted { moments * count } else { 0 }];
         self.moments = room(wanted.moments, COUNT);
+        self.third = room(wanted.third, COUNT);
         self.fourth = room(wanted.last, COUNT);
         self.towards_eye = room(wanted.last && wanted.to_eye.is_some(), EYE_DEGREES.len());
         self.towards_faces.clear();
@@ -209,7 +205,7 @@ impl<'a> Carrier<'a> {
     fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
         let [along, against] = &self.radiance;
         for (direction, radiance) in [(direction, along), (-direction, against)] {
-            self.towards_faces.add(Ordinate { direction, weight }, radiance, wanted.last);
+            self.towards_faces.add(Ordinate { direction, weight }, radiance, wanted);
         }
         if wanted.moments {
             let factors = basis(direction).map(|value| (weight * value) as f32);
@@ -217,7 +213,11 @@ impl<'a> Carrier<'a> {
         }
         if wanted.last {
             let factors = fourth_basis(direction).map(|value| (weight * value) as f32);
-            vectorized(AccumulateEven { along, against, factors, moments: &mut self.fourth });
+            vectorized(AccumulateDegree { along, against, back: 1.0, factors, moments: &mut self.fourth });
+        }
+        if wanted.third {
+            let factors = third_basis(direction).map(|value| (weight * value) as f32);
+            vectorized(AccumulateDegree { along, against, back: -1.0, factors, moments: &mut self.third });
         }
         if let Some(to_eye) = wanted.to_eye.filter(|_| wanted.last) {
             let (direction, weight) = (direction.to_array().map(|value| value as f32), weight as f32);

@@ -4,8 +4,9 @@
 //!
 //! Faces are numbered after the nodes of a grid, so that moments of both lie in one list.
 
+use super::carrier::Wanted;
 use super::grid::Corners;
-use super::harmonics::{COUNT, basis, fourth_basis};
+use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
 use super::ordinates::Ordinate;
 use glam::DVec3;
 
@@ -71,7 +72,8 @@ pub(super) struct TowardsFaces {
     /// As the nodes are laid.
     faces: Vec<Face>,
     pub(super) moments: Vec<[f32; COUNT]>,
-    /// Of degree 4.
+    /// Of degrees 3 and 4.
+    pub(super) third: Vec<[f32; COUNT]>,
     pub(super) fourth: Vec<[f32; COUNT]>,
 }
 
@@ -79,26 +81,30 @@ impl TowardsFaces {
     /// `laid` has the place of a node's values.
     pub(super) fn new(faces: &Faces, laid: impl Fn(usize) -> usize) -> Self {
         let faces = faces.all.iter().map(|face| Face { node: laid(face.node), ..*face }).collect();
-        Self { faces, moments: Vec::new(), fourth: Vec::new() }
+        Self { faces, moments: Vec::new(), third: Vec::new(), fourth: Vec::new() }
     }
 
     pub(super) fn clear(&mut self) {
-        for moments in [&mut self.moments, &mut self.fourth] {
+        for moments in [&mut self.moments, &mut self.third, &mut self.fourth] {
             moments.clear();
             moments.resize(self.faces.len(), [0.0; COUNT]);
         }
     }
 
     /// Adds radiance along an ordinate.
-    pub(super) fn add(&mut self, ordinate: Ordinate, radiance: &[f32], is_last: bool) {
+    pub(super) fn add(&mut self, ordinate: Ordinate, radiance: &[f32], wanted: &Wanted) {
         let weighted = |basis: [f64; COUNT]| basis.map(|value| (ordinate.weight * value) as f32);
         let factors = weighted(basis(ordinate.direction));
-        let factors_of_fourth = is_last.then(|| weighted(fourth_basis(ordinate.direction)));
+        let of_third = wanted.third.then(|| weighted(third_basis(ordinate.direction)));
+        let of_fourth = wanted.last.then(|| weighted(fourth_basis(ordinate.direction)));
         for (number, face) in self.faces.iter().enumerate() {
             if face.normal.dot(ordinate.direction) < 0.0 {
                 let radiance = radiance[face.node];
                 add(&mut self.moments[number], radiance, &factors);
-                if let Some(factors) = &factors_of_fourth {
+                if let Some(factors) = &of_third {
+                    add(&mut self.third[number], radiance, factors);
+                }
+                if let Some(factors) = &of_fourth {
                     add(&mut self.fourth[number], radiance, factors);
                 }
             }

@@ -6,7 +6,8 @@ use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
 use super::halo::Halo;
-use super::harmonics::{COUNT, DEGREE, Lobe, basis, product};
+use super::harmonics::{COUNT, DEGREE, basis, product};
+use super::lobe::Lobe;
 use super::matter::Matter;
 use super::moments::NodeMoments;
 use super::occluders::OFF_WALL;
@@ -56,7 +57,9 @@ pub(super) struct Field {
     walls: Walls,
     /// All that surfaces get, at nodes and towards walls.
     light: NodeMoments,
-    /// The same of degree 4: a cosine gathers a share of it, orders of scattering do without.
+    /// The same of degree 3, where things shine.
+    third: Option<NodeMoments>,
+    /// And of degree 4: a cosine gathers a share of it, orders of scattering do without.
     fourth: NodeMoments,
     /// What of it comes straight from a sky that is not even, on a grid that is the only one.
     of_sky: Option<NodeMoments>,
@@ -116,6 +119,7 @@ impl Field {
             beams,
             to_eye,
             has_inner,
+            has_gloss: snapshot.has_gloss(),
             cancelled,
         };
         let halo = outer.as_mut().and_then(|outer| {
@@ -133,7 +137,7 @@ impl Field {
         let is_uneven = sky.is_some_and(|sky| sky.is_uneven());
         let of_sky = of_sky.filter(|_| is_uneven).map(|of_sky| NodeMoments::of(&of_sky));
         let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
-        let fourth = NodeMoments::of(&last.fourth);
+        let (third, fourth) = (last.third.as_ref().map(NodeMoments::of), NodeMoments::of(&last.fourth));
         let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
         let radiances = last.radiances;
         Self {
@@ -141,6 +145,7 @@ impl Field {
             outer,
             walls,
             light,
+            third,
             fourth,
             of_sky,
             light_in_fog,
@@ -157,8 +162,8 @@ impl Field {
         self.across_levels(world, &|field| {
             let corners = field.corners_before(world, lobe.normal());
             let lit = field.walls.faces.of_corners(&corners, lobe.normal());
-            let fourth = || field.fourth.mean(&lit);
-            field.on_surface((&field.light.mean(&lit), fourth), |glow| field.glows[glow].mean(&corners), lobe)
+            let glow = |glow: usize| field.glows[glow].mean(&corners);
+            field.on_surface((&field.light.mean(&lit), field.beyond(&lit, lobe)), glow, lobe)
         })
     }
 
@@ -170,14 +175,14 @@ impl Field {
     /// What a surface gathers but for the sky's own light, where that can be told apart.
     pub(super) fn gathered_but_sky(&self, world: DVec3, lobe: &Lobe) -> Option<Rgb> {
         let of_sky = self.of_sky.as_ref()?;
+        let lobe = &lobe.up_to_second();
         let corners = self.corners_before(world, lobe.normal());
         let lit = self.walls.faces.of_corners(&corners, lobe.normal());
         let (mut moments, sky) = (self.light.mean(&lit), of_sky.mean(&lit));
         for (sum, value) in moments.as_flattened_mut().iter_mut().zip(sky.as_flattened()) {
             *sum -= value;
         }
-        let none = || [[0.0; COUNT]; 3];
-        Some(self.on_surface((&moments, none), |glow| self.glows[glow].mean(&corners), lobe))
+        Some(self.on_surface((&moments, Rgb::ZERO), |glow| self.glows[glow].mean(&corners), lobe))
     }
 
     /// What grids find at a place, mixed where one goes over into a larger.
@@ -208,7 +213,10 @@ impl Field {
 
     /// What of it a lobe gathers; by a cosine that is irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe) -> Rgb {
-        self.on_surface((&gathered.moments, || gathered.fourth), |glow| gathered.glows[glow], lobe)
+        // A leaf's shine sees no more than harmonics up to l = 2.
+        let lobe = &if lobe.of_third_of_travel().is_some() { lobe.up_to_second() } else { *lobe };
+        let beyond = lobe.of_fourth_of_travel().map_or(Rgb::ZERO, |of| product(&of, &gathered.fourth));
+        self.on_surface((&gathered.moments, beyond), |glow| gathered.glows[glow], lobe)
     }
 
     /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
@@ -221,19 +229,26 @@ impl Field {
         )
     }
 
+    /// What a lobe gathers by degrees 3 and 4.
+    fn beyond(&self, lit: &Corners, lobe: &Lobe) -> Rgb {
+        let of = |factors: Option<[f64; COUNT]>, moments: Option<&NodeMoments>| {
+            factors.zip(moments).map_or(Rgb::ZERO, |(factors, moments)| product(&factors, &moments.mean(lit)))
+        };
+        of(lobe.of_third_of_travel(), self.third.as_ref())
+            + of(lobe.of_fourth_of_travel(), Some(&self.fourth))
+    }
+
+    /// By moments up to degree 2, what is `beyond` them, and what suns' light that goes on nearly straight
+    /// arrives with.
     fn on_surface(
         &self,
-        (moments, fourth): (&[[f32; COUNT]; 3], impl FnOnce() -> [[f32; COUNT]; 3]),
+        (moments, beyond): (&[[f32; COUNT]; 3], Rgb),
         arriving: impl Fn(usize) -> Rgb,
         lobe: &Lobe,
     ) -> Rgb {
-        let mut irradiance = product(&lobe.of_travel(), moments);
-        if let Some(of_fourth) = lobe.of_fourth_of_travel() {
-            irradiance += product(&of_fourth, &fourth());
-        }
-        irradiance = irradiance.max(Rgb::ZERO);
+        let mut irradiance = (product(&lobe.of_travel(), moments) + beyond).max(Rgb::ZERO);
         for (number, glow) in self.glows.iter().enumerate() {
-            let cos = -glow.travel.dot(lobe.axis);
+            let cos = lobe.of_glow(glow.travel);
             if cos > 0.0 {
                 irradiance += cos * arriving(number);
             }

@@ -13,8 +13,8 @@ pub(super) const DEGREE: [usize; COUNT] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
 
 /// What a clamped cosine makes of each degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for
 /// irradiance environment maps", eq. 8).
-const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
-const COSINE_LOBE_4: f64 = -PI / 24.0;
+pub(super) const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
+pub(super) const COSINE_LOBE_4: f64 = -PI / 24.0;
 
 /// All basis functions of a direction.
 pub(super) fn basis(direction: DVec3) -> [f64; COUNT] {
@@ -34,6 +34,27 @@ pub(super) fn basis(direction: DVec3) -> [f64; COUNT] {
         Y20 * (3.0 * z * z - 1.0),
         Y2 * x * z,
         Y22 * (x * x - y * y),
+    ]
+}
+
+/// Basis functions of degree 3, of which there are seven, and nothing twice.
+pub(super) fn third_basis(direction: DVec3) -> [f64; COUNT] {
+    const Y33: f64 = 0.590_043_589_926_643_5;
+    const Y32: f64 = 2.890_611_442_640_554;
+    const Y31: f64 = 0.457_045_799_464_465_8;
+    const Y30: f64 = 0.373_176_332_590_115_4;
+    let DVec3 { x, y, z } = direction;
+    let (xx, yy, zz) = (x * x, y * y, z * z);
+    [
+        Y33 * y * (3.0 * xx - yy),
+        Y32 * x * y * z,
+        Y31 * y * (5.0 * zz - 1.0),
+        Y30 * z * (5.0 * zz - 3.0),
+        Y31 * x * (5.0 * zz - 1.0),
+        0.5 * Y32 * z * (xx - yy),
+        Y33 * x * (xx - 3.0 * yy),
+        0.0,
+        0.0,
     ]
 }
 
@@ -73,70 +94,6 @@ pub(super) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
 }
 
-/// From where a surface gathers light, and how evenly.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lobe {
-    /// The direction about which it does.
-    pub(super) axis: DVec3,
-    /// What it makes of each degree; of even light pi times its radiance.
-    shares: [f64; 3],
-    /// And of degree 4; a cosine makes nothing of degree 3, and little of others.
-    of_fourth: f64,
-    /// What is taken away lest it sees what the surface hides.
-    beneath: Option<Beneath>,
-}
-
-/// Half of all directions, which a surface hides from a lobe that harmonics up to l = 2 make too wide. Light
-/// from there is known by its irradiance on the surface's back.
-#[derive(Clone, Copy, Debug)]
-struct Beneath {
-    /// Of the surface.
-    normal: DVec3,
-    /// What the lobe makes of even light from there, in units of that irradiance.
-    share: f64,
-}
-
-impl Lobe {
-    /// By the cosine: what a matte surface that faces `normal` gathers.
-    pub(super) fn cosine(normal: DVec3) -> Self {
-        Self { axis: normal, shares: COSINE_LOBE, of_fourth: COSINE_LOBE_4, beneath: None }
-    }
-
-    /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
-    /// are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps
-    /// `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq.
-    /// 27); never less than of a cosine. Even light from above a surface that faces `normal` gives pi times
-    /// its radiance, from beneath nothing.
-    pub(super) fn glossy(mirrored: DVec3, normal: DVec3, alpha: f64) -> Self {
-        let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
-        let kept = |degree: f64| (-0.5 * degree * degree / power).exp();
-        let shares = [PI, (PI * kept(1.0)).max(COSINE_LOBE[1]), (PI * kept(2.0)).max(COSINE_LOBE[2])];
-        // Half a sphere of even light is 1/2 + 3/4 cos + 0 up to l = 2.
-        let beneath = 0.5 * shares[0] - 0.75 * shares[1] * mirrored.dot(normal).max(0.0);
-        let beneath = Some(Beneath { normal, share: beneath / PI });
-        Self { axis: mirrored, shares, of_fourth: 0.0, beneath }
-    }
-
-    /// Which way the surface faces that it is of.
-    pub(super) fn normal(&self) -> DVec3 {
-        self.beneath.map_or(self.axis, |beneath| beneath.normal)
-    }
-
-    /// Of the moments of radiance by the direction of *travel*.
-    pub(super) fn of_travel(&self) -> [f64; COUNT] {
-        let basis = basis(-self.axis);
-        let all = std::array::from_fn(|index| self.shares[DEGREE[index]] * basis[index]);
-        let Some(Beneath { normal, share }) = self.beneath else { return all };
-        let on_back = irradiance_lobe(-normal);
-        std::array::from_fn(|index| (all[index] - share * on_back[index]) / (1.0 - share))
-    }
-
-    /// Of those of degree 4, if any.
-    pub(super) fn of_fourth_of_travel(&self) -> Option<[f64; COUNT]> {
-        (self.of_fourth != 0.0).then(|| fourth_basis(-self.axis).map(|value| self.of_fourth * value))
-    }
-}
-
 /// What a lobe gathers of moments, by channel; nothing where harmonics cut short would have less.
 #[inline]
 pub(super) fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
@@ -160,9 +117,12 @@ mod tests {
     #[test]
     fn the_basis_is_orthonormal_by_the_ordinates() {
         let ordinates = Ordinates::new();
-        let all = |direction: DVec3| [basis(direction), fourth_basis(direction)].concat();
-        for i in 0..2 * COUNT {
-            for j in 0..2 * COUNT {
+        let third = |direction: DVec3| third_basis(direction)[..7].to_vec();
+        let all = |direction| {
+            [basis(direction).to_vec(), third(direction), fourth_basis(direction).to_vec()].concat()
+        };
+        for i in 0..25 {
+            for j in 0..25 {
                 let product: f64 = ordinates
                     .iter()
                     .map(|ordinate| {
@@ -173,56 +133,6 @@ mod tests {
                 let expected = f64::from(u8::from(i == j));
                 assert!((product - expected).abs() < 1e-12, "{i} {j}: {product}");
             }
-        }
-    }
-
-    /// Light that comes from low above a horizon only: degree 4 takes most of what the others err by.
-    #[test]
-    fn degree_four_tells_low_light_from_light_all_over() {
-        let low = |direction: DVec3| f64::from(u8::from((0.0..0.35).contains(&-direction.y)));
-        let (mut moments, mut fourth) = ([[0.0; COUNT]; 3], [[0.0; COUNT]; 3]);
-        let (rings, steps) = (2000, 64);
-        for number in 0..rings * steps {
-            let y = -1.0 + (f64::from(number / steps) + 0.5) * 2.0 / f64::from(rings);
-            let angle = (f64::from(number % steps) + 0.5) * 2.0 * PI / f64::from(steps);
-            let away = (1.0 - y * y).sqrt();
-            let direction = DVec3::new(away * angle.cos(), y, away * angle.sin());
-            let radiance = low(direction) * 4.0 * PI / f64::from(rings * steps);
-            let bases = [basis(direction), fourth_basis(direction)];
-            for (sums, basis) in [&mut moments, &mut fourth].into_iter().zip(bases) {
-                for index in 0..COUNT {
-                    sums[0][index] += (radiance * basis[index]) as f32;
-                }
-            }
-        }
-        for (normal, expected) in [(DVec3::Y, PI * 0.35 * 0.35), (-DVec3::Y, 0.0)] {
-            let lobe = Lobe::cosine(normal);
-            let without = product(&lobe.of_travel(), &moments).x;
-            let with = without + product(&lobe.of_fourth_of_travel().expect("it has"), &fourth).x;
-            let [without, with] = [without, with].map(|found| (found - expected).abs());
-            assert!(with < 0.2 * without, "{normal}: {with} {without}");
-        }
-    }
-
-    #[test]
-    fn shine_sees_what_is_above_its_surface_alone() {
-        let normal = DVec3::new(0.48, 0.6, -0.64);
-        let (across, _) = normal.any_orthonormal_pair();
-        // Of even light that travels down, and up: 1/2 and 3/4 of the first two degrees.
-        let half = |travel: DVec3| {
-            let (own, of_travel) = (basis(DVec3::Z)[0], basis(travel));
-            let l1 = 0.75 / basis(DVec3::Z)[2].powi(2);
-            let moments = std::array::from_fn(|index| match DEGREE[index] {
-                0 => (0.5 / own) as f32,
-                1 => (l1 * of_travel[index]) as f32,
-                _ => 0.0,
-            });
-            [moments; 3]
-        };
-        for (alpha, slope) in [(0.1, 0.0), (0.25, 0.4), (0.6, 3.0), (1.0, 20.0)] {
-            let lobe = Lobe::glossy((normal + slope * across).normalize(), normal, alpha).of_travel();
-            let [above, beneath] = [-normal, normal].map(|travel| product(&lobe, &half(travel)).x);
-            assert!((above - PI).abs() < 1e-6 && beneath.abs() < 1e-6, "{alpha} {slope}: {above} {beneath}");
         }
     }
 

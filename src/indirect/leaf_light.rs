@@ -3,7 +3,7 @@
 //! stands for all of it.
 
 use super::field::{Field, Gathered};
-use super::harmonics::Lobe;
+use super::lobe::Lobe;
 use super::surroundings::Leaf;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -67,6 +67,6 @@ impl LeafSides<'_> {
     /// What a lobe gathers at a place of it; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe) -> Rgb {
         let (faces, sides) = self.0;
-        field.of_gathered(&sides[usize::from(lobe.axis.dot(*faces) < 0.0)], lobe)
+        field.of_gathered(&sides[usize::from(!lobe.is_of_side(*faces))], lobe)
     }
 }

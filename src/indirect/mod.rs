@@ -17,6 +17,7 @@ mod grid;
 mod halo;
 mod harmonics;
 mod leaf_light;
+mod lobe;
 mod matter;
 mod moments;
 mod occluders;
@@ -36,8 +37,8 @@ mod walls;
 
 use self::extent::levels;
 use self::field::{Context, Field};
-use self::harmonics::Lobe;
 use self::leaf_light::LeafLight;
+use self::lobe::Lobe;
 use self::surroundings::Surroundings;
 use self::view::ViewedFog;
 use crate::color::Rgb;

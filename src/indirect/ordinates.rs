@@ -94,7 +94,8 @@ fn turned(direction: DVec3) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::harmonics::{COUNT, Lobe, basis, fourth_basis};
+    use super::super::harmonics::{COUNT, basis, fourth_basis};
+    use super::super::lobe::Lobe;
     use super::*;
 
     /// Light of the ground, say, that goes up, is irradiance on what faces it, and none on what does not.

@@ -45,6 +45,8 @@ pub(super) struct Rounds<'a> {
     pub(super) to_eye: Option<[Vec<f32>; 3]>,
     /// Whether a finer grid lies within this one.
     pub(super) has_inner: bool,
+    /// Whether things shine.
+    pub(super) has_gloss: bool,
     /// Whether nobody waits for the light any more.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -110,7 +112,7 @@ impl Rounds<'_> {
         let mut from_outside = Vec::new();
         let to_eye = self.to_eye.take();
         if let Some(halo) = halo {
-            let wanted = Wanted::all(to_eye.as_ref(), self.has_inner);
+            let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref()) };
             let swept = self.sweep(&nothing, Inflow::Around(halo), &wanted);
             // Where orders are counted, nobody knows how many it has behind it.
             if bounces == Bounces::All {
@@ -124,8 +126,9 @@ impl Rounds<'_> {
         let is_in_halo = halo.is_some() && self.has_sky && lights_fog;
         let sky = self.sky.filter(|sky| sky.lights_surfaces() && !is_in_halo);
         if let Some(sky) = sky {
-            let to_eye = to_eye.as_ref().filter(|_| lights_fog);
-            let swept = self.sweep_sky(sky, &nothing, &Wanted::all(to_eye, self.has_inner && lights_fog));
+            let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref().filter(|_| lights_fog)) };
+            let wanted = Wanted { radiances: wanted.radiances && lights_fog, ..wanted };
+            let swept = self.sweep_sky(sky, &nothing, &wanted);
             leaving.add(&self.scatterers.scatter(&swept.moments, lights_fog), [1.0; 3]);
             if self.has_sky {
                 light.add(&swept.moments, [1.0; 3]);
@@ -134,9 +137,16 @@ impl Rounds<'_> {
             }
         }
         let (sent, is_endless) = self.go_on(bounces, leaving, &mut light);
-        let mut last = self.sweep(&sent, Inflow::Nothing, &Wanted::last(to_eye.as_ref(), self.has_inner));
+        let wanted = self.last(to_eye.as_ref());
+        let mut last = self.sweep(&sent, Inflow::Nothing, &wanted);
         from_outside.iter().for_each(|swept| last.add_last(swept));
         Light { all: light, of_sky, last, is_endless }
+    }
+
+    /// What is seen.
+    fn last<'w>(&self, to_eye: Option<&'w [Vec<f32>; 3]>) -> Wanted<'w> {
+        let (third, radiances) = (self.has_gloss, self.has_inner);
+        Wanted { moments: false, last: true, third, to_eye, radiances }
     }
 
     /// Adds order after order; all that was sent out on the way, and whether there is no end to it.

@@ -21,8 +21,9 @@ use rayon::prelude::*;
 
 /// What light is found to be.
 pub(super) struct Swept {
-    /// By harmonics up to l = 2, of nodes, then of faces of walls; those of degree 4.
+    /// By harmonics up to l = 2, of nodes, then of faces of walls; those of degree 3, if wanted, and 4.
     pub(super) moments: Moments,
+    pub(super) third: Option<Moments>,
     pub(super) fourth: Moments,
     /// By Legendre polynomials of the cosine to the eye: by channel, then by degree.
     pub(super) towards_eye: Option<[[Vec<f32>; EYE_DEGREES.len()]; 3]>,
@@ -34,6 +35,9 @@ impl Swept {
     /// Adds what the last scattering needs.
     pub(super) fn add_last(&mut self, other: &Self) {
         self.fourth.add(&other.fourth, [1.0; 3]);
+        if let (Some(sums), Some(values)) = (&mut self.third, &other.third) {
+            sums.add(values, [1.0; 3]);
+        }
         if let (Some(sums), Some(values)) = (&mut self.towards_eye, &other.towards_eye) {
             for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
@@ -91,6 +95,7 @@ impl<'a> Sweeper<'a> {
         });
         Swept {
             moments: self.sums(|carrier| (&carrier.moments, &carrier.towards_faces.moments)),
+            third: wanted.third.then(|| self.sums(|carrier| (&carrier.third, &carrier.towards_faces.third))),
             fourth: self.sums(|carrier| (&carrier.fourth, &carrier.towards_faces.fourth)),
             towards_eye: wanted.to_eye.filter(|_| wanted.last).map(|_| self.towards_eye()),
             radiances: wanted.radiances.then(|| self.radiances()),

@@ -142,21 +142,23 @@ impl Vectorized for Accumulate<'_> {
     }
 }
 
-/// The same for harmonics that do not change sign.
-pub(super) struct AccumulateEven<'a> {
+/// The same for harmonics of one degree.
+pub(super) struct AccumulateDegree<'a> {
     pub(super) along: &'a [f32],
     pub(super) against: &'a [f32],
+    /// What they are of the opposite direction: the same, 1, or less than nothing, -1.
+    pub(super) back: f32,
     pub(super) factors: [f32; COUNT],
     pub(super) moments: &'a mut [f32],
 }
 
-impl Vectorized for AccumulateEven<'_> {
+impl Vectorized for AccumulateDegree<'_> {
     #[inline(always)]
     fn run(self) {
         let (along, against) = (self.along, &self.against[..self.along.len()]);
         for (factor, moments) in self.factors.into_iter().zip(self.moments.chunks_exact_mut(along.len())) {
             for node in 0..along.len() {
-                moments[node] += factor * (along[node] + against[node]);
+                moments[node] += factor * (along[node] + self.back * against[node]);
             }
         }
     }

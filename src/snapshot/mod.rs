@@ -163,6 +163,11 @@ impl<'scene> Snapshot<'scene> {
         }
     }
 
+    /// Whether anything shines.
+    pub fn has_gloss(&self) -> bool {
+        self.materials.iter().any(|material| material.coat.is_some())
+    }
+
     /// Whether any visible surface lets something through.
     pub fn has_blended(&self) -> bool {
         !self.blended.is_empty()
