@@ -213,6 +213,24 @@ fn haze(g: f64) -> Scene {
     scene
 }
 
+/// What faces the camera shines and is black beneath. A wall behind the camera glows.
+fn shine() -> Scene {
+    let mut scene = camera_at(DVec3::ZERO);
+    let coat = Coat {
+        metallic: 0.0,
+        roughness: 0.6,
+        texture: None,
+        f0: Rgb::splat(0.04),
+        f0_texture: None,
+        f90: 1.0,
+    };
+    let shining = Material { base_color: Rgb::ZERO, coat: Some(coat), ..Material::default() };
+    add_box(&mut scene, DVec3::new(-8.0, -8.0, -4.1), DVec3::new(8.0, 8.0, -4.0), shining);
+    let glowing = Material { base_color: Rgb::ZERO, emission: Rgb::ONE, ..Material::default() };
+    add_box(&mut scene, DVec3::new(-2.0, -3.0, 3.0), DVec3::new(4.0, 3.0, 3.1), glowing);
+    scene
+}
+
 /// Two ways to one answer.
 #[test]
 fn the_grid_has_the_same_light() {
@@ -232,6 +250,7 @@ fn the_grid_has_the_same_light() {
     let scenes = [
         ("leaves", sunny_leaves(), 0.02),
         ("room", room, 0.03),
+        ("shine", shine(), 0.06),
         ("even haze", haze(0.0), 0.01),
         ("haze", haze(0.5), 0.01),
         ("haze ahead", haze(0.8), 0.02),
