@@ -29,7 +29,7 @@ const CHUNKS: usize = 8;
 
 /// From so far away from a leaf, in cells, comes what it scatters: its area is spread over as much to either
 /// side, and its lit side is not to light the other.
-const AWAY: f64 = 0.5;
+const AWAY: f64 = 0.8;
 
 /// What a group of rays leaves on its way.
 struct Left {
