@@ -13,6 +13,7 @@ use super::planes::{Layout, Planes};
 use super::sweep_kernels::{Accumulate, AccumulateDegree, AccumulateTowards, AddBeam, CrossRows, Prepare};
 use super::towards_eye::EYE_DEGREES;
 use super::walls::{WalledNode, Walls, link_of};
+use super::wanted::Wanted;
 use crate::accel::vectorized;
 use crate::color::Rgb;
 use glam::DVec3;
@@ -37,27 +38,6 @@ pub(super) enum Inflow<'a> {
     Even(&'a [Rgb]),
     /// Of a larger grid.
     Around(&'a Halo),
-}
-
-/// What is to be known of light.
-#[derive(Clone, Copy)]
-pub(super) struct Wanted<'a> {
-    /// Harmonics up to l = 2, with which orders of scattering go on.
-    pub(super) moments: bool,
-    /// What the last scattering, the one that is seen, needs beyond that: degree 4, and where things shine
-    /// degree 3.
-    pub(super) last: bool,
-    pub(super) third: bool,
-    /// The way to the eye from each node, by axis, where fog's last scattering needs it.
-    pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
-    /// All of it, ordinate by ordinate, for a grid within this one.
-    pub(super) radiances: bool,
-}
-
-impl<'a> Wanted<'a> {
-    /// What the next order is made of.
-    pub(super) const ORDERS: Self =
-        Self { moments: true, last: false, third: false, to_eye: None, radiances: false };
 }
 
 /// One of nine: of an axis and a channel.
@@ -188,7 +168,7 @@ impl<'a> Carrier<'a> {
         self.third = room(wanted.third, COUNT);
         self.fourth = room(wanted.last, COUNT);
         self.towards_eye = room(wanted.last && wanted.to_eye.is_some(), EYE_DEGREES.len());
-        self.towards_faces.clear();
+        self.towards_faces.clear(wanted);
         self.radiances.clear();
         for number in 0..self.pairs.len() {
             if cancelled() {

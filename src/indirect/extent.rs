@@ -10,6 +10,8 @@ use glam::DVec3;
 /// Nodes of the innermost grid, about, and of each about it.
 const NODES: f64 = 30_000.0;
 const OUTER_NODES: f64 = 24_000.0;
+/// And of those beyond the first of them.
+const FAR_NODES: f64 = 8_000.0;
 /// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
 const LEAVES_PER_CELL: f64 = 2.0;
 /// Along the longest side, however large leaves are.
@@ -53,7 +55,8 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {
         let margin = DVec3::splat(MARGIN * (bounds.1 - bounds.0).max_element());
         bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
-        cell_m = (scale * (self::side(bounds).element_product() / OUTER_NODES).cbrt()).max(2.0 * cell_m);
+        let nodes = if grids.len() == 1 { OUTER_NODES } else { FAR_NODES };
+        cell_m = (scale * (self::side(bounds).element_product() / nodes).cbrt()).max(2.0 * cell_m);
         grids.extend(grid(bounds, cell_m));
     }
     grids

@@ -4,10 +4,13 @@
 //!
 //! Faces are numbered after the nodes of a grid, so that moments of both lie in one list.
 
-use super::carrier::Wanted;
 use super::grid::Corners;
-use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
+use super::harmonics::{COUNT, basis, fourth_basis, product, third_basis};
+use super::lobe::Lobe;
+use super::moments::NodeMoments;
 use super::ordinates::Ordinate;
+use super::wanted::Wanted;
+use crate::color::Rgb;
 use glam::DVec3;
 
 /// Patches whose normals differ by less than this cosine's angle are one face.
@@ -61,6 +64,30 @@ impl Faces {
         likest.map_or(node, |(_, number)| self.nodes + number)
     }
 
+    /// What each face gathers, W/m^2, of moments up to degree 2 and of degree 4.
+    pub(super) fn irradiances(&self, light: &NodeMoments, fourth: &NodeMoments) -> Vec<[f32; 3]> {
+        let of_face = |(face, number): (&Face, usize)| {
+            let lobe = Lobe::cosine(face.normal);
+            let of_fourth = lobe.of_fourth_of_travel().map(|of| product(&of, &fourth.at(number)));
+            let irradiance = product(&lobe.of_travel(), &light.at(number)) + of_fourth.unwrap_or_default();
+            irradiance.to_array().map(|channel| channel as f32)
+        };
+        self.all.iter().zip(self.nodes..).map(of_face).collect()
+    }
+
+    /// The mean of `values`, by face, where a lobe gathers what faces do, and all that is about it are faces.
+    pub(super) fn mean(&self, lit: &Corners, lobe: &Lobe, values: &[[f32; 3]]) -> Option<Rgb> {
+        let mut mean = [0.0; 3];
+        for (number, weight) in lit.iter().filter(|(_, weight)| *weight != 0.0) {
+            let face = number.checked_sub(self.nodes)?;
+            if !lobe.is_cosine_of(self.all[face].normal) {
+                return None;
+            }
+            mean.iter_mut().zip(values[face]).for_each(|(sum, value)| *sum += weight * f64::from(value));
+        }
+        Some(Rgb::from_array(mean))
+    }
+
     /// Nodes about a place, or what of their light travels towards a wall that faces `normal`.
     pub(super) fn of_corners(&self, corners: &Corners, normal: DVec3) -> Corners {
         Corners { nodes: corners.nodes.map(|node| self.of(node, normal)), weights: corners.weights }
@@ -84,11 +111,13 @@ impl TowardsFaces {
         Self { faces, moments: Vec::new(), third: Vec::new(), fourth: Vec::new() }
     }
 
-    pub(super) fn clear(&mut self) {
-        for moments in [&mut self.moments, &mut self.third, &mut self.fourth] {
-            moments.clear();
-            moments.resize(self.faces.len(), [0.0; COUNT]);
-        }
+    /// Nothing, with room for what is wanted.
+    pub(super) fn clear(&mut self, wanted: &Wanted) {
+        let count = self.faces.len();
+        let room = |is_wanted: bool| vec![[0.0; COUNT]; if is_wanted { count } else { 0 }];
+        self.moments = room(wanted.moments);
+        self.third = room(wanted.third);
+        self.fourth = room(wanted.last);
     }
 
     /// Adds radiance along an ordinate.
@@ -100,7 +129,9 @@ impl TowardsFaces {
         for (number, face) in self.faces.iter().enumerate() {
             if face.normal.dot(ordinate.direction) < 0.0 {
                 let radiance = radiance[face.node];
-                add(&mut self.moments[number], radiance, &factors);
+                if wanted.moments {
+                    add(&mut self.moments[number], radiance, &factors);
+                }
                 if let Some(factors) = &of_third {
                     add(&mut self.third[number], radiance, factors);
                 }

@@ -67,6 +67,8 @@ pub(super) struct Field {
     light_in_fog: Option<NodeMoments>,
     /// What fog sends to the eye of it beyond its harmonics.
     towards_eye: Option<TowardsEye>,
+    /// Of each face of a wall the irradiance by harmonics, W/m^2.
+    on_faces: Vec<[f32; 3]>,
     /// What a finer grid within it gets, until that is solved.
     radiances: Option<Radiances>,
     glows: Vec<Glow>,
@@ -140,6 +142,7 @@ impl Field {
         let (third, fourth) = (last.third.as_ref().map(NodeMoments::of), NodeMoments::of(&last.fourth));
         let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
         let radiances = last.radiances;
+        let on_faces = walls.faces.irradiances(&light, &fourth);
         Self {
             grid,
             outer,
@@ -150,6 +153,7 @@ impl Field {
             of_sky,
             light_in_fog,
             towards_eye,
+            on_faces,
             radiances,
             glows,
             has_sky,
@@ -162,8 +166,11 @@ impl Field {
         self.across_levels(world, &|field| {
             let corners = field.corners_before(world, lobe.normal());
             let lit = field.walls.faces.of_corners(&corners, lobe.normal());
-            let glow = |glow: usize| field.glows[glow].mean(&corners);
-            field.on_surface((&field.light.mean(&lit), field.beyond(&lit, lobe)), glow, lobe)
+            let on_faces = || field.walls.faces.mean(&lit, lobe, &field.on_faces);
+            let irradiance = on_faces().unwrap_or_else(|| {
+                product(&lobe.of_travel(), &field.light.mean(&lit)) + field.beyond(&lit, lobe)
+            });
+            field.with_glows(irradiance, |glow| field.glows[glow].mean(&corners), lobe)
         })
     }
 
@@ -182,7 +189,8 @@ impl Field {
         for (sum, value) in moments.as_flattened_mut().iter_mut().zip(sky.as_flattened()) {
             *sum -= value;
         }
-        Some(self.on_surface((&moments, Rgb::ZERO), |glow| self.glows[glow].mean(&corners), lobe))
+        let irradiance = product(&lobe.of_travel(), &moments);
+        Some(self.with_glows(irradiance, |glow| self.glows[glow].mean(&corners), lobe))
     }
 
     /// What grids find at a place, mixed where one goes over into a larger.
@@ -214,9 +222,10 @@ impl Field {
     /// What of it a lobe gathers; by a cosine that is irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe) -> Rgb {
         // A leaf's shine sees no more than harmonics up to l = 2.
-        let lobe = &if lobe.of_third_of_travel().is_some() { lobe.up_to_second() } else { *lobe };
+        let lobe = &if lobe.has_third() { lobe.up_to_second() } else { *lobe };
         let beyond = lobe.of_fourth_of_travel().map_or(Rgb::ZERO, |of| product(&of, &gathered.fourth));
-        self.on_surface((&gathered.moments, beyond), |glow| gathered.glows[glow], lobe)
+        let irradiance = product(&lobe.of_travel(), &gathered.moments) + beyond;
+        self.with_glows(irradiance, |glow| gathered.glows[glow], lobe)
     }
 
     /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
@@ -238,15 +247,9 @@ impl Field {
             + of(lobe.of_fourth_of_travel(), Some(&self.fourth))
     }
 
-    /// By moments up to degree 2, what is `beyond` them, and what suns' light that goes on nearly straight
-    /// arrives with.
-    fn on_surface(
-        &self,
-        (moments, beyond): (&[[f32; COUNT]; 3], Rgb),
-        arriving: impl Fn(usize) -> Rgb,
-        lobe: &Lobe,
-    ) -> Rgb {
-        let mut irradiance = (product(&lobe.of_travel(), moments) + beyond).max(Rgb::ZERO);
+    /// What a lobe gathers by harmonics, and what of suns' light that goes on nearly straight.
+    fn with_glows(&self, by_harmonics: Rgb, arriving: impl Fn(usize) -> Rgb, lobe: &Lobe) -> Rgb {
+        let mut irradiance = by_harmonics.max(Rgb::ZERO);
         for (number, glow) in self.glows.iter().enumerate() {
             let cos = lobe.of_glow(glow.travel);
             if cos > 0.0 {

@@ -72,13 +72,24 @@ impl Lobe {
     pub(super) fn of_travel(&self) -> [f64; COUNT] {
         let basis = basis(-self.axis);
         let all = std::array::from_fn(|index| self.shares[DEGREE[index]] * basis[index]);
-        self.without_beneath(all, |back| irradiance_lobe(back))
+        self.without_beneath(all, irradiance_lobe)
+    }
+
+    /// Whether degree 3 counts.
+    pub(super) fn has_third(&self) -> bool {
+        self.shares[3] != 0.0
+    }
+
+    /// Whether it is what a matte surface gathers that faces a direction.
+    pub(super) fn is_cosine_of(&self, normal: DVec3) -> bool {
+        const SAME: f64 = 1.0 - 1e-9;
+        self.beneath.is_none() && self.axis.dot(normal) > SAME
     }
 
     /// Of those of degree 3, if they count.
     pub(super) fn of_third_of_travel(&self) -> Option<[f64; COUNT]> {
         let all = || third_basis(-self.axis).map(|value| self.shares[3] * value);
-        (self.shares[3] != 0.0).then(|| self.without_beneath(all(), |_| [0.0; COUNT]))
+        self.has_third().then(|| self.without_beneath(all(), |_| [0.0; COUNT]))
     }
 
     /// Of those of degree 4, if they count.

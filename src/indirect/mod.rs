@@ -34,6 +34,7 @@ mod towards_eye;
 mod view;
 mod wall_light;
 mod walls;
+mod wanted;
 
 use self::extent::levels;
 use self::field::{Context, Field};

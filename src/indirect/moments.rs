@@ -126,6 +126,11 @@ impl NodeMoments {
         Self(nodes)
     }
 
+    /// Of one node, by channel.
+    pub(super) fn at(&self, node: usize) -> [[f32; COUNT]; 3] {
+        std::array::from_fn(|channel| std::array::from_fn(|index| self.0[node][channel * COUNT + index]))
+    }
+
     /// The mean of eight nodes, by channel.
     #[inline]
     pub(super) fn mean(&self, corners: &Corners) -> [[f32; COUNT]; 3] {

@@ -3,7 +3,7 @@
 //! last is a geometric series.
 
 use super::beam::Beam;
-use super::carrier::{Inflow, Sources, Wanted};
+use super::carrier::{Inflow, Sources};
 use super::grid::Grid;
 use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
@@ -12,6 +12,7 @@ use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
 use super::sweep::{Sweeper, Swept};
 use super::walls::Walls;
+use super::wanted::Wanted;
 use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::FrozenSky;

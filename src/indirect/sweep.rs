@@ -7,7 +7,7 @@
 //! scheme of second order (Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
 
 use super::beam::Beam;
-use super::carrier::{Carrier, Sources, Wanted};
+use super::carrier::{Carrier, Sources};
 use super::grid::Grid;
 use super::harmonics::COUNT;
 use super::matter::Matter;
@@ -17,6 +17,7 @@ use super::planes::Layout;
 use super::radiances::Radiances;
 use super::towards_eye::EYE_DEGREES;
 use super::walls::Walls;
+use super::wanted::Wanted;
 use rayon::prelude::*;
 
 /// What light is found to be.

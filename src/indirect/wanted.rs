@@ -1,0 +1,23 @@
+//! What a sweep is to find. In go the needs of orders and of what is seen, out come choices. Invariant: what
+//! nobody asks for is not found.
+
+/// What is to be known of light.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    /// Harmonics up to l = 2, with which orders of scattering go on.
+    pub(super) moments: bool,
+    /// What the last scattering, the one that is seen, needs beyond that: degree 4, and where things shine
+    /// degree 3.
+    pub(super) last: bool,
+    pub(super) third: bool,
+    /// The way to the eye from each node, by axis, where fog's last scattering needs it.
+    pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
+    /// All of it, ordinate by ordinate, for a grid within this one.
+    pub(super) radiances: bool,
+}
+
+impl<'a> Wanted<'a> {
+    /// What the next order is made of.
+    pub(super) const ORDERS: Self =
+        Self { moments: true, last: false, third: false, to_eye: None, radiances: false };
+}
