@@ -4,8 +4,8 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
-    Camera, Clip, Fog, FogShape, HeightFalloff, Instance, Lens, Light, LightKind, Material, Mesh, Motion,
-    Node, Scene, Track, Triangle,
+    Camera, Clip, Coat, Fog, FogShape, HeightFalloff, Instance, Lens, Light, LightKind, Material, Mesh,
+    Motion, Node, Scene, Track, Triangle,
 };
 use sunfleck::snapshot::{MeshTrees, Shutter, Snapshot};
 use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
@@ -31,6 +31,11 @@ pub(crate) fn camera_at(eye: DVec3) -> Scene {
         clip: Clip::NONE,
     });
     scene
+}
+
+/// Glass over what is matte, as rough as that.
+pub(crate) fn coat(roughness: f64) -> Coat {
+    Coat { metallic: 0.0, roughness, texture: None, f0: Rgb::splat(0.04), f0_texture: None, f90: 1.0 }
 }
 
 /// Adds a still node.

@@ -1,12 +1,12 @@
 //! Light of the ground itself and of fog above it, on the ground: against nothing, and against quadrature.
 
-use crate::common::{INSTANT, add_fog, add_light, camera_at, place};
+use crate::common::{INSTANT, add_fog, add_light, camera_at, coat, place};
 use glam::{DAffine3, DVec3, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI};
 use sunfleck::color::Rgb;
 use sunfleck::indirect::Indirect;
 use sunfleck::math::Ray;
-use sunfleck::scene::{Bounces, Coat, Instance, LightKind, Material, Mesh, Scene, Triangle};
+use sunfleck::scene::{Bounces, Instance, LightKind, Material, Mesh, Scene, Triangle};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
 
 const TO_SUN: DVec3 = DVec3::new(0.28, 0.77, 0.574);
@@ -55,15 +55,7 @@ fn over_the_ground() -> impl Iterator<Item = DVec3> {
 /// Black leaves above and below make finer grids about them, through which the ground goes.
 #[test]
 fn ground_does_not_light_itself() {
-    let gloss = |roughness| Coat {
-        metallic: 0.0,
-        roughness,
-        texture: None,
-        f0: Rgb::splat(0.04),
-        f0_texture: None,
-        f90: 1.0,
-    };
-    for coat in [None, Some(gloss(0.3)), Some(gloss(0.7))] {
+    for coat in [None, Some(coat(0.3)), Some(coat(0.7))] {
         let is_glossy = coat.is_some();
         let mut scene = ground(6.0, Material { coat, ..Material::default() });
         for middle in [Vec3::new(2.0, 3.4, 1.0), Vec3::new(-2.0, 3.9, -1.0), Vec3::new(0.0, -5.0, 0.0)] {
